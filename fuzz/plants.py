@@ -301,8 +301,8 @@ _ALL = (
         "foxglove-channel-too-many",
         "foxglove",
         "rostether.gateways.foxglove.client",
-        "len(self._topics) >= self._gateway.limits.client_channels",
-        "len(self._topics) > self._gateway.limits.client_channels",
+        "len(self._topics) >= self._context.limits.client_channels",
+        "len(self._topics) > self._context.limits.client_channels",
     ),
     Plant(
         "foxglove-short-message-raises",

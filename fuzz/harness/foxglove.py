@@ -220,16 +220,16 @@ async def _converse(lines: list[str]) -> None:
         graph, _STORE, _SETTINGS, find_packages=_find_packages, report=_tell, dashboard=parts
     )
     snapshot = await graph.snapshot()
-    gateway.channels.update(snapshot)
-    gateway.services.update(snapshot)
-    gateway.connections.update(snapshot)
+    gateway.context.channels.update(snapshot)
+    gateway.context.services.update(snapshot)
+    gateway.context.connections.update(snapshot)
     line = _Line()
-    client = Client(gateway, line)  # type: ignore[arg-type]
+    client = Client(gateway.context, line, gateway.forget)  # type: ignore[arg-type]
     failed = _Failures()
     logger = logging.getLogger("rostether.graph")
     logger.addHandler(failed)
     try:
-        client.opened()
+        gateway.add_client(client)
         for each in (*lines, LAST_QUESTION):
             client.received(_message(each))
             await asyncio.sleep(0)

@@ -9,8 +9,9 @@ from websockets.asyncio.client import ClientConnection, connect
 
 from interop.ros1_peers import Ros1Peers
 from rostether.cli.access.ros1_access import joining_ros1
-from rostether.cli.gateway.gateways import ros1_gateway_graph, rosbridge_gateway
+from rostether.cli.gateway.gateways import ros1_gateway_graph
 from rostether.cli.gateway.options import GatewayOptions
+from rostether.cli.gateway.rosbridge import rosbridge_gateway
 from rostether.msgdef.registry import Registry
 from rostether.ros1.environment import RosEnvironment
 from rostether.serde.store import TypeStore

@@ -64,8 +64,8 @@ async def node(session: ZenohSession) -> Graph:
 @pytest_asyncio.fixture
 async def peer(session: ZenohSession, tmp_path: Path) -> AsyncIterator[SdkPeer]:
     """The other side, which knows our session as its router."""
-    (endpoint,) = (value for path, value in session.environment.zenoh_overrides if path == "listen/endpoints")
-    port = int(endpoint.rpartition(":")[2].strip('"]'))
+    (endpoint,) = session.listens_on
+    port = int(endpoint.rpartition(":")[2])
     async with sdk_peer(port, tmp_path, DOMAIN) as peer:
         yield peer
 

@@ -6,18 +6,12 @@ import inspect
 from collections.abc import Awaitable, Callable
 from dataclasses import dataclass
 from enum import StrEnum
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TypeAlias
 
+from rostether.conformance.checked_client import CheckedClient
 from rostether.conformance.program import Part
 
-if TYPE_CHECKING:
-    from rostether.conformance.checked_client import CheckedClient
-
-Check: TypeAlias = "Callable[[CheckedClient], Awaitable[None]]"
-
-
-class Deviation(Exception):  # noqa: N818 - a finding, not an error of this program
-    """A difference between the client's behavior and the requirement of a case."""
+Check: TypeAlias = Callable[[CheckedClient], Awaitable[None]]
 
 
 class Verdict(StrEnum):

@@ -9,7 +9,7 @@ from __future__ import annotations
 import asyncio
 from collections.abc import Awaitable, Callable
 
-from rostether.conformance.case import Deviation
+from rostether.conformance.deviation import Deviation
 from rostether.conformance.program import PREFIX, Part
 from rostether.conformance.received_frame import Announcement, Frame, is_announcement, read_announcement
 from rostether.errors import TransportError, TransportTimeoutError

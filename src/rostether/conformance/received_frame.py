@@ -5,7 +5,7 @@ from __future__ import annotations
 import struct
 from typing import NamedTuple
 
-from rostether.conformance.case import Deviation
+from rostether.conformance.deviation import Deviation
 from rostether.rosserial import topic_id as ids
 from rostether.rosserial.packets import TIME_BYTES, TopicInfo
 

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from collections.abc import AsyncIterator, Sequence
 
-from rostether.conformance.case import Case, CaseList, Deviation, Outcome, Verdict
+from rostether.conformance.case import Case, CaseList, Outcome, Verdict
 from rostether.conformance.cases import announcements, exchanges, frames, session
 from rostether.conformance.checked_client import CheckedClient
+from rostether.conformance.deviation import Deviation
 from rostether.conformance.program import PREFIX
 
 case = CaseList()

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from rostether.errors import FirmwareError, SketchError
 from rostether.firmware.boards import Board
-from rostether.firmware.build import BuildOptions, BuiltFirmware, UsedLibrary, definition_folders
+from rostether.firmware.built_firmware import BuildOptions, BuiltFirmware, UsedLibrary
 from rostether.firmware.cache import BuildCache, cache_folder, digest
 from rostether.firmware.diagnostics import explain
 from rostether.firmware.libraries import Library, choose, read_given
@@ -28,7 +28,7 @@ async def build_with_arduino_cli(sketch: Sketch, board: Board, options: BuildOpt
     program = find_arduino_cli(f"building for {board.title}")
     cache = BuildCache(cache_folder())
     given = [library for each in options.libraries for library in read_given(each)]
-    ros = _ros_library(sketch, given, RosLibrary(cache, definition_folders(sketch, options)))
+    ros = _ros_library(sketch, given, RosLibrary(cache, sketch.definition_folders(options.msg_paths)))
     libraries = [*given, *([ros] if ros is not None else [])]
     key = digest(sketch.folder, sketch.name, board.fqbn, options.defines)
     output_folder = cache.folder / "arduino-cli" / key[:2] / key[2:]

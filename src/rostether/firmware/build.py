@@ -8,71 +8,19 @@ from __future__ import annotations
 
 import os
 import time
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 from rostether.errors import FirmwareError, SketchError
 from rostether.firmware.boards import Board, arduino_cli_board, other_platform_fqbn
+from rostether.firmware.built_firmware import BuildOptions, BuiltFirmware, UsedLibrary
 from rostether.firmware.cache import BuildCache, cache_folder, digest
 from rostether.firmware.libraries import SIMULATION_LIBRARIES, Origin
 from rostether.firmware.ros_library import RosLibrary
 from rostether.firmware.sketch import Sketch, open_sketch
 from rostether.firmware.toolchain import AvrToolchain, find_avr_toolchain
-from rostether.packages.locate import package_around
 
-
-@dataclass(frozen=True, slots=True)
-class BuildOptions:
-    """Options of a build besides the sketch and the board.
-
-    `libraries` are folders of one library or of several; `warnings` turns on compiler warnings for the
-    sketch; `show` gets every command line.
-    """
-
-    libraries: tuple[Path, ...] = ()
-    msg_paths: tuple[Path, ...] = ()
-    defines: tuple[str, ...] = ()
-    warnings: bool = False
-    uses_arduino_cli: bool = False
-    show: Callable[[Sequence[str]], None] | None = None
-
-
-@dataclass(frozen=True, slots=True)
-class UsedLibrary:
-    """A library that a sketch was built with."""
-
-    name: str
-    folder: Path
-    origin: Origin
-
-
-@dataclass(frozen=True, slots=True)
-class BuiltFirmware:
-    """The result of a build. `image` is the file to flash; `output` has the compiler's warnings."""
-
-    sketch: Sketch
-    board: Board
-    elf: Path
-    image: Path
-    libraries: tuple[UsedLibrary, ...]
-    output: str
-    duration_s: float
-    is_from_cache: bool = False
-    sources: tuple[Path, ...] = field(default=(), repr=False)
-
-    @property
-    def simulated_libraries(self) -> list[str]:
-        """The libraries that work only on simulated boards."""
-        return [
-            each.name
-            for each in self.libraries
-            if each.origin is Origin.SIMULATION and each.name in _ONLY_SIMULATED
-        ]
-
-
-_ONLY_SIMULATED = ("Ethernet",)
 # Increase this number when records of older versions are no longer valid.
 _CONTENT_VERSION = 1
 
@@ -119,7 +67,7 @@ class _Build:
         self._options = options
         self._toolchain = toolchain
         self._cache = BuildCache(cache_folder())
-        self._ros = RosLibrary(self._cache, definition_folders(sketch, options))
+        self._ros = RosLibrary(self._cache, sketch.definition_folders(options.msg_paths))
 
     async def run(self) -> BuiltFirmware:
         started_s = time.monotonic()
@@ -162,7 +110,7 @@ class _Build:
             self._board.fqbn,
             [self._sketch.folder, *self._sketch.inos, *self._sketch.sources],
             list(self._options.libraries),
-            list(definition_folders(self._sketch, self._options)),
+            list(self._sketch.definition_folders(self._options.msg_paths)),
             list(self._options.defines),
             self._options.warnings,
             str(SIMULATION_LIBRARIES),
@@ -190,12 +138,6 @@ class _Build:
             is_from_cache=is_from_cache,
             sources=tuple(map(Path, content["sources"])),
         )
-
-
-def definition_folders(sketch: Sketch, options: BuildOptions) -> tuple[Path, ...]:
-    """Return the first folders to search for messages: --msg-path, then the package of the sketch."""
-    package = package_around(sketch.folder.resolve())
-    return options.msg_paths if package is None else (*options.msg_paths, package)
 
 
 def _explain(output: str, sketch: Sketch, skipped: Sequence[str] = ()) -> str:

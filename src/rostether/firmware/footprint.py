@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from rostether.firmware.boards import Board
-from rostether.firmware.build import BuiltFirmware
+from rostether.firmware.built_firmware import BuiltFirmware
 from rostether.firmware.demangle import demangle, shorten
 from rostether.firmware.elf import CodeRange, ElfFile, Section, Symbol, Variable
 from rostether.firmware.libraries import Origin

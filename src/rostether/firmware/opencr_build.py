@@ -10,7 +10,6 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from rostether.errors import FirmwareError, SketchError
-from rostether.firmware.build import BuildOptions, definition_folders
 from rostether.firmware.cache import BuildCache, cache_folder, digest
 from rostether.firmware.ino import add_prototypes, read_ino
 from rostether.firmware.ros_library import RosLibrary
@@ -44,7 +43,7 @@ async def build_for_linux(sketch: Path, msg_paths: Sequence[Path] = ()) -> Path:
         )
     found = open_sketch(sketch)
     cache = BuildCache(cache_folder())
-    ros = RosLibrary(cache, definition_folders(found, BuildOptions(msg_paths=tuple(msg_paths))))
+    ros = RosLibrary(cache, found.definition_folders(msg_paths))
     files = _files(found)
     contents = {str(each): each.read_bytes() for each in files}
     for content in contents.values():

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 from rostether.errors import FirmwareError
+from rostether.packages.locate import package_around
 
 INO_SUFFIXES = (".ino", ".pde")
 SOURCE_SUFFIXES = (".c", ".cpp", ".cc", ".cxx", ".S")
@@ -33,6 +35,11 @@ class Sketch:
             return None
         candidates = (header.with_suffix(suffix) for suffix in SOURCE_SUFFIXES)
         return next((each for each in candidates if each.is_file()), None)
+
+    def definition_folders(self, msg_paths: Sequence[Path]) -> tuple[Path, ...]:
+        """Return the first folders to search for messages: --msg-path, then the package of the sketch."""
+        package = package_around(self.folder.resolve())
+        return tuple(msg_paths) if package is None else (*msg_paths, package)
 
 
 def open_sketch(path: Path) -> Sketch:

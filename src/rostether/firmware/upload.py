@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING
 
 from rostether.errors import FirmwareError, RostetherError
 from rostether.firmware.boards import Board
-from rostether.firmware.build import BuiltFirmware
+from rostether.firmware.built_firmware import BuiltFirmware
 from rostether.firmware.toolchain import find_arduino_cli
 from rostether.mechanisms.program import run_program
 from rostether.transports.address import SerialAddress

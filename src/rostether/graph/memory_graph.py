@@ -4,21 +4,19 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import AsyncIterator, Awaitable, Callable, Mapping
-from typing import TYPE_CHECKING, Protocol, Unpack
+from typing import Protocol, Unpack
 
 from rostether.errors import GraphError, ServiceUnavailableError, UnknownNameError
 from rostether.graph.log_message import LOG_TYPE, ROSOUT, LogRecord, encode_log
 from rostether.graph.memory_parameters import MemoryWatch
 from rostether.graph.memory_services import MemoryServiceServer
+from rostether.graph.memory_state import MemoryState
 from rostether.graph.memory_topics import MemoryPublisher, MemorySubscriber
 from rostether.graph.node_membership import NodeMembership
 from rostether.graph.ports import Level, OnMessages, ParamValue, ServiceHandler, Snapshot, SubscribeOptions
 from rostether.graph.publisher_handle import check_same_type
 from rostether.msgdef.interface import MessageType, ServiceType
 from rostether.rostime import Time
-
-if TYPE_CHECKING:
-    from rostether.graph.memory_network import MemoryNetwork
 
 
 class _Closable(Protocol):
@@ -29,10 +27,10 @@ class MemoryGraph(NodeMembership):
     """A `Graph`; created by `MemoryNetwork.join`."""
 
     def __init__(
-        self, network: MemoryNetwork, node_name: str, namespace: str, remappings: Mapping[str, str]
+        self, state: MemoryState, node_name: str, namespace: str, remappings: Mapping[str, str]
     ) -> None:
         super().__init__(node_name, namespace, remappings)
-        self._network = network
+        self._state = state
         # Everything that ends with the node.
         self._handles: dict[_Closable, None] = {}
         self._log_sequence = 0
@@ -61,7 +59,7 @@ class MemoryGraph(NodeMembership):
 
         def ended(subscriber: MemorySubscriber) -> None:
             self._handles.pop(subscriber, None)
-            self._network.remove_subscriber(subscriber)
+            self._state.remove_subscriber(subscriber)
 
         subscriber = MemorySubscriber(
             self.resolve(topic),
@@ -72,7 +70,7 @@ class MemoryGraph(NodeMembership):
             options=options,
         )
         self._handles[subscriber] = None
-        self._network.add_subscriber(subscriber)
+        self._state.add_subscriber(subscriber)
         return subscriber
 
     async def advertise_service(
@@ -83,14 +81,14 @@ class MemoryGraph(NodeMembership):
 
         def ended(server: MemoryServiceServer) -> None:
             self._handles.pop(server, None)
-            self._network.remove_service(server)
+            self._state.remove_service(server)
 
         name = self.resolve(service)
         if any(isinstance(each, MemoryServiceServer) and each.service == name for each in self._handles):
             raise GraphError(f"this node already offers the service {name}; choose another name")
         server = MemoryServiceServer(name, service_type, self.node_name, handler, ended)
         self._handles[server] = None
-        self._network.add_service(server)
+        self._state.add_service(server)
         return server
 
     async def call_service(
@@ -99,27 +97,27 @@ class MemoryGraph(NodeMembership):
         """Call a service."""
         self._check_open()
         try:
-            server = self._network.service(self.resolve(service))
+            server = self._state.service(self.resolve(service))
         except UnknownNameError as error:
             raise ServiceUnavailableError(str(error)) from None
         return await server.call(service_type, request, timeout_s)
 
     async def get_param(self, name: str) -> ParamValue:
         """Return a parameter's value. Raises UnknownNameError."""
-        return self._network.parameters.get(self.resolve(name))
+        return self._state.parameters.get(self.resolve(name))
 
     async def set_param(self, name: str, value: ParamValue) -> None:
         """Set a parameter."""
-        self._network.parameters.set(self.resolve(name), value)
+        self._state.parameters.set(self.resolve(name), value)
 
     async def delete_param(self, name: str) -> None:
         """Delete a parameter. Raises UnknownNameError."""
-        self._network.parameters.delete(self.resolve(name))
+        self._state.parameters.delete(self.resolve(name))
 
     async def has_param(self, name: str) -> bool:
         """Return whether a parameter is set."""
         try:
-            self._network.parameters.get(self.resolve(name))
+            self._state.parameters.get(self.resolve(name))
         except UnknownNameError:
             return False
         return True
@@ -138,18 +136,18 @@ class MemoryGraph(NodeMembership):
 
     async def list_params(self) -> list[str]:
         """Return the full names of all parameters, sorted."""
-        return self._network.parameters.names()
+        return self._state.parameters.names()
 
     async def watch_param(self, name: str, on_change: Callable[[ParamValue], None]) -> MemoryWatch:
         """Call back with the value now and after every change."""
         self._check_open()
-        watch = self._network.parameters.watch(self.resolve(name), on_change)
+        watch = self._state.parameters.watch(self.resolve(name), on_change)
         self._handles[watch] = None
         return watch
 
     def log(self, level: Level, text: str) -> None:
         """Publish a log message on /rosout, and keep it in the network's `logs`."""
-        self._network.logs.append(LogRecord(self.node_name, level, text))
+        self._state.logs.append(LogRecord(self.node_name, level, text))
         self._log_sequence += 1
         message = encode_log(
             sequence=self._log_sequence,
@@ -163,42 +161,42 @@ class MemoryGraph(NodeMembership):
 
     def now(self) -> Time:
         """Return the network's time."""
-        return self._network.now()
+        return self._state.now()
 
     async def snapshot(self) -> Snapshot:
         """Return a snapshot of the whole graph."""
-        return self._network.snapshot()
+        return self._state.snapshot()
 
     async def changes(self) -> AsyncIterator[Snapshot]:
         """Yield a snapshot now and one after each change, until the node leaves."""
-        event = self._network.watch_changes()
+        event = self._state.watch_changes()
         try:
             latest = None
             while self._closing is None:
                 event.clear()
-                snapshot = self._network.snapshot()
+                snapshot = self._state.snapshot()
                 if snapshot != latest:
                     latest = snapshot
                     yield snapshot
                 else:
                     await event.wait()
         finally:
-            self._network.unwatch_changes(event)
+            self._state.unwatch_changes(event)
 
     async def _end(self) -> None:
         await asyncio.gather(*(handle.close() for handle in list(self._handles)))
-        self._network.leave(self)
+        self._state.leave(self)
 
     def _add_publisher(
         self, topic: str, message_type: MessageType, *, latch: bool, queue_bytes: int | None = None
     ) -> MemoryPublisher:
         def ended(publisher: MemoryPublisher) -> None:
             self._handles.pop(publisher, None)
-            self._network.remove_publisher(publisher)
+            self._state.remove_publisher(publisher)
 
         publisher = MemoryPublisher(
             topic, message_type, self.node_name, latch=latch, queue_bytes=queue_bytes, on_close=ended
         )
         self._handles[publisher] = None
-        self._network.add_publisher(publisher)
+        self._state.add_publisher(publisher)
         return publisher

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Generic, TypeAlias, TypeVar
+from collections.abc import Callable, Sequence
+from typing import Generic, Protocol, TypeAlias, TypeVar
 
 from rostether.errors import DefinitionError, UnknownTypeError
-from rostether.msgdef.ros2.spec import Ros2Field, Ros2Message
-from rostether.msgdef.spec import Field, MessageSpec
+from rostether.msgdef.spec import MessageSpec
 
 Lookup: TypeAlias = Callable[[str], MessageSpec]
-SpecT = TypeVar("SpecT", MessageSpec, Ros2Message)
+SpecT = TypeVar("SpecT", bound="_Message")
 
 # The deepest in use nest about 8; definitions also come from peers.
 MAX_DEPTH = 32
@@ -22,8 +21,37 @@ MAX_FIXED_VALUES = 1 << 20
 _BYTES_A_VALUE = 256
 
 
+class _Type(Protocol):
+    """The type of a field, of ROS 1 or ROS 2."""
+
+    @property
+    def base(self) -> str: ...
+    @property
+    def is_array(self) -> bool: ...
+    @property
+    def length(self) -> int | None: ...
+
+
+class _Field(Protocol):
+    """A field of a message, of ROS 1 or ROS 2."""
+
+    @property
+    def name(self) -> str: ...
+    @property
+    def type(self) -> _Type: ...
+
+
+class _Message(Protocol):
+    """A message, of ROS 1 or ROS 2."""
+
+    @property
+    def full_name(self) -> str: ...
+    @property
+    def fields(self) -> Sequence[_Field]: ...
+
+
 def dependencies(spec: SpecT, lookup: Callable[[str], SpecT]) -> list[SpecT]:
-    """Return all messages below `spec`, of ROS 1 or ROS 2, each once, in the order of first use, depth first.
+    """Return all messages below `spec`, each once, in the order of first use, depth first.
 
     `lookup` maps a full name to its definition. Raises UnknownTypeError naming the field that needs the
     missing type, DefinitionError for a type that holds itself, nests too deep or is too large.
@@ -36,7 +64,7 @@ def dependencies(spec: SpecT, lookup: Callable[[str], SpecT]) -> list[SpecT]:
 class _Walk(Generic[SpecT]):
     def __init__(self, lookup: Callable[[str], SpecT]) -> None:
         self.found: dict[str, SpecT] = {}
-        self._lookup: Callable[[str], SpecT] = lookup
+        self._lookup = lookup
         self._values: dict[str, int] = {}
 
     def visit(self, spec: SpecT, path: tuple[str, ...]) -> int:
@@ -64,22 +92,22 @@ class _Walk(Generic[SpecT]):
         self._values[spec.full_name] = total
         return total
 
-    def _visit_field(self, spec: SpecT, field: Field | Ros2Field, path: tuple[str, ...]) -> int:
-        name: str = field.type.base
+    def _visit_field(self, spec: SpecT, field: _Field, path: tuple[str, ...]) -> int:
+        name = field.type.base
         if name in path:
             cycle = " -> ".join((*path[path.index(name) :], name))
             raise DefinitionError(f"a message cannot contain itself: {cycle}", file=spec.full_name)
         if name in self._values:
             return self._values[name]
         try:
-            nested: SpecT = self._lookup(name)
+            nested = self._lookup(name)
         except UnknownTypeError as error:
             raise UnknownTypeError(f"{spec.full_name}, field {field.name!r}: {error}") from error
         self.found[name] = nested
         return self.visit(nested, (*path, name))
 
 
-def _primitive_values(field: Field | Ros2Field) -> int:
+def _primitive_values(field: _Field) -> int:
     length = field.type.length
     if not field.type.is_array or length is None:
         return 1

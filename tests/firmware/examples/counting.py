@@ -6,7 +6,8 @@ import asyncio
 from dataclasses import dataclass
 from pathlib import Path
 
-from rostether.firmware.build import BuildOptions, build_sketch, find_board
+from rostether.firmware.build import build_sketch, find_board
+from rostether.firmware.built_firmware import BuildOptions
 from rostether.rosserial.frame import encode_frame
 from rostether.simulation.simavr.simulated_board import SimulatedBoard
 

@@ -9,7 +9,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from rostether.codegen.library_source import client_library
-from rostether.firmware.build import BuildOptions, build_sketch, find_board
+from rostether.firmware.build import build_sketch, find_board
+from rostether.firmware.built_firmware import BuildOptions
 from rostether.firmware.elf import ElfFile
 
 # Flash and static RAM in bytes: avr-gcc 5.4, -Os -flto.

@@ -9,7 +9,8 @@ from pathlib import Path
 
 from rostether.bridge.settings import BridgeSettings
 from rostether.bridge.supervisor import Supervisor
-from rostether.firmware.build import BuildOptions, BuiltFirmware, build_sketch, find_board
+from rostether.firmware.build import build_sketch, find_board
+from rostether.firmware.built_firmware import BuildOptions, BuiltFirmware
 from rostether.graph.ports import Graph
 from rostether.graph.typed_graph import TypedGraph
 from rostether.graph.typed_handles import TypedPublisher

@@ -10,7 +10,8 @@ from typing import Literal, TypeVar
 
 from rostether.bridge.findings.finding import Code
 from rostether.bridge.health.doctor import Diagnosis, Doctor
-from rostether.firmware.build import BuildOptions, build_sketch, find_board
+from rostether.firmware.build import build_sketch, find_board
+from rostether.firmware.built_firmware import BuildOptions
 from rostether.msgdef.registry import Registry
 from rostether.serde.store import TypeStore
 from rostether.simulation.simavr.simulated_board import SimulatedBoard

@@ -14,7 +14,8 @@ import pytest
 from firmware.examples.stage import a_graph
 from firmware.mearm.terminal import EXAMPLE, Terminals, terminals
 from robot_poses import forward_kinematics
-from rostether.firmware.build import BuildOptions, build_sketch, find_board
+from rostether.firmware.build import build_sketch, find_board
+from rostether.firmware.built_firmware import BuildOptions
 from rostether.graph.typed_graph import TypedGraph
 from rostether.robot.tf_buffer import TransformBuffer
 from rostether.robot.tf_messages import from_message

@@ -10,7 +10,8 @@ import pytest
 from effort import effort
 from firmware.robustness.hostile_frames import NUMBERS, NUMBERS_OUT, HostileFrames
 from firmware.robustness.scripted_host import ScriptedHost
-from rostether.firmware.build import BuildOptions, build_sketch, find_board
+from rostether.firmware.build import build_sketch, find_board
+from rostether.firmware.built_firmware import BuildOptions
 
 SKETCH = Path(__file__).parent / "sketches" / "Target"
 # Frames for each baud; slow lines take their time.

@@ -7,7 +7,8 @@ from pathlib import Path
 import pytest
 
 from effort import effort
-from rostether.firmware.build import BuildOptions, build_sketch, find_board
+from rostether.firmware.build import build_sketch, find_board
+from rostether.firmware.built_firmware import BuildOptions
 from rostether.rosserial.events import DeviceReset, HostEvent, TimeRequested
 from rostether.rosserial.host_link import HostLink
 from rostether.rostime import Time

@@ -16,7 +16,8 @@ from firmware.ros2.serving import serving, sim_address
 from interop_ros2.rclpy_peer import RclpyPeer, rclpy_peer
 from interop_ros2.samples import ADDED, ros2_name
 from programs import Peer
-from rostether.firmware.build import BuildOptions, build_sketch, find_board
+from rostether.firmware.build import build_sketch, find_board
+from rostether.firmware.built_firmware import BuildOptions
 
 pytestmark = [pytest.mark.rclpy, pytest.mark.asyncio(loop_scope="module"), pytest.mark.timeout(300)]
 

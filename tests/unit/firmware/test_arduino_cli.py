@@ -7,7 +7,8 @@ from pathlib import Path
 import pytest
 
 from rostether.errors import FirmwareError, SketchError
-from rostether.firmware.build import BuildOptions, build_sketch, find_board
+from rostether.firmware.build import build_sketch, find_board
+from rostether.firmware.built_firmware import BuildOptions
 from unit.firmware.programs import FakeProgram
 from unit.firmware.sketches import EMPTY, write_sketch
 

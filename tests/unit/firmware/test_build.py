@@ -8,7 +8,8 @@ from typing import Any
 import pytest
 
 from rostether.errors import ConfigError, SketchError
-from rostether.firmware.build import BuildOptions, BuiltFirmware, build_sketch, find_board, save_outputs
+from rostether.firmware.build import build_sketch, find_board, save_outputs
+from rostether.firmware.built_firmware import BuildOptions, BuiltFirmware
 from rostether.firmware.elf import ElfFile
 from unit.firmware.sketches import EMPTY, uno, write_sketch
 

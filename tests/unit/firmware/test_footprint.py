@@ -8,7 +8,8 @@ from pathlib import Path
 import pytest
 
 from rostether.errors import FirmwareError
-from rostether.firmware.build import BuiltFirmware, build_sketch, find_board
+from rostether.firmware.build import build_sketch, find_board
+from rostether.firmware.built_firmware import BuiltFirmware
 from rostether.firmware.elf import ElfFile
 from rostether.firmware.footprint import MARGIN_BYTES, Footprint, measure, measure_built
 from unit.firmware.sketches import uno, write_sketch

@@ -12,7 +12,8 @@ from pathlib import Path
 import pytest
 
 from rostether.errors import FirmwareError, RostetherError
-from rostether.firmware.build import BuiltFirmware, build_sketch, find_board
+from rostether.firmware.build import build_sketch, find_board
+from rostether.firmware.built_firmware import BuiltFirmware
 from rostether.firmware.upload import check_port, choose_port, touch, upload
 from rostether.transports.serial import SerialPort
 from unit.firmware.programs import FakeProgram

@@ -17,7 +17,7 @@ from rostether.graph.ports import Level
 from rostether.rosserial.clock_estimate import ClockEstimate
 from rostether.rosserial.link_statistics import LinkStatistics
 from rostether.serde.store import TypeStore
-from rostether.transports.xbee.link_quality import RECENT_PACKETS, LinkQuality
+from rostether.transports.link_quality import RECENT_PACKETS, LinkQuality
 
 # 5 ms between two time answers. Crystals have 100, the resonators of small boards up to 5000.
 DRIFT_PPM = 2000

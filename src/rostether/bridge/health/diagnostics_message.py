@@ -10,7 +10,7 @@ from rostether.bridge.board_node import BoardNode
 from rostether.bridge.findings.finding import Finding, Severity
 from rostether.bridge.health.diagnostics import BoardView
 from rostether.bridge.reporter import shown_line
-from rostether.transports.xbee.link_quality import LinkQuality
+from rostether.transports.link_quality import LinkQuality
 
 TYPE = "diagnostic_msgs/DiagnosticArray"
 TOPIC = "/diagnostics"

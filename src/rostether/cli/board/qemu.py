@@ -64,7 +64,8 @@ async def find_program(path: Path, board: str, msg_paths: Sequence[Path] = ()) -
     """Return the program for a board. Raises BoardError if there is no such file, and build errors."""
     if path.suffix.lower() in _PROGRAM_SUFFIXES:
         return path
-    from rostether.firmware.build import BuildOptions, BuiltFirmware, build_sketch, find_board
+    from rostether.firmware.build import build_sketch, find_board
+    from rostether.firmware.built_firmware import BuildOptions, BuiltFirmware
 
     async def build() -> BuiltFirmware:
         _refuse_missing(path)

@@ -41,9 +41,10 @@ from rostether.cli.bridge.serving import (
     serving,
     shortage_lines,
 )
-from rostether.cli.dashboard.beside import DashboardSettings, dashboard_beside
-from rostether.cli.gateway.gateways import served_gateways
+from rostether.cli.dashboard.beside import dashboard_beside
+from rostether.cli.dashboard.settings import DashboardSettings
 from rostether.cli.gateway.options import GatewayOptions, dashboard_option, gateway_options
+from rostether.cli.gateway.served import served_gateways
 from rostether.cli.shell.failures import EXIT_DONE, EXIT_FAILED
 from rostether.cli.shell.library_logs import show_debug_records
 from rostether.cli.shell.option_group import FILE, PORT, flag, option, option_group, shared

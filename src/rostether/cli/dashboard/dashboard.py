@@ -13,9 +13,9 @@ import click
 from rostether.cli.access.graph_options import GraphOptions, graph_options
 from rostether.cli.access.options import msg_path_option
 from rostether.cli.access.served_graphs import ServedGraphs
-from rostether.cli.dashboard.beside import DashboardSettings
 from rostether.cli.dashboard.browser import has_browser, open_browser
 from rostether.cli.dashboard.served import Dashboard, served_dashboard
+from rostether.cli.dashboard.settings import DashboardSettings
 from rostether.cli.dashboard.view import PANELS, read_view
 from rostether.cli.gateway.gateways import Report, serve_gateway
 from rostether.cli.gateway.node import read_gateway_words

@@ -32,7 +32,7 @@ from rostether.ros1.environment import LOOPBACK, is_loopback
 from rostether.transports.own_names import outward_address
 
 if TYPE_CHECKING:
-    from rostether.cli.dashboard.beside import DashboardSettings
+    from rostether.cli.dashboard.settings import DashboardSettings
     from rostether.dashboard.map_tiles import MapTiles
     from rostether.dashboard.recordings import Recordings
     from rostether.gateways.foxglove.gateway import FoxgloveGateway

@@ -21,7 +21,8 @@ from rostether.cli.access.ros1_access import joining_ros1, read_environment, typ
 from rostether.cli.access.served_graphs import ServedGraphs
 from rostether.cli.bridge.options import read_devices
 from rostether.cli.bridge.serving import serving
-from rostether.cli.dashboard.beside import DashboardSettings, dashboard_beside
+from rostether.cli.dashboard.beside import dashboard_beside
+from rostether.cli.dashboard.settings import DashboardSettings
 from rostether.cli.demo.boards import PYTHON, UNO, demo_board
 from rostether.cli.demo.graphs import demo_master, demo_ros2, prepare_board
 from rostether.cli.demo.view import DemoFacts, DemoView, RecentLines

@@ -17,7 +17,7 @@ from rostether.cli.shell.verbs import verb
 from rostether.errors import FirmwareError
 
 if TYPE_CHECKING:
-    from rostether.firmware.build import BuildOptions, BuiltFirmware
+    from rostether.firmware.built_firmware import BuildOptions, BuiltFirmware
     from rostether.firmware.elf import ElfFile
 
 # The build's own options cover these.

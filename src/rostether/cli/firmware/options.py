@@ -18,7 +18,7 @@ from rostether.cli.shell.slow_notice import reported_when_long
 from rostether.errors import SketchError
 
 if TYPE_CHECKING:
-    from rostether.firmware.build import BuildOptions, BuiltFirmware
+    from rostether.firmware.built_firmware import BuildOptions, BuiltFirmware
 
 DEFAULT_BOARD = "uno"
 ARDUINO_CLI = "arduino-cli"
@@ -108,7 +108,7 @@ def _build_options(
     verbose: bool = False,
     builder: str = AVR_GCC,
 ) -> BuildOptions:
-    from rostether.firmware.build import BuildOptions
+    from rostether.firmware.built_firmware import BuildOptions
 
     return BuildOptions(
         libraries=libraries,

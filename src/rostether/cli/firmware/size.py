@@ -23,7 +23,7 @@ from rostether.cli.shell.verbs import verb
 
 if TYPE_CHECKING:
     from rostether.firmware.boards import Board
-    from rostether.firmware.build import BuildOptions
+    from rostether.firmware.built_firmware import BuildOptions
     from rostether.firmware.elf import ElfFile
     from rostether.firmware.endpoints import Endpoint
     from rostether.firmware.footprint import Footprint, Group, Item

@@ -1,13 +1,11 @@
-"""Runs the gateways for web pages and viewers on a graph, each as its own node."""
+"""How the gateways for web pages and viewers join a graph, and what they report."""
 
 from __future__ import annotations
 
-import asyncio
 from collections.abc import AsyncIterator, Awaitable, Callable, Mapping, Sequence
-from contextlib import AbstractAsyncContextManager, AsyncExitStack, asynccontextmanager
+from contextlib import AbstractAsyncContextManager, asynccontextmanager
 from dataclasses import dataclass
 from functools import partial
-from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Protocol, TypeAlias
 
@@ -16,19 +14,13 @@ from rostether.cli.access.graph_options import GraphOptions
 from rostether.cli.access.ros1_access import master_client, read_environment, type_store
 from rostether.cli.access.served_graphs import ServedGraphs, native_session, served_graphs
 from rostether.cli.gateway.node import IsLive, NodeWords, asking_ros1, check_free
-from rostether.cli.gateway.options import DEFAULT_PLACE, GatewayOptions, read_encryption, read_place
 from rostether.cli.shell.running import run
-from rostether.errors import ConfigError, DefinitionError, GraphError
-from rostether.extras import install_command
 from rostether.graph.ports import JoinGraph, Level
-from rostether.mechanisms.block_end import closed_at_end
 from rostether.mechanisms.waiting import wait_for_master
 from rostether.ros1.environment import RosEnvironment, is_loopback, parse_rpc_uri
 from rostether.ros1.node.service_probe import look_up, probe_type
 
 if TYPE_CHECKING:
-    from rostether.gateways.rosbridge.server import RosbridgeServer
-    from rostether.gateways.rosbridge.settings import RosbridgeSettings
     from rostether.graph.ports import Graph
     from rostether.serde.store import TypeStore
 
@@ -36,8 +28,6 @@ Report: TypeAlias = Callable[[Level, str], None]
 
 # Takes a service's name. Raises GraphError.
 AskService: TypeAlias = Callable[[str], Awaitable[str]]
-
-ROSBRIDGE_NODE = "rosbridge_websocket"
 
 
 @dataclass(frozen=True, slots=True)
@@ -95,35 +85,6 @@ def ros1_gateway_graph(join: JoinGraph, store: TypeStore, environment: RosEnviro
     )
 
 
-@asynccontextmanager
-async def rosbridge_gateway(
-    options: GatewayOptions, on: GatewayGraph, report: Report, words: NodeWords | None = None
-) -> AsyncIterator[RosbridgeServer]:
-    """Run rosbridge at `options.rosbridge` as long as the block lasts.
-
-    Raises ConfigError if a package is missing, TransportOpenError if the port is not free, GraphError if
-    another node has the name.
-    """
-    check_rosbridge()
-    from rostether.gateways.rosbridge.settings import DEFAULT_PORT, RosbridgeSettings
-
-    words = words or NodeWords()
-    host, port = read_place(options.rosbridge or DEFAULT_PLACE, DEFAULT_PORT)
-    encryption = await asyncio.to_thread(read_encryption, options.tls, host)
-    settings = RosbridgeSettings(
-        host,
-        port,
-        options.token,
-        options.origins,
-        options.allow,
-        certificate=encryption.certificate,
-        key=encryption.key,
-    )
-    graph = await joined_as(on, words, words.name_for(ROSBRIDGE_NODE, port, DEFAULT_PORT), report)
-    async with closed_at_end(graph), rosbridge_server(graph, on, settings, report, options.wider) as server:
-        yield server
-
-
 async def joined_as(on: GatewayGraph, words: NodeWords, name: str, report: Report) -> Graph:
     """Join as soon as there is a master. Raises GraphError if another node has the name."""
 
@@ -144,51 +105,6 @@ async def joined_patiently(join: JoinGraph, name: str, report: Report) -> Graph:
     )
 
 
-@asynccontextmanager
-async def rosbridge_server(
-    graph: Graph, on: GatewayGraph, settings: RosbridgeSettings, report: Report, wider: str
-) -> AsyncIterator[RosbridgeServer]:
-    """Run a rosbridge server on a node, and report its address.
-
-    Raises the same errors as `rosbridge_gateway`.
-
-    `wider` is the command, with {port}, that admits other machines.
-    """
-    from rostether.gateways.rosbridge.rosapi.rosapi import Rosapi, offering_rosapi
-    from rostether.gateways.rosbridge.server import RosbridgeServer
-    from rostether.gateways.rosbridge.values import Style
-
-    style = Style.ROS2 if on.is_ros2 else Style.ROS1
-    rosapi = Rosapi(
-        graph,
-        on.store,
-        style=style,
-        settings=settings,
-        ask_type=on.ask_service_type,
-        ask_host=on.ask_service_host,
-    )
-    server = RosbridgeServer(
-        graph,
-        on.store,
-        settings,
-        style=style,
-        ask_service_type=on.ask_service_type,
-        local_services=rosapi,
-        report=report,
-    )
-    async with AsyncExitStack() as stack:
-        stack.push_async_callback(server.close)
-        try:
-            await stack.enter_async_context(offering_rosapi(rosapi, on.join, graph, on.is_live))
-        except (DefinitionError, GraphError) as error:
-            # Its own clients still get answers, without the graph.
-            report(Level.INFO, f"rosbridge: only its own clients can call rosapi's services: {error}")
-        await server.start()
-        report(Level.INFO, f"rosbridge: web pages and programs connect to {server.uri}")
-        report_reach("rosbridge", settings.host, settings.port, settings.token, wider, report)
-        yield server
-
-
 def report_reach(gateway: str, host: str, port: int, token: str, wider: str, report: Report) -> None:
     """Report who can reach a gateway; `wider` is the command, with {port}, that admits other machines."""
     if is_loopback(host):
@@ -203,32 +119,6 @@ def report_reach(gateway: str, host: str, port: int, token: str, wider: str, rep
             f"{gateway}: every client that reaches it can publish and call services; --token and --allow "
             f"restrict that",
         )
-
-
-def check_rosbridge() -> None:
-    """Raise ConfigError if the extra is not installed."""
-    if find_spec("cbor2") is None:
-        raise ConfigError(f"rosbridge is not installed; run: {install_command('rosbridge')}")
-
-
-@asynccontextmanager
-async def served_gateways(
-    options: GatewayOptions,
-    graphs: ServedGraphs,
-    graph_options: GraphOptions,
-    msg_paths: Sequence[Path],
-    report: Report,
-) -> AsyncIterator[None]:
-    """Run the requested gateways, if any. Raises the same errors as `rosbridge_gateway`."""
-    async with AsyncExitStack() as stack:
-        if options.rosbridge is not None:
-            graph = await stack.enter_async_context(gateway_graph(graphs, graph_options, msg_paths))
-            await stack.enter_async_context(rosbridge_gateway(options, graph, report))
-        if options.foxglove is not None:
-            from rostether.cli.gateway.foxglove import served_foxglove
-
-            await stack.enter_async_context(served_foxglove(options, graphs, msg_paths, report))
-        yield
 
 
 class Gateway(Protocol):

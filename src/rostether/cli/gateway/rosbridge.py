@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import asyncio
 from collections.abc import AsyncIterator, Mapping, Sequence
-from contextlib import asynccontextmanager
+from contextlib import AsyncExitStack, asynccontextmanager
 from dataclasses import replace
 from functools import partial
+from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -16,13 +18,12 @@ from rostether.cli.access.graph_options import GraphOptions, graph_options
 from rostether.cli.access.options import msg_path_option
 from rostether.cli.access.ros1_access import joining_ros1
 from rostether.cli.gateway.gateways import (
-    ROSBRIDGE_NODE,
+    GatewayGraph,
     Report,
-    check_rosbridge,
     gateway_graph,
+    joined_as,
+    report_reach,
     ros1_gateway_graph,
-    rosbridge_gateway,
-    rosbridge_server,
     serve_gateway,
 )
 from rostether.cli.gateway.node import (
@@ -34,21 +35,30 @@ from rostether.cli.gateway.node import (
     whole_number,
 )
 from rostether.cli.gateway.options import (
+    DEFAULT_PLACE,
     TOKEN_VARIABLE,
     GatewayOptions,
     access_options,
     client_options,
+    read_encryption,
+    read_place,
 )
 from rostether.cli.role.node import RoleVerb, node_environment, node_words, run_role
 from rostether.cli.shell.verbs import verb
-from rostether.errors import ConfigError
+from rostether.errors import ConfigError, DefinitionError, GraphError
+from rostether.extras import install_command
+from rostether.graph.ports import Level
 from rostether.graph.typed_graph import TypedGraph
+from rostether.mechanisms.block_end import closed_at_end
 from rostether.names.remap import Arguments
 
 if TYPE_CHECKING:
     from rostether.cli.access.served_graphs import ServedGraphs
     from rostether.gateways.rosbridge.server import RosbridgeServer
     from rostether.gateways.rosbridge.settings import RosbridgeSettings
+    from rostether.graph.ports import Graph
+
+ROSBRIDGE_NODE = "rosbridge_websocket"
 
 
 @verb(
@@ -100,6 +110,86 @@ async def _opened(
         rosbridge_gateway(options, graph, report, node) as server,
     ):
         yield server
+
+
+@asynccontextmanager
+async def rosbridge_gateway(
+    options: GatewayOptions, on: GatewayGraph, report: Report, words: NodeWords | None = None
+) -> AsyncIterator[RosbridgeServer]:
+    """Run rosbridge at `options.rosbridge` as long as the block lasts.
+
+    Raises ConfigError if a package is missing, TransportOpenError if the port is not free, GraphError if
+    another node has the name.
+    """
+    check_rosbridge()
+    from rostether.gateways.rosbridge.settings import DEFAULT_PORT, RosbridgeSettings
+
+    words = words or NodeWords()
+    host, port = read_place(options.rosbridge or DEFAULT_PLACE, DEFAULT_PORT)
+    encryption = await asyncio.to_thread(read_encryption, options.tls, host)
+    settings = RosbridgeSettings(
+        host,
+        port,
+        options.token,
+        options.origins,
+        options.allow,
+        certificate=encryption.certificate,
+        key=encryption.key,
+    )
+    graph = await joined_as(on, words, words.name_for(ROSBRIDGE_NODE, port, DEFAULT_PORT), report)
+    async with closed_at_end(graph), rosbridge_server(graph, on, settings, report, options.wider) as server:
+        yield server
+
+
+@asynccontextmanager
+async def rosbridge_server(
+    graph: Graph, on: GatewayGraph, settings: RosbridgeSettings, report: Report, wider: str
+) -> AsyncIterator[RosbridgeServer]:
+    """Run a rosbridge server on a node, and report its address.
+
+    Raises the same errors as `rosbridge_gateway`.
+
+    `wider` is the command, with {port}, that admits other machines.
+    """
+    from rostether.gateways.rosbridge.rosapi.rosapi import Rosapi, offering_rosapi
+    from rostether.gateways.rosbridge.server import RosbridgeServer
+    from rostether.gateways.rosbridge.values import Style
+
+    style = Style.ROS2 if on.is_ros2 else Style.ROS1
+    rosapi = Rosapi(
+        graph,
+        on.store,
+        style=style,
+        settings=settings,
+        ask_type=on.ask_service_type,
+        ask_host=on.ask_service_host,
+    )
+    server = RosbridgeServer(
+        graph,
+        on.store,
+        settings,
+        style=style,
+        ask_service_type=on.ask_service_type,
+        local_services=rosapi,
+        report=report,
+    )
+    async with AsyncExitStack() as stack:
+        stack.push_async_callback(server.close)
+        try:
+            await stack.enter_async_context(offering_rosapi(rosapi, on.join, graph, on.is_live))
+        except (DefinitionError, GraphError) as error:
+            # Its own clients still get answers, without the graph.
+            report(Level.INFO, f"rosbridge: only its own clients can call rosapi's services: {error}")
+        await server.start()
+        report(Level.INFO, f"rosbridge: web pages and programs connect to {server.uri}")
+        report_reach("rosbridge", settings.host, settings.port, settings.token, wider, report)
+        yield server
+
+
+def check_rosbridge() -> None:
+    """Raise ConfigError if the extra is not installed."""
+    if find_spec("cbor2") is None:
+        raise ConfigError(f"rosbridge is not installed; run: {install_command('rosbridge')}")
 
 
 @verb(

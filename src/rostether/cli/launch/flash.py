@@ -16,7 +16,7 @@ from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import verb
 
 if TYPE_CHECKING:
-    from rostether.firmware.build import BuildOptions
+    from rostether.firmware.built_firmware import BuildOptions
 
 _BAUD = re.compile(r"\bsetBaud\s*\(\s*([0-9]+)\s*\)")
 

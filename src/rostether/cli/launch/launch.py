@@ -78,7 +78,7 @@ def launch(
     needs to be built. Logs are kept in ~/.ros/log/latest. Ctrl-C ends all nodes in order.
     """
     from rostether.cli.access.ros1_access import read_environment
-    from rostether.cli.dashboard.beside import DashboardSettings
+    from rostether.cli.dashboard.settings import DashboardSettings
     from rostether.cli.launch.launch_run import MasterSettings, run_launch, run_options
     from rostether.cli.launch.loaded_launch import load
     from rostether.cli.shell.running import run

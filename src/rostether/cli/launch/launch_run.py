@@ -9,8 +9,9 @@ import click
 
 from rostether.cli.access.ros1_access import joining_ros1, no_master
 from rostether.cli.access.served_graphs import ServedGraphs, master_answers, used_master, wait_for_answer
-from rostether.cli.dashboard.beside import DashboardSettings, dashboard_beside
+from rostether.cli.dashboard.beside import dashboard_beside
 from rostether.cli.dashboard.browser import has_browser, open_browser
+from rostether.cli.dashboard.settings import DashboardSettings
 from rostether.cli.launch.launch_options import LaunchOptions
 from rostether.cli.launch.loaded_launch import LoadedLaunch
 from rostether.cli.shell.failures import print_error

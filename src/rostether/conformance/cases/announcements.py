@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from collections import Counter
 
-from rostether.conformance.case import CaseList, Deviation
+from rostether.conformance.case import CaseList
 from rostether.conformance.checked_client import CheckedClient
+from rostether.conformance.deviation import Deviation
 from rostether.conformance.received_frame import Announcement, is_time_request
 from rostether.errors import DefinitionError
 from rostether.msgdef.registry import Registry

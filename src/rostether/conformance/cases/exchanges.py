@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import struct
 
-from rostether.conformance.case import CaseList, Deviation
+from rostether.conformance.case import CaseList
 from rostether.conformance.checked_client import CheckedClient
+from rostether.conformance.deviation import Deviation
 from rostether.conformance.program import (
     FLOAT_PARAMETER,
     INT_PARAMETER,

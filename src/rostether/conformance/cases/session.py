@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import asyncio
 
-from rostether.conformance.case import CaseList, Deviation
+from rostether.conformance.case import CaseList
 from rostether.conformance.checked_client import CheckedClient
+from rostether.conformance.deviation import Deviation
 from rostether.conformance.program import Part
 from rostether.conformance.received_frame import is_time_request, read_text, text_payload
 from rostether.rosserial import topic_id as ids

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Awaitable, Callable, Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from rostether.errors import InvalidNameError, RemoteProtocolError
 from rostether.gateways.foxglove import client_messages as requests
@@ -15,13 +15,11 @@ from rostether.gateways.foxglove.client_recordings import ClientRecordings
 from rostether.gateways.foxglove.client_topics import ClientTopic
 from rostether.gateways.foxglove.client_work import ClientWork
 from rostether.gateways.foxglove.driven_topic import DrivenTopic
+from rostether.gateways.foxglove.gateway_context import GatewayContext
+from rostether.gateways.foxglove.line import Line
 from rostether.gateways.foxglove.server_messages import Channel, StatusLevel
 from rostether.gateways.foxglove.subscription import DroppedReport, Subscription
 from rostether.gateways.websocket.admission import Rights
-
-if TYPE_CHECKING:
-    from rostether.gateways.foxglove.gateway import FoxgloveGateway
-    from rostether.gateways.foxglove.line import Line
 
 # The limit of statuses about a client's mistakes; more statuses would only flood the client.
 MAX_REPORTED_MISTAKES = 100
@@ -31,19 +29,26 @@ _VIEW_ONLY = "this connection may only view: open the page with the full token t
 
 
 class Client:
-    """One client; `line` is its connection."""
+    """One client; `line` is its connection, and `on_closed` is called when that has ended."""
 
-    def __init__(self, gateway: FoxgloveGateway, line: Line, rights: Rights = Rights.FULL) -> None:
+    def __init__(
+        self,
+        context: GatewayContext,
+        line: Line,
+        on_closed: Callable[[Client], None],
+        rights: Rights = Rights.FULL,
+    ) -> None:
         self.line = line
         self.rights = rights
         self.wants_connection_graph = False
-        self._gateway = gateway
+        self._context = context
+        self._on_closed = on_closed
         self._subscriptions: dict[int, Subscription] = {}
         self._by_channel: dict[int, Subscription] = {}
         self._topics: dict[int, ClientTopic | DrivenTopic] = {}
         self._work = ClientWork()
-        self._parameters = ClientParameters(gateway, self._work, line.send, self.report_mistake)
-        self._recordings = ClientRecordings(gateway, self._work, line.send, self.report_mistake)
+        self._parameters = ClientParameters(context, self._work, line.send, self.report_mistake)
+        self._recordings = ClientRecordings(context, self._work, line.send, self.report_mistake)
         self._fetching = asyncio.Semaphore(1)
         self._mistakes = 0
         self._dropped = DroppedReport(line.send)
@@ -73,10 +78,6 @@ class Client:
 
     # Events of the connection.
 
-    def opened(self) -> None:
-        """Send the lists of channels and services."""
-        self._gateway.add_client(self)
-
     def received(self, message: str | bytes) -> None:
         """Handle a message."""
         try:
@@ -84,7 +85,7 @@ class Client:
         except RemoteProtocolError as error:
             self.report_mistake(str(error))
             return
-        if request.capability and request.capability not in self._gateway.settings.capabilities:
+        if request.capability and request.capability not in self._context.settings.capabilities:
             self.report_mistake(f"this gateway does not offer {request.capability}")
             return
         if self.rights is Rights.VIEW and isinstance(request, requests.Action):
@@ -99,13 +100,13 @@ class Client:
     def closed(self) -> None:
         """End everything that belongs to the client."""
         self._dropped.close()
-        self._gateway.forget(self)
+        self._on_closed(self)
         self._recordings.close()
         self._work.cancel()
         for subscription in self._subscriptions.values():
-            self._gateway.run(subscription.close())
+            self._context.run(subscription.close())
         for topic in self._topics.values():
-            self._gateway.run(topic.close())
+            self._context.run(topic.close())
         self._subscriptions.clear()
         self._by_channel.clear()
         self._topics.clear()
@@ -127,13 +128,13 @@ class Client:
         """End the subscription to a channel that has ended."""
         if subscription := self._by_channel.pop(channel.id, None):
             del self._subscriptions[subscription.id]
-            self._gateway.run(subscription.close())
+            self._context.run(subscription.close())
 
     # Requests.
 
     def _subscribe(self, request: requests.Subscribe) -> None:
         for subscription_id, channel_id in request.subscriptions:
-            channel = self._gateway.channels.by_id.get(channel_id)
+            channel = self._context.channels.by_id.get(channel_id)
             if channel is None:
                 # It is not a mistake of the client if the channel has just ended.
                 self.report_mistake(f"there is no channel {channel_id}")
@@ -141,38 +142,38 @@ class Client:
                 self.report_mistake(
                     f"channel {channel_id} or subscription {subscription_id} is already subscribed"
                 )
-            elif len(self._subscriptions) >= self._gateway.limits.subscriptions:
-                self.report_mistake(f"a client may have {self._gateway.limits.subscriptions} subscriptions")
+            elif len(self._subscriptions) >= self._context.limits.subscriptions:
+                self.report_mistake(f"a client may have {self._context.limits.subscriptions} subscriptions")
             else:
                 subscription = Subscription(
-                    subscription_id, channel, self.line, self._gateway.channels, self._gateway.clock.now_ns
+                    subscription_id, channel, self.line, self._context.channels, self._context.clock.now_ns
                 )
                 self._subscriptions[subscription_id] = self._by_channel[channel_id] = subscription
-                subscription.open(self._gateway.shared, self.report_mistake)
+                subscription.open(self._context.shared, self.report_mistake)
 
     def _unsubscribe(self, request: requests.Unsubscribe) -> None:
         for subscription_id in request.subscription_ids:
             # It may have ended with its channel.
             if subscription := self._subscriptions.pop(subscription_id, None):
                 del self._by_channel[subscription.channel.id]
-                self._gateway.run(subscription.close())
+                self._context.run(subscription.close())
 
     def _advertise(self, request: requests.Advertise) -> None:
         for channel in request.channels:
             if channel.id in self._topics:
                 self.report_mistake(f"channel {channel.id} is already advertised")
-            elif len(self._topics) >= self._gateway.limits.client_channels:
-                self.report_mistake(f"a client may publish {self._gateway.limits.client_channels} topics")
+            elif len(self._topics) >= self._context.limits.client_channels:
+                self.report_mistake(f"a client may publish {self._context.limits.client_channels} topics")
             elif not channel.topic.strip("/"):
                 self.report_mistake(f"channel {channel.id} has no topic")
             elif not self._may_publish(channel.topic):
                 self.report_mistake(f"this gateway does not let clients publish {channel.topic[:200]}")
             else:
                 topic = self._topics[channel.id] = self._topic(channel)
-                topic.open(self._gateway.graph, self._gateway.store)
+                topic.open(self._context.graph, self._context.store)
 
     def _topic(self, channel: requests.ClientChannel) -> ClientTopic | DrivenTopic:
-        teleop = self._gateway.teleop
+        teleop = self._context.teleop
         if channel.driver is None or teleop is None:
             return ClientTopic(channel, self.report_mistake)
         return DrivenTopic(channel, self.line.peer, teleop, self._report_drive, self.report_mistake)
@@ -182,7 +183,7 @@ class Client:
 
     def _may_publish(self, topic: str) -> bool:
         try:
-            return self._gateway.settings.client_topics.includes(self._gateway.graph.resolve(topic))
+            return self._context.settings.client_topics.includes(self._context.graph.resolve(topic))
         except InvalidNameError:
             # The graph reports the error.
             return True
@@ -190,7 +191,7 @@ class Client:
     def _unadvertise(self, request: requests.Unadvertise) -> None:
         for channel_id in request.channel_ids:
             if topic := self._topics.pop(channel_id, None):
-                self._gateway.run(topic.close())
+                self._context.run(topic.close())
             else:
                 self.report_mistake(f"channel {channel_id} is not advertised")
 
@@ -215,43 +216,43 @@ class Client:
         def fail(text: str) -> None:
             self.line.send(replies.service_failure(request.service_id, request.call_id, text))
 
-        service = self._gateway.services.by_id.get(request.service_id)
+        service = self._context.services.by_id.get(request.service_id)
         if service is None:
             fail(f"there is no service {request.service_id}: it may have just ended")
             return
 
         async def call() -> None:
-            answer = await self._gateway.services.call(
-                service, request.encoding, request.payload, self._gateway.limits.call_timeout_s
+            answer = await self._context.services.call(
+                service, request.encoding, request.payload, self._context.limits.call_timeout_s
             )
             await self.line.send_large(
                 replies.service_response(request.service_id, request.call_id, request.encoding, answer)
             )
 
-        self._work.ask(call, fail, self._gateway.limits.calls)
+        self._work.ask(call, fail, self._context.limits.calls)
 
     def _watch_graph(self, _: requests.SubscribeConnectionGraph) -> None:
         if not self.wants_connection_graph:
             self.wants_connection_graph = True
-            self.line.send(replies.connection_graph_update(self._gateway.connections.whole()))
+            self.line.send(replies.connection_graph_update(self._context.connections.whole()))
 
     def _unwatch_graph(self, _: requests.UnsubscribeConnectionGraph) -> None:
         self.wants_connection_graph = False
 
     def _send_time(self, request: requests.AskTime) -> None:
-        self.line.send(replies.time_answer(request.request_id, self._gateway.clock.now_ns()))
+        self.line.send(replies.time_answer(request.request_id, self._context.clock.now_ns()))
 
     def _fetch(self, request: requests.FetchAsset) -> None:
         async def fetch() -> None:
             # One at a time: each may be large, and the client reads it before the next is read.
             head = replies.asset_head(request.request_id)
-            async with self._fetching, self._gateway.assets.reading(request.uri, head) as message:
+            async with self._fetching, self._context.assets.reading(request.uri, head) as message:
                 await self.line.send_large(message)
 
         self._work.ask(
             fetch,
             lambda text: self.line.send(replies.asset_failure(request.request_id, text)),
-            self._gateway.limits.assets,
+            self._context.limits.assets,
             "assets",
         )
 

@@ -4,15 +4,13 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Callable, Coroutine, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from rostether.errors import RostetherError
 from rostether.gateways.foxglove import client_messages as requests
 from rostether.gateways.foxglove import server_messages as replies
 from rostether.gateways.foxglove.client_work import ClientWork
-
-if TYPE_CHECKING:
-    from rostether.gateways.foxglove.gateway import FoxgloveGateway
+from rostether.gateways.foxglove.gateway_context import GatewayContext
 
 
 class ClientParameters:
@@ -20,12 +18,12 @@ class ClientParameters:
 
     def __init__(
         self,
-        gateway: FoxgloveGateway,
+        context: GatewayContext,
         work: ClientWork,
         send: Callable[[str], None],
         report_mistake: Callable[[str], None],
     ) -> None:
-        self._gateway = gateway
+        self._context = context
         self._work = work
         self._send = send
         self._report_mistake = report_mistake
@@ -36,7 +34,7 @@ class ClientParameters:
         """Answer with values."""
 
         async def get() -> None:
-            values = await self._gateway.parameters.get(request.names)
+            values = await self._context.parameters.get(request.names)
             self._send(replies.parameter_values(values, request.request_id))
 
         self._ask(get, "parameters cannot be read")
@@ -45,7 +43,7 @@ class ClientParameters:
         """Set values, and answer with the new values if requested."""
 
         async def set_them() -> None:
-            values, mistakes = await self._gateway.parameters.set(request.parameters)
+            values, mistakes = await self._context.parameters.set(request.parameters)
             for text in mistakes:
                 self._report_mistake(text)
             if request.request_id is not None:
@@ -60,7 +58,7 @@ class ClientParameters:
             return
 
         async def watch_all() -> None:
-            self._watch_each(await self._gateway.parameters.names())
+            self._watch_each(await self._context.parameters.names())
 
         self._ask(watch_all, "parameters cannot be watched")
 
@@ -74,20 +72,20 @@ class ClientParameters:
 
     def _ask(self, work: Callable[[], Coroutine[Any, Any, None]], failed: str) -> None:
         async def in_time() -> None:
-            async with asyncio.timeout(self._gateway.limits.parameters_timeout_s):
+            async with asyncio.timeout(self._context.limits.parameters_timeout_s):
                 await work()
 
         self._work.ask(
-            in_time, lambda text: self._report_mistake(f"{failed}: {text}"), self._gateway.limits.calls
+            in_time, lambda text: self._report_mistake(f"{failed}: {text}"), self._context.limits.calls
         )
 
     def _watch_each(self, names: Sequence[str]) -> None:
         for name in names:
             if name in self._watched:
                 continue
-            if len(self._watched) >= self._gateway.limits.watched_parameters:
+            if len(self._watched) >= self._context.limits.watched_parameters:
                 self._report_mistake(
-                    f"a client may watch {self._gateway.limits.watched_parameters} parameters"
+                    f"a client may watch {self._context.limits.watched_parameters} parameters"
                 )
                 return
             self._watched.add(name)
@@ -95,7 +93,7 @@ class ClientParameters:
 
     async def _watch(self, name: str) -> None:
         try:
-            await self._gateway.parameters.watch(name, self._queue_change)
+            await self._context.parameters.watch(name, self._queue_change)
         except RostetherError as error:
             self._watched.discard(name)
             self._report_mistake(f"parameter {name[:80]} cannot be watched: {error}")
@@ -104,7 +102,7 @@ class ClientParameters:
         for name in names:
             if name in self._watched:
                 self._watched.discard(name)
-                self._gateway.run(self._gateway.parameters.unwatch(name, self._queue_change))
+                self._context.run(self._context.parameters.unwatch(name, self._queue_change))
 
     def _queue_change(self, described: dict[str, Any]) -> None:
         # Many parameters are watched and set at once: one message has them all.

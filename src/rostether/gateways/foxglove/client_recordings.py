@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Awaitable, Callable, Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from rostether.errors import RostetherError
 from rostether.gateways.foxglove import server_messages as replies
@@ -16,10 +16,8 @@ from rostether.gateways.foxglove.client_messages import (
     StopRecording,
 )
 from rostether.gateways.foxglove.client_work import ClientWork
+from rostether.gateways.foxglove.gateway_context import GatewayContext
 from rostether.gateways.foxglove.recording_control import RecordingControl
-
-if TYPE_CHECKING:
-    from rostether.gateways.foxglove.gateway import FoxgloveGateway
 
 # Concurrent requests of one client; a user makes one at a time.
 MAX_REQUESTS = 4
@@ -30,12 +28,12 @@ class ClientRecordings:
 
     def __init__(
         self,
-        gateway: FoxgloveGateway,
+        context: GatewayContext,
         work: ClientWork,
         send: Callable[[str], None],
         report_mistake: Callable[[str], None],
     ) -> None:
-        self._gateway = gateway
+        self._context = context
         self._work = work
         self._send = send
         self._report_mistake = report_mistake
@@ -43,7 +41,7 @@ class ClientRecordings:
 
     def follow(self, _: ListRecordings) -> None:
         """Report the recordings, now and when they change."""
-        if (reports := self._gateway.recordings) is None:
+        if (reports := self._context.recordings) is None:
             self._refuse()
             return
         reports.follow(self._report)
@@ -72,11 +70,11 @@ class ClientRecordings:
 
     def close(self) -> None:
         """Stop reporting."""
-        if self._gateway.recordings is not None:
-            self._gateway.recordings.unfollow(self._report)
+        if self._context.recordings is not None:
+            self._context.recordings.unfollow(self._report)
 
     def _change(self, change: Callable[[RecordingControl], Awaitable[None]]) -> None:
-        reports = self._gateway.recordings
+        reports = self._context.recordings
         if reports is None:
             self._refuse()
             return
@@ -95,7 +93,7 @@ class ClientRecordings:
             await reports.report()
 
         # The request is finished even if the client disconnects.
-        self._gateway.run(work())
+        self._context.run(work())
 
     def _refuse(self) -> None:
         self._report_mistake("this gateway does not record")

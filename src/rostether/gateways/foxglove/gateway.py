@@ -13,9 +13,8 @@ from __future__ import annotations
 import asyncio
 import socket
 import time
-from collections.abc import Callable, Coroutine, Sequence
+from collections.abc import Callable, Sequence
 from types import TracebackType
-from typing import Any
 
 from rostether.errors import RostetherError
 from rostether.gateways.foxglove import server_messages as replies
@@ -24,6 +23,7 @@ from rostether.gateways.foxglove.channels import Channels
 from rostether.gateways.foxglove.client import Client
 from rostether.gateways.foxglove.connection_graph import ConnectionGraph
 from rostether.gateways.foxglove.dashboard_parts import DashboardParts
+from rostether.gateways.foxglove.gateway_context import GatewayContext
 from rostether.gateways.foxglove.line import HIGH_WATER_BYTES, Line
 from rostether.gateways.foxglove.parameters import Parameters
 from rostether.gateways.foxglove.recording_control import RecordingReports
@@ -78,28 +78,31 @@ class FoxgloveGateway:
         dashboard: DashboardParts | None = None,
     ) -> None:
         self._parts = parts = dashboard or DashboardParts()
-        self.graph = graph
-        self.store = store
-        self.settings = settings
-        self.limits = settings.limits
-        self.shared = SharedSubscriptions(graph, store)
-        self.channels = Channels(
-            store, self.shared, settings.topics, self._offer_channels, self._end_channels, self._warn_clients
+        shared = SharedSubscriptions(graph, store)
+        channels = Channels(
+            store, shared, settings.topics, self._offer_channels, self._end_channels, self._warn_clients
         )
-        self.services = Services(
-            graph, store, settings.services, find_service_type, self._offer_services, self._end_services
+        self.context = GatewayContext(
+            graph=graph,
+            store=store,
+            settings=settings,
+            shared=shared,
+            channels=channels,
+            services=Services(
+                graph, store, settings.services, find_service_type, self._offer_services, self._end_services
+            ),
+            parameters=Parameters(graph, settings.parameters),
+            connections=ConnectionGraph(channels.known),
+            assets=Assets(find_packages or dict, settings.limits.asset_bytes),
+            clock=SimClock(graph, shared, self._send_time, self._restart_clients),
+            teleop=Teleop(parts.join_teleop) if parts.join_teleop is not None else None,
+            recordings=RecordingReports(parts.recordings) if parts.recordings is not None else None,
         )
-        self.parameters = Parameters(graph, settings.parameters)
-        self.connections = ConnectionGraph(self.channels.known)
-        self.assets = Assets(find_packages or dict, self.limits.asset_bytes)
-        self.clock = SimClock(graph, self.shared, self._send_time, self._restart_clients)
-        self.teleop = Teleop(parts.join_teleop) if parts.join_teleop is not None else None
-        self.recordings = RecordingReports(parts.recordings) if parts.recordings is not None else None
         self._report = report or (lambda level, text: None)
         self._server = WebSocketServer(
             ServedProtocol(settings.label, replies.SUBPROTOCOLS, viewer_site=FOXGLOVE_SITE),
             settings,
-            self.limits.of_connections(HIGH_WATER_BYTES),
+            settings.limits.of_connections(HIGH_WATER_BYTES),
             self._open_client,
             self._warn,
             site=parts.site,
@@ -109,7 +112,6 @@ class FoxgloveGateway:
         self._statuses: dict[str, str] = {}
         # Why the graph cannot be read now.
         self._problem = ""
-        self._work: set[asyncio.Task[Any]] = set()
         self._following: asyncio.Task[None] | None = None
         self._leaving: asyncio.Task[None] | None = None
         self._ended = asyncio.Event()
@@ -138,8 +140,8 @@ class FoxgloveGateway:
 
     async def start(self) -> None:
         """Listen, and follow the graph. Raises TransportOpenError, ConfigError."""
-        await definitions_searched(self.store.registry)
-        await self.clock.start()
+        await definitions_searched(self.context.store.registry)
+        await self.context.clock.start()
         self._following = asyncio.ensure_future(self._follow())
         self._leaving = asyncio.ensure_future(self._end_with_node())
         try:
@@ -157,16 +159,7 @@ class FoxgloveGateway:
                 task.cancel()
                 await asyncio.wait([task])
         await self._server.hang_up()
-        while self._work:
-            await asyncio.wait(self._work)
-        if self.teleop is not None:
-            await self.teleop.close()
-        if self.recordings is not None:
-            await self.recordings.close()
-        await asyncio.gather(
-            self.channels.close(), self.services.close(), self.parameters.close(), self.clock.close()
-        )
-        await self.shared.close()
+        await self.context.close()
 
     async def wait_ended(self) -> None:
         """Wait until the gateway's node has left the graph; from then on no client is served."""
@@ -186,32 +179,33 @@ class FoxgloveGateway:
     def add_client(self, client: Client) -> None:
         """Send the current state to a new client."""
         self._clients[client] = None
+        context, settings = self.context, self.context.settings
         capabilities = [
             each
-            for each in self.settings.capabilities
+            for each in settings.capabilities
             if client.rights is Rights.FULL or each not in _CAPABILITIES_TO_ACT
         ]
-        if self.clock.is_simulated:
+        if context.clock.is_simulated:
             capabilities.append(_TIME_CAPABILITY)
         send = client.line.send
         send(
             replies.server_info(
-                name=self.settings.name,
+                name=settings.name,
                 capabilities=capabilities,
                 # A client that reconnects can reuse its ids: they stay valid during this run.
                 session_id=self._session_id,
                 metadata={
                     "ROS_DISTRO": "noetic",
-                    "node": self.graph.node_name,
+                    "node": context.graph.node_name,
                     **self._parts.metadata(client.rights),
-                    **self.settings.metadata,
+                    **settings.metadata,
                 },
             )
         )
         # The protocol requires one in each connection; it may be empty.
-        send(replies.advertise(self.channels.by_id.values()))
-        if self.services.by_id and "services" in capabilities:
-            send(replies.advertise_services(self.services.by_id.values()))
+        send(replies.advertise(context.channels.by_id.values()))
+        if context.services.by_id and "services" in capabilities:
+            send(replies.advertise_services(context.services.by_id.values()))
         for text in self._statuses.values():
             send(text)
         if self._problem:
@@ -221,32 +215,27 @@ class FoxgloveGateway:
         """Remove a client that has disconnected."""
         self._clients.pop(client, None)
 
-    def run(self, work: Coroutine[Any, Any, None]) -> None:
-        """Run the cleanup after a client or a channel; errors of the graph are ignored."""
-        task = asyncio.ensure_future(_contained(work))
-        self._work.add(task)
-        task.add_done_callback(self._work.discard)
-
     # Internal methods.
 
     def _warn(self, text: str) -> None:
-        self._report(Level.WARN, f"{self.settings.label}: {text}")
+        self._report(Level.WARN, f"{self.context.settings.label}: {text}")
 
     def _open_client(self, connection: Connection) -> Line:
-        line = Line(connection, self.limits)
+        line = Line(connection, self.context.limits)
         rights = self._server.admission.rights(connection.path, connection.headers)
-        client = line.user = Client(self, line, rights)
-        client.opened()
+        client = line.user = Client(self.context, line, self.forget, rights)
+        self.add_client(client)
         return line
 
     async def _follow(self) -> None:
+        context = self.context
         while not self._is_closing:
             try:
-                async for snapshot in self.graph.changes():
+                async for snapshot in context.graph.changes():
                     self._show_problem(snapshot.problem)
-                    self.channels.update(snapshot)
-                    self.services.update(snapshot)
-                    if (changes := self.connections.update(snapshot)) is not None:
+                    context.channels.update(snapshot)
+                    context.services.update(snapshot)
+                    if (changes := context.connections.update(snapshot)) is not None:
                         message = replies.connection_graph_update(changes)
                         for client in self._clients:
                             if client.wants_connection_graph:
@@ -266,7 +255,7 @@ class FoxgloveGateway:
         return replies.status(StatusLevel.WARNING, self._problem, _GRAPH_STATUS_ID)
 
     async def _end_with_node(self) -> None:
-        reason = await self.graph.wait_closed()
+        reason = await self.context.graph.wait_closed()
         self._warn(f"its node was shut down: {reason}")
         self._is_closing = True
         await self._server.close()
@@ -288,11 +277,11 @@ class FoxgloveGateway:
         self._broadcast(replies.unadvertise(channel.id for channel in channels))
 
     def _offer_services(self, services: Sequence[OfferedService]) -> None:
-        if self._clients and "services" in self.settings.capabilities:
+        if self._clients and "services" in self.context.settings.capabilities:
             self._broadcast(replies.advertise_services(services))
 
     def _end_services(self, services: Sequence[OfferedService]) -> None:
-        if self._clients and "services" in self.settings.capabilities:
+        if self._clients and "services" in self.context.settings.capabilities:
             self._broadcast(replies.unadvertise_services(service.id for service in services))
 
     def _warn_clients(self, text: str) -> None:
@@ -312,11 +301,3 @@ class FoxgloveGateway:
         self._session_id = str(time.time_ns())
         for client in list(self._clients):
             client.line.close(_SERVICE_RESTART, "the clock has changed")
-
-
-async def _contained(work: Coroutine[Any, Any, None]) -> None:
-    try:
-        await work
-    except RostetherError:
-        # The node has left the graph, and all its endpoints with it.
-        return

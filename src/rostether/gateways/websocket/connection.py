@@ -38,7 +38,8 @@ from rostether.transports.sockets import read_buffer
 if TYPE_CHECKING:
     import ssl
 
-    from rostether.gateways.websocket.server import WebSocketServer
+    from rostether.gateways.websocket.settings import ConnectionLimits, ServedProtocol
+    from rostether.gateways.websocket.site import Site
 
 # A chunk of this size has at most 2,700 frames, which take less than 20 ms; one of `READ_BYTES` takes 150 ms.
 _MAX_READ_BYTES = 16 * 1024
@@ -68,13 +69,37 @@ class ConnectionUser(Protocol):
         """Handle the end of the connection."""
 
 
+class ConnectionServer(Protocol):
+    """What a connection asks of its server."""
+
+    limits: ConnectionLimits
+    protocol: ServedProtocol
+    site: Site | None
+    encryption: ssl.SSLContext | None
+
+    def admit(self, connection: Connection, transport: asyncio.Transport) -> bool:
+        """Return whether a connection may stay, and count it."""
+
+    def forget(self, connection: Connection) -> None:
+        """Stop counting a connection that has ended."""
+
+    def refusal(self, connection: Connection, request: Request) -> tuple[HTTPStatus, str] | None:
+        """Return the status and reason with which a WebSocket is refused, None if it is admitted."""
+
+    def plain_refusal(self, connection: Connection, request: Request, *, is_download: bool) -> str | None:
+        """Return why a plain request for a file or a download is refused, None if it is allowed."""
+
+    def open_user(self, connection: Connection) -> ConnectionUser:
+        """Return the user of a connection after its handshake."""
+
+
 class Connection(asyncio.BufferedProtocol):
     """One connection; it gets a user when the handshake ends.
 
     It reads less at a time while its chunks cost much.
     """
 
-    def __init__(self, server: WebSocketServer) -> None:
+    def __init__(self, server: ConnectionServer) -> None:
         self.path = "/"
         self.headers = Headers()
         # The client's address, and whether it is one of this machine.

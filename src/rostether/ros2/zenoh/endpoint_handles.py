@@ -20,7 +20,7 @@ from rostether.ros2.zenoh.learnt_types import Describe
 from rostether.ros2.zenoh.publication import Publication
 from rostether.ros2.zenoh.service_client import ServiceClient
 from rostether.ros2.zenoh.service_server import ServiceServer
-from rostether.ros2.zenoh.session import LiveToken
+from rostether.ros2.zenoh.shared_session import LiveToken
 from rostether.ros2.zenoh.subscription import Receiver, Subscription
 from rostether.ros2.zenoh.tokens import Kind, Token
 

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from rostether.names.graph_name import namespace_of
 from rostether.ros2.qos import DEFAULT_QOS, Qos
-from rostether.ros2.zenoh.session import LiveToken, ZenohSession
+from rostether.ros2.zenoh.shared_session import LiveToken, SharedSession
 from rostether.ros2.zenoh.tokens import Kind, Token
 
 
 class NodeEntities:
     """Declares the tokens of one node."""
 
-    def __init__(self, session: ZenohSession, node_name: str) -> None:
+    def __init__(self, session: SharedSession, node_name: str) -> None:
         self.session = session
         self.node_name = node_name
         self._namespace = namespace_of(node_name)

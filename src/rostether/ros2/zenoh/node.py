@@ -27,7 +27,7 @@ from rostether.ros2.zenoh.endpoint_handles import Endpoints
 from rostether.ros2.zenoh.entities import NodeEntities
 from rostether.ros2.zenoh.publication import Publication
 from rostether.ros2.zenoh.service_server import ServiceServer
-from rostether.ros2.zenoh.session import ZenohSession
+from rostether.ros2.zenoh.shared_session import SharedSession
 from rostether.ros2.zenoh.subscription import Subscription
 from rostether.ros2.zenoh.tokens import ADMIN_SPACE, Kind, Token, parse_token
 from rostether.rostime import Time
@@ -50,7 +50,7 @@ class ZenohGraph(Ros2Membership):
 
     def __init__(
         self,
-        session: ZenohSession,
+        session: SharedSession,
         node_name: str,
         namespace: str,
         remappings: Mapping[str, str],

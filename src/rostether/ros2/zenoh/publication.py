@@ -22,7 +22,7 @@ from rostether.ros2.zenoh.configuration import WAIT_BEFORE_DROP_US
 from rostether.ros2.zenoh.entities import NodeEntities
 from rostether.ros2.zenoh.mismatches import Mismatches
 from rostether.ros2.zenoh.put_queue import PutQueue, Puts
-from rostether.ros2.zenoh.session import LiveToken
+from rostether.ros2.zenoh.shared_session import LiveToken
 from rostether.ros2.zenoh.tokens import Kind, Token, data_key
 
 # A put that takes this long has waited for room; other puts take a hundredth of this time.

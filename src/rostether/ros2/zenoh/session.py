@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import asyncio
-import itertools
 import logging
 import time
 from collections.abc import Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import zenoh
 
@@ -29,15 +27,13 @@ from rostether.ros2.zenoh.configuration import (
     peer_configuration,
     router_configuration,
 )
-from rostether.ros2.zenoh.graph_cache import GraphCache
+from rostether.ros2.zenoh.node import ZenohGraph
 from rostether.ros2.zenoh.opening import open_session
 from rostether.ros2.zenoh.reachability import NO_SESSION, endpoints_of, find_faults, tls_of
 from rostether.ros2.zenoh.router_watch import watch_router
+from rostether.ros2.zenoh.shared_session import SharedSession
 from rostether.ros2.zenoh.thread_state import stay_known
-from rostether.ros2.zenoh.tokens import Token, all_tokens
-
-if TYPE_CHECKING:
-    from rostether.ros2.zenoh.node import ZenohGraph
+from rostether.ros2.zenoh.tokens import all_tokens
 
 # Changes of the graph between two iterations of the event loop: twice the limit of tokens.
 MAX_WAITING_NEWS = 200_000
@@ -53,37 +49,19 @@ ACCESS_CHECK_AFTER_S = 1.0
 
 LINK_POLL_S = 0.005
 
-# The number of publications that may wait for room at the same time, each in a thread.
-MAX_PUT_THREADS = 8
-
-# The number of service requests and responses that may wait for room; zenoh closes a full link after 5 s.
-MAX_CALL_THREADS = 8
-
 _log = logging.getLogger("rostether.ros2")
 
 
-class ZenohSession:
+class ZenohSession(SharedSession):
     """A session; `join` is a `JoinGraph`. Make it with `ZenohSession.open`."""
 
     def __init__(self, session: zenoh.Session, environment: Ros2Environment, types: Ros2Types) -> None:
-        self.zenoh = session
-        self.environment = environment
-        self.domain_id = environment.domain_id
-        self.types = types
-        self.graph = GraphCache()
-        self.session_id = str(session.zid())
+        super().__init__(session, environment.domain_id, types)
         self.is_router = False
         self.listens_on: tuple[str, ...] = ()
         self.connects_to: tuple[str, ...] = ()
-        # No thread before the first publication meets a full link.
-        self.put_threads = ThreadPoolExecutor(MAX_PUT_THREADS, "zenoh put")
-        # A separate pool: a caller that hangs must not block the loop or a topic.
-        self.call_threads = ThreadPoolExecutor(MAX_CALL_THREADS, "zenoh call")
-        self._ids = itertools.count()
-        self._nodes: set[ZenohGraph] = set()
         self._is_closed = False
         self._news: Handover[tuple[str, bool]] = Handover(self.graph.apply_tokens, limit=MAX_WAITING_NEWS)
-        self._liveliness = session.liveliness()
         self._watch: zenoh.Subscriber[None] | None = None
         self._tasks: list[asyncio.Task[None]] = []
 
@@ -120,57 +98,17 @@ class ZenohSession:
         parameters: Mapping[str, ParamValue] | None = None,
     ) -> ZenohGraph:
         """Join as `node_name`, with initial values of its parameters. Raises InvalidNameError, GraphError."""
-        from rostether.ros2.zenoh.node import ZenohGraph
-
         if self._is_closed:
             raise MasterUnreachableError("this zenoh session is closed; open another one")
         full_name = validate_node_name(join(namespace, node_name))
         graph = ZenohGraph(self, full_name, namespace, remappings or {}, parameters or {})
-        self._nodes.add(graph)
+        self.nodes.add(graph)
         try:
             await graph.open()
         except BaseException:
             await graph.close()
             raise
         return graph
-
-    def leave(self, graph: ZenohGraph) -> None:
-        """Remove a node that has closed."""
-        self._nodes.discard(graph)
-
-    def next_id(self) -> int:
-        """Return an id that no other entity of this session has."""
-        return next(self._ids)
-
-    def declare_token(self, token: Token) -> LiveToken:
-        """Announce a node or endpoint until the token is withdrawn."""
-        return LiveToken(self, token)
-
-    def apply_own_token(self, text: str, *, is_there: bool) -> None:
-        """Add one of this session's tokens to its own view directly, not through zenoh."""
-        self.graph.apply_tokens([(text, is_there)])
-
-    async def query_tokens(self, key: str, timeout_s: float) -> list[str]:
-        """Query the network for the current tokens that match a key expression."""
-        loop = asyncio.get_running_loop()
-        found: list[str] = []
-        done = asyncio.Event()
-
-        def finish() -> None:
-            try:
-                loop.call_soon_threadsafe(done.set)
-            except RuntimeError:
-                _log.debug("an answer came after the loop had ended")
-
-        def on_reply(reply: zenoh.Reply) -> None:
-            if reply.ok is not None:
-                found.append(str(reply.ok.key_expr))
-
-        self._liveliness.get(
-            key, zenoh.handlers.Callback(on_reply, finish, indirect=False), timeout=timeout_s
-        )
-        await done.wait()
-        return found
 
     async def close(self) -> None:
         """Close every node, then the session. Idempotent."""
@@ -179,7 +117,7 @@ class ZenohSession:
         self._is_closed = True
         for task in self._tasks:
             task.cancel()
-        await asyncio.gather(*(graph.close("the session ended") for graph in list(self._nodes)))
+        await asyncio.gather(*(graph.close("the session ended") for graph in list(self.nodes)))
         self._news.close()
         await asyncio.to_thread(self._end)
 
@@ -202,7 +140,7 @@ class ZenohSession:
             watching = watch_router(self.zenoh, named, self.graph.show_problem)
             self._tasks.append(asyncio.ensure_future(watching))
         key = all_tokens(self.domain_id)
-        self._watch = self._liveliness.declare_subscriber(
+        self._watch = self.liveliness.declare_subscriber(
             key, zenoh.handlers.Callback(self._handle_token, indirect=False), history=True
         )
         # A snapshot or service call right after the start must see the existing endpoints.
@@ -255,22 +193,6 @@ class ZenohSession:
         # router.
         if f"/{self.session_id}/" not in key:
             self._news.put((key, sample.kind == zenoh.SampleKind.PUT))
-
-
-class LiveToken:
-    """A token of this session, alive until `withdraw`."""
-
-    def __init__(self, session: ZenohSession, token: Token) -> None:
-        self.token = token
-        self.text = token.format()
-        self._session = session
-        self._declared = session.zenoh.liveliness().declare_token(self.text)
-        session.apply_own_token(self.text, is_there=True)
-
-    def withdraw(self) -> None:
-        """Withdraw the token. Call it once."""
-        self._declared.undeclare()
-        self._session.apply_own_token(self.text, is_there=False)
 
 
 async def _replaces_router(environment: Ros2Environment, reach: Reach) -> bool:

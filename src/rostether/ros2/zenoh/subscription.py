@@ -23,7 +23,7 @@ from rostether.ros2.zenoh.attachment import gid_of, parse_attachment
 from rostether.ros2.zenoh.entities import NodeEntities
 from rostether.ros2.zenoh.learnt_types import Describe, LearntTypes
 from rostether.ros2.zenoh.mismatches import Mismatches
-from rostether.ros2.zenoh.session import LiveToken
+from rostether.ros2.zenoh.shared_session import LiveToken
 from rostether.ros2.zenoh.thread_state import stay_known
 from rostether.ros2.zenoh.tokens import Kind, Token, data_key
 

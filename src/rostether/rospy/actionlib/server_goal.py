@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+import threading
+from typing import Any, Protocol
 
 from rostether.rospy.actionlib.action_types import GoalID, GoalStatus
 from rostether.rospy.actionlib.goal_ids import GoalIDGenerator
 from rostether.rospy.client.logs import logdebug, logerr
 from rostether.rospy.client.ros_time import Time
-
-if TYPE_CHECKING:
-    from rostether.rospy.actionlib.action_server import ActionServer
 
 _CANCELLED = {
     GoalStatus.PENDING: GoalStatus.RECALLED,
@@ -38,11 +36,27 @@ class ServedGoal:
             self.status.goal_id.stamp = Time.now()
 
 
+class GoalPublisher(Protocol):
+    """What a goal's handle needs of its server; `lock` is held while a status changes."""
+
+    lock: threading.RLock
+    ActionResultType: Any
+
+    def publish_status(self) -> None:
+        """Publish the list of goals."""
+
+    def publish_result(self, status: Any, result: Any) -> None:
+        """Publish how a goal ended, and the list."""
+
+    def publish_feedback(self, status: Any, feedback: Any) -> None:
+        """Publish the progress of a goal."""
+
+
 class ServerGoalHandle:
     """A program's handle of a goal; an empty handle does nothing."""
 
     def __init__(
-        self, status_tracker: ServedGoal | None = None, action_server: ActionServer | None = None
+        self, status_tracker: ServedGoal | None = None, action_server: GoalPublisher | None = None
     ) -> None:
         self.status_tracker = status_tracker
         self.action_server = action_server
@@ -145,7 +159,7 @@ class ServerGoalHandle:
                 goal.ended_at = Time.now()
                 server.publish_result(goal.status, self.get_default_result() if result is None else result)
 
-    def _found(self, what: str) -> tuple[ActionServer, ServedGoal] | None:
+    def _found(self, what: str) -> tuple[GoalPublisher, ServedGoal] | None:
         if self.goal is None or self.action_server is None or self.status_tracker is None:
             logerr("Attempt to %s on an uninitialized ServerGoalHandle", what)
             return None

@@ -19,12 +19,12 @@ from typing import TypeAlias
 from rostether.errors import TransportClosedError, TransportError
 from rostether.mechanisms.backoff import Backoff
 from rostether.transports.address import SerialAddress, XbeeAddress
+from rostether.transports.link_quality import LinkQuality
 from rostether.transports.peers import IDLE_LIMIT_S, MAX_PEERS, Medium, PeerTable
 from rostether.transports.transport import Transport
 from rostether.transports.xbee.frame import XbeeFrameDecoder
 from rostether.transports.xbee.host_radio import HostRadio
-from rostether.transports.xbee.link_quality import LinkQuality
-from rostether.transports.xbee.packets import AtAnswer, RadioPacket, TransmitStatus, parse_report
+from rostether.transports.xbee.packets import AtAnswer, RadioPacket, TransmitStatus, parse_report, status_text
 from rostether.transports.xbee.radio_address import BROADCAST_ADDRESS, is_of_one_radio, show_radio_address
 from rostether.transports.xbee.send_queue import Finished, SendQueue
 
@@ -244,7 +244,7 @@ class XbeeListener:
 
     def _send(self, key: int, data: bytes | bytearray | memoryview) -> None:
         if not self._queue.put(key, data) and (quality := self._qualities.get(key)) is not None:
-            quality.refused()
+            quality.sent("queue full", is_lost=True)
         self._pump()
 
     def _pump(self) -> None:
@@ -278,4 +278,9 @@ class XbeeListener:
 
     def _finished(self, finished: Finished[int]) -> None:
         if (quality := self._qualities.get(finished.key)) is not None:
-            quality.finished(finished.status)
+            if (status := finished.status) is None:
+                quality.sent("no report", is_lost=True)
+            else:
+                quality.sent(
+                    status_text(status.status), is_lost=not status.is_delivered, retries=status.retries
+                )

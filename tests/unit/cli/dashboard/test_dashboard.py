@@ -15,8 +15,9 @@ from interop.ros1_peers import free_port
 from programs import Peer, started
 from rostether.cli.access.ros1_access import joining_ros1
 from rostether.cli.access.served_graphs import ServedGraphs
-from rostether.cli.dashboard import beside, browser, served
+from rostether.cli.dashboard import browser, served
 from rostether.cli.dashboard.served import page_url
+from rostether.cli.dashboard.settings import DashboardSettings
 from rostether.graph.memory_network import MemoryNetwork
 from rostether.graph.typed_graph import TypedGraph
 from rostether.msgdef.registry import Registry
@@ -49,7 +50,7 @@ async def test_a_port_that_another_program_takes_first_is_not_used(monkeypatch: 
         environment = RosEnvironment(master_uri=master.uri)
         graphs = ServedGraphs(joining_ros1(environment), environment, ())
         try:
-            settings = beside.DashboardSettings(has_page=False)
+            settings = DashboardSettings(has_page=False)
             async with served.served_dashboard(settings, graphs, (), lambda level, text: None) as shown:
                 assert not ports
                 assert shown.gateway.port != other.getsockname()[1]
@@ -186,7 +187,7 @@ async def test_a_page_records_and_downloads(tmp_path: Path) -> None:
 
 async def test_without_ros1_a_recording_has_ros2_messages(tmp_path: Path) -> None:
     network = MemoryNetwork()
-    settings = beside.DashboardSettings(has_page=False, recordings=tmp_path)
+    settings = DashboardSettings(has_page=False, recordings=tmp_path)
     graphs = ServedGraphs(network.join, None, ())
     robot = TypedGraph(await network.join("/robot"), TypeStore(Registry()))
     publisher = await robot.publisher("/chatter", "std_msgs/String", latch=True)

@@ -6,8 +6,9 @@ from collections.abc import Mapping
 import pytest
 from websockets.asyncio.client import connect
 
-from rostether.cli.gateway.gateways import GatewayGraph, joined_patiently, rosbridge_gateway
+from rostether.cli.gateway.gateways import GatewayGraph, joined_patiently
 from rostether.cli.gateway.options import GatewayOptions
+from rostether.cli.gateway.rosbridge import rosbridge_gateway
 from rostether.errors import GraphError, MasterUnreachableError, UnknownTypeError
 from rostether.graph.memory_graph import MemoryGraph
 from rostether.graph.memory_network import MemoryNetwork

@@ -203,7 +203,7 @@ async def test_when_its_node_was_shut_down_a_page_may_drive_again() -> None:
         await entered(client)
         await command(client, 0.1)
         await until(lambda: robot.speeds)
-        teleop = there.gateway.teleop
+        teleop = there.gateway.context.teleop
         assert teleop is not None
         assert teleop._graph is not None
         await teleop._graph.close()

@@ -38,7 +38,7 @@ async def test_clients_that_do_not_read_large_meshes_do_not_keep_them_from_other
         for client in silent:
             client.connection.transport.pause_reading()
             await client.say("fetchAsset", uri="package://arm/mesh.stl", requestId=1)
-        await until(lambda: there.gateway.assets._large_room.locked())
+        await until(lambda: there.gateway.context.assets._large_room.locked())
         reader = await clients.enter_async_context(there.client())
         await reader.say("fetchAsset", uri="package://arm/mesh.stl", requestId=1)
         assert len((await reader.wait("fetchAssetResponse"))["data"]) == 12 << 20

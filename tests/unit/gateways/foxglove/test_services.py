@@ -52,7 +52,7 @@ async def test_service_types_are_requested_if_the_graph_does_not_know_them() -> 
         return SET_BOOL
 
     async with stage(find_service_type=find) as there, there.client() as client:
-        services = there.gateway.services
+        services = there.gateway.context.services
         snapshot = await there.robot.snapshot()
 
         async def handle(request: bytes) -> bytes:

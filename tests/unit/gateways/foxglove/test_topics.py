@@ -47,11 +47,11 @@ async def test_a_topic_that_ends_is_removed_with_its_subscriptions() -> None:
         await until(lambda: publisher.subscriber_count)
         await publisher.close()
         await client.wait("unadvertise", lambda message: message["channelIds"] == [channel["id"]])
-        await until(lambda: not there.gateway.shared.topics)
+        await until(lambda: not there.gateway.context.shared.topics)
         await there.robot.advertise("/chatter", string_type(there))
         again = await client.channel("/chatter", after=channel["id"])
         await client.say("subscribe", subscriptions=[{"id": 1, "channelId": again["id"]}])
-        await until(lambda: there.gateway.shared.topics)
+        await until(lambda: there.gateway.context.shared.topics)
 
 
 async def test_a_type_that_is_not_known_is_learned_from_its_publisher() -> None:

@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections import deque
 from dataclasses import dataclass, field
 
-from rostether.transports.xbee.packets import TransmitStatus, status_text
-
 # How many of the last packets a finding counts: some seconds of a busy link, and enough that one lost packet
 # has little weight.
 RECENT_PACKETS = 50
@@ -34,22 +32,14 @@ class LinkQuality:
         if rssi_dbm is not None:
             self.rssi_dbm = rssi_dbm
 
-    def finished(self, status: TransmitStatus | None) -> None:
-        """Count a packet to the board; None if the radio never reported its result."""
-        is_lost = status is None or not status.is_delivered
+    def sent(self, status: str, *, is_lost: bool, retries: int | None = None) -> None:
+        """Count a packet to the board, with its result in words."""
         self.sent_packets += 1
         self.lost_packets += is_lost
         self._recent.append(is_lost)
-        self.last_status = "no report" if status is None else status_text(status.status)
-        if status is not None and status.retries is not None:
-            self.retries = (self.retries or 0) + status.retries
-
-    def refused(self) -> None:
-        """Count bytes for the board that were dropped because too many wait for it."""
-        self.sent_packets += 1
-        self.lost_packets += 1
-        self._recent.append(True)
-        self.last_status = "queue full"
+        self.last_status = status
+        if retries is not None:
+            self.retries = (self.retries or 0) + retries
 
     @property
     def recent_loss(self) -> float | None:

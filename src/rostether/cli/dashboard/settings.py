@@ -1,0 +1,35 @@
+"""Where and how a command serves the dashboard."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+from rostether.cli.gateway.node import NodeWords
+from rostether.cli.gateway.options import DEFAULT_PLACE, GatewayOptions
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from rostether.cli.dashboard.view import View
+    from rostether.transports.web_boards import WebBoards
+
+
+@dataclass(frozen=True, slots=True)
+class DashboardSettings:
+    """Where the dashboard is served, and who may use it.
+
+    `place` is [HOST:]PORT; without a port, the next free one after 8765 is taken. Without `has_page` only the
+    gateway is served. `views` are panels whose addresses are printed too. `wider` is the command, with
+    {port}, to let other machines connect. `boards` are serial ports of the devices that show the page.
+    """
+
+    place: str = DEFAULT_PLACE
+    access: GatewayOptions = field(default_factory=GatewayOptions)
+    node: NodeWords = field(default_factory=NodeWords)
+    has_page: bool = True
+    recordings: Path | None = None
+    tiles: Path | None = None
+    views: tuple[View, ...] = ()
+    wider: str = "--dashboard 0.0.0.0:{port}"
+    boards: WebBoards | None = None

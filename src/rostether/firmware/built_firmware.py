@@ -1,0 +1,62 @@
+"""What a build gets and returns, whoever runs it: the options, and the firmware."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from rostether.firmware.boards import Board
+from rostether.firmware.libraries import Origin
+from rostether.firmware.sketch import Sketch
+
+_ONLY_SIMULATED = ("Ethernet",)
+
+
+@dataclass(frozen=True, slots=True)
+class BuildOptions:
+    """Options of a build besides the sketch and the board.
+
+    `libraries` are folders of one library or of several; `warnings` turns on compiler warnings for the
+    sketch; `show` gets every command line.
+    """
+
+    libraries: tuple[Path, ...] = ()
+    msg_paths: tuple[Path, ...] = ()
+    defines: tuple[str, ...] = ()
+    warnings: bool = False
+    uses_arduino_cli: bool = False
+    show: Callable[[Sequence[str]], None] | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class UsedLibrary:
+    """A library that a sketch was built with."""
+
+    name: str
+    folder: Path
+    origin: Origin
+
+
+@dataclass(frozen=True, slots=True)
+class BuiltFirmware:
+    """The result of a build. `image` is the file to flash; `output` has the compiler's warnings."""
+
+    sketch: Sketch
+    board: Board
+    elf: Path
+    image: Path
+    libraries: tuple[UsedLibrary, ...]
+    output: str
+    duration_s: float
+    is_from_cache: bool = False
+    sources: tuple[Path, ...] = field(default=(), repr=False)
+
+    @property
+    def simulated_libraries(self) -> list[str]:
+        """The libraries that work only on simulated boards."""
+        return [
+            each.name
+            for each in self.libraries
+            if each.origin is Origin.SIMULATION and each.name in _ONLY_SIMULATED
+        ]

@@ -1,0 +1,89 @@
+"""What the nodes of one zenoh session share."""
+
+from __future__ import annotations
+
+import asyncio
+import itertools
+import logging
+from concurrent.futures import ThreadPoolExecutor
+
+import zenoh
+
+from rostether.ros2.parameters.ros2_membership import Ros2Membership
+from rostether.ros2.types.type_support import Ros2Types
+from rostether.ros2.zenoh.graph_cache import GraphCache
+from rostether.ros2.zenoh.tokens import Token
+
+# The number of publications that may wait for room at the same time, each in a thread.
+MAX_PUT_THREADS = 8
+
+# The number of service requests and responses that may wait for room; zenoh closes a full link after 5 s.
+MAX_CALL_THREADS = 8
+
+_log = logging.getLogger("rostether.ros2")
+
+
+class SharedSession:
+    """A session as its nodes see it."""
+
+    def __init__(self, session: zenoh.Session, domain_id: int, types: Ros2Types) -> None:
+        self.zenoh = session
+        self.domain_id = domain_id
+        self.types = types
+        self.graph = GraphCache()
+        self.session_id = str(session.zid())
+        self.liveliness = session.liveliness()
+        # No thread before the first publication meets a full link.
+        self.put_threads = ThreadPoolExecutor(MAX_PUT_THREADS, "zenoh put")
+        # A separate pool: a caller that hangs must not block the loop or a topic.
+        self.call_threads = ThreadPoolExecutor(MAX_CALL_THREADS, "zenoh call")
+        self.nodes: set[Ros2Membership] = set()
+        self._ids = itertools.count()
+
+    def leave(self, node: Ros2Membership) -> None:
+        """Remove a node that has closed."""
+        self.nodes.discard(node)
+
+    def next_id(self) -> int:
+        """Return an id that no other entity of this session has."""
+        return next(self._ids)
+
+    def apply_own_token(self, text: str, *, is_there: bool) -> None:
+        """Add one of this session's tokens to its own view directly, not through zenoh."""
+        self.graph.apply_tokens([(text, is_there)])
+
+    async def query_tokens(self, key: str, timeout_s: float) -> list[str]:
+        """Query the network for the current tokens that match a key expression."""
+        loop = asyncio.get_running_loop()
+        found: list[str] = []
+        done = asyncio.Event()
+
+        def finish() -> None:
+            try:
+                loop.call_soon_threadsafe(done.set)
+            except RuntimeError:
+                _log.debug("an answer came after the loop had ended")
+
+        def on_reply(reply: zenoh.Reply) -> None:
+            if reply.ok is not None:
+                found.append(str(reply.ok.key_expr))
+
+        self.liveliness.get(key, zenoh.handlers.Callback(on_reply, finish, indirect=False), timeout=timeout_s)
+        await done.wait()
+        return found
+
+
+class LiveToken:
+    """A token of this session, alive until `withdraw`."""
+
+    def __init__(self, session: SharedSession, token: Token) -> None:
+        self.token = token
+        self.text = token.format()
+        self._session = session
+        self._declared = session.zenoh.liveliness().declare_token(self.text)
+        session.apply_own_token(self.text, is_there=True)
+
+    def withdraw(self) -> None:
+        """Withdraw the token. Call it once."""
+        self._declared.undeclare()
+        self._session.apply_own_token(self.text, is_there=False)
