@@ -17,7 +17,6 @@ REVIEWED_LONG_FILES = {
     "bridge/supervisor.py",
     "cli/param/ros2_params.py",
     "firmware/elf.py",
-    "gateways/foxglove/gateway.py",
     "gateways/websocket/connection.py",
     "msgdef/registry.py",
     "recording/mcap/content.py",

@@ -129,11 +129,6 @@ class FoxgloveGateway:
         return self._server.url(everywhere=socket.gethostname())
 
     @property
-    def client_count(self) -> int:
-        """How many clients are connected."""
-        return len(self._clients)
-
-    @property
     def connection_count(self) -> int:
         """How many connections are open, including those that are not clients."""
         return self._server.connection_count

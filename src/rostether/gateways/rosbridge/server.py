@@ -99,11 +99,6 @@ class RosbridgeServer:
         """The URI for clients on this machine."""
         return self._server.url()
 
-    @property
-    def client_count(self) -> int:
-        """How many clients are served now."""
-        return len(self._clients)
-
     async def start(self) -> None:
         """Listen. Raises TransportOpenError, ConfigError."""
         await definitions_searched(self._context.store.registry)

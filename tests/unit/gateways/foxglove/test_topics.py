@@ -34,7 +34,7 @@ async def test_a_late_client_gets_what_was_latched_and_the_first_does_not_again(
         async with there.client() as second:
             await second.say("subscribe", subscriptions=[{"id": 9, "channelId": channel["id"]}])
             assert (await second.wait("messageData"))["id"] == 9
-        await until(lambda: there.gateway.client_count == 1)
+        await until(lambda: there.gateway.connection_count == 1)
         assert publisher.subscriber_count == 1
         assert len(first.of("messageData")) == 1
 

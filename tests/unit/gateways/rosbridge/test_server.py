@@ -19,7 +19,6 @@ from rostether.graph.memory_network import MemoryNetwork
 from rostether.msgdef.registry import Registry
 from rostether.serde.store import TypeStore
 from unit.gateways.rosbridge.web_client import World, world
-from waiting import until
 
 STRING = "std_msgs/String"
 SETTINGS = RosbridgeSettings(host="127.0.0.1", port=0)
@@ -141,7 +140,7 @@ async def test_many_clients_come_and_go_and_nothing_stays(there: World) -> None:
 
     for start in range(0, 100, 20):
         await asyncio.gather(*(visit(number) for number in range(start, start + 20)))
-    await until(lambda: there.server.client_count == 0)
+    await there.wait_until_all_left()
     assert "/rosbridge_websocket" not in there.network.snapshot().topics["/chatter"].subscribers
 
 

@@ -67,7 +67,7 @@ async def test_a_long_call_delays_nothing_and_ends_at_its_time_limit(there: Worl
         assert answer["values"] == "service /hang did not answer within 0.05 s"
         await called.wait()
     # Hanging up while a call is under way leaves nothing behind.
-    await until(lambda: there.server.client_count == 0)
+    await there.wait_until_all_left()
 
 
 async def test_calls_that_never_end_hold_up_nothing_else(

@@ -221,7 +221,7 @@ async def test_a_topic_lingers_when_its_client_has_left_and_ends_with_the_server
         async with there.client() as client:
             await client.say("advertise", topic="/chatter", type=STRING)
             await client.settled()
-        await until(lambda: there.server.client_count == 0)
+        await there.wait_until_all_left()
         assert "/chatter" in there.network.snapshot().topics
         await there.server.close()
         assert "/chatter" not in there.network.snapshot().topics

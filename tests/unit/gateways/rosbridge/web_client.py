@@ -65,6 +65,12 @@ class World:
         async with connect(f"ws://127.0.0.1:{self.server.port}{path}", **options) as connection:
             yield WebClient(connection)
 
+    async def wait_until_all_left(self) -> None:
+        counts = aiter(self.graph.messages("/client_count"))
+        while (await anext(counts)).data:
+            pass
+        await counts.aclose()
+
 
 @asynccontextmanager
 async def world(
