@@ -182,7 +182,6 @@ class DeviceLink:
         data = b"".join(self._outgoing)
         self._outgoing.clear()
         self._outgoing_bytes = 0
-        self.statistics.bytes_sent += len(data)
         return data
 
     def publish(self, topic_id: int, payloads: Sequence[bytes]) -> bool:
@@ -202,8 +201,6 @@ class DeviceLink:
         if self._state is not State.CONFIGURED or self._outgoing_bytes > MAX_WAITING_BYTES:
             return False
         self._queue(encode_frames(topic_id, payloads, self._config.version))
-        sent = self.statistics.messages_sent
-        sent[topic_id] = sent.get(topic_id, 0) + len(payloads)
         return True
 
     def log(self, level: LogLevel, text: str) -> None:
@@ -235,7 +232,6 @@ class DeviceLink:
             if item.topic_id in self._on_control:
                 self._on_control[item.topic_id](item.payloads, now_s, events)
             elif self._endpoints.is_listener(item.topic_id):
-                self.statistics.count_received(item.topic_id, len(item.payloads))
                 events.append(MessagesReceived(item.topic_id, item.payloads))
             else:
                 self.statistics.unannounced_messages += len(item.payloads)
@@ -258,7 +254,6 @@ class DeviceLink:
                 self._discard(DiscardReason.PACKET, payload, events)
                 continue
             round_trip_s = self._clock.answered(time, now_s)
-            self.statistics.time_answers += 1
             self.statistics.count_round_trip(round_trip_s)
             self._time_lost_s = now_s + SYNC_LOST_S
             events.append(TimeAnswered(time, round_trip_s))
@@ -292,7 +287,6 @@ class DeviceLink:
         self._queue_control(ids.TIME, encode_time(Time()))
 
     def _announce(self, now_s: float, events: list[DeviceEvent]) -> None:
-        self.statistics.negotiations += 1
         self._time_lost_s = now_s + SYNC_LOST_S
         for kind, info in self._endpoints.announcements():
             self._queue_control(kind, info.encode())
@@ -310,7 +304,6 @@ class DeviceLink:
         events.append(FrameDiscarded(reason, data))
 
     def _queue_control(self, topic_id: int, payload: bytes) -> None:
-        self.statistics.frames_sent += 1
         self._queue(encode_frame(topic_id, payload, self._config.version))
 
     def _queue(self, data: bytes) -> None:

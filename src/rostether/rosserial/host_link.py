@@ -232,7 +232,6 @@ class HostLink:
     def _receive_messages(self, frames: Frames, now_s: float) -> MessagesReceived:
         self._note_frames(frames, now_s)
         self._presence.message(now_s)
-        self.statistics.count_received(frames.topic_id, len(frames.payloads))
         return MessagesReceived(frames.topic_id, frames.payloads)
 
     def _note_frames(self, frames: Frames, now_s: float) -> None:
@@ -291,7 +290,6 @@ class HostLink:
             if event.reason in DAMAGE:
                 self._negotiation.note_damage(now_s)
         elif isinstance(event, ControlFlood):
-            self.statistics.dropped_control_frames += event.count
             last = events[-1] if events else None
             if isinstance(last, ControlFlood) and last.topic_id == event.topic_id:
                 events[-1] = ControlFlood(event.topic_id, last.count + event.count)
@@ -315,7 +313,6 @@ class HostLink:
         if negotiation.round_trip_s is not None:
             self.statistics.count_round_trip(negotiation.round_trip_s)
         if changes or negotiation.requests:  # pragma: no branch - each settles after a request so far
-            self.statistics.negotiations += 1
             counts = self._table.topic_count, self._table.service_count, negotiation.rounds
             events.append(NegotiationSettled(*counts, now_s - negotiation.began_s))
 
@@ -327,7 +324,6 @@ class HostLink:
         elif verdict is Verdict.RESET:
             self._on_reset(now_s, events)
         elif verdict is Verdict.SILENT:
-            self.statistics.silences += 1
             unfinished = self._line.abandon(now_s)
             self._line = self._listen()
             self.unread.forget()

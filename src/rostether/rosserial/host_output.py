@@ -49,7 +49,6 @@ class HostOutput:
         data = b"".join(self._waiting)
         self._waiting.clear()
         self._waiting_bytes = 0
-        self._statistics.bytes_sent += len(data)
         return data
 
     def messages(self, topic_id: int, payloads: Sequence[bytes]) -> bytes:
@@ -66,7 +65,6 @@ class HostOutput:
                 f" {topic_id}; send smaller messages or build the sketch with a larger buffer"
             )
         data = encode_frames(topic_id, payloads, self.version or 2)
-        self._statistics.count_sent(topic_id, len(payloads), len(data))
         if self._unread.room_bytes is not None:
             self._unread.sent(len(data))
         return data
@@ -96,7 +94,6 @@ class HostOutput:
     def probe(self) -> None:
         """Queue a probe; not in version 1, because its devices do not answer a wrong version byte."""
         if self.version == 2:
-            self._statistics.probes += 1
             self._unread.sent(len(PROBE))
             self._queue(PROBE)
 
@@ -148,7 +145,6 @@ class HostOutput:
                 self._time = time, None
                 return
             self._time = None
-            self._statistics.time_answers += 1
             late_ns = 0 if stamped_s is None else round((now_s - stamped_s) * 1e9)
             answer = encode_frame(
                 ids.TIME, encode_time(Time.from_ns(time.to_ns() + late_ns)), self.version or 2
@@ -160,7 +156,6 @@ class HostOutput:
         self._queue(encode_frame(topic_id, payload, self.version or 2))
 
     def _queue(self, data: bytes) -> None:
-        self._statistics.frames_sent += data != PROBE
         self._waiting.append(data)
         self._waiting_bytes += len(data)
         while self._waiting_bytes > MAX_WAITING_BYTES:

@@ -9,26 +9,16 @@ from rostether.rosserial.events import DiscardReason
 
 @dataclass(slots=True)
 class LinkStatistics:
-    """Counters of one link since it was made; messages are counted by topic id."""
+    """Counters of one link since it was made."""
 
     bytes_received: int = 0
     frames_received: int = 0
-    messages_received: dict[int, int] = field(default_factory=dict)
-    bytes_sent: int = 0
-    frames_sent: int = 0
-    messages_sent: dict[int, int] = field(default_factory=dict)
     discarded: dict[DiscardReason, int] = field(default_factory=dict)
     discarded_bytes: int = 0
     unannounced_messages: int = 0
-    dropped_control_frames: int = 0
     topic_requests: int = 0
-    negotiations: int = 0
-    probes: int = 0
     resets: int = 0
-    silences: int = 0
     time_requests: int = 0
-    time_answers: int = 0
-    last_round_trip_s: float | None = None
     shortest_round_trip_s: float | None = None
 
     @property
@@ -48,18 +38,7 @@ class LinkStatistics:
         self.discarded[reason] = self.discarded.get(reason, 0) + 1
         self.discarded_bytes += size
 
-    def count_received(self, topic_id: int, count: int) -> None:
-        """Count messages of one announced topic id."""
-        self.messages_received[topic_id] = self.messages_received.get(topic_id, 0) + count
-
-    def count_sent(self, topic_id: int, count: int, size: int) -> None:
-        """Count messages sent on one topic id, `size` bytes with framing."""
-        self.messages_sent[topic_id] = self.messages_sent.get(topic_id, 0) + count
-        self.frames_sent += count
-        self.bytes_sent += size
-
     def count_round_trip(self, round_trip_s: float) -> None:
         """Note the response time of a device for a request that needs no work."""
-        self.last_round_trip_s = round_trip_s
         shortest = self.shortest_round_trip_s
         self.shortest_round_trip_s = round_trip_s if shortest is None else min(shortest, round_trip_s)

@@ -49,7 +49,6 @@ class TestMessages:
         expected = b"".join(frame(100, payload) for payload in payloads)
         assert link.encode_messages(100, payloads) == expected
         assert link.encode_messages(100, []) == b""
-        assert link.statistics.messages_sent == {100: 100}
 
     def test_never_more_than_the_buffer_nor_an_unknown_id(self) -> None:
         link, _ = settled_link()
@@ -198,12 +197,9 @@ def test_statistics() -> None:
     line.flush()
     line.run(3.0)
     statistics = line.host.statistics
-    assert statistics.messages_received == {publisher: 7}
     assert statistics.bytes_received == len(line.sent_by_device)
-    assert statistics.bytes_sent == len(line.sent_by_host)
-    assert statistics.negotiations == 1
-    assert statistics.time_requests == statistics.time_answers == 3
-    assert statistics.last_round_trip_s == pytest.approx(0.01, abs=0.001)
+    assert statistics.time_requests == 3
+    assert statistics.shortest_round_trip_s == pytest.approx(0.01, abs=0.001)
     assert statistics.damaged_frames == 0
     frames = Counter(topic_id for topic_id, _ in plain_decode(bytes(line.sent_by_device)))
     assert statistics.frames_received == frames.total()

@@ -61,7 +61,6 @@ class Ros2Types:
         self._services: dict[tuple[str, str], ServiceSupport] = {}
         self._by_name: dict[str, MessageSupport] = {}
         self._services_by_name: dict[str, ServiceSupport] = {}
-        self._native_messages: dict[str, MessageSupport] = {}
         self._native_services: dict[str, ServiceSupport] = {}
 
     async def searched(self) -> None:
@@ -126,13 +125,6 @@ class Ros2Types:
             self._services_by_name[name] = support
         return support
 
-    def native_message(self, name: str) -> MessageType:
-        """Return a ROS 2 message with its native fields in ROS 1's form.
-
-        Raises UnknownTypeError, DefinitionError.
-        """
-        return self._native_message(name).ros1_type
-
     def native_service(self, name: str) -> ServiceType:
         """Return a ROS 2 service with its native fields in ROS 1's form.
 
@@ -166,14 +158,9 @@ class Ros2Types:
         return support if support.name == name else None
 
     def _native_message(self, name: str) -> MessageSupport:
-        support = self._native_messages.get(name)
-        if support is None:
-            ros2 = self.definitions.message(name)
-            view = NativeView(ros2, self.definitions)
-            type_hash = message_hash(ros2, self.definitions)
-            support = MessageSupport(name, type_hash, view.message_type, view.converter)
-            self._native_messages[name] = support
-        return support
+        ros2 = self.definitions.message(name)
+        view = NativeView(ros2, self.definitions)
+        return MessageSupport(name, message_hash(ros2, self.definitions), view.message_type, view.converter)
 
     def _native_service(self, name: str) -> ServiceSupport:
         support = self._native_services.get(name)

@@ -64,8 +64,6 @@ class SimulatedRadio:
         self.serial_number = serial_number
         self.registers = Registers(model, serial_number)
         self.outgoing: deque[Transmission] = deque()
-        self.dropped_packets = 0
-        self.dropped_bytes = 0
         self._serial_out = bytearray()
         self._text = bytearray()
         self._is_due = False
@@ -181,7 +179,6 @@ class SimulatedRadio:
         self._pluses = 0
         self._is_due |= self.registers["RO"] == 0
         self._packetize()
-        self.dropped_bytes += max(0, len(self._text) - BUFFER_BYTES)
         del self._text[BUFFER_BYTES:]
         silence_s = self.registers["RO"] * _BITS_PER_BYTE / self.baud
         self._due_s = now_s + silence_s if self._text else None
@@ -199,10 +196,8 @@ class SimulatedRadio:
         self._send(Transmission(high << 32 | low, is_long, payload))
 
     def _send(self, packet: Transmission) -> None:
-        if len(self.outgoing) >= _BUFFERED_PACKETS:
-            self.dropped_packets += 1
-            return
-        self.outgoing.append(packet)
+        if len(self.outgoing) < _BUFFERED_PACKETS:
+            self.outgoing.append(packet)
 
     def _receive_commands(self, data: bytes, now_s: float) -> None:
         assert self._command_mode is not None
