@@ -8,26 +8,11 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import groupby
+from struct import calcsize
 
 from rostether.msgdef.spec import Field
+from rostether.serde.type_tree import SCALARS, Number
 
-# The format characters of `struct`.
-CODES = {
-    "bool": "?",
-    "byte": "b",
-    "char": "B",
-    "int8": "b",
-    "uint8": "B",
-    "int16": "h",
-    "uint16": "H",
-    "int32": "i",
-    "uint32": "I",
-    "int64": "q",
-    "uint64": "Q",
-    "float32": "f",
-    "float64": "d",
-}
-SIZES = {"?": 1, "b": 1, "B": 1, "h": 2, "H": 2, "i": 4, "I": 4, "q": 8, "Q": 8, "f": 4, "d": 8}
 _ZEROS = {"string": '""', "bool": "False", "float32": "0.0", "float64": "0.0"}
 TIME_CLASSES = {"time": "_Time", "duration": "_Duration"}
 
@@ -44,7 +29,8 @@ class PythonField:
     @property
     def code(self) -> str:
         """The format character of `struct`; empty for strings, times and messages."""
-        return CODES.get(self.field.type.base, "")
+        scalar = SCALARS.get(self.field.type.base)
+        return scalar.code if isinstance(scalar, Number) else ""
 
     @property
     def is_number(self) -> bool:
@@ -134,4 +120,4 @@ def _format(group: Sequence[PythonField]) -> str:
 
 
 def _size(group: Sequence[PythonField]) -> int:
-    return sum(SIZES[each.code] for each in group)
+    return calcsize(_format(group))

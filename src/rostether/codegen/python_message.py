@@ -6,10 +6,11 @@ import re
 from collections.abc import Callable, Iterator
 from math import isfinite
 
-from rostether.codegen.python_fields import SIZES, TIME_CLASSES, PythonField, reading, writing
+from rostether.codegen.python_fields import TIME_CLASSES, PythonField, reading, writing
 from rostether.codegen.python_names import class_name, member_names, package_name
 from rostether.msgdef.md5sum import message_md5sum
 from rostether.msgdef.spec import Constant, MessageSpec, ServiceSpec
+from rostether.serde.type_tree import SCALARS
 
 Lookup = Callable[[str], MessageSpec]
 # Maps the full name of a message to the path of its module without `.py`.
@@ -92,11 +93,11 @@ def _least_bytes(spec: MessageSpec, lookup: Lookup) -> int:
         if kind.is_array and kind.length is None:
             total += 4
             continue
-        each = PythonField(field, field.name)
         if "/" in kind.base:
             size = _least_bytes(lookup(kind.base), lookup)
         else:
-            size = SIZES[each.code] if each.code else 4 if kind.base == "string" else 8
+            # A string is at least its length.
+            size = SCALARS[kind.base].fixed_size_bytes or 4
         total += size * (kind.length if kind.length is not None else 1)
     return total
 

@@ -119,7 +119,7 @@ Node: TypeAlias = Number | Stamp | Text | Array | Struct
 
 _BYTE_NAMES: Final = frozenset({"uint8", "char"})
 
-_SCALARS: Final[dict[str, Number | Stamp | Text]] = {
+SCALARS: Final[dict[str, Number | Stamp | Text]] = {
     "bool": Number("bool", "?", 1),
     "int8": Number("int8", "b", 1),
     "byte": Number("byte", "b", 1),
@@ -177,7 +177,7 @@ class TypeTrees:
         return struct
 
     def _node(self, field_type: FieldType, within: tuple[str, ...]) -> Node:
-        element = _SCALARS.get(field_type.base) or self._nested(field_type.base, within)
+        element = SCALARS.get(field_type.base) or self._nested(field_type.base, within)
         if not field_type.is_array:
             return element
         array = _array(element, field_type.length)

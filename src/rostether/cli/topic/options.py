@@ -9,7 +9,7 @@ from pathlib import Path
 import click
 
 from rostether.cli.access.completions import complete_topics
-from rostether.cli.access.options import msg_path_option
+from rostether.cli.access.options import msg_path_option, refuse_ros2_only
 from rostether.cli.shell.option_group import COUNT, PATH, POSITIVE, add_flag, argument, flag, option, shared
 from rostether.cli.shell.output import json_option
 
@@ -70,6 +70,16 @@ class EchoOptions:
     def wanted_count(self) -> int | None:
         """How many messages to show, None without a limit."""
         return 1 if self.once else self.count
+
+    def refuse_ros2_only(self) -> None:
+        """Raise UsageError if an option of ROS 2 is given."""
+        refuse_ros2_only(
+            csv=self.csv,
+            full_length=self.full_length,
+            truncate_length=self.truncate_length,
+            flow_style=self.flow_style,
+            timeout_s=self.timeout_s,
+        )
 
     def compiled_filter(self) -> Callable[[object, str], bool] | None:
         """Return the filter, None to show all messages. Raises ConfigError for a wrong expression."""

@@ -7,7 +7,6 @@ from pathlib import Path
 
 import click
 
-from rostether.cli.access.options import refuse_ros2_only
 from rostether.cli.shell.output import warn, write_line
 from rostether.cli.topic.options import EchoOptions, with_field
 from rostether.cli.topic.ros1_echo import Ros1Printer
@@ -22,13 +21,7 @@ def echo_recording(path: Path, topic: str | None, options: EchoOptions) -> None:
     """Print the messages of a topic, or of all topics. Raises RecordingError, ConfigError."""
     if options.offset:
         raise click.UsageError("--offset does not work with a recording; leave it out")
-    refuse_ros2_only(
-        csv=options.csv,
-        full_length=options.full_length,
-        truncate_length=options.truncate_length,
-        flow_style=options.flow_style,
-        timeout_s=options.timeout_s,
-    )
+    options.refuse_ros2_only()
     decoder = Decoder()
     with closing(open_recording(path)) as reader:
         if reader.damage:

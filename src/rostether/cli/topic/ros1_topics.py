@@ -49,14 +49,8 @@ class Ros1Topics(Ros1TopicListing):
         """Print messages as rostopic does."""
         from rostether.cli.topic.ros1_echo import echo
 
-        refuse_ros2_only(
-            type_name=type_name,
-            csv=options.csv,
-            full_length=options.full_length,
-            truncate_length=options.truncate_length,
-            flow_style=options.flow_style,
-            timeout_s=options.timeout_s,
-        )
+        refuse_ros2_only(type_name=type_name)
+        options.refuse_ros2_only()
         # A wrong filter is reported before anything is subscribed.
         options.compiled_filter()
         run(echo(self._graph, with_field(topic, options), options))

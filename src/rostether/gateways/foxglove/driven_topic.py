@@ -13,6 +13,7 @@ from rostether.gateways.foxglove.client_messages import ClientChannel
 from rostether.gateways.foxglove.client_topics import MAX_REPORTED_MISTAKES, channel_encoder, types_of
 from rostether.gateways.teleop.teleop import CommandTopic, Teleop
 from rostether.graph.ports import Graph
+from rostether.mechanisms.text import fold_line
 from rostether.serde.store import TypeStore
 
 _MAX_NAME_CHARACTERS = 60
@@ -33,7 +34,7 @@ class DrivenTopic:
         warn: Callable[[str], None],
     ) -> None:
         self.channel = channel
-        self.name = f"{_printable(channel.driver or '')} ({peer})"
+        self.name = f"{fold_line((channel.driver or '')[:_MAX_NAME_CHARACTERS]) or 'a page'} ({peer})"
         self._teleop = teleop
         self._report = report
         self._warn = warn
@@ -124,8 +125,3 @@ class DrivenTopic:
         if text not in self._warned and len(self._warned) < MAX_REPORTED_MISTAKES:
             self._warned.add(text)
             self._warn(text)
-
-
-def _printable(name: str) -> str:
-    text = "".join(each if each.isprintable() else " " for each in name[:_MAX_NAME_CHARACTERS])
-    return " ".join(text.split()) or "a page"

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from enum import IntEnum
 from typing import Any
 
+from rostether.mechanisms.text import fold_line
 from rostether.msgdef.interface import MessageType, ServiceType
 from rostether.rostime import NS_PER_S
 
@@ -193,7 +194,7 @@ def asset_failure(request_id: int, text: str) -> bytes:
 
 def _one_line(text: str) -> str:
     # Names from clients may contain line breaks, and have any length.
-    return " ".join(text.splitlines())[:_MAX_TEXT_CHARACTERS]
+    return fold_line(text[:_MAX_TEXT_CHARACTERS])
 
 
 def _half(half: MessageType) -> dict[str, str]:

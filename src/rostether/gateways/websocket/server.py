@@ -9,6 +9,7 @@ import socket
 import ssl
 from collections import Counter
 from collections.abc import Callable, Mapping
+from functools import partial
 from http import HTTPStatus
 
 from websockets.http11 import Request
@@ -119,7 +120,7 @@ class WebSocketServer:
             try:
                 async with system_bind_errors(each, port):
                     server = await loop.create_server(
-                        self._create_connection, each, port, backlog=self.limits.clients
+                        partial(Connection, self), each, port, backlog=self.limits.clients
                     )
             except OSError as error:
                 if self._servers:
@@ -129,9 +130,6 @@ class WebSocketServer:
             lengthen_backlog(server)
             self._servers.append(server)
             port = self.port
-
-    def _create_connection(self) -> Connection:
-        return Connection(self)
 
     async def close(self) -> None:
         """Accept no more connections; existing ones stay."""

@@ -17,6 +17,7 @@ from pathlib import Path
 import zenoh
 
 from rostether.errors import ConfigError
+from rostether.mechanisms.text import fold_line
 from rostether.ros2.environment import Ros2Environment
 
 ROUTER_PORT = 7447
@@ -167,5 +168,5 @@ def _port(endpoint: str) -> str:
 
 def one_line(error: BaseException) -> str:
     """Return zenoh's error without the source location, line breaks and Rust's notation of values."""
-    text = " ".join(str(error).partition(" at /")[0].split())
+    text = fold_line(str(error).partition(" at /")[0])
     return _JSON_ERROR.sub(r"\1 (line \2, column \3)", text)
