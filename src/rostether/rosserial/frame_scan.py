@@ -136,7 +136,6 @@ class FrameScanner:
         known_headers = self._known
         header_bytes = self._header_bytes
         total = len(buffer)
-        view = memoryview(buffer)
         waste = _Waste(buffer, self._start, max_false_starts)
         sums: RunningSums | None = None
         unfinished: tuple[int, int] | None = None
@@ -166,7 +165,7 @@ class FrameScanner:
                 is_sound = sums.one_plus_sum(position + header_bytes, end) & 0xFF == target
                 good = [buffer[position + header_bytes : end - 1]] if is_sound else []
             elif following == header:
-                good = _cut_run(view[position : total - (total - position) % stride], header, known)
+                good = _cut_run(buffer, position, header, known)
                 end = position + len(good) * stride
                 following = buffer[end : end + header_bytes]
             else:
@@ -242,9 +241,10 @@ def _run_layout(header_bytes: int, stride: int) -> Struct:
     return Struct(f"{header_bytes}s{stride - header_bytes - 1}sB")
 
 
-def _cut_run(run: memoryview, header: bytes, known: _Known) -> list[bytes]:
-    """Return the payloads of the valid frames, all with the same header, that a buffer begins with."""
+def _cut_run(buffer: bytes, position: int, header: bytes, known: _Known) -> list[bytes]:
+    """Return the payloads of the valid frames, all with the same header, that begin at a position."""
     _, stride, summer, target = known
+    run = memoryview(buffer)[position : len(buffer) - (len(buffer) - position) % stride]
     good: list[bytes] = []
     for head, payload, check in _run_layout(len(header), stride).iter_unpack(run):
         if head != header or (summer(payload) + check) & 0xFF != target:
