@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import asyncio
+import base64
+import json
 
 import pytest
 
@@ -62,6 +64,29 @@ async def test_controls_follow_another_page(robot: Robot, browser: Browser) -> N
         await browser.wait_for(first, f"{state} === {wanted!r}")
         await switch.close()
         await counter.close()
+
+
+async def test_a_card_and_its_page_share_the_range_of_a_slider(robot: Robot, browser: Browser) -> None:
+    async with rostether.join("servo", master=robot.master) as graph:
+        servo = await graph.subscriber("/servo", "std_msgs/UInt16", lambda _: None)
+        # A link may hold anything.
+        damaged = robot.url + "#/controls?s=" + base64.b64encode(b'{"topic": 5, "ranges": "x"}').decode()
+        page = await browser.do("open", url=damaged)
+        slider = ".querySelector('[type=range][aria-label=\"/servo\"]')"
+        await browser.wait_for(page, f"document{slider} !== null")
+        await browser.do("evaluate", page=page, script="void (location.hash = '#/')")
+        await browser.do(
+            "click", page=page, selector=".card-controls .card-head a[href*='?s=']:has-text('/servo')"
+        )
+        # The page of one card still has the other controls.
+        await browser.wait_for(page, f"document{slider} && document.querySelectorAll('.control').length > 1")
+        await browser.do("fill", page=page, selector=".slider [aria-label='Highest value']", text="90")
+        await browser.do("evaluate", page=page, script="document.activeElement.blur()")
+        await browser.do("evaluate", page=page, script="void (location.hash = '#/')")
+        await browser.wait_for(page, f"document.querySelector('.cards')?{slider}?.max === '90'")
+        saved = await browser.do("evaluate", page=page, script="localStorage['rostether.panel.controls']")
+        assert json.loads(saved) == {"ranges": {"/servo": {"min": 0, "max": 90}}}
+        await servo.close()
 
 
 async def test_the_robot_stops_when_the_tab_is_closed(robot: Robot, browser: Browser) -> None:

@@ -23,6 +23,7 @@ test("a message in one line", () => {
     brief({ header: { seq: 1 }, a: 1, b: [1, 2], c: { sec: 5, nsec: 30_000_000 } }),
     "a: 1 b: [1, 2] c: 5.030 s",
   );
+  assert.equal(brief({ data: { sec: -2, nsec: 500_000_000 } }), "-1.500 s");
   assert.equal(brief({ data: "hello" }), "hello");
   assert.match(brief({ a: "x".repeat(100), b: "y".repeat(100) }), /^a: x+ b: y+…$/);
   assert.equal(

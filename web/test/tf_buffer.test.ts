@@ -48,13 +48,21 @@ test("what cannot be looked up is said", () => {
   assert.match(String(tf.lookup("a", "b", 3)), /b is 2.0 s old/);
 });
 
-test("transforms that are not finite are ignored", () => {
+test("transforms that tf2 ignores are ignored, with the reason", () => {
   const tf = new TfBuffer();
   tf.insert("odom", "base", 1, turned(0, 1), false, 0);
   tf.insert("odom", "base", 2, turned(0, Number.NaN), false, 0);
   tf.insert("odom", "arm", 1, turned(Number.POSITIVE_INFINITY, 1), true, 0);
   near(found(tf, "odom", "base").translation, [1, 0, 0]);
-  assert.match(String(tf.lookup("odom", "arm")), /Nothing publishes the frame arm/);
+  const reason = "ROS ignores the frame arm: its rotation (0, 0, NaN, NaN) is not a unit quaternion.";
+  assert.equal(tf.lookup("odom", "arm"), reason);
+  tf.insert("odom", "hand", 1, { translation: [0, 0, 0], rotation: [0, 0, 0, 0] }, true, 0);
+  assert.match(String(tf.lookup("odom", "hand")), /its rotation \(0, 0, 0, 0\) is not a unit quaternion/);
+  tf.insert("odom", "base", 3, turned(0, 2), false, 0);
+  assert.deepEqual(
+    tf.problems().map((each) => each.split(":")[0]),
+    ["ROS ignores the frame arm", "ROS ignores the frame hand"],
+  );
 });
 
 test("a loop of parents ends a lookup", () => {
@@ -63,6 +71,8 @@ test("a loop of parents ends a lookup", () => {
   tf.insert("b", "a", 1, turned(0, 1), false, 0);
   assert.equal(typeof tf.lookup("a", "b"), "object");
   assert.equal(typeof tf.lookup("a", "z"), "string");
+  tf.insert("b", "c", 1, turned(0, 1), false, 0);
+  assert.deepEqual(tf.problems(), ["These frames are in a loop of parents: a, b."]);
 });
 
 test("histories are bounded in time and number", () => {

@@ -5,6 +5,7 @@ import type { Feed, Listener } from "../store/feed.ts";
 import type { Robot } from "../store/robot.ts";
 import type { Topic } from "../store/topics.ts";
 import type { texts } from "../texts.ts";
+import type { SettingChecks } from "./setting_checks.ts";
 
 /** Settings of one instance of a panel; must survive JSON. */
 export type Settings = Record<string, unknown>;
@@ -63,6 +64,10 @@ export interface Panel {
   onTabBar?: boolean;
   /** Whether its page fills the whole window, without a scroll bar. */
   fillsPage?: boolean;
+  /** What each of its settings must be; without it, the panel has none. */
+  settings?: SettingChecks;
+  /** Names of settings that its cards share with its page; the values are by topic. */
+  shared?: readonly string[];
   /** Whether its code is large: as a card it is loaded when the others have drawn. */
   loadsLate?: boolean;
   /** Whether the navigation offers it on this graph; without it, always. */

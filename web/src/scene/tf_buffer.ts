@@ -1,10 +1,12 @@
 // The tree of frames with 10 s of history, as tf2's buffer (REP 105, tf2 BufferCore).
-import { compose, IDENTITY, interpolate, invert, type Transform } from "./rigid.ts";
+import { compose, IDENTITY, interpolate, invert, normalized, type Transform } from "./rigid.ts";
 
 /** tf2 keeps 10 s too. */
 const HISTORY_S = 10;
 /** Broadcasts at 100 Hz fill a history; faster ones keep a shorter one. */
 const MAX_SAMPLES = 1000;
+/** tf2 accepts quaternions whose squared length differs from 1 by less. */
+const NORM_TOLERANCE = 10e-3;
 /** More frames than any robot has; a flood of new names must not fill the memory. */
 export const MAX_FRAMES = 4096;
 
@@ -37,10 +39,12 @@ export function frameName(name: string): string {
 
 export class TfBuffer {
   readonly edges = new Map<string, Edge>();
+  /** Why the newest transform of a frame was ignored, by frame. */
+  private readonly ignored = new Map<string, string>();
   /** Grows with each new frame or parent, so that views know when the tree has changed. */
   treeVersion = 0;
 
-  /** Remember where `child` is in `parent`. */
+  /** Remember where `child` is in `parent`; like tf2, without invalid transforms. */
   insert(
     parent: string,
     child: string,
@@ -53,8 +57,13 @@ export class TfBuffer {
     const name = frameName(child);
     const above = frameName(parent);
     if (name === "" || above === "" || name === above) return;
-    // As in tf2: a sensor without a measurement must not break all views.
-    if (![...transform.translation, ...transform.rotation].every(Number.isFinite)) return;
+    const invalid = invalidPart(transform);
+    if (invalid !== undefined) {
+      if (this.ignored.size < MAX_FRAMES) this.ignored.set(name, `ROS ignores the frame ${name}: ${invalid}`);
+      return;
+    }
+    this.ignored.delete(name);
+    const sample = { timeS, transform: { ...transform, rotation: normalized(transform.rotation) } };
     let edge = this.edges.get(name);
     if (edge === undefined) {
       if (this.edges.size >= MAX_FRAMES) return;
@@ -69,13 +78,27 @@ export class TfBuffer {
     edge.isStatic = isStatic;
     edge.receivedMs = receivedMs;
     edge.broadcaster = broadcaster;
-    if (isStatic) edge.samples = [{ timeS, transform }];
-    else insertSample(edge, { timeS, transform });
+    if (isStatic) edge.samples = [sample];
+    else insertSample(edge, sample);
   }
 
   /** Forget all moving frames, as in tf2: the clock went back, so earlier transforms belong to another run. */
   clearHistory(): void {
     for (const edge of this.edges.values()) if (!edge.isStatic) edge.samples = [];
+  }
+
+  /** Why frames are missing: ignored transforms, and loops of parents. */
+  problems(): string[] {
+    const loops = new Set<string>();
+    for (const frame of this.edges.keys()) {
+      const chain = this.chain(frame);
+      const above = this.edges.get(chain.at(-1)!)?.parent;
+      if (above !== undefined) loops.add(chain.slice(chain.indexOf(above)).sort().join(", "));
+    }
+    return [
+      ...this.ignored.values(),
+      ...[...loops].map((each) => `These frames are in a loop of parents: ${each}.`),
+    ];
   }
 
   /** Every frame, parents without one of their own included. */
@@ -108,7 +131,8 @@ export class TfBuffer {
     const common = up.find((frame) => down.includes(frame));
     if (common === undefined) {
       const missing = [from, to].find((frame) => !this.knows(frame));
-      if (missing !== undefined) return `Nothing publishes the frame ${missing} on /tf.`;
+      if (missing !== undefined)
+        return this.ignored.get(missing) ?? `Nothing publishes the frame ${missing} on /tf.`;
       return `The frames ${from} and ${to} are not connected by /tf.`;
     }
     const rising = up.slice(0, up.indexOf(common));
@@ -157,6 +181,16 @@ export class TfBuffer {
     }
     return names;
   }
+}
+
+/** What tf2 does not accept, as a sentence. */
+function invalidPart({ translation, rotation }: Transform): string | undefined {
+  const shown = (numbers: readonly number[]) =>
+    `(${numbers.map((each) => Number(each.toPrecision(4))).join(", ")})`;
+  if (!translation.every(Number.isFinite)) return `its translation ${shown(translation)} is not finite.`;
+  const norm = rotation.reduce((sum, each) => sum + each * each, 0);
+  if (Math.abs(norm - 1) < NORM_TOLERANCE) return undefined;
+  return `its rotation ${shown(rotation)} is not a unit quaternion.`;
 }
 
 function insertSample(edge: Edge, sample: Sample): void {

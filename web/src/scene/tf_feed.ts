@@ -2,7 +2,7 @@
 import type { PanelContext } from "../panels/panel.ts";
 import type { Feed } from "../store/feed.ts";
 import type { TransformStamped } from "./messages.ts";
-import { normalized, type Vec3 } from "./rigid.ts";
+import type { Quaternion, Vec3 } from "./rigid.ts";
 import { MAX_FRAMES, TfBuffer } from "./tf_buffer.ts";
 
 export const TF_TYPES = ["tf2_msgs/TFMessage", "tf/tfMessage"];
@@ -60,7 +60,7 @@ function insert(tf: TfBuffer, each: TransformStamped, isStatic: boolean, receive
   const stampS = each.header.stamp.sec + each.header.stamp.nsec * 1e-9;
   const transform = {
     translation: [t.x, t.y, t.z] as Vec3,
-    rotation: normalized([r.x, r.y, r.z, r.w]),
+    rotation: [r.x, r.y, r.z, r.w] as Quaternion,
   };
   tf.insert(each.header.frame_id, each.child_frame_id, stampS, transform, isStatic, receivedMs);
 }

@@ -6,6 +6,7 @@ import { graphOf } from "../panels/graph_of.ts";
 import { mountPanel } from "../panels/host.ts";
 import type { Panel, Suggestion } from "../panels/panel.ts";
 import { panels } from "../panels/registry.ts";
+import { validSettings } from "../panels/setting_checks.ts";
 import type { Robot } from "../store/robot.ts";
 import { texts } from "../texts.ts";
 import { compareNames } from "./format.ts";
@@ -14,6 +15,7 @@ import { arranged, type Layout, moved, type Width, withoutCard } from "./layout.
 import { changeLayout, layout, resetLayout } from "./layout_state.ts";
 import { CopyButton, EmptyState, IconButton } from "./parts.tsx";
 import { linkTo } from "./route.ts";
+import { saveChanges, sharedSettings } from "./saved_settings.ts";
 
 interface Card extends Suggestion {
   id: string;
@@ -98,7 +100,10 @@ function allCards(robot: Robot, { added }: Layout): Card[] {
   for (const { panelId, ...each } of added) {
     const panel = panels.find((one) => one.id === panelId);
     const id = `${panelId} ${each.key}`;
-    if (panel && !known.has(id)) cards.push({ ...each, id, panel, order: 100 });
+    if (panel && !known.has(id)) {
+      const settings = validSettings(each.settings, panel.settings);
+      cards.push({ ...each, settings, id, panel, order: 100 });
+    }
   }
   return cards.slice(0, MAX_CARDS);
 }
@@ -135,7 +140,15 @@ function ArrangeButtons({ card, shown }: { card: Card; shown: Card[] }) {
 function CardView({ card, robot, arrange }: { card: Card; robot: Robot; arrange: ComponentChildren }) {
   const host = useRef<HTMLDivElement>(null);
   const frame = useRef<HTMLElement>(null);
-  useLayoutEffect(() => mountPanel(card.panel, host.current!, robot, signal(card.settings), true), [robot]);
+  useLayoutEffect(() => {
+    const settings = signal({ ...sharedSettings(card.panel), ...card.settings });
+    const dispose = mountPanel(card.panel, host.current!, robot, settings, true);
+    const stopSaving = saveChanges(card.panel, settings, () => card.settings);
+    return () => {
+      stopSaving();
+      dispose();
+    };
+  }, [robot]);
   useEffect(() => followHeight(frame.current!), []);
   return (
     <section

@@ -1,27 +1,26 @@
 // One panel as a whole page. Its settings are those of the link, or else the saved ones.
-import { effect, type Signal, signal } from "@preact/signals";
+import { effect, signal, untracked } from "@preact/signals";
 import { useLayoutEffect, useRef } from "preact/hooks";
 import { mountPanel } from "../panels/host.ts";
-import type { Panel, Settings } from "../panels/panel.ts";
+import type { Panel } from "../panels/panel.ts";
+import { validSettings } from "../panels/setting_checks.ts";
 import type { Robot } from "../store/robot.ts";
-import { loadSetting, saveSetting } from "../store/storage.ts";
 import { texts } from "../texts.ts";
 import { route } from "./route.ts";
+import { saveChanges, savedSettings } from "./saved_settings.ts";
 
 export function PanelPage({ panel, robot }: { panel: Panel; robot: Robot }) {
   const host = useRef<HTMLDivElement>(null);
   useLayoutEffect(() => {
-    const settings = pageSettings(panel.id);
+    const given = () =>
+      route.value.panelId === panel.id ? validSettings(route.value.settings, panel.settings) : {};
+    const settings = signal({ ...savedSettings(panel), ...untracked(given) });
     const dispose = mountPanel(panel, host.current!, robot, settings, false);
-    const key = `panel.${panel.id}`;
-    const first = settings.value;
-    const stopSaving = effect(() => {
-      if (settings.value !== first) saveSetting(key, settings.value);
-    });
+    const stopSaving = saveChanges(panel, settings, () => untracked(given));
     // A link to the same panel has other settings.
     const stopFollowing = effect(() => {
-      const given = route.value.panelId === panel.id ? route.value.settings : undefined;
-      if (given) settings.value = { ...settings.peek(), ...given };
+      const now = given();
+      if (Object.keys(now).length > 0) settings.value = { ...settings.peek(), ...now };
     });
     return () => {
       stopFollowing();
@@ -35,8 +34,4 @@ export function PanelPage({ panel, robot }: { panel: Panel; robot: Robot }) {
       <div class={`page page-${panel.id}`} ref={host} />
     </>
   );
-}
-
-function pageSettings(panelId: string): Signal<Settings> {
-  return signal({ ...loadSetting<Settings>(`panel.${panelId}`, {}), ...route.peek().settings });
 }

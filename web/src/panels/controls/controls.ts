@@ -1,5 +1,6 @@
 import type { Topic } from "../../store/topics.ts";
 import type { Panel } from "../panel.ts";
+import { hasFields, isByTopic, isNumber, isText } from "../setting_checks.ts";
 import { controlKind } from "./control_kind.ts";
 import { controllableTopics } from "./controllable.ts";
 
@@ -24,5 +25,7 @@ export const controlsPanel: Panel = {
         return topic !== undefined && fitsCard(topic);
       })
       .map((topic) => ({ key: topic, title: topic, settings: { topic }, order: 10 })),
+  settings: { topic: isText, ranges: isByTopic(hasFields({ min: isNumber, max: isNumber })) },
+  shared: ["ranges"],
   load: () => import("./controls_panel.tsx"),
 };

@@ -11,20 +11,24 @@ import { fitsCard } from "./controls.ts";
 import { ServiceControl, tappableServices } from "./service_control.tsx";
 
 interface ControlsSettings {
-  /** A card shows one topic. */
+  /** A card shows one topic; the page scrolls to it. */
   topic?: string;
+}
+
+function showElement(element: Element | null): void {
+  element?.scrollIntoView({ block: "nearest" });
 }
 
 function ControlsPanel({ context }: { context: PanelContext }) {
   const { topic } = (context.settings as Signal<ControlsSettings>).value;
   const { robot } = context;
-  if (topic !== undefined) return <Control context={context} topicName={topic} />;
+  if (context.isCard) return <Control context={context} topicName={topic ?? ""} />;
   const graph = graphOf(robot);
   const topics = controllableTopics(graph);
   // Long forms come after what takes one tap.
   const isForm = (name: string) => !fitsCard(graph.topics.get(name)!);
   const topicCard = (name: string) => (
-    <section class="control-card" key={name}>
+    <section class="control-card" key={name} ref={name === topic ? showElement : undefined}>
       <Control context={context} topicName={name} />
     </section>
   );

@@ -1,5 +1,6 @@
 // A stick's position as a command of each type that robots are driven with.
 import type { StructNode } from "../../wire/schema.ts";
+import { hasFields, type SettingCheck } from "../setting_checks.ts";
 
 /** The stick: x to the right and y forward, within a circle of 1. */
 export interface Stick {
@@ -15,6 +16,13 @@ export interface Limits {
 
 export const CENTER: Stick = { x: 0, y: 0 };
 export const DEFAULT_LIMITS: Limits = { linear: 0.3, angular: 1 };
+/** The ends of the sliders. */
+export const LARGEST_LIMITS: Limits = { linear: 2, angular: 4 };
+/** A link must not make a robot faster than the sliders do, or turn its stick around. */
+export const areLimits: SettingCheck = hasFields({
+  linear: (value) => isBetween(value, LARGEST_LIMITS.linear),
+  angular: (value) => isBetween(value, LARGEST_LIMITS.angular),
+});
 /** The dead zone of reference joysticks; a thumb that rests must not move a robot. */
 const DEAD_ZONE = 0.1;
 const DEGREES = 180 / Math.PI;
@@ -49,4 +57,8 @@ export function commandOf(type: StructNode, stick: Stick, limits: Limits): Recor
   const ms = Date.now();
   const stamp = { sec: Math.floor(ms / 1000), nsec: (ms % 1000) * 1_000_000 };
   return { header: { stamp, frame_id: "base_link" }, twist };
+}
+
+function isBetween(value: unknown, largest: number): boolean {
+  return typeof value === "number" && value > 0 && value <= largest;
 }

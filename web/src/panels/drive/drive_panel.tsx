@@ -6,7 +6,7 @@ import { texts } from "../../texts.ts";
 import { graphOf } from "../graph_of.ts";
 import type { PanelContext } from "../panel.ts";
 import { preactPanel } from "../preact_panel.tsx";
-import { DEFAULT_LIMITS, type Limits } from "./commands.ts";
+import { DEFAULT_LIMITS, LARGEST_LIMITS, type Limits } from "./commands.ts";
 import { drivableTopics } from "./drivable.ts";
 import type { Driver } from "./driver.ts";
 import { driverOf } from "./drivers.ts";
@@ -98,14 +98,14 @@ function Drive(props: {
         <Limit
           label={driver.hasTurnLimit ? texts.drive.linear : texts.drive.share}
           value={driver.hasTurnLimit ? limits.linear : Math.min(limits.linear, 1)}
-          max={driver.hasTurnLimit ? 2 : 1}
+          max={driver.hasTurnLimit ? LARGEST_LIMITS.linear : 1}
           onChange={(linear) => set({ linear })}
         />
         {driver.hasTurnLimit && (
           <Limit
             label={texts.drive.angular}
             value={limits.angular}
-            max={4}
+            max={LARGEST_LIMITS.angular}
             onChange={(angular) => set({ angular })}
           />
         )}

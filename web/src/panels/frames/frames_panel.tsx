@@ -26,7 +26,9 @@ function FramesPanel({ context }: { context: PanelContext }) {
   useTick(context, 500);
   void version.value;
   const edges = [...(tf.current?.edges.values() ?? [])];
-  if (edges.length === 0) return <EmptyState icon="frames" title={t.none} text={t.noneText} />;
+  const problems = tf.current?.problems() ?? [];
+  if (edges.length + problems.length === 0)
+    return <EmptyState icon="frames" title={t.none} text={t.noneText} />;
   const children = new Map<string, Edge[]>();
   for (const edge of edges) {
     const list = children.get(edge.parent) ?? [];
@@ -36,6 +38,11 @@ function FramesPanel({ context }: { context: PanelContext }) {
   const roots = [...children.keys()].filter((frame) => !tf.current?.edges.has(frame)).sort();
   return (
     <div class="frames">
+      {problems.map((each) => (
+        <p key={each} class="problem">
+          {each}
+        </p>
+      ))}
       <div class="frames-tree">
         <table>
           <thead>

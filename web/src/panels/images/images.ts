@@ -1,4 +1,5 @@
 import type { Panel } from "../panel.ts";
+import { hasFields, isByTopic, isFlag, isOneOf, isText } from "../setting_checks.ts";
 import { IMAGE_TYPES } from "./types.ts";
 
 export const imagesPanel: Panel = {
@@ -10,5 +11,10 @@ export const imagesPanel: Panel = {
     [...topics.values()]
       .filter((each) => IMAGE_TYPES.includes(each.typeName) && each.channelId !== undefined)
       .map(({ name }) => ({ key: name, title: name, settings: { topic: name }, order: 20 })),
+  settings: {
+    topic: isText,
+    turns: isByTopic(hasFields({ quarters: isOneOf([0, 1, 2, 3]), mirrored: isFlag })),
+  },
+  shared: ["turns"],
   load: () => import("./images_panel.tsx"),
 };

@@ -1,4 +1,5 @@
 import type { Panel } from "../panel.ts";
+import { isNumber, isText, isTexts } from "../setting_checks.ts";
 import { plotSuggestions } from "./suggestions.ts";
 
 export const plotsPanel: Panel = {
@@ -8,5 +9,12 @@ export const plotsPanel: Panel = {
   onTabBar: true,
   fillsPage: true,
   matches: plotSuggestions,
+  settings: {
+    series: isTexts,
+    names: isTexts,
+    span: isNumber,
+    ownAxes: isTexts,
+    add: isText,
+  },
   load: () => import("./plots_panel.tsx"),
 };

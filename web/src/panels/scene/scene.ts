@@ -1,5 +1,6 @@
 import { DISPLAY_TYPES } from "../../scene/display_types.ts";
 import type { Panel } from "../panel.ts";
+import { isText, isTexts } from "../setting_checks.ts";
 
 const DRAWN = new Set<string>([...DISPLAY_TYPES, "tf2_msgs/TFMessage", "tf/tfMessage"]);
 
@@ -15,5 +16,6 @@ export const scenePanel: Panel = {
     [...topics.values()].some((each) => DRAWN.has(each.typeName) && each.channelId !== undefined)
       ? [{ key: "scene", title: "3D", settings: {}, width: 2, order: 25 }]
       : [],
+  settings: { fixedFrame: isText, followedFrame: isText, hidden: isTexts, only: isTexts, rviz: isText },
   load: () => import("./scene_panel.tsx"),
 };

@@ -1,4 +1,5 @@
 import type { Panel } from "../panel.ts";
+import { isText, isTexts } from "../setting_checks.ts";
 
 export const SENSORS_TYPE = "sensing_platform/Sensors";
 
@@ -8,5 +9,6 @@ export const sensorsPanel: Panel = {
   icon: "sensors",
   fillsPage: true,
   isUseful: ({ topics }) => [...topics.values()].some((each) => each.typeName === SENSORS_TYPE),
+  settings: { search: isText, chosen: isTexts, folded: isTexts },
   load: () => import("./sensors_panel.tsx"),
 };

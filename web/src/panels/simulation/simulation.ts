@@ -1,4 +1,5 @@
 import type { Panel } from "../panel.ts";
+import { isText } from "../setting_checks.ts";
 import { simulatedBoards } from "./board_state.ts";
 
 export const simulationPanel: Panel = {
@@ -13,5 +14,6 @@ export const simulationPanel: Panel = {
       settings: { topic },
       order: 15,
     })),
+  settings: { topic: isText },
   load: () => import("./simulation_panel.tsx"),
 };

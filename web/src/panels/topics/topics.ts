@@ -1,4 +1,5 @@
 import type { Panel } from "../panel.ts";
+import { isText } from "../setting_checks.ts";
 
 export const topicsPanel: Panel = {
   id: "topics",
@@ -6,5 +7,6 @@ export const topicsPanel: Panel = {
   icon: "topics",
   onTabBar: true,
   fillsPage: true,
+  settings: { search: isText, topic: isText },
   load: () => import("./topics_panel.tsx"),
 };

@@ -1,0 +1,40 @@
+// The settings of panels that outlive the page: what the user has changed, not what a link or a card gave.
+import { effect, type Signal } from "@preact/signals";
+import type { Panel, Settings } from "../panels/panel.ts";
+import { validSettings } from "../panels/setting_checks.ts";
+import { loadSetting, saveSetting } from "../store/storage.ts";
+
+export function savedSettings({ id, settings }: Panel): Settings {
+  return validSettings(loadSetting<Settings | null>(keyOf(id), null), settings);
+}
+
+/** Those that the panel's cards share with its page. */
+export function sharedSettings(panel: Panel): Settings {
+  const saved = savedSettings(panel);
+  return Object.fromEntries(
+    (panel.shared ?? []).flatMap((name) => (name in saved ? [[name, saved[name]]] : [])),
+  );
+}
+
+/** Saves changes until the returned function is called. `given` returns what the link or the card gave. */
+export function saveChanges(panel: Panel, settings: Signal<Settings>, given: () => Settings): () => void {
+  let before = settings.peek();
+  return effect(() => {
+    const now = settings.value;
+    const changed = Object.entries(now).filter(
+      ([name, each]) => each !== before[name] && each !== given()[name],
+    );
+    before = now;
+    if (changed.length === 0) return;
+    const saved = savedSettings(panel);
+    for (const [name, each] of changed) {
+      // Each card has its topic's value and those that were there when it was built.
+      saved[name] = panel.shared?.includes(name) ? { ...(saved[name] as object), ...(each as object) } : each;
+    }
+    saveSetting(keyOf(panel.id), saved);
+  });
+}
+
+function keyOf(panelId: string): string {
+  return `panel.${panelId}`;
+}
