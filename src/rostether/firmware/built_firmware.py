@@ -1,4 +1,4 @@
-"""What a build gets and returns, whoever runs it: the options, and the firmware."""
+"""The options and the result of a build, with avr-gcc or arduino-cli."""
 
 from __future__ import annotations
 
