@@ -69,8 +69,9 @@ def parse_xml(
 ) -> XmlElement:
     """Return the root element of a document.
 
-    Raises what `make_error` returns: larger than `max_bytes` (so it is not `what`, such as "a launch file"),
-    not XML, nested too deep, a DTD or an entity. Without an `encoding`, the document names its own.
+    Raises the error of `make_error` for a document that is larger than `max_bytes`, is not XML, is nested too
+    deeply, or has a DTD or an entity. `what` names the kind of document, such as "a launch file". Without an
+    `encoding`, the document names its own.
     """
     if len(data) > max_bytes:
         raise make_error(f"larger than {max_bytes} bytes, not {what}", 0)

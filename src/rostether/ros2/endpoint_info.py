@@ -66,7 +66,7 @@ class Ros2Graph(Graph, Protocol):
 def connection_fields(
     topic: str, message_type: MessageType, node_name: str, *, is_latching: bool, reliability: str
 ) -> dict[str, str]:
-    """Return a publisher as the connection header of ROS 1 has it, with its reliability."""
+    """Return the fields of ROS 1's connection header for a publisher, and its reliability."""
     return {
         "callerid": node_name,
         "topic": topic,

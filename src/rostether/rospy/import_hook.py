@@ -64,7 +64,7 @@ def install() -> None:
 
 
 class DefinitionFinder(MetaPathFinder):
-    """Finds `package.msg`, `package.srv`, and `package.msg._Name` as genpy has it."""
+    """Finds `package.msg`, `package.srv`, and `package.msg._Name` as in genpy."""
 
     def find_spec(
         self, fullname: str, path: Sequence[str] | None = None, target: ModuleType | None = None

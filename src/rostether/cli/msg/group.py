@@ -250,7 +250,7 @@ def _list_verb(kind: _Kind) -> click.Command:
 def _package_verb(kind: _Kind) -> click.Command:
     @verb("package", f"rostether {kind.group} package {kind.example_package}")
     @click.argument("package")
-    @add_flag("-s single_line", "On one line.")
+    @add_flag("-s single_line", "Print them on one line.")
     @msg_path_option
     @graph_options(master=False)
     def package_types(
@@ -266,7 +266,7 @@ def _package_verb(kind: _Kind) -> click.Command:
 
 def _packages_verb(kind: _Kind) -> click.Command:
     @verb("packages", f"rostether {kind.group} packages -s")
-    @add_flag("-s single_line", "On one line.")
+    @add_flag("-s single_line", "Print them on one line.")
     @msg_path_option
     @graph_options(master=False)
     def packages(single_line: bool, msg_paths: tuple[Path, ...], graph: GraphOptions) -> None:

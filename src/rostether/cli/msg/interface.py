@@ -119,7 +119,7 @@ def packages(kinds: list[str], msg_paths: tuple[Path, ...]) -> None:
 
 @verb("proto", "rostether interface proto geometry_msgs/msg/Twist")
 @click.argument("name", metavar="TYPE")
-@add_flag("--no-quotes", "Without quotes around the text.")
+@add_flag("--no-quotes", "Print the text without quotes.")
 @msg_path_option
 def proto(name: str, no_quotes: bool, msg_paths: tuple[Path, ...]) -> None:
     """Print a message with its default values, a service's request, or an action's goal, as YAML."""

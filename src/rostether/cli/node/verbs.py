@@ -41,7 +41,7 @@ def list_nodes(wanted: NodeListing, graph: GraphOptions) -> None:
 @verb("info", "rostether node info /board\nrostether node info -q /board /rosout")
 @click.argument("nodes", metavar="NODE...", nargs=-1, required=True, shell_complete=complete_nodes)
 @add_flag("-q --quiet", "Show only the master's information; do not ask the node itself.")
-@add_flag("--include-hidden with_hidden", "With --ros2, also hidden names (_name).")
+@add_flag("--include-hidden with_hidden", "With --ros2, include hidden names (_name).")
 @json_option
 @graph_options()
 def info(nodes: tuple[str, ...], quiet: bool, with_hidden: bool, as_json: bool, graph: GraphOptions) -> None:

@@ -77,14 +77,14 @@ class DriveOptions:
     to_all: bool = flag("--all", "Drive the robots of all groups.")
     speed: float = option(
         "--speed",
-        "From 0 to 1, which is full speed.",
+        "The speed, from 0 to 1 (full speed).",
         type=NumberRange(0, 1),
         default=0.3,
         show_default=True,
     )
     direction: float = option(
         "--direction",
-        "In degrees: 0 is forward, 90 right, 180 back.",
+        "The direction in degrees: 0 is forward, 90 right, 180 back.",
         type=NumberRange(-180, 180),
         default=0.0,
         show_default=True,

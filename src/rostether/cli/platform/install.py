@@ -38,7 +38,9 @@ _DASHBOARD = "http://127.0.0.1:8765"
 class Answers:
     """The answers about this machine; missing ones are requested from the user."""
 
-    machine: str | None = option("--machine", "A base station, a robot, or both.", type=click.Choice(_KINDS))
+    machine: str | None = option(
+        "--machine", "Set up a base station, a robot, or both.", type=click.Choice(_KINDS)
+    )
     name: str | None = option("--name", "Name of this machine: PLATFORM_NAME.")
     core: str | None = option("--core HOST", "The base station, for a robot.")
     address: str | None = option("--address", "This machine's own address: ROS_IP.")
@@ -58,7 +60,7 @@ def _place_options(function: Function) -> Function:
     )
     user = add_option(
         "--user/--system for_user",
-        "For this user, or for all (default: --system if root runs it, else --user).",
+        "For this user, or for all users (default: --system if root runs it, else --user).",
         default=None,
     )
     return user(root(function))  # type: ignore[no-any-return]

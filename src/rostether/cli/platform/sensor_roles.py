@@ -33,7 +33,7 @@ _sensor = partial(role, has_ros2=True, node_name=sensor_node_name)
     """,
 )
 async def analog(graph: TypedGraph, _: Arguments) -> None:
-    """Publish a number as a sensor: of a file of the system, or of a field of a topic.
+    """Publish a number from a file of the system, or from a field of a topic, as a sensor.
 
     Parameters: ~path (a file with a number; those in /sys/bus/iio get their unit), or ~topic and ~field
     (data); ~scale (1), ~offset (0), ~alert_below, ~alert_above, ~rate (10, for a file), ~unit, ~id (analog),
@@ -50,7 +50,7 @@ async def analog(graph: TypedGraph, _: Arguments) -> None:
     """,
 )
 async def digital(graph: TypedGraph, _: Arguments) -> None:
-    """Publish 1 or 0 as a sensor: of a GPIO line, of a file, or of a field of a topic.
+    """Publish 1 or 0 from a GPIO line, a file, or a field of a topic, as a sensor.
 
     Parameters: ~gpio (number or name of a line), ~chip (/dev/gpiochip0), ~bias (as_is, disabled, pull_up,
     pull_down), ~active_low; or ~path; or ~topic and ~field (data); ~id (digital), ~name, ~platform_name.

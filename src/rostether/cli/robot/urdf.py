@@ -67,7 +67,7 @@ def check(file: Path, mappings: tuple[str, ...]) -> None:
 @_mappings
 @json_option
 def tree(file: Path, mappings: tuple[str, ...], as_json: bool) -> None:
-    """Show the links of FILE with the joints that hold them, their types, limits and what they follow."""
+    """Show the links of FILE as a tree, with their joints: types, limits and mimicked joints."""
     model = _load(file, mappings)
     if as_json:
         for joint in model.joints.values():

@@ -20,7 +20,7 @@ class ServiceListing:
     nodes: bool = flag("-n --nodes", "Also print the nodes that offer them.")
     show_types: bool = flag("-t --show-types", "With --ros2, show types.")
     count_services: bool = flag("-c --count-services", "Print only the number.")
-    with_hidden: bool = flag("--include-hidden-services", "With --ros2, also hidden services (_name).")
+    with_hidden: bool = flag("--include-hidden-services", "With --ros2, include hidden services (_name).")
     as_json: bool = shared(json_option, False)
 
 

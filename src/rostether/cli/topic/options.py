@@ -122,7 +122,9 @@ class PubOptions:
         type=click.IntRange(min=0),
     )
     max_wait_s: float | None = option(
-        "--max-wait-time-secs SECONDS", "With --ros2, give up waiting for subscribers.", type=POSITIVE
+        "--max-wait-time-secs SECONDS",
+        "With --ros2, stop waiting for subscribers after SECONDS.",
+        type=POSITIVE,
     )
     print_nth: int | None = option(
         "-p --print N", "With --ros2, show only every N-th message.", type=click.IntRange(min=0)

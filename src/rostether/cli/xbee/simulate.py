@@ -45,7 +45,7 @@ class SimulationOptions:
         "--fresh", "Create the serial port of a radio in its factory settings at PATH.", type=PATH
     )
     kind: str = option(
-        "--kind", "The radios.", type=click.Choice(_KINDS), show_default=True, default=_KINDS[0]
+        "--kind", "The kind of all radios.", type=click.Choice(_KINDS), show_default=True, default=_KINDS[0]
     )
     loss: float = option(
         "--loss", "The share of lost transmissions, e.g. 0.05 (0).", type=_PROBABILITY, default=0.0

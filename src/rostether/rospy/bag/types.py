@@ -31,7 +31,7 @@ class BagTypes:
 
 
 def header_of(connection: Connection) -> dict[str, bytes]:
-    """Return a connection's header as rosbag has it after reading: values are bytes."""
+    """Return a connection's header as rosbag reads it: values are bytes."""
     return {key: value.encode("utf-8", "surrogateescape") for key, value in connection.fields().items()}
 
 

@@ -100,7 +100,7 @@ def is_remap_argument(argument: str) -> bool:
 
 
 def _parent(full_name: str) -> str:
-    """Return the namespace of a full name, with a slash at the end, as rospy has it."""
+    """Return the namespace of a full name, with a slash at the end, as in rospy."""
     return full_name[: full_name.rstrip("/").rfind("/") + 1] or "/"
 
 
