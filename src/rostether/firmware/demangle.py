@@ -9,7 +9,7 @@ from collections.abc import Iterable
 from rostether.mechanisms.program import run_program
 
 _PROGRAMS = ("avr-c++filt", "c++filt")
-_CLONE = re.compile(r"( \[clone [^\]]*\]|\.(?:constprop|isra|part|lto_priv|cold)(?:\.\d+)*)+")
+_CLONE = re.compile(r"(\.(?:constprop|isra|part|lto_priv|cold)(?:\.\d+)*)+$")
 _ABBREVIATIONS = (("unsigned char", "uint8_t"), ("unsigned int", "uint16_t"), ("unsigned long", "uint32_t"))
 
 
@@ -17,16 +17,18 @@ async def demangle(names: Iterable[str]) -> dict[str, str]:
     """Return readable names for linker names; without c++filt, the names stay unchanged."""
     wanted = sorted(set(names))
     program = next((found for each in _PROGRAMS if (found := shutil.which(each))), None)
-    readable = wanted
+    # c++filt does not convert variables whose names end in a clone's number.
+    readable = originals = [_CLONE.sub("", name) for name in wanted]
     if program is not None and wanted:
-        ended = await run_program([program], given="\n".join(wanted).encode(), merge=False)
+        ended = await run_program([program], given="\n".join(originals).encode(), merge=False)
         lines = ended.output.decode("utf-8", "replace").splitlines()
-        readable = lines if len(lines) == len(wanted) else wanted
-    return {name: _CLONE.sub("", text) for name, text in zip(wanted, readable, strict=True)}
+        readable = lines if len(lines) == len(wanted) else originals
+    return dict(zip(wanted, readable, strict=True))
 
 
 def shorten(name: str) -> str:
-    """Return a function's name without the types of its parameters, which do not fit in a table."""
+    """Return a name without what does not fit in a table: types of parameters, and unnamed namespaces."""
+    name = name.replace("(anonymous namespace)::", "")
     depth = 0
     for index, character in enumerate(name):
         depth += (character == "<") - (character == ">")

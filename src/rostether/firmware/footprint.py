@@ -35,7 +35,10 @@ _START_SYMBOLS = re.compile(
 
 @dataclass(frozen=True, slots=True)
 class Item:
-    """The size of a function or a variable; a variable with an initial value uses both flash and RAM."""
+    """The size of a variable, or of a function's code that belongs to a group.
+
+    A variable with an initial value uses both flash and RAM.
+    """
 
     name: str
     group: str
@@ -186,15 +189,13 @@ class _Count:
     def _count_symbol(self, section: Section, symbol: Symbol, start: int, stop: int) -> None:
         name = self._readable.get(symbol.name, symbol.name)
         if section.is_writable or symbol.kind == _OBJECT:
-            group = self._group_of_data(symbol, name) or RUNTIME
-            self._add(group, section, stop - start)
+            shares = {self._group_of_data(symbol, name) or RUNTIME: stop - start}
         else:
-            group = self._group_of_code(start, name)
-            for each, size in self._bytes_by_group(start, stop, group).items():
-                self._add(each, section, size)
-        flash = stop - start if section.has_bits else 0
-        ram = stop - start if section.is_writable else 0
-        self._items.append(Item(_plain(shorten(name)), group, flash, ram))
+            shares = self._bytes_by_group(start, stop, self._group_of_code(start, name))
+        for group, size in shares.items():
+            self._add(group, section, size)
+            flash, ram = size if section.has_bits else 0, size if section.is_writable else 0
+            self._items.append(Item(_plain(shorten(name)), group, flash, ram))
 
     def _group_of_code(self, start: int, name: str) -> str:
         """Return the group of a function: the group of its first line's file, regardless of inlined code."""

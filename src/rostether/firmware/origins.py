@@ -35,14 +35,18 @@ class Origins:
     def of_file(self, file: str) -> str | None:
         """Return the group of a source file; None for a file of the compiler."""
         path = Path(file)
-        ros = _ROS_FILE.match(file)
+        if path.suffix in _INO:
+            return SKETCH
+        is_own = self.sketch_folder is not None and self.sketch_folder in path.parents
+        # A sketch may be below a ros_lib, as the library's examples are, and may contain another ros_lib.
+        ros = _ROS_FILE.match(str(path).removeprefix(str(self.sketch_folder)) if is_own else file)
         if ros is not None:
             top = ros["rest"].partition("/")[0]
             return NODE if top in _ROS_FOLDERS or "/" not in ros["rest"] else MESSAGES
         for name, folder in self.libraries:
             if folder in path.parents:
                 return name
-        if path.suffix in _INO or (self.sketch_folder is not None and self.sketch_folder in path.parents):
+        if is_own:
             return SKETCH
         if _SERIAL_FILE.search(file):
             return SERIAL

@@ -10,8 +10,10 @@ import pytest
 from rostether.errors import FirmwareError
 from rostether.firmware.build import build_sketch, find_board
 from rostether.firmware.built_firmware import BuiltFirmware
+from rostether.firmware.demangle import shorten
 from rostether.firmware.elf import ElfFile
 from rostether.firmware.footprint import MARGIN_BYTES, Footprint, measure, measure_built
+from rostether.firmware.origins import MESSAGES, NODE, SKETCH, Origins
 from unit.firmware.sketches import uno, write_sketch
 from unit.firmware.test_build import HELLO
 
@@ -43,6 +45,9 @@ async def test_the_groups_add_up_to_the_total_of_avr_size(tmp_path: Path, text: 
     code, data, bss = map(int, re.findall(r"\d+", output.splitlines()[1])[:3])
     assert footprint.flash_bytes == code + data == sum(each.flash_bytes for each in footprint.groups)
     assert footprint.ram_bytes == data + bss == sum(each.ram_bytes for each in footprint.groups)
+    for each in footprint.groups:
+        assert each.flash_bytes >= sum(item.flash_bytes for item in each.largest), each
+        assert each.ram_bytes >= sum(item.ram_bytes for item in each.largest), each
 
 
 async def test_everything_is_somebodys(tmp_path: Path) -> None:
@@ -57,6 +62,23 @@ async def test_everything_is_somebodys(tmp_path: Path) -> None:
     assert group(footprint, "Serial")[1] >= 157
     assert group(footprint, "messages")[0] > 30
     assert group(footprint, "your sketch")[0] > 30
+    # Servo's variable in an unnamed namespace, to whose name the linker adds a number.
+    assert "channels" in {item.name for each in footprint.groups for item in each.largest}
+
+
+def test_a_sketch_below_the_ros_library_is_the_user_s() -> None:
+    folder = Path("/book/libraries/ros_lib/examples/Blink")
+    origins = Origins(folder)
+    library, own_library = folder.parents[1] / "src", folder / "ros_lib"
+    assert origins.of_file(f"{folder}/Blink.ino") == origins.of_file(f"{folder}/blinker.h") == SKETCH
+    assert origins.of_file(f"{library}/ros/node_handle.h") == NODE
+    assert origins.of_file(f"{own_library}/ros/node_handle.h") == NODE
+    assert origins.of_file(f"{own_library}/std_msgs/Empty.h") == MESSAGES
+
+
+def test_shortened_names_have_no_unnamed_namespaces() -> None:
+    assert shorten("void (anonymous namespace)::turn<int>(int)") == "turn<int>()"
+    assert shorten("Servo::(anonymous namespace)::channels") == "Servo::channels"
 
 
 async def test_variables_and_functions_are_named(tmp_path: Path) -> None:
