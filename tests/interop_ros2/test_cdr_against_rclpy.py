@@ -11,8 +11,7 @@ import pytest
 from rostether.msgdef.interface import MessageType
 from rostether.msgdef.registry import Registry
 from rostether.msgdef.ros2.definitions import Ros2Definitions
-from rostether.ros2.types.paired_definitions import NativeView
-from rostether.ros2.types.type_support import Ros2Types
+from rostether.ros2.types.type_support import Ros2Types, native_message
 from rostether.serde.cdr.converter import CdrConverter
 from rostether.serde.codec import Codec
 from rostether.serde.store import TypeStore
@@ -104,5 +103,5 @@ def test_values_come_back(name: str) -> None:
 
 @pytest.mark.parametrize("name", names())
 def test_values_of_the_native_view_come_back(name: str) -> None:
-    native = NativeView(TYPES.definitions.message(name), TYPES.definitions).message_type
+    native = native_message(TYPES.definitions.message(name), TYPES.definitions).ros1_type
     require_round_trips(name, codec_of(native), TYPES.message(native).converter)

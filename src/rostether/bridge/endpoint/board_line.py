@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Awaitable, Callable
-from typing import Protocol
+from typing import Protocol, TypeAlias
 
 from rostether.bridge.outbound.outbox import Outbox
+
+Receive: TypeAlias = Callable[[list[bytes]], None]
 
 
 class BoardLine(Protocol):
     """One connection to a board, while it lasts."""
 
     @property
-    def receivers(self) -> dict[int, Callable[[list[bytes]], None]]:
+    def receivers(self) -> dict[int, Receive]:
         """The receiver of each topic id's messages; endpoints add and remove themselves."""
 
     @property
@@ -30,3 +32,9 @@ class BoardLine(Protocol):
 
     def call_finished(self) -> None:
         """Record that the response was sent or cancelled."""
+
+
+def stop_receiving(line: BoardLine, topic_id: int, receive: Receive) -> None:
+    """Remove a receiver, unless another endpoint has its topic id now."""
+    if line.receivers.get(topic_id) == receive:
+        del line.receivers[topic_id]

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from functools import partial
 from struct import Struct
 
-from rostether.bridge.endpoint.board_line import BoardLine
+from rostether.bridge.endpoint.board_line import BoardLine, stop_receiving
 from rostether.bridge.reporter import Notices
 from rostether.bridge.settings import BridgeSettings
 from rostether.graph.ports import Graph, Level, Publisher
@@ -82,8 +82,7 @@ class PublisherEndpoint:
     def detach(self) -> None:
         """Release the connection."""
         if self._line is not None:
-            if self._line.receivers.get(self.info.topic_id) == self.receive:
-                del self._line.receivers[self.info.topic_id]
+            stop_receiving(self._line, self.info.topic_id, self.receive)
             self._line = None
 
     def __repr__(self) -> str:

@@ -9,7 +9,7 @@ from __future__ import annotations
 import asyncio
 from collections import deque
 
-from rostether.bridge.endpoint.board_line import BoardLine
+from rostether.bridge.endpoint.board_line import BoardLine, stop_receiving
 from rostether.bridge.reporter import Notices, reason_of
 from rostether.bridge.settings import BridgeSettings
 from rostether.errors import LocalProtocolError
@@ -63,8 +63,7 @@ class ServiceClientEndpoint:
     def detach(self) -> None:
         """Release the connection; the response to a pending call is dropped."""
         if self._line is not None:
-            if self._line.receivers.get(self.info.request.topic_id) == self.receive:
-                del self._line.receivers[self.info.request.topic_id]
+            stop_receiving(self._line, self.info.request.topic_id, self.receive)
             self._line = None
         self._requests.clear()
         if self._calling is not None:

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import asyncio
 
-from rostether.bridge.endpoint.board_line import BoardLine
+from rostether.bridge.endpoint.board_line import BoardLine, stop_receiving
 from rostether.bridge.reporter import Notices
 from rostether.bridge.settings import BridgeSettings
 from rostether.errors import LocalProtocolError, ServiceCallError, ServiceTimeoutError
@@ -74,8 +74,7 @@ class ServiceServerEndpoint:
         """Release the connection; a call in flight fails."""
         self.fail_call("lost")
         if self._line is not None:
-            if self._line.receivers.get(self.info.response.topic_id) == self.receive:
-                del self._line.receivers[self.info.response.topic_id]
+            stop_receiving(self._line, self.info.response.topic_id, self.receive)
             self._line = None
 
     def fail_call(self, reason: str) -> None:

@@ -8,9 +8,14 @@ from typing import Any, TypeVar
 from rostether.errors import DefinitionError, UnknownTypeError
 from rostether.msgdef.interface import MessageType, ServiceType
 from rostether.ros2.types.native_registry import NativeRegistry
-from rostether.ros2.types.paired_definitions import NativeView, PairedDefinitions, native_service_type
-from rostether.ros2.types.type_hash import message_hash, service_hash
-from rostether.ros2.types.type_support import MessageSupport, Ros2Types, ServiceSupport
+from rostether.ros2.types.paired_definitions import PairedDefinitions
+from rostether.ros2.types.type_support import (
+    MessageSupport,
+    Ros2Types,
+    ServiceSupport,
+    native_message,
+    native_service,
+)
 from rostether.serde.type_tree import Array, Node, Struct
 from rostether.serde.values import Message, MessageClasses
 
@@ -62,22 +67,10 @@ class NativeTypes(Ros2Types):
         return super()._definitions_of(message_type)
 
     def _describe(self, name: str) -> MessageSupport:
-        source = self._native.source
-        ros2 = self._native.ros2_message(name)
-        view = NativeView(ros2, source)
-        return MessageSupport(ros2.full_name, message_hash(ros2, source), view.message_type, view.converter)
+        return native_message(self._native.ros2_message(name), self._native.source)
 
     def _describe_service(self, name: str) -> ServiceSupport:
-        source = self._native.source
-        ros2 = self._native.ros2_service(name)
-        request, response = NativeView(ros2.request, source), NativeView(ros2.response, source)
-        return ServiceSupport(
-            ros2.full_name,
-            service_hash(ros2, source),
-            request.converter,
-            response.converter,
-            native_service_type(ros2, request, response),
-        )
+        return native_service(self._native.ros2_service(name), self._native.source)
 
 
 class NativeClasses(MessageClasses):

@@ -96,9 +96,3 @@ class NativeView:
         if name not in self._specs:
             raise UnknownTypeError(f"{name} is not part of {next(iter(self._specs))}")
         return self._specs[name]
-
-
-def native_service_type(ros2: Ros2Service, request: NativeView, response: NativeView) -> ServiceType:
-    """Return a service's type in ROS 1's form, from the views of request and response."""
-    md5sum = digest(request.md5_text + response.md5_text)
-    return ServiceType(f"{ros2.package}/{ros2.name}", md5sum, request.message_type, response.message_type)

@@ -11,8 +11,9 @@ from rostether.msgdef.md5sum import digest
 from rostether.msgdef.registry import Registry
 from rostether.msgdef.ros2.definition_text import full_text
 from rostether.msgdef.ros2.definitions import Ros2Definitions
+from rostether.msgdef.ros2.spec import Ros2Message, Ros2Service
 from rostether.msgdef.search_waiting import definitions_searched
-from rostether.ros2.types.paired_definitions import NativeView, PairedDefinitions, native_service_type
+from rostether.ros2.types.paired_definitions import NativeView, PairedDefinitions
 from rostether.ros2.types.type_hash import message_hash, service_hash
 from rostether.serde.cdr.converter import CdrConverter
 from rostether.serde.cdr.renamed_types import ros1_message_name, ros1_service_name
@@ -43,6 +44,28 @@ class ServiceSupport:
     request: CdrConverter
     response: CdrConverter
     ros1_type: ServiceType
+
+
+def native_message(ros2: Ros2Message, definitions: Ros2Definitions | PairedDefinitions) -> MessageSupport:
+    """Return the support of a message with its native fields in ROS 1's form.
+
+    Raises UnknownTypeError, DefinitionError for nested types.
+    """
+    view = NativeView(ros2, definitions)
+    return MessageSupport(ros2.full_name, message_hash(ros2, definitions), view.message_type, view.converter)
+
+
+def native_service(ros2: Ros2Service, definitions: Ros2Definitions | PairedDefinitions) -> ServiceSupport:
+    """Return the support of a service. Raises the same errors as `native_message`."""
+    request, response = NativeView(ros2.request, definitions), NativeView(ros2.response, definitions)
+    md5sum = digest(request.md5_text + response.md5_text)
+    return ServiceSupport(
+        ros2.full_name,
+        service_hash(ros2, definitions),
+        request.converter,
+        response.converter,
+        ServiceType(f"{ros2.package}/{ros2.name}", md5sum, request.message_type, response.message_type),
+    )
 
 
 class Ros2Types:
@@ -110,7 +133,8 @@ class Ros2Types:
         """
         support = self._by_name.get(name)
         if support is None:
-            support = self._by_name[name] = self._paired(name) or self._native_message(name)
+            support = self._paired(name) or native_message(self.definitions.message(name), self.definitions)
+            self._by_name[name] = support
         return support
 
     def received(self, name: str, type_hash: str) -> MessageSupport:
@@ -157,24 +181,10 @@ class Ros2Types:
             return None
         return support if support.name == name else None
 
-    def _native_message(self, name: str) -> MessageSupport:
-        ros2 = self.definitions.message(name)
-        view = NativeView(ros2, self.definitions)
-        return MessageSupport(name, message_hash(ros2, self.definitions), view.message_type, view.converter)
-
     def _native_service(self, name: str) -> ServiceSupport:
         support = self._native_services.get(name)
         if support is None:
-            ros2 = self.definitions.service(name)
-            request = NativeView(ros2.request, self.definitions)
-            response = NativeView(ros2.response, self.definitions)
-            support = ServiceSupport(
-                name,
-                service_hash(ros2, self.definitions),
-                request.converter,
-                response.converter,
-                native_service_type(ros2, request, response),
-            )
+            support = native_service(self.definitions.service(name), self.definitions)
             self._native_services[name] = support
         return support
 

@@ -10,8 +10,7 @@ from rostether.errors import DefinitionError, TypeMismatchError, UnknownTypeErro
 from rostether.msgdef.interface import MessageType, ServiceType
 from rostether.msgdef.registry import Registry
 from rostether.msgdef.ros2.definitions import Ros2Definitions
-from rostether.ros2.types.paired_definitions import NativeView
-from rostether.ros2.types.type_support import Ros2Types
+from rostether.ros2.types.type_support import Ros2Types, native_message
 from rostether.serde.store import TypeStore
 from unit.serde.cdr.pairs import own_fields
 
@@ -62,14 +61,10 @@ def test_every_bundled_type_has_its_form(types: Ros2Types) -> None:
         assert types.service(registry.service_type(name)).type_hash.startswith("RIHS01_"), name
 
 
-def native_message(types: Ros2Types, name: str) -> MessageType:
-    return NativeView(types.definitions.message(name), types.definitions).message_type
-
-
 def test_every_ros2_type_has_its_form(types: Ros2Types) -> None:
     for name in types.definitions.messages():
         assert types.by_name(name).name == name
-        assert native_message(types, name).md5sum
+        assert native_message(types.definitions.message(name), types.definitions).type_hash
     for name in types.definitions.services():
         assert types.service_by_name(name).name == name
         assert types.native_service(name).md5sum
@@ -156,7 +151,7 @@ def test_names_of_ros2(types: Ros2Types) -> None:
 
 def test_native_types_drop_and_add_nothing(types: Ros2Types) -> None:
     for name in types.definitions.messages():
-        native = native_message(types, name)
+        native = native_message(types.definitions.message(name), types.definitions).ros1_type
         learned_store = TypeStore(Registry(bundled=False))
         learned_store.registry.add_full_text(native.name, native.definition)
         assert learned_store.registry.message_type(native.name).md5sum == native.md5sum, name
