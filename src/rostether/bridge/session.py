@@ -44,7 +44,7 @@ from rostether.rosserial.events import (
     TopicWithdrawn,
     UnknownTopicId,
 )
-from rostether.rosserial.host_link import HostLink, HostLinkConfig
+from rostether.rosserial.host_link import HostLink
 from rostether.transports.transport import Transport
 
 _FLOODED = {ids.LOG: "log lines", ids.TIME: "time requests", ids.PARAMETER: "parameter requests"}
@@ -58,20 +58,13 @@ class Session:
     It is the transport's receiver, and its endpoints' `BoardLine`. `baud` is the speed of a serial line.
     """
 
-    def __init__(
-        self,
-        transport: Transport,
-        node: BoardNode,
-        *,
-        baud: int | None = None,
-        link_config: HostLinkConfig | None = None,
-    ) -> None:
+    def __init__(self, transport: Transport, node: BoardNode, *, baud: int | None = None) -> None:
         self.node = node
         self.transport = transport
 
         # The speed of its line; None for a network or a pseudo-terminal, which have flow control.
         self.baud = None if transport.can_pause else baud
-        self.link = HostLink(link_config or node.link_config())
+        self.link = HostLink(node.link_config())
         self.receivers: dict[int, Callable[[list[bytes]], None]] = {}
         self.unbridged_count = 0
         self._loop = asyncio.get_running_loop()

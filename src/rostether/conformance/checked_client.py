@@ -39,6 +39,8 @@ TORN_AFTER_S = 5.0
 HOST_EPOCH = Time(1_700_000_000, 0)
 # More than a client sends in a run; the rest of a flood is ignored.
 MAX_KEPT_FRAMES = 100_000
+# The pause after each byte that is sent alone: longer than a byte at 9600 baud.
+SLOW_BYTE_S = 0.002
 # How many runs of invalid bytes are kept for the report.
 MAX_KEPT_DAMAGE = 20
 
@@ -160,11 +162,11 @@ class CheckedClient:
             raise Deviation("the client closed the line")
         self._transport.write(data)
 
-    async def send_slowly(self, data: bytes, pause_s: float = 0.002) -> None:
+    async def send_slowly(self, data: bytes) -> None:
         """Send bytes one by one."""
         for byte in data:
             self.send_bytes(bytes((byte,)))
-            await asyncio.sleep(pause_s)
+            await asyncio.sleep(SLOW_BYTE_S)
 
     def set_parameter(self, name: str, response: ParameterResponse) -> None:
         """Answer requests for a parameter until the end of the case."""

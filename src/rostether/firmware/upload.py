@@ -70,22 +70,16 @@ def choose_port(board: Board, list_ports: ListPorts = list_serial_ports) -> str:
     raise FirmwareError(f"there are several serial ports: {names}; choose one with --port")
 
 
-async def prepare_upload(
-    board: Board,
-    port: str | None,
-    *,
-    uses_arduino_cli: bool = False,
-    list_ports: ListPorts = list_serial_ports,
-) -> str:
+async def prepare_upload(board: Board, port: str | None, *, uses_arduino_cli: bool = False) -> str:
     """Check that a board can be flashed; return its port, which is `port` if given.
 
     Raises FirmwareError or TransportOpenError: no program, no port, port busy, no permission.
     """
-    chosen = choose_port(board, list_ports) if port is None else port
+    chosen = choose_port(board) if port is None else port
     if uses_arduino_cli or not board.is_avr:
         find_arduino_cli(f"flashing {board.title}")
     else:
-        await _find_avrdude(chosen, list_ports)
+        await _find_avrdude(chosen)
     return chosen
 
 
@@ -123,7 +117,7 @@ async def upload(
     return output
 
 
-async def _find_avrdude(port: str, list_ports: ListPorts) -> str:
+async def _find_avrdude(port: str, list_ports: ListPorts = list_serial_ports) -> str:
     """Return the path of avrdude, if it can use the port."""
     program = shutil.which("avrdude")
     if program is None:

@@ -36,7 +36,7 @@ from rostether.rosserial.events import (
     UnknownTopicId,
 )
 from rostether.rosserial.frame_decoder import Decoded, FrameDecoder, Frames
-from rostether.rosserial.host_link_config import HostLinkConfig as HostLinkConfig
+from rostether.rosserial.host_link_config import HostLinkConfig
 from rostether.rosserial.host_output import HostOutput
 from rostether.rosserial.link_statistics import LinkStatistics
 from rostether.rosserial.negotiation import Negotiation

@@ -44,7 +44,7 @@ def list_ports() -> list[SerialPort]:
     return sorted(ports, key=lambda port: port.path)
 
 
-async def open_serial(address: SerialAddress, *, flow_control: bool = False) -> SerialTransport:
+async def open_serial(address: SerialAddress) -> SerialTransport:
     """Open a port exclusively. Raises TransportOpenError with the next step.
 
     Linux asserts DTR whenever a port is opened; with `reset=False` it stays asserted at close, so that from
@@ -61,7 +61,6 @@ async def open_serial(address: SerialAddress, *, flow_control: bool = False) -> 
             lambda: transport,
             address.path,
             baudrate=_PTY_BAUD if is_pty else address.baud,
-            rtscts=flow_control and not is_pty,
             close_timeout=FLUSH_LIMIT_S,
             dtr_on_open=on_open,
             rts_on_open=on_open,

@@ -54,11 +54,10 @@ class TcpTransport(StreamTransport, asyncio.BufferedProtocol):
     do not delay the others.
     """
 
-    def __init__(self, peer: str = "", *, on_lost: Callable[[TcpTransport], None] | None = None) -> None:
+    def __init__(self, peer: str = "") -> None:
         super().__init__(peer, can_pause=True)
         self._buffer = memoryview(b"")
         self._turn = ReadTurn(READ_BYTES)
-        self._on_lost = on_lost
         self._socket: socket.socket | None = None
         self.host = ""
         self.own_host = ""
@@ -74,12 +73,6 @@ class TcpTransport(StreamTransport, asyncio.BufferedProtocol):
             self.host = self.remote = peer_name[0]
             self.own_host = transport.get_extra_info("sockname")[0]
             self._peer = f"tcp {show_endpoint(*peer_name[:2])}"
-
-    def connection_lost(self, exc: Exception | None) -> None:
-        """Pass on the end of the stream, once."""
-        if self._on_lost is not None:
-            self._on_lost(self)
-        super().connection_lost(exc)
 
     def write(self, data: bytes | bytearray | memoryview) -> None:
         """Queue bytes. Never blocks; does nothing after the end of the pipe.
@@ -282,12 +275,16 @@ class TcpListener:
 
 class _AcceptedTransport(TcpTransport):
     def __init__(self, listener: TcpListener) -> None:
-        super().__init__(on_lost=listener._forget)
+        super().__init__()
         self._listener = listener
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
         super().connection_made(transport)
         self._listener._accepted(self)
+
+    def connection_lost(self, exc: Exception | None) -> None:
+        self._listener._forget(self)
+        super().connection_lost(exc)
 
 
 async def connect_tcp(address: TcpAddress, *, limit_s: float = CONNECT_LIMIT_S) -> TcpTransport:

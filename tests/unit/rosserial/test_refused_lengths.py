@@ -8,7 +8,8 @@ from rostether.rosserial import topic_id as ids
 from rostether.rosserial.events import DiscardReason, FrameDiscarded, MessagesReceived, TimeRequested
 from rostether.rosserial.frame import encode_frame
 from rostether.rosserial.frame_decoder import FIRST_SEARCH_S, FrameDecoder, Frames
-from rostether.rosserial.host_link import HostLink, HostLinkConfig
+from rostether.rosserial.host_link import HostLink
+from rostether.rosserial.host_link_config import HostLinkConfig
 from rostether.rosserial.packets import TopicInfo
 from rostether.rosserial.payload_limits import PayloadLimits
 from unit.rosserial.decoding import frame

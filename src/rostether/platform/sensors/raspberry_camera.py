@@ -19,16 +19,15 @@ def has_picamera2() -> bool:
 
 
 class RaspberryCamera:
-    """The camera with a number, from 0. The hardware rotates, scales and encodes pictures."""
+    """The first camera. The hardware rotates, scales and encodes pictures."""
 
-    def __init__(self, change: PictureChange, number: int = 0) -> None:
+    def __init__(self, change: PictureChange) -> None:
         if not has_picamera2():
             raise ConfigError(
                 "picamera2 is not installed; run: sudo apt install python3-picamera2, and use a virtual "
                 "environment made with --system-site-packages"
             )
         self._change = change
-        self._number = number
 
     def check(self) -> None:
         """Do nothing: only opening shows whether there is a camera."""
@@ -50,14 +49,14 @@ class RaspberryCamera:
 
         change = self._change
         try:
-            camera = Picamera2(self._number)
+            camera = Picamera2()
             size = (change.width or 640, change.height or 480)
             turn = libcamera.Transform(hflip=change.hflip, vflip=change.vflip)
             camera.configure(camera.create_video_configuration(main={"size": size}, transform=turn))
             camera.options["quality"] = change.quality or DEFAULT_QUALITY
             camera.start()
         except (RuntimeError, IndexError) as error:
-            raise BoardError(f"camera {self._number} cannot be opened: {error}") from None
+            raise BoardError(f"the camera cannot be opened: {error}") from None
         return camera
 
 

@@ -209,9 +209,9 @@ class SimulatedBoard:
             return float(first["pulse_us"])
         return float((await self.ask(f"servo {pin}", "servo"))["pulse_us"])
 
-    async def servo_angle(self, pin: str, *, timeout_s: float = DEFAULT_TIMEOUT_S) -> float:
+    async def servo_angle(self, pin: str) -> float:
         """Return the angle of a servo on a pin, in degrees from 0 to 180; waits for the first pulse."""
-        return (await self.servo_pulse_us(pin, timeout_s=timeout_s) - 544.0) * 180.0 / (2400.0 - 544.0)
+        return (await self.servo_pulse_us(pin) - 544.0) * 180.0 / (2400.0 - 544.0)
 
     async def set_faults(self, faults: str) -> None:
         """Add faults to the line: `flip=0.01,to:drop=0.001,seed=3`, or `none`."""

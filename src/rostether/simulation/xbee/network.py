@@ -30,10 +30,10 @@ class XbeeNetwork:
         self._ports: dict[int, RadioPort] = {}
         self._radio_count = 0
 
-    def add_fresh(self, transport: Transport, *, host_baud: int | None = None) -> SimulatedRadio:
+    def add_fresh(self, transport: Transport) -> SimulatedRadio:
         """Add a radio with its factory settings; `transport` is its serial port."""
         radio = self._new_radio()
-        self.connect(radio, transport, host_baud=host_baud)
+        self.connect(radio, transport)
         return radio
 
     def add_coordinator(self, transport: Transport) -> SimulatedRadio:
