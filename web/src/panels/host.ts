@@ -5,7 +5,8 @@ import type { Listener } from "../store/feed.ts";
 import type { Robot, Subscription } from "../store/robot.ts";
 import { watchVisible } from "../store/visibility.ts";
 import { texts } from "../texts.ts";
-import type { Panel, PanelContext, Settings } from "./panel.ts";
+import type { Panel, PanelContext } from "./panel.ts";
+import type { Settings } from "./setting_checks.ts";
 
 // A robot that restarts is back within seconds.
 const RETRY_MS = 1000;

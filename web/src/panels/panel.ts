@@ -5,10 +5,7 @@ import type { Feed, Listener } from "../store/feed.ts";
 import type { Robot } from "../store/robot.ts";
 import type { Topic } from "../store/topics.ts";
 import type { texts } from "../texts.ts";
-import type { SettingChecks } from "./setting_checks.ts";
-
-/** Settings of one instance of a panel; must survive JSON. */
-export type Settings = Record<string, unknown>;
+import type { SettingChecks, Settings } from "./setting_checks.ts";
 
 /** A card that a panel offers for the overview. */
 export interface Suggestion {

@@ -1,5 +1,7 @@
 // What a panel's settings must be. They come from links and from the browser's storage, which may hold anything.
-import type { Settings } from "./panel.ts";
+
+/** Settings of one instance of a panel; must survive JSON. */
+export type Settings = Record<string, unknown>;
 
 export type SettingCheck = (value: unknown) => boolean;
 /** By the name of a setting. */

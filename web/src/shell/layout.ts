@@ -1,5 +1,5 @@
 // The user's changes of the automatic overview: order, widths, hidden and added cards.
-import type { Settings } from "../panels/panel.ts";
+import type { Settings } from "../panels/setting_checks.ts";
 
 export type Width = 1 | 2 | 3;
 

@@ -1,6 +1,6 @@
 // The address of the current view: `#/PANEL`, with the panel's settings in a shared link: `#/PANEL?s=...`.
 import { signal } from "@preact/signals";
-import type { Settings } from "../panels/panel.ts";
+import type { Settings } from "../panels/setting_checks.ts";
 
 export interface Route {
   /** Empty for the overview. */

@@ -1,7 +1,7 @@
 // The settings of panels that outlive the page: what the user has changed, not what a link or a card gave.
 import { effect, type Signal } from "@preact/signals";
-import type { Panel, Settings } from "../panels/panel.ts";
-import { validSettings } from "../panels/setting_checks.ts";
+import type { Panel } from "../panels/panel.ts";
+import { type Settings, validSettings } from "../panels/setting_checks.ts";
 import { loadSetting, saveSetting } from "../store/storage.ts";
 
 export function savedSettings({ id, settings }: Panel): Settings {

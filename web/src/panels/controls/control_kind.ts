@@ -1,5 +1,6 @@
 // Chooses the control for a topic, from its type and its name.
 import { limitsOf } from "../../forms/numbers.ts";
+import type { Topic } from "../../store/topics.ts";
 import type { Primitive, StructNode } from "../../wire/schema.ts";
 import { DRIVE_TYPES } from "../drive/commands.ts";
 
@@ -33,6 +34,15 @@ export function controlKind(topic: string, type: StructNode): ControlKind {
   if (node.kind !== "primitive") return { kind: "form" };
   if (node.type === "bool") return { kind: "toggle", field: name };
   return { kind: "slider", field: name, type: node.type, ...sliderRange(topic, node.type) };
+}
+
+/** A form of many fields would fill the overview; the page of all controls has it. */
+export function fitsCard(topic: Topic): boolean {
+  try {
+    return controlKind(topic.name, topic.type()).kind !== "form";
+  } catch {
+    return false;
+  }
 }
 
 /** A message whose type is named after servos, and which has only numbers. */

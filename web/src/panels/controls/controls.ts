@@ -1,17 +1,7 @@
-import type { Topic } from "../../store/topics.ts";
 import type { Panel } from "../panel.ts";
 import { hasFields, isByTopic, isNumber, isText } from "../setting_checks.ts";
-import { controlKind } from "./control_kind.ts";
+import { fitsCard } from "./control_kind.ts";
 import { controllableTopics } from "./controllable.ts";
-
-/** A form of many fields would fill the overview; the page of all controls has it. */
-export function fitsCard(topic: Topic): boolean {
-  try {
-    return controlKind(topic.name, topic.type()).kind !== "form";
-  } catch {
-    return false;
-  }
-}
 
 export const controlsPanel: Panel = {
   id: "controls",

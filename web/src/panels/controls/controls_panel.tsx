@@ -6,8 +6,8 @@ import { graphOf } from "../graph_of.ts";
 import type { PanelContext } from "../panel.ts";
 import { preactPanel } from "../preact_panel.tsx";
 import { Control } from "./control.tsx";
+import { fitsCard } from "./control_kind.ts";
 import { controllableTopics } from "./controllable.ts";
-import { fitsCard } from "./controls.ts";
 import { ServiceControl, tappableServices } from "./service_control.tsx";
 
 interface ControlsSettings {

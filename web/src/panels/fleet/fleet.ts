@@ -1,6 +1,5 @@
 import type { Panel } from "../panel.ts";
-
-export const FLEET_TYPE = "sensing_platform/Fleet";
+import { FLEET_TYPE } from "./fleet_messages.ts";
 
 export const fleetPanel: Panel = {
   id: "fleet",

@@ -8,25 +8,12 @@ import { texts } from "../../texts.ts";
 import { useFeed } from "../hooks.ts";
 import type { PanelContext } from "../panel.ts";
 import { preactPanel } from "../preact_panel.tsx";
-import { FLEET_TYPE } from "./fleet.ts";
-
-/** sensing_platform/RobotState. */
-interface RobotState {
-  id: number;
-  address: string;
-  state: string;
-  commanded_by: string;
-  loss: number;
-  signal_dbm: number;
-  uses_unicast: boolean;
-  answered: { sec: number; nsec: number };
-}
+import { FLEET_TYPE, type RobotState, STOP_TYPE } from "./fleet_messages.ts";
 
 // Above this, a robot gets its commands by unicast too.
 const HIGH_LOSS = 0.1;
 // Below this, Wi-Fi begins to fail.
 const WEAK_DBM = -75;
-const STOP_TYPE = "sensing_platform/StopRobots";
 
 const t = texts.fleet;
 

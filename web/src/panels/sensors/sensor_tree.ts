@@ -2,6 +2,8 @@
 import { compareNames } from "../../shell/format.ts";
 import type { Level } from "../../shell/parts.tsx";
 
+export const SENSORS_TYPE = "sensing_platform/Sensors";
+
 /** sensing_platform/Sensor. */
 export interface Sensor {
   id: string;

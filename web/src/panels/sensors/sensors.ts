@@ -1,7 +1,6 @@
 import type { Panel } from "../panel.ts";
 import { isText, isTexts } from "../setting_checks.ts";
-
-export const SENSORS_TYPE = "sensing_platform/Sensors";
+import { SENSORS_TYPE } from "./sensor_tree.ts";
 
 export const sensorsPanel: Panel = {
   id: "sensors",

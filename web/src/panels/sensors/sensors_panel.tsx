@@ -7,8 +7,7 @@ import { useFeed } from "../hooks.ts";
 import type { PanelContext } from "../panel.ts";
 import { preactPanel } from "../preact_panel.tsx";
 import { SensorPane } from "./sensor_pane.tsx";
-import { levelOf, type Platform, type Sensor, sensorTree } from "./sensor_tree.ts";
-import { SENSORS_TYPE } from "./sensors.ts";
+import { levelOf, type Platform, SENSORS_TYPE, type Sensor, sensorTree } from "./sensor_tree.ts";
 
 interface SensorsSettings {
   /** Ids of the sensors that are shown. */
