@@ -60,7 +60,7 @@ async def test_nodes_print_alike(stage: Stage) -> None:
     tools = SideBySide(stage.peers)
     await join_board(stage)
 
-    listed, _, _, of_talker, of_board, _, _ = await tools.all_same(
+    listed, _, _, of_talker, of_board, *_ = await tools.all_same(
         "rosnode",
         ("list",),
         ("list", "-a"),
@@ -69,6 +69,7 @@ async def test_nodes_print_alike(stage: Stage) -> None:
         ("info", "lab/board"),
         ("info", "-q", "/talker", "/lab/board"),
         ("machine",),
+        ("machine", "localhost"),
     )
     assert {"/lab/board", "/talker"} <= set(listed.splitlines())
     # rospy does not describe its inbound connections, we do.

@@ -96,6 +96,7 @@ print("/lookups" in rosnode.rosnode_ping_all()[0], rosnode.kill_nodes(["/nobody"
 print(rosnode.get_api_uri(rosgraph.Master("/x"), "/lookups") == rospy.get_node_uri())
 print(rosnode.get_node_info_description("/lookups").replace("[unknown type]", "[*]"))
 print(len(rosnode.get_machines_by_nodes()))
+print(rosnode.get_nodes_by_machine("localhost") == rosnode.get_nodes_by_machine("127.0.0.1") != [])
 
 print(rosservice.get_service_type("/look/set"), rosservice.get_service_type("/none"))
 print(

@@ -16,6 +16,7 @@ from rostether.errors import ConfigError, UnknownNameError
 from rostether.mechanisms.text import escape_line
 from rostether.names.graph_name import in_namespace
 from rostether.ros1.environment import RosEnvironment, parse_rpc_uri
+from rostether.ros1.machines import hosts_of_machine
 from rostether.ros1.node.node_calls import ask, connections, find_node, node_client, node_names, registrations
 
 
@@ -53,7 +54,8 @@ def machine(environment: RosEnvironment, name: str | None) -> None:
         for host in sorted(set(hosts.values())):
             write_line(host)
         return
-    found = [node_name for node_name, host in hosts.items() if host == name]
+    places = hosts_of_machine(name, hosts.values())
+    found = [node_name for node_name, host in hosts.items() if host in places]
     for each in found:
         write_line(each)
     if not found:

@@ -9,6 +9,7 @@ from typing import Any
 
 from rostether.errors import ConfigError, RostetherError
 from rostether.ros1.environment import parse_rpc_uri
+from rostether.ros1.machines import hosts_of_machine
 from rostether.ros1.xmlrpc_client import XmlRpcClient
 from rostether.rospy.client.node import node
 from rostether.rospy.tools.graph_names import make_global_ns
@@ -52,8 +53,10 @@ def get_machines_by_nodes() -> list[str]:
 
 
 def get_nodes_by_machine(machine: str) -> list[str]:
-    """Return the nodes on a machine, by the host name in their URIs. Raises ROSNodeIOException."""
-    return [name for name, found in _machines() if found == machine]
+    """Return the nodes on a machine, given by a name or an address. Raises ROSNodeIOException."""
+    nodes = list(_machines())
+    places = hosts_of_machine(machine, (host for _, host in nodes))
+    return [name for name, host in nodes if host in places]
 
 
 def rosnode_ping(
