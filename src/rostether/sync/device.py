@@ -14,10 +14,9 @@ from rostether.device.services import ServiceClient as DeviceServiceClient
 from rostether.graph.log_methods import LogMethods
 from rostether.graph.message_stream import DEFAULT_QUEUE_MESSAGES
 from rostether.mechanisms.callback_thread import CallbackThread
-from rostether.mechanisms.loop_thread import run_in_thread
 from rostether.serde.type_classes import Request, Response, Service, name_of_type
 from rostether.serde.values import Message
-from rostether.sync.waiting import LOOP, Member, Waiting, guarded, in_loop, waiting
+from rostether.sync.waiting import LOOP, Member, Waiting, guarded, in_loop, threaded, waiting
 
 P = ParamSpec("P")
 M = TypeVar("M", bound=Message)
@@ -142,11 +141,7 @@ class Device(Member[device.Device], LogMethods):
         self, service: str, type_name: str | type[Service[Any, Any]], handler: Callable[[Any], Answer[Any]]
     ) -> None:
         """Offer a service; the handler runs in a thread. Raises UnknownTypeError, LocalProtocolError."""
-
-        async def handle(request: Message) -> Answer[Message]:
-            return await run_in_thread(partial(handler, request))
-
-        self._service_server(service, name_of_type(type_name), handle)
+        self._service_server(service, name_of_type(type_name), threaded(handler))
 
     @overload
     def service_client(self, service: str, type_name: str) -> ServiceClient[Message]: ...

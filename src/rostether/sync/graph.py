@@ -14,7 +14,6 @@ from rostether.graph.ports import ParamValue
 from rostether.graph.typed_graph import TypedGraph
 from rostether.graph.typed_handles import MessageLike
 from rostether.mechanisms.callback_thread import CallbackThread
-from rostether.mechanisms.loop_thread import run_in_thread
 from rostether.serde.type_classes import Request, Response, Service, name_of_type
 from rostether.serde.values import Message
 from rostether.sync.graph_handles import (
@@ -25,7 +24,7 @@ from rostether.sync.graph_handles import (
     ServiceServer,
     Subscriber,
 )
-from rostether.sync.waiting import LOOP, Member, guarded, in_loop, waiting
+from rostether.sync.waiting import LOOP, Member, guarded, in_loop, threaded, waiting
 
 P = ParamSpec("P")
 M = TypeVar("M", bound=Message)
@@ -181,10 +180,7 @@ class Graph(Member[TypedGraph], LogMethods):
         If it raises an exception, the call fails and the caller receives the error. Raises UnknownTypeError,
         GraphError.
         """
-
-        async def handle(request: Message) -> MessageLike:
-            return await run_in_thread(partial(handler, request))
-
+        handle = threaded(handler)
         return ServiceServer(LOOP.call(self.wrapped.service_server(service, name_of_type(type_name), handle)))
 
     def watch_param(self, name: str, on_change: Callable[[ParamValue], object]) -> ParamWatch:

@@ -7,15 +7,16 @@ import atexit
 import logging
 from collections.abc import Callable, Coroutine
 from contextlib import AbstractAsyncContextManager
-from functools import wraps
+from functools import partial, wraps
 from inspect import iscoroutinefunction
 from types import TracebackType
 from typing import Any, Concatenate, Generic, ParamSpec, Self, TypeVar
 
-from rostether.mechanisms.loop_thread import LoopThread
+from rostether.mechanisms.loop_thread import LoopThread, run_in_thread
 
 P = ParamSpec("P")
 T = TypeVar("T")
+R = TypeVar("R")
 Wrapped = TypeVar("Wrapped", covariant=True)
 
 _LOG = logging.getLogger(__name__)
@@ -50,8 +51,7 @@ def waiting(
 
 def guarded(callback: Callable[[T], object]) -> Callable[[T], None]:
     """Return a callback that logs exceptions of the program's callback. Raises TypeError if it is async."""
-    if iscoroutinefunction(callback):
-        raise TypeError("the callback is async; with rostether.sync, write a plain function")
+    _refuse_async("callback", callback)
 
     def call(item: T) -> None:
         try:
@@ -60,6 +60,21 @@ def guarded(callback: Callable[[T], object]) -> Callable[[T], None]:
             _LOG.exception("the callback %s failed", getattr(callback, "__name__", callback))
 
     return call
+
+
+def threaded(handler: Callable[[T], R]) -> Callable[[T], Coroutine[Any, Any, R]]:
+    """Return a handler for the loop that runs `handler` in a new thread. Raises TypeError if it is async."""
+    _refuse_async("handler", handler)
+
+    async def handle(request: T) -> R:
+        return await run_in_thread(partial(handler, request))
+
+    return handle
+
+
+def _refuse_async(what: str, function: Callable[..., object]) -> None:
+    if iscoroutinefunction(function):
+        raise TypeError(f"the {what} is async; with rostether.sync, write a plain function")
 
 
 def in_loop(method: Callable[Concatenate[Wrapped, P], T]) -> Callable[Concatenate[Waiting[Wrapped], P], T]:

@@ -179,11 +179,17 @@ def test_a_program_that_ends_leaves_the_graph(master: str, listener: rostether.s
     assert "/short" not in listener.snapshot().nodes
 
 
-def test_an_async_callback_is_refused(talker: rostether.sync.Graph) -> None:
+def test_async_callbacks_and_handlers_are_refused(talker: rostether.sync.Graph) -> None:
     async def hear(_: Message) -> None: ...
 
     with pytest.raises(TypeError, match="write a plain function"):
         talker.subscriber("/chatter", "std_msgs/String", hear)
+
+    async def switch(_: Message) -> dict[str, bool]:
+        return {"success": True}
+
+    with pytest.raises(TypeError, match="the handler is async"):
+        talker.service_server("/switch", "std_srvs/SetBool", switch)  # type: ignore[arg-type]
 
 
 def test_errors_show_the_program_s_frames_only(talker: rostether.sync.Graph) -> None:
