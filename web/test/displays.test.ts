@@ -18,12 +18,15 @@ const header = { stamp: { sec: 0, nsec: 0 }, frame_id: "map" };
 const pose = { position: { x: 0, y: 0, z: 0 }, orientation: { x: 0, y: 0, z: 0, w: 1 } };
 const XYZ = ["x", "y", "z"].map((name, i) => ({ name, offset: i * 4, datatype: 7, count: 1 }));
 
-function show(type: DisplayType): { display: Display; reports: string[]; objects: () => Object3D[] } {
+function show(
+  type: DisplayType,
+  invalidate = () => {},
+): { display: Display; reports: string[]; objects: () => Object3D[] } {
   const reports: string[] = [];
   const display = DISPLAYS[type]({
     color: "#fff",
     report: (problem) => void reports.push(problem),
-    invalidate: () => {},
+    invalidate,
     fetchAsset: () => Promise.reject(new Error("no files")),
   });
   const objects = () => {
@@ -107,4 +110,29 @@ test("a map that is wider than pictures may be keeps its walls, and its picture 
   display.update({ ...map, data: new Int8Array(3) });
   assert.equal((objects()[1] as Object3D).visible, false);
   assert.match(reports.at(-1) as string, /has 3/);
+});
+
+test("a marker that expires changes the picture by itself", async () => {
+  let onChange = () => {};
+  const changed = new Promise<void>((resolve) => {
+    onChange = resolve;
+  });
+  const { display, objects } = show("visualization_msgs/Marker", onChange);
+  const sizes = { scale: { x: 1, y: 1, z: 1 }, color: { r: 1, g: 0, b: 0, a: 1 } };
+  const lifetime = { sec: 0, nsec: 20_000_000 };
+  display.update({
+    header,
+    ns: "",
+    id: 0,
+    type: 1,
+    action: 0,
+    pose,
+    ...sizes,
+    lifetime,
+    points: [],
+    colors: [],
+  });
+  assert.ok(objects().length > 0);
+  await changed;
+  assert.deepEqual(objects(), []);
 });

@@ -46,6 +46,8 @@ const DELETE_ALL = 3;
 /** More than RViz draws fluently; a flood of new ids must not fill the memory. */
 const MAX_MARKERS = 5000;
 const MAX_MARKER_POINTS = 500_000;
+// A timer of a browser counts milliseconds in 31 bits.
+const LONGEST_TIMER_MS = 2 ** 31 - 2;
 
 interface Shown extends Placed {
   readonly expiresMs: number;
@@ -55,6 +57,7 @@ interface Shown extends Placed {
 export class MarkerDisplay implements Display {
   private readonly shown = new Map<string, Shown>();
   private readonly context: DisplayContext;
+  private expiryTimer: ReturnType<typeof setTimeout> | undefined;
 
   constructor(context: DisplayContext) {
     this.context = context;
@@ -67,13 +70,22 @@ export class MarkerDisplay implements Display {
 
   *placed(): Iterable<Placed> {
     const now = performance.now();
+    let nextMs = Number.POSITIVE_INFINITY;
     for (const [key, each] of this.shown) {
-      if (now > each.expiresMs) this.remove(key);
-      else yield each;
+      if (now >= each.expiresMs) this.remove(key);
+      else {
+        nextMs = Math.min(nextMs, each.expiresMs);
+        yield each;
+      }
     }
+    // The next marker that expires must vanish also if nothing else changes the picture.
+    clearTimeout(this.expiryTimer);
+    if (nextMs - now <= LONGEST_TIMER_MS)
+      this.expiryTimer = setTimeout(() => this.context.invalidate(), nextMs - now + 1);
   }
 
   dispose(): void {
+    clearTimeout(this.expiryTimer);
     for (const key of [...this.shown.keys()]) this.remove(key);
   }
 
