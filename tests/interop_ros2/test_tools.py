@@ -106,6 +106,9 @@ async def test_calls_and_parameters(peer: RclpyPeer) -> None:
     assert "  gain (type: double)\n" in listed
     assert await tool("param", "set", PEER_NAME, "gain", "2.5") == "Set parameter successful\n"
     assert await peer.ask("get_own_parameter", name="gain") == 2.5
+    # It stays a double.
+    await tool("param", "set", PEER_NAME, "gain", "2")
+    assert isinstance(await peer.ask("get_own_parameter", name="gain"), float)
     refused = await tool("param", "set", PEER_NAME, "use_sim_time", "high", code=1)
     assert "Setting parameter failed: " in refused
 

@@ -142,7 +142,12 @@ class Ros2Params:
         async def ask(client: ParameterClient) -> TypedValue:
             found = (await client.get(node, [path])).get(path, NOT_SET)
             if found == NOT_SET:
-                hint = did_you_mean(path, await client.names(node))
+                names = await client.names(node)
+                if path in names:
+                    raise UnknownNameError(
+                        f"Parameter not set: node {node} has declared {path} without a value"
+                    )
+                hint = did_you_mean(path, names)
                 hint = hint or f"`rostether param list {node}` shows its parameters"
                 raise UnknownNameError(f"Parameter not set: node {node} has no parameter {path}; {hint}")
             return found

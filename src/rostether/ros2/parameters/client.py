@@ -50,14 +50,30 @@ class ParameterClient:
     async def set(self, node: str, values: Mapping[str, TypedValue]) -> None:
         """Set parameters; `NOT_SET` deletes.
 
-        Raises GraphError with the reason of the first refused parameter.
+        Whole numbers and empty lists get the type that the parameter has: texts, YAML and JSON often do not
+        distinguish 2 and 2.0. Raises GraphError with the reason of the first refused parameter.
         """
-        parameters = [{"name": name, "value": value.to_fields()} for name, value in values.items()]
+        types = await self._types(node, [name for name, value in values.items() if value.may_have_other_type])
+        fitting = {name: value.as_type(types.get(name)) for name, value in values.items()}
+        parameters = [{"name": name, "value": value.to_fields()} for name, value in fitting.items()]
         answer = await self._call(node, "set_parameters", "SetParameters", {"parameters": parameters})
         for name, result in zip(values, answer.results, strict=False):
             if not result.successful:
                 reason = fold_line(result.reason) or "no reason given"
                 raise GraphError(f"node {node} refused to set its parameter {name}: {reason}")
+
+    async def _types(self, node: str, names: Sequence[str]) -> dict[str, int]:
+        if not names:
+            return {}
+        try:
+            answer = await self._call(
+                node, "get_parameter_types", "GetParameterTypes", {"names": list(names)}
+            )
+        except ServiceUnavailableError:
+            # The node decides what it accepts.
+            return {}
+        # rclcpp returns nothing if one of the names is not declared.
+        return dict(zip(names, answer.types, strict=True)) if len(answer.types) == len(names) else {}
 
     async def _call(self, node: str, verb: str, name: str, request: Mapping[str, Any]) -> Message:
         interfaces = rcl_interfaces()

@@ -52,6 +52,27 @@ class TypedValue:
     type: ParameterType
     value: ParamValue
 
+    @property
+    def may_have_other_type(self) -> bool:
+        """Return whether the value may be meant as another type: a whole number, or an empty list."""
+        is_whole = self.type in (ParameterType.INTEGER, ParameterType.INTEGER_ARRAY)
+        return is_whole or (self.type is ParameterType.STRING_ARRAY and not self.value)
+
+    def as_type(self, wanted: int | None) -> TypedValue:
+        """Return the value with this type if it may have it, else unchanged."""
+        value: Any = self.value
+        if self.type is ParameterType.INTEGER and wanted == ParameterType.DOUBLE:
+            return TypedValue(ParameterType.DOUBLE, float(value))
+        if not self.may_have_other_type or not isinstance(value, list):
+            return self
+        if wanted == ParameterType.DOUBLE_ARRAY:
+            return TypedValue(ParameterType.DOUBLE_ARRAY, [float(each) for each in value])
+        if wanted == ParameterType.BYTE_ARRAY and all(0 <= each <= 255 for each in value):
+            return TypedValue(ParameterType.BYTE_ARRAY, bytes(value))
+        if not value and wanted in (ParameterType.BOOL_ARRAY, ParameterType.INTEGER_ARRAY):
+            return TypedValue(ParameterType(wanted), [])
+        return self
+
     def to_fields(self) -> dict[str, Any]:
         """Return the fields of a rcl_interfaces/ParameterValue."""
         fields: dict[str, Any] = {"type": int(self.type)}

@@ -54,6 +54,33 @@ async def test_a_node_that_answers_nothing_for_several_is_asked_one_by_one() -> 
     assert not await parameters.has("/picky/unset")
 
 
+@pytest.mark.parametrize(
+    ("before", "given", "after"),
+    [
+        (1.5, 2, 2.0),
+        ([1.5], [2], [2.0]),
+        ([1.5], [], []),
+        ([1], [], []),
+        (b"a", [0, 255], b"\x00\xff"),
+        (b"a", [256], [256]),
+        (1, 2, 2),
+        ("a", 2, 2),
+        (None, 2, 2),
+    ],
+)
+async def test_whole_numbers_and_empty_lists_get_the_type_of_the_parameter(
+    before: ParamValue, given: ParamValue, after: ParamValue
+) -> None:
+    network, store = MemoryNetwork(), ParameterStore()
+    await join_with(network, "/typed", store)
+    if before is not None:
+        store.apply({"value": typed_value("value", before)})
+    await GraphParameters(ParameterStore(), await network.join("/me")).set("/typed/value", given)
+    now = store.get("value")
+    assert (now.value, type(now.value)) == (after, type(after))
+    assert now.type is typed_value("", after or before).type
+
+
 async def test_refusals_carry_the_nodes_reason() -> None:
     network = MemoryNetwork()
     fixed, me = await network.join("/fixed"), await network.join("/me")
