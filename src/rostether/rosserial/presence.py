@@ -44,6 +44,9 @@ EARLY_S = 2.0
 # A timer that is handled this late means that this process was stopped: its intervals are wrong.
 LATE_S = 0.2
 
+# After such a pause of this process, its timers are handled before the data that came meanwhile.
+PAUSED_S = 1.0
+
 # A healthy board may be silent for 3 s: it requests the time every 2.5 s, and sketches sleep.
 OVERDUE_S = 3.0
 
@@ -173,6 +176,7 @@ class Presence:
     def get_timer(self, *, probes: bool) -> float | None:
         """Return when to call `handle_timer`. `probes`: whether the device may be asked now."""
         if self.state is State.ABSENT:
+            self._due_s = float("inf")
             return None
         silent_s = self.received_at_s + SILENT_AFTER_S
         if not probes or self.state is State.MISSED:
@@ -185,8 +189,12 @@ class Presence:
 
     def handle_timer(self, now_s: float, *, probes: bool) -> Verdict | None:
         """Return the action that is due now, None if there is none."""
+        late_s = now_s - self._due_s
         self._note_stall(now_s)
         if self.state is State.ABSENT:
+            return None
+        if late_s > PAUSED_S:
+            self.received_at_s = self._changed_s = now_s
             return None
         if now_s >= self.received_at_s + SILENT_AFTER_S:
             return self._step(Input.SILENCE, now_s)
@@ -201,7 +209,7 @@ class Presence:
     def _note_stall(self, now_s: float) -> None:
         if now_s > self._due_s + LATE_S:
             self._stalled_s = now_s
-        self._due_s = float("inf")
+            self._due_s = float("inf")
 
     def _step(self, what: Input, now_s: float) -> Verdict | None:
         before = self.state

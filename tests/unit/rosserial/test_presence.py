@@ -165,6 +165,17 @@ def test_a_stall_of_this_process_is_not_a_reset_of_the_board() -> None:
     assert Verdict.RESET not in verdicts
 
 
+def test_a_pause_of_this_process_is_not_silence_of_the_board() -> None:
+    presence = present()
+    due_s = presence.get_timer(probes=True)
+    assert due_s is not None
+    presence.message(due_s - 0.1)
+    assert presence.handle_timer(due_s + 12.0, probes=True) is None
+    assert presence.is_certain
+    assert presence.get_timer(probes=True) == due_s + 12.0 + PROBE_AFTER_S
+    assert presence.handle_timer(due_s + 12.0 + PROBE_AFTER_S, probes=True) is Verdict.PROBE
+
+
 def test_a_reset_after_a_stall_is_found() -> None:
     presence = present()
     presence.time_request(2.5)

@@ -40,6 +40,9 @@ NO_ANSWER_S = 5.0
 # A lost announcement is repeated within a second; a board that lacks one never sends it.
 UNKNOWN_S = 10.0
 
+# The checks are a second apart. A longer time means that this process was paused, and read requests late.
+PAUSED_S = 3.0
+
 # The log line of the established library for a message that does not fit its output buffer.
 TOO_LARGE = "larger than buffer"
 
@@ -66,7 +69,7 @@ class LineWatch:
         self._baud = baud
         self._resets = resets
         self._statistics = statistics
-        self._opened_s = now_s
+        self._opened_s = self._found_s = now_s
         self._damage = Damage()
         self._announcements = Announcements()
         self._version: int | None = None
@@ -107,6 +110,9 @@ class LineWatch:
 
     def find(self, now_s: float) -> list[Finding]:
         """Return the current findings, the worst first. Called about once a second."""
+        if now_s - self._found_s > PAUSED_S:
+            self.loop_speed.forget()
+        self._found_s = now_s
         damage = None
         if self.was_alive:
             damage = self._damage.find(self._statistics.frames_received, now_s, self._resets.count(now_s))
