@@ -124,7 +124,7 @@ class FrameScanner:
             return None
         return known.topic_id, payload
 
-    def scan(  # noqa: C901, PLR0912, PLR0915 - the hot loop: a call costs as much as a small frame
+    def scan(
         self, buffer: bytes, patience: Patience = Patience.WAIT, max_false_starts: int | None = None
     ) -> Scan:
         """Cut a buffer that begins where a frame may begin.
@@ -132,11 +132,24 @@ class FrameScanner:
         After more than `max_false_starts` (None: any number), only its end is searched; the rest is noise.
         """
         result = Scan()
+        waste = _Waste(buffer, self._start, max_false_starts)
+        unfinished = self._cut_frames(buffer, patience, result, waste)
+        result.rest = len(buffer)
+        if unfinished is not None and patience is not Patience.NONE:
+            result.rest, result.needed_bytes = unfinished
+        if waste.false_starts:
+            result.false_starts = waste.false_starts
+            result.discarded = waste.pieces(result.rest)
+        return result
+
+    def _cut_frames(  # noqa: PLR0915 - the hot loop: a call costs as much as a small frame
+        self, buffer: bytes, patience: Patience, result: Scan, waste: _Waste
+    ) -> tuple[int, int] | None:
+        """Add the valid frames to the result, and return position and size of an unfinished one, if any."""
         groups = result.groups
         known_headers = self._known
         header_bytes = self._header_bytes
         total = len(buffer)
-        waste = _Waste(buffer, self._start, max_false_starts)
         sums: RunningSums | None = None
         unfinished: tuple[int, int] | None = None
         tail_frames = 0
@@ -147,7 +160,7 @@ class FrameScanner:
             if known is None:
                 verdict = self._check_header(header)
                 if isinstance(verdict, DiscardReason):
-                    position = waste.next_start(position, verdict)
+                    position = waste.reject(position, verdict)
                     header = buffer[position : position + header_bytes]
                     continue
                 known = verdict
@@ -157,7 +170,7 @@ class FrameScanner:
                 unfinished = unfinished or (position, stride)
                 if patience is Patience.WAIT:
                     break
-                position = waste.next_start(position, DiscardReason.UNFINISHED)
+                position = waste.reject(position, DiscardReason.UNFINISHED)
                 header = buffer[position : position + header_bytes]
                 continue
             following = buffer[end : end + header_bytes]
@@ -172,8 +185,7 @@ class FrameScanner:
                 payload = buffer[position + header_bytes : end - 1]
                 good = [payload] if (summer(payload) + buffer[end - 1]) & 0xFF == target else []
             if not good:
-                false_starts = 1 + stride // FALSE_START_SUMS_BYTES
-                position = waste.next_start(position, DiscardReason.PAYLOAD_CHECKSUM, false_starts)
+                position = waste.reject_payload(position, stride)
                 header = buffer[position : position + header_bytes]
                 sums = sums or waste.sums_after(stride)
                 continue
@@ -189,14 +201,8 @@ class FrameScanner:
                 result.add(topic_id, good)
             position = end
             header = following
-        result.rest = total
         result.tail_frames = tail_frames
-        if unfinished is not None and patience is not Patience.NONE:
-            result.rest, result.needed_bytes = unfinished
-        if waste.false_starts:
-            result.false_starts = waste.false_starts
-            result.discarded = waste.pieces(result.rest)
-        return result
+        return unfinished
 
     def _check_header(self, header: bytes) -> _Known | DiscardReason:
         """Check an unknown header; an incomplete one becomes a frame longer than the buffer."""
@@ -287,7 +293,7 @@ class _Waste:
         self._reason = DiscardReason.NOISE
         self._count = 0
 
-    def next_start(self, position: int, reason: DiscardReason, false_starts: int = 1) -> int:
+    def reject(self, position: int, reason: DiscardReason, false_starts: int = 1) -> int:
         """Begin a stretch where a check failed, and return where a frame may begin next."""
         if not self.is_open:
             self.is_open = True
@@ -304,6 +310,11 @@ class _Waste:
         wanted = self._frame_start if reason is _VERSION else _SYNC
         found = self._buffer.find(wanted, position + 1)
         return found if found >= 0 else self._last_start(position + 1, wanted)
+
+    def reject_payload(self, position: int, stride: int) -> int:
+        """Do the same for a frame whose payload failed its check, which cost more the longer it was."""
+        false_starts = 1 + stride // FALSE_START_SUMS_BYTES
+        return self.reject(position, DiscardReason.PAYLOAD_CHECKSUM, false_starts)
 
     def sums_after(self, stride: int) -> RunningSums | None:
         """Count the bytes of a false frame that were summed; return cheaper sums once those are too many."""
