@@ -160,15 +160,19 @@ async def test_the_map_keeps_moving_robots_in_the_picture(robot: Robot, browser:
             " && top >= map.top && bottom <= map.bottom; }).length)"
             "(document.querySelector('.map-picture')?.getBoundingClientRect())"
         )
-        # The second one drives away.
-        for longitude in (11.575, 11.58, 11.7):
+        # The second one drives away, over the date line.
+        for longitude in (179.99, 179.995, -179.9):
             async with asyncio.timeout(PATIENCE_S):
                 while True:
-                    robots[0].publish(latitude=48.137, longitude=11.575)
-                    robots[1].publish(latitude=48.138, longitude=longitude)
+                    robots[0].publish(latitude=-16.8, longitude=179.99)
+                    robots[1].publish(latitude=-16.801, longitude=longitude)
                     await asyncio.sleep(0.1)
                     if await browser.do("evaluate", page=page, script=inside) == 2:
                         break
+        # It is drawn 10 km away, not at the other end of the world.
+        scale = "parseInt(document.querySelector('.leaflet-control-scale-line').innerText)"
+        unit = "document.querySelector('.leaflet-control-scale-line').innerText.split(' ')[1]"
+        assert await browser.do("evaluate", page=page, script=f"{unit} === 'm' || {scale} <= 10")
 
 
 async def test_the_page_connects_again(robot: Robot, browser: Browser) -> None:

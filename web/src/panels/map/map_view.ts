@@ -1,6 +1,6 @@
 // A map with the robots' places and tracks, on tiles of the robot itself or on a grid.
 import L from "leaflet";
-import { type Place, Track } from "./track.ts";
+import { nearestLongitude, type Place, Track } from "./track.ts";
 
 const COLORS = ["#4c9aff", "#f5a524", "#36b37e", "#e5618a", "#9a6cf5", "#2bb8c4"];
 // At the edges, in pixels.
@@ -47,8 +47,10 @@ export class MapView {
 
   /** A robot is here now. */
   move(name: string, place: Place): void {
-    const at: L.LatLngTuple = [place.latitude, place.longitude];
     let robot = this.robots.get(name);
+    const near = robot ?? this.robots.values().next().value;
+    const longitude = nearestLongitude(place.longitude, near?.dot.getLatLng().lng ?? 0);
+    const at: L.LatLngTuple = [place.latitude, longitude];
     if (robot === undefined) {
       const color = COLORS[this.robots.size % COLORS.length] as string;
       robot = {
@@ -61,7 +63,11 @@ export class MapView {
       if (this.robots.size === 1) this.map.setView(at, 18);
     }
     robot.dot.setLatLng(at);
-    if (robot.track.add(place)) robot.line.addLatLng(at);
+    const { track, line } = robot;
+    if (track.add({ latitude: place.latitude, longitude })) {
+      if (track.places.length > line.getLatLngs().length) line.addLatLng(at);
+      else line.setLatLngs(track.places.map((each) => L.latLng(each.latitude, each.longitude)));
+    }
     if (this.isFollowing) this.follow(at);
   }
 

@@ -17,6 +17,11 @@ export function distanceM(a: Place, b: Place): number {
   return EARTH_RADIUS_M * Math.hypot(north, east);
 }
 
+/** The longitude that is nearest to another: beyond 180 degrees for a robot that crosses the date line. */
+export function nearestLongitude(longitude: number, to: number): number {
+  return longitude + 360 * Math.round((to - longitude) / 360);
+}
+
 export class Track {
   readonly places: Place[] = [];
 
