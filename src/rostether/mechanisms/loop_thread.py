@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import asyncio
 import concurrent.futures
+import os
 import threading
 import time
 from collections.abc import Callable, Coroutine
 from typing import Any, TypeVar
 
-from rostether.errors import RostetherError
+from rostether.errors import GraphError, RostetherError
 
 _T = TypeVar("_T")
 
@@ -19,7 +20,8 @@ _SHORT_WAIT_S = 0.5
 class LoopThread:
     """Runs coroutines for other threads; its thread starts with the first call and never blocks the exit.
 
-    `interrupted` makes the error of calls that `interrupt` ends.
+    `interrupted` makes the error of calls that `interrupt` ends. A forked process has no such thread: there,
+    all calls raise GraphError.
     """
 
     def __init__(self, interrupted: Callable[[], BaseException] = concurrent.futures.CancelledError) -> None:
@@ -27,14 +29,30 @@ class LoopThread:
         # Reentrant: a signal may end the node while its main thread is in here.
         self._lock = threading.RLock()
         self._loop: asyncio.AbstractEventLoop | None = None
+        self._process_id = 0
         self._waiting: set[concurrent.futures.Future[Any]] = set()
         self._tasks: set[asyncio.Task[Any]] = set()
 
     @property
+    def is_lost(self) -> bool:
+        """Whether this process was forked after the loop had started."""
+        return self._loop is not None and self._process_id != os.getpid()
+
+    def require_thread(self) -> None:
+        """Raise GraphError in a forked process."""
+        if self.is_lost:
+            raise GraphError(
+                "this process was forked, and cannot use the node of its parent; start it with "
+                "multiprocessing.set_start_method('spawn'), and let it join the graph"
+            )
+
+    @property
     def loop(self) -> asyncio.AbstractEventLoop:
         """The running loop."""
+        self.require_thread()
         with self._lock:
             if self._loop is None:
+                self._process_id = os.getpid()
                 ready = threading.Event()
                 loop = self._loop = asyncio.new_event_loop()
                 loop.call_soon(ready.set)
@@ -47,7 +65,11 @@ class LoopThread:
 
         Raises the error of `interrupted` after `interrupt`, TimeoutError after the time.
         """
-        loop = self.loop
+        try:
+            loop = self.loop
+        except GraphError:
+            coroutine.close()
+            raise
         with self._lock:
             future = asyncio.run_coroutine_threadsafe(coroutine, loop)
             self._waiting.add(future)

@@ -132,7 +132,9 @@ class Member(Waiting[Wrapped]):
         if not self.is_closed:
             self.is_closed = True
             atexit.unregister(self.close)
-            LOOP.call(self._end(), timeout_s=CLOSE_TIMEOUT_S)
+            # A forked process is not the node: its parent goes on with it.
+            if not LOOP.is_lost:
+                LOOP.call(self._end(), timeout_s=CLOSE_TIMEOUT_S)
 
     def __enter__(self) -> Self:
         return self

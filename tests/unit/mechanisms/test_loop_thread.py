@@ -1,10 +1,14 @@
 from __future__ import annotations
 
 import asyncio
+import os
 import threading
+import warnings
+from collections.abc import Callable
 
 import pytest
 
+from rostether.errors import GraphError
 from rostether.mechanisms import loop_thread
 from rostether.mechanisms.loop_thread import LoopThread, run_in_thread
 
@@ -25,6 +29,29 @@ def test_results_and_errors_come_back(loop: LoopThread) -> None:
     assert loop.call(add(1, 2)) == 3
     with pytest.raises(KeyError):
         loop.call(fail())
+
+
+def in_fork(call: Callable[[], object]) -> bool:
+    """Return whether a call in a forked process raises GraphError."""
+    with warnings.catch_warnings(action="ignore", category=DeprecationWarning):
+        child = os.fork()
+    if child == 0:
+        try:
+            call()
+        except GraphError:
+            os._exit(0)
+        finally:
+            os._exit(1)
+    return os.waitpid(child, 0)[1] == 0
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="Windows does not fork")
+def test_a_forked_process_has_an_error_instead_of_waiting_for_ever(loop: LoopThread) -> None:
+    loop.call(asyncio.sleep(0))
+    assert in_fork(lambda: loop.call(asyncio.sleep(0)))
+    assert in_fork(lambda: loop.post(print))
+    assert not loop.is_lost
+    assert not in_fork(lambda: LoopThread().call(asyncio.sleep(0)))
 
 
 def test_a_limit(loop: LoopThread) -> None:

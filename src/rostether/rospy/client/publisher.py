@@ -76,6 +76,7 @@ class PublishedTopic(SharedTopic[Ros1Publisher]):
             return
         if not self.connection_count and not self.is_latch:
             return
+        node.loop.require_thread()
         with self._lock:
             self._sequence += 1
             if message._has_header:
