@@ -31,14 +31,14 @@ async def multicast_topic_bridge(graph: TypedGraph, _: Arguments) -> None:
     """Send the newest message of a topic to a multicast group, one message per datagram.
 
     Parameters: ~topic (multicast_topic), ~multicast_group_addr (224.0.1.1), ~sending_port (12345), ~frequency
-    (1000 Hz; 0 sends at once), ~interface (names or addresses), ~ttl (1). With ~framed true, robots check who
-    commands them: ~robot (an id) or ~groups (all), ~key_file, ~ttl_ms (300), ~input_timeout (0.5 s),
-    ~unicast (addresses of robots that multicast does not reach).
+    (1000 Hz; 0 sends at once), ~interface (names or addresses), ~ttl (1). With ~framed true, the group is
+    that of `rostether fleet` (239.255.82.83, port 11412), and robots check who commands them: ~robot (an id)
+    or ~groups (all), ~key_file, ~ttl_ms (300), ~input_timeout (0.5 s), ~unicast (addresses of robots that
+    multicast does not reach).
     """
     from rostether.platform.command_frame import ALL_GROUPS, DEFAULT_TTL_MS, MAX_TTL_MS
     from rostether.platform.command_link import SenderSettings
     from rostether.platform.multicast_bridge import BridgeSettings, send_topic
-    from rostether.platform.multicast_socket import GroupAddress
 
     parameters = NodeParameters(graph, "multicast_topic_bridge/")
     framed = None
@@ -55,7 +55,7 @@ async def multicast_topic_bridge(graph: TypedGraph, _: Arguments) -> None:
         )
     settings = BridgeSettings(
         topic=await parameters.text("multicast_topic", "topic"),
-        address=await _address(parameters, GroupAddress(), "sending_port"),
+        address=await _address(parameters, _default_address(framed), "sending_port"),
         frequency_hz=await parameters.number(1000.0, "frequency"),
         framed=framed,
         input_timeout_s=await parameters.number(0.5, "input_timeout"),
@@ -76,12 +76,12 @@ async def multicast_topic_receiver(graph: TypedGraph, _: Arguments) -> None:
     """Publish the messages that arrive from a multicast group.
 
     Parameters: ~topic (multicast_topic), ~type, ~multicast_group_addr (224.0.1.1), ~receiving_port (12345),
-    ~interface, ~sources (networks that may send; default: this machine). With ~framed true, only commands for
-    this robot are published, and zeros when they end: ~robot (1), ~groups (0), ~key_file.
+    ~interface, ~sources (networks that may send; default: this machine). With ~framed true, the group is that
+    of `rostether fleet` (239.255.82.83, port 11412); only commands for this robot are published, and zeros
+    when they end: ~robot (1), ~groups (0), ~key_file.
     """
     from rostether.platform.command_link import ReceiverSettings
     from rostether.platform.multicast_receiver import ReceiverNodeSettings, receive_topic
-    from rostether.platform.multicast_socket import GroupAddress
 
     parameters = NodeParameters(graph, "multicast_topic_receiver/")
     type_name = await parameters.text("", "type")
@@ -95,7 +95,7 @@ async def multicast_topic_receiver(graph: TypedGraph, _: Arguments) -> None:
     settings = ReceiverNodeSettings(
         type_name,
         topic=await parameters.text("multicast_topic", "topic"),
-        address=await _address(parameters, GroupAddress(), "receiving_port", "sending_port"),
+        address=await _address(parameters, _default_address(framed), "receiving_port", "sending_port"),
         sources=await parameters.texts("sources"),
         framed=framed,
         has_key=framed is not None and any(framed.key),
@@ -129,6 +129,13 @@ async def fleet_monitor(graph: TypedGraph, _: Arguments) -> None:
         await parameters.texts("unicast"),
     )
     await FleetMonitor(graph, settings, reporter(graph)).run()
+
+
+def _default_address(framed: object | None) -> GroupAddress:
+    from rostether.platform.fleet import FleetSettings
+    from rostether.platform.multicast_socket import GroupAddress
+
+    return GroupAddress() if framed is None else FleetSettings().address
 
 
 async def _address(parameters: NodeParameters, default: GroupAddress, *port_names: str) -> GroupAddress:

@@ -20,10 +20,8 @@ async def repeat(publisher: TypedPublisher[...], **fields: object) -> None:
 
 async def test_a_joystick_drives_a_robot_and_a_sensor_registers(world: ZenohWorld, tmp_path: Path) -> None:
     address = loopback_group()
-    both = (
-        *("--ros2", "zenoh", "_interface:=lo", "_framed:=true", f"_sending_port:={address.port}"),
-        f"_multicast_group_addr:={address.group}",
-    )
+    # The group of framed commands is that of a fleet.
+    both = ("--ros2", "zenoh", "_interface:=lo", "_framed:=true", f"_sending_port:={address.port}")
     receiving = ("_topic:=robot_control", "_type:=arduino_control/ArduinoControl", *both)
     async with (
         rostether.join("stick", ros2="zenoh") as graph,
