@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import logging
 import os
 from collections.abc import Callable
@@ -22,6 +23,8 @@ _LEVELS = {
 }
 _ROSTETHER = logging.getLogger("rostether")
 _ASYNCIO = logging.getLogger("asyncio")
+# The limits of open files, of a process and of the whole system.
+_EXHAUSTED = (errno.EMFILE, errno.ENFILE)
 # The part that identifies a message: asyncio puts the details at the end.
 _KIND_CHARACTERS = 40
 
@@ -47,7 +50,12 @@ class _Lines(logging.Handler):
                 self.show(Level.WARN, f"{omitted_count} lines like the next one were omitted")
         text = fold_line(record.getMessage())
         error = record.exc_info[1] if record.exc_info else None
-        if error is not None and not os.environ.get(TRACEBACK_VARIABLE):
+        if isinstance(error, OSError) and error.errno in _EXHAUSTED:
+            text = (
+                f"new connections wait: {error.strerror}; close programs that connect often, or raise the limit "
+                "with `ulimit -n`"
+            )
+        elif error is not None and not os.environ.get(TRACEBACK_VARIABLE):
             text = f"{text} ({type(error).__name__}: {error}); please report it"
         elif error is not None:
             text = self.format(record)

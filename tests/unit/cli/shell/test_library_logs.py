@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import errno
 import logging
+import os
 from collections.abc import Iterator
 
 import pytest
@@ -61,6 +63,16 @@ def test_forgotten_exception_is_one_line(monkeypatch: pytest.MonkeyPatch) -> Non
     show_library_logs(lambda _level, text: shown.append(text))
     ASYNCIO.error("Task exception was never retrieved", exc_info=ValueError("odd"))
     assert shown == ["Task exception was never retrieved (ValueError: odd); please report it"]
+
+
+def test_too_many_open_files_are_not_a_defect() -> None:
+    shown: list[str] = []
+    show_library_logs(lambda _level, text: shown.append(text))
+    error = OSError(errno.EMFILE, os.strerror(errno.EMFILE))
+    ASYNCIO.error("socket.accept() out of system resource", exc_info=error)
+    (text,) = shown
+    assert "ulimit -n" in text
+    assert "report" not in text
 
 
 def test_traceback_on_request(monkeypatch: pytest.MonkeyPatch) -> None:
