@@ -52,8 +52,8 @@ class _Lines(logging.Handler):
         error = record.exc_info[1] if record.exc_info else None
         if isinstance(error, OSError) and error.errno in _EXHAUSTED:
             text = (
-                f"new connections wait: {error.strerror}; close programs that connect often, or raise the limit "
-                "with `ulimit -n`"
+                f"new connections wait: {error.strerror}; close programs that connect often, or raise the "
+                "limit with `ulimit -n`"
             )
         elif error is not None and not os.environ.get(TRACEBACK_VARIABLE):
             text = f"{text} ({type(error).__name__}: {error}); please report it"
