@@ -5,6 +5,7 @@
 
 from __future__ import annotations
 
+import itertools
 import random
 import time
 from collections.abc import Callable
@@ -88,10 +89,13 @@ def _payloads(rng: random.Random, size: int) -> list[bytes]:
 
 def _decode(chunk: bytes) -> Callable[[], object]:
     decoder = FrameDecoder()
+    # Noise is searched for frames up to a limit a second; each chunk has that for itself.
+    seconds = itertools.count()
 
     def work() -> object:
-        decoded = decoder.feed(chunk, 0.0)
-        decoder.abandon(0.0)
+        now_s = float(next(seconds))
+        decoded = decoder.feed(chunk, now_s)
+        decoder.abandon(now_s)
         return decoded
 
     return work
