@@ -9,12 +9,11 @@ import json
 import pytest
 
 import rostether
-from web.browser import Browser
+from web.browser import PATIENCE_S, Browser
 from web.robot import Robot
 
 pytestmark = pytest.mark.asyncio(loop_scope="session")
 
-PATIENCE_S = 60.0
 LED = "rostether.feed('/led').lastMessage()?.data"
 
 
@@ -79,7 +78,11 @@ async def test_a_card_and_its_page_share_the_range_of_a_slider(robot: Robot, bro
             "click", page=page, selector=".card-controls .card-head a[href*='?s=']:has-text('/servo')"
         )
         # The page of one card still has the other controls.
-        await browser.wait_for(page, f"document{slider} && document.querySelectorAll('.control').length > 1")
+        await browser.wait_for(
+            page,
+            f"!document.querySelector('.cards') && document{slider}"
+            " && document.querySelectorAll('.control').length > 1",
+        )
         await browser.do("fill", page=page, selector=".slider [aria-label='Highest value']", text="90")
         await browser.do("evaluate", page=page, script="document.activeElement.blur()")
         await browser.do("evaluate", page=page, script="void (location.hash = '#/')")
