@@ -70,8 +70,12 @@ async def test_the_order_of_joining_does_not_matter(join: JoinGraph) -> None:
 
 async def test_a_latched_topic_greets_latecomers_with_its_last_message(join: JoinGraph) -> None:
     talker, listener = await join("/talker"), await join("/listener")
+    witness, seen = await join("/witness"), Inbox()
     publisher = await talker.advertise("/map", STRING, latch=True)
+    await witness.subscribe("/map", STRING, seen.take)
     publisher.publish_raw([string("old"), string("new")])
+    # Some graphs send in a thread of their own.
+    await until(lambda: string("new") in seen.payloads)
     for _ in range(2):
         inbox = Inbox()
         await listener.subscribe("/map", STRING, inbox.take, on_connection=inbox.take_header)
