@@ -80,8 +80,9 @@ export class MarkerDisplay implements Display {
     }
     // The next marker that expires must vanish also if nothing else changes the picture.
     clearTimeout(this.expiryTimer);
-    if (nextMs - now <= LONGEST_TIMER_MS)
-      this.expiryTimer = setTimeout(() => this.context.invalidate(), nextMs - now + 1);
+    // Timers drop fractions of milliseconds, and must not be early.
+    const waitMs = Math.ceil(nextMs - now) + 1;
+    if (waitMs <= LONGEST_TIMER_MS) this.expiryTimer = setTimeout(() => this.context.invalidate(), waitMs);
   }
 
   dispose(): void {
