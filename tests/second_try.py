@@ -13,7 +13,7 @@ from _pytest.runner import runtestprotocol
 
 # The attribute of a report with the failure of the first try. pytest-xdist carries it to the controller.
 _FIRST_FAILURE = "first_failure"
-_MAX_FAILURE_CHARS = 300
+_MAX_FAILURE_CHARS = 600
 
 _failures: list[tuple[str, str]] = []
 
@@ -52,6 +52,9 @@ def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
 
 
 def _summary(report: pytest.TestReport) -> str:
+    text = report.longreprtext
+    # pytest begins the lines of an error's message with this letter; groups of errors have none.
+    message = [line[1:] for line in text.splitlines() if line.startswith("E ")] or [text[-_MAX_FAILURE_CHARS:]]
     crash = getattr(report.longrepr, "reprcrash", None)
-    text = report.longreprtext if crash is None else f"{crash.path}:{crash.lineno}: {crash.message}"
-    return " ".join(text.split())[:_MAX_FAILURE_CHARS]
+    place = "" if crash is None else f"{crash.path}:{crash.lineno}: "
+    return place + " ".join(" ".join(message).split())[:_MAX_FAILURE_CHARS]

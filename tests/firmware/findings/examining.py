@@ -62,7 +62,8 @@ async def examine_all(
     found = await _all(
         {name: _examine(case, programs[name], folder / name, expected[name]) for name, case in cases.items()}
     )
-    assert {name: _codes(diagnosis) for name, diagnosis in found.items()} == expected
+    wrong = {name: _codes(each) for name, each in found.items() if _codes(each) != expected[name]}
+    assert not wrong, f"found {wrong}"
     return found
 
 
