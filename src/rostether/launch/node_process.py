@@ -115,7 +115,7 @@ class NodeProcess:
             self._report_ended(self._process.pid)
             if not self.node.respawn:
                 return
-            await asyncio.sleep(max(self.node.respawn_delay_s, _RESPAWN_PAUSE_S))
+            await asyncio.sleep(max(_RESPAWN_PAUSE_S, self.node.respawn_delay_s))
             self._report(Level.INFO, f"[{self.name}] restarting process")
             await self.start()
 

@@ -48,7 +48,7 @@ class NodeTags:
             remaps=tuple(inside.remaps),
             environment=tuple(inside.environment),
             respawn=reader.flag(element, scope, "respawn"),
-            respawn_delay_s=max(0.0, reader.number(element, scope, "respawn_delay")),
+            respawn_delay_s=reader.number(element, scope, "respawn_delay"),
             required=reader.flag(element, scope, "required"),
             output=self._output(element, scope),
             working_folder=self._working_folder(element, scope),

@@ -16,7 +16,7 @@ from rostether.launch.substitution import SERVED_ROOT, read_file, split_words
 from rostether.launch.tag_reader import TagReader
 from rostether.launch.values import convert
 from rostether.mechanisms.xml_tree import XmlElement
-from rostether.names.graph_name import is_private, join
+from rostether.names.graph_name import canonical, is_private, join
 from rostether.param_yaml import leaves, parse_single_document
 
 _SOURCES = ("value", "textfile", "binfile", "command")
@@ -90,11 +90,11 @@ class ParameterTags:
             case "dump":
                 if not file:
                     raise LaunchError("<rosparam command='dump'> needs file=, the file to write")
-                reader.plan.before.append(DumpParameters(full_name, file))
+                reader.plan.before.append(DumpParameters(canonical(full_name), file))
             case "delete":
                 if file is not None:
                     raise LaunchError("<rosparam command='delete'> cannot have file=")
-                reader.plan.before.append(DeleteParameters(full_name))
+                reader.plan.before.append(DeleteParameters(canonical(full_name)))
             case _:
                 raise LaunchError(f"<rosparam> has no command {command!r}; known: {', '.join(_COMMANDS)}")
 

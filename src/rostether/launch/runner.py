@@ -168,7 +168,7 @@ async def upload(plan: LaunchPlan, client: MasterClient, report: Callable[[Level
                 await _dump(step, client)
             case DeleteParameters():
                 if not await _delete(step.name, client):
-                    report(Level.WARN, f"parameter {canonical(step.name)} is not set; nothing was deleted")
+                    report(Level.WARN, f"parameter {step.name} is not set; nothing was deleted")
     for namespace in outermost(plan.cleared):
         await _delete(namespace, client)
     for name, value in plan.parameters.items():
@@ -195,7 +195,7 @@ async def _delete(name: str, client: MasterClient) -> bool:
 
 async def _dump(step: DumpParameters, client: MasterClient) -> None:
     try:
-        value = await client.get_param(canonical(step.namespace))
+        value = await client.get_param(step.namespace)
     except UnknownNameError:
         value = {}
     try:

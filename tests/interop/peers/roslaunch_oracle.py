@@ -5,6 +5,7 @@ import json
 import sys
 import xmlrpc.client
 
+from rosgraph.names import canonicalize_name, make_global_ns
 from roslaunch.config import ROSLaunchConfig
 from roslaunch.core import local_machine, setup_env
 from roslaunch.xmlloader import XmlLoader
@@ -47,8 +48,9 @@ def describe(file, argv):
     return {
         "parameters": {key: plain(param.value) for key, param in config.params.items()},
         "nodes": [describe_node(node) for node in config.nodes],
-        "cleared": config.clear_params,
-        "before": [list(each.args) for each in config.executables],
+        # As the parameter server reads these names.
+        "cleared": [make_global_ns(canonicalize_name(each)) for each in config.clear_params],
+        "before": [[*each.args[:-1], canonicalize_name(each.args[-1])] for each in config.executables],
         "warnings": len(config.config_errors),
         "arguments": {
             name: [default, doc]
