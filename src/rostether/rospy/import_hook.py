@@ -40,6 +40,7 @@ _HOMES = {
     "rospkg.environment": "tools.ros_packages",
     "rospkg.rospack": "tools.ros_packages",
     "rospy.exceptions": "client.exceptions",
+    "rospy.msproxy": "client.parameters",
     "rospy.numpy_msg": "client.numpy_messages",
     "rospy.rostime": "client.ros_time",
     "rospy.service": "client.exceptions",
@@ -47,7 +48,6 @@ _HOMES = {
     "rosserial_python": "client.serial_client",
     "rosservice": "tools.service_lookup",
     "tf.transformations": "tf.rotations",
-    "tf2_py": "tf.exceptions",
 }
 
 # ROS 2's package of that name, which Python finds first where it is on the path, has no such module.

@@ -10,6 +10,7 @@ import sys
 
 import rospy
 import tf
+import tf2_py
 import tf2_ros
 from geometry_msgs.msg import PointStamped, PoseStamped, QuaternionStamped, TransformStamped, Vector3Stamped
 from tf.transformations import *
@@ -68,6 +69,13 @@ print(
     show(identity_matrix()),
     show(euler_from_quaternion((0, math.sqrt(0.5), 0, math.sqrt(0.5)))),
 )
+
+without_node = tf2_py.BufferCore(rospy.Duration(10))
+without_node.set_transform(transform("world", "cart", 5, 1), "recording")
+without_node.set_transform_static(transform("cart", "lamp", 0, 0, 2), "recording")
+found = without_node.lookup_transform_core("world", "lamp", rospy.Time(5)).transform.translation
+print(show([found.x, found.y, found.z]), tf2_ros.BufferCore is tf2_py.BufferCore)
+attempt("no node", lambda: without_node.lookup_transform_core("world", "moon", rospy.Time(5)))
 
 rospy.init_node("frames")
 buffer = tf2_ros.Buffer(rospy.Duration(100), debug=False)

@@ -163,6 +163,14 @@ def message_bytes(message: Message) -> bytes:
     return buffer.getvalue()
 
 
+def serialize_message(b: Any, seq: int, msg: Message) -> None:
+    """Write a message to a binary buffer as TCPROS sends it: its length, then its wire form with `seq`."""
+    if msg._has_header:
+        msg.header.seq = seq
+    payload = message_bytes(msg)
+    b.write(len(payload).to_bytes(4, "little") + payload)
+
+
 def read_message(message_class: type[Message], payload: bytes) -> Message:
     """Return the message in a payload, through `deserialize` where a class has its own.
 

@@ -11,7 +11,7 @@ from typing import Any
 from rostether.bounded_yaml import YamlError, load
 from rostether.names.graph_name import canonical, is_global, is_private
 from rostether.names.graph_name import resolve_name as _resolve
-from rostether.rospy.client.exceptions import ROSInitException
+from rostether.rospy.client.exceptions import ROSException, ROSInitException
 
 # The name of a program until init_node.
 UNNAMED = "unnamed"
@@ -155,3 +155,11 @@ def get_resolved_mappings() -> dict[str, str]:
 def resolve_name_without_node_name(name: str) -> str:
     """Return a full name before init_node. Raises ValueError, ROSInitException."""
     return names.resolve_early(name)
+
+
+def get_ros_root(required: bool = False, env: Mapping[str, str] | None = None) -> str | None:
+    """Return ROS_ROOT. Raises ROSException if it is not set although `required`."""
+    root = (os.environ if env is None else env).get("ROS_ROOT")
+    if required and not root:
+        raise ROSException("ROS_ROOT is not set")
+    return root

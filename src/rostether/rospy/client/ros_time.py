@@ -19,6 +19,9 @@ from rostether.rostime import NS_PER_S
 # How often to check simulated time: it usually changes a hundred times a second.
 SIMULATED_POLL_S = 0.002
 
+# Set by programs that read the time without a node.
+_initialized = False
+
 
 class Duration(stamps.Duration):
     """A span of time."""
@@ -55,11 +58,22 @@ def is_wallclock() -> bool:
     return not (node.is_initialized and node.graph.is_time_simulated)
 
 
+def set_rostime_initialized(val: bool) -> None:
+    """Let a program without a node read the wall clock."""
+    global _initialized
+    _initialized = val
+
+
+def is_rostime_initialized() -> bool:
+    """Return whether `get_rostime` works."""
+    return node.is_initialized or _initialized
+
+
 def get_rostime() -> Time:
     """Return ROS time. Raises ROSInitException before init_node."""
-    if not node.is_initialized:
+    if not is_rostime_initialized():
         raise ROSInitException("time is not initialized. Have you called init_node()?")
-    if node.graph.is_time_simulated:
+    if not is_wallclock():
         return Time(*node.graph.now())
     return Time(*divmod(time.time_ns(), NS_PER_S))
 

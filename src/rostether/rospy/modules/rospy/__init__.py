@@ -46,7 +46,14 @@ from rostether.rospy.client.logs import (
     logwarn_throttle_identical,
 )
 from rostether.rospy.client.message import AnyMsg, Message
-from rostether.rospy.client.names import get_caller_id, get_name, get_namespace, remap_name, resolve_name
+from rostether.rospy.client.names import (
+    get_caller_id,
+    get_name,
+    get_namespace,
+    get_ros_root,
+    remap_name,
+    resolve_name,
+)
 from rostether.rospy.client.node import get_node_uri
 from rostether.rospy.client.parameters import (
     MasterProxy,
@@ -68,7 +75,7 @@ from rostether.rospy.client.subscriber import Subscriber
 
 from . import client, core, msg, names, topics
 
-for _name in ("exceptions", "rostime", "service", "timer"):
+for _name in ("exceptions", "msproxy", "rostime", "service", "timer"):
     _import_module(f"rospy.{_name}")
 
 # Programs write `import std_msgs` alone, because the real rospy has imported these already.
