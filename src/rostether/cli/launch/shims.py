@@ -18,7 +18,7 @@ import click
 
 from rostether.cli.shell.option_group import add_flag, add_option
 from rostether.cli.shell.output import warn, write_line
-from rostether.cli.shell.own_command import our_command
+from rostether.cli.shell.own_command import CALLED_AS_VARIABLE, our_command
 from rostether.cli.shell.verbs import verb
 from rostether.errors import ConfigError
 from rostether.mechanisms.user_folders import Kind, user_folder
@@ -53,7 +53,10 @@ SHIMS = {
     "ros2": (),
 }
 # Per shim: a variable that is set for the command.
-_VARIABLES = {"ros2": ("env", "ROS_VERSION=2")}
+_VARIABLES = {
+    "ros2": ("env", "ROS_VERSION=2"),
+    **{name: ("env", f"{CALLED_AS_VARIABLE}={name}") for name in ("rosnode", "rosservice", "rostopic")},
+}
 
 
 SHELLS = ("sh", "bash", "zsh", "fish")

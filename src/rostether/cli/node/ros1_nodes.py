@@ -9,8 +9,9 @@ from rostether.cli.access.options import refuse_ros2_only
 from rostether.cli.access.ros1_access import master_client, read_environment, resolve
 from rostether.cli.node import ros1_report
 from rostether.cli.node.nodes import NodeListing
-from rostether.cli.shell.failures import EXIT_FAILED
+from rostether.cli.shell.failures import EXIT_FAILED, print_error
 from rostether.cli.shell.output import warn, write_json, write_line
+from rostether.cli.shell.own_command import called_as
 from rostether.cli.shell.running import run
 from rostether.errors import ConfigError, UnknownNameError
 from rostether.mechanisms.text import escape_line
@@ -82,10 +83,16 @@ async def _list(
 
 
 async def _info(environment: RosEnvironment, names: tuple[str, ...], *, quiet: bool, as_json: bool) -> None:
+    is_missing = False
     async with master_client(environment) as client:
         for each in names:
             name = resolve(each, environment)
-            uri = await find_node(client, name)
+            try:
+                uri = await find_node(client, name)
+            except UnknownNameError as error:
+                print_error(str(error))
+                is_missing = True
+                continue
             registered = await registrations(client, name)
             if not as_json:
                 write_line(ros1_report.format_registrations(name, registered))
@@ -102,6 +109,9 @@ async def _info(environment: RosEnvironment, names: tuple[str, ...], *, quiet: b
                 write_json(ros1_report.to_record(name, uri, registered, pid, connected))
             else:
                 write_line(ros1_report.format_connections(pid, connected))
+    # Scripts for rosnode may rely on its exit code: 0 for unknown nodes too.
+    if is_missing and called_as() != "rosnode":
+        raise click.exceptions.Exit(EXIT_FAILED)
 
 
 async def _hosts(environment: RosEnvironment) -> dict[str, str]:

@@ -16,6 +16,7 @@ from rostether.cli.access.ros1_access import joined, master_client, read_environ
 from rostether.cli.service.services import CallOptions, ServiceListing
 from rostether.cli.shell.input import piped_documents
 from rostether.cli.shell.output import write_json, write_line, write_result
+from rostether.cli.shell.own_command import called_as
 from rostether.cli.shell.running import run
 from rostether.errors import ServiceUnavailableError, UnknownNameError
 from rostether.names.graph_name import in_namespace
@@ -73,8 +74,10 @@ class Ros1Services:
 
     def find(self, type_name: str) -> None:
         """Print the services of a type."""
-        for name in run(_find(self._environment, type_name)):
-            write_line(name)
+        found = run(_find(self._environment, type_name))
+        # rosservice writes an empty line.
+        if found or called_as() == "rosservice":
+            write_line("\n".join(found))
 
     def call(self, service: str, values: tuple[str, ...], options: CallOptions) -> None:
         """Call a service and print its response."""

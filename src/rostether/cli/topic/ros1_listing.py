@@ -9,6 +9,7 @@ from rostether.cli.access.graph_options import GraphOptions
 from rostether.cli.access.options import refuse_ros2_only
 from rostether.cli.access.ros1_access import master_client, read_environment, resolve, type_store
 from rostether.cli.shell.output import write_json, write_line, write_result
+from rostether.cli.shell.own_command import called_as
 from rostether.cli.shell.running import run
 from rostether.cli.topic.options import TopicListing
 from rostether.cli.topic.ros1_chosen_topic import choose_topic, resolve_with_field
@@ -98,9 +99,12 @@ class Ros1TopicListing:
 
     def find(self, type_name: str, *, with_hidden: bool, as_json: bool) -> None:
         """Print the topics of a type."""
-        for topic in run(fetch_topics(self._environment)):
-            if topic.type == type_name:
-                write_result({"topic": topic.name}, topic.name, as_json=as_json)
+        found = [topic.name for topic in run(fetch_topics(self._environment)) if topic.type == type_name]
+        for name in found:
+            write_result({"topic": name}, name, as_json=as_json)
+        # rostopic writes an empty line.
+        if not found and called_as() == "rostopic":
+            write_line()
 
 
 def _write_list(topics: Iterable[TopicView], wanted: TopicListing, indent: str) -> None:

@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from rostether.cli.launch.shims import SHIMS, available_shims, is_shim, shell_code, write_shims
+from rostether.cli.shell.own_command import CALLED_AS_VARIABLE
 from unit.cli.command_shell import Shell
 
 SHELLS = [name for name in ("sh", "bash", "dash", "zsh") if shutil.which(name)]
@@ -68,6 +69,7 @@ def test_each_shim_is_a_command_of_ours(tmp_path: Path) -> None:
     assert {each.name for each in folder.iterdir()} == set(available_shims())
     assert {"roscore", "rosrun", "rostopic", "catkin_make"} <= set(available_shims()) <= set(SHIMS)
     assert write_shims() == folder
+    assert f"{CALLED_AS_VARIABLE}=rostopic " in (folder / "rostopic").read_text()
     for name in ("rostopic", "rosrun", "catkin_create_pkg"):
         shown = subprocess.run(
             [str(folder / name), "--help"], capture_output=True, text=True, check=True

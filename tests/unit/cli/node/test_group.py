@@ -5,6 +5,7 @@ from collections.abc import Sequence
 
 import pytest
 
+from rostether.cli.shell.own_command import CALLED_AS_VARIABLE
 from rostether.msgdef.interface import ServiceType
 from rostether.ros1.node.master_client import MasterClient
 from unit.cli.command_shell import STORE, LiveGraph, Shell
@@ -102,6 +103,15 @@ def test_info_quiet_does_not_ask_the_node(gone: str, shell: Shell) -> None:
 def test_info_of_an_ended_or_unknown_node(gone: str, talker: str, shell: Shell) -> None:
     assert "cannot be reached" in shell.failure("node", "info", gone)
     assert shell.failure("node", "info", "tallker") == ("no node is called /tallker; did you mean /talker?")
+
+
+def test_info_of_an_unknown_node_goes_on_with_the_next(
+    talker: str, shell: Shell, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    found = shell("node", "info", "-q", "tallker", "talker")
+    assert (found.code, "Node [/talker]" in found.out) == (1, True)
+    monkeypatch.setenv(CALLED_AS_VARIABLE, "rosnode")
+    assert shell("node", "info", "-q", "tallker", "talker").code == 0
 
 
 def test_ping_once(talker: str, shell: Shell) -> None:

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+from rostether.cli.shell.own_command import CALLED_AS_VARIABLE
 from rostether.errors import ServiceCallError
 from rostether.graph.ports import ServiceServer
 from rostether.msgdef.registry import Registry
@@ -74,9 +75,13 @@ def test_what_a_service_is(graph: LiveGraph, board: Ros1Graph, shell: Shell) -> 
     ]
 
 
-def test_find_passes_over_what_does_not_answer(board: Ros1Graph, gone: str, shell: Shell) -> None:
+def test_find_passes_over_what_does_not_answer(
+    board: Ros1Graph, gone: str, shell: Shell, monkeypatch: pytest.MonkeyPatch
+) -> None:
     assert shell.output("service", "find", "std_srvs/SetBool") == "/set_led\n"
     assert shell.output("service", "find", "std_srvs/Trigger") == ""
+    monkeypatch.setenv(CALLED_AS_VARIABLE, "rosservice")
+    assert shell.output("service", "find", "std_srvs/Trigger") == "\n"
 
 
 @pytest.mark.parametrize(

@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import pytest
 
+from rostether.cli.shell.own_command import CALLED_AS_VARIABLE
 from rostether.cli.topic.ros1_chosen_topic import choose_topic
 from rostether.cli.topic.ros1_topic_views import TopicView
 from rostether.graph.joint_marks import MARK_TYPE, new_joint_mark
@@ -97,10 +98,12 @@ def test_type(board: Ros1Graph, shell: Shell) -> None:
     assert "has no publisher and no subscriber" in shell.failure("topic", "type", "/anything")
 
 
-def test_find(board: Ros1Graph, shell: Shell) -> None:
+def test_find(board: Ros1Graph, shell: Shell, monkeypatch: pytest.MonkeyPatch) -> None:
     assert shell.output("topic", "find", "sensor_msgs/Range") == "/rear/ultrasound\n/ultrasound\n"
     assert shell("topic", "find", "--json", "std_msgs/Empty").records == [{"topic": "/toggle_led"}]
     assert shell.output("topic", "find", "std_msgs/Bool") == ""
+    monkeypatch.setenv(CALLED_AS_VARIABLE, "rostopic")
+    assert shell.output("topic", "find", "std_msgs/Bool") == "\n"
 
 
 def test_without_a_master_the_next_step_is_named(shell: Shell) -> None:
