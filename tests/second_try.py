@@ -54,7 +54,9 @@ def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
 def _summary(report: pytest.TestReport) -> str:
     text = report.longreprtext
     # pytest begins the lines of an error's message with this letter; groups of errors have none.
-    message = [line[1:] for line in text.splitlines() if line.startswith("E ")] or [text[-_MAX_FAILURE_CHARS:]]
+    message = [line[1:] for line in text.splitlines() if line.startswith("E ")] or [
+        text[-_MAX_FAILURE_CHARS:]
+    ]
     crash = getattr(report.longrepr, "reprcrash", None)
     place = "" if crash is None else f"{crash.path}:{crash.lineno}: "
     return place + " ".join(" ".join(message).split())[:_MAX_FAILURE_CHARS]
