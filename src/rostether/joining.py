@@ -35,7 +35,7 @@ async def join(  # noqa: PLR0913 - each is an independent setting
 ) -> AsyncIterator[TypedGraph]:
     """Join a ROS graph as a node as long as the block lasts.
 
-    Without a name the node gets a unique one. `master` and `namespace` win over ROS_MASTER_URI
+    Without a name the node gets a unique one. `master` and `namespace` override ROS_MASTER_URI
     and ROS_NAMESPACE; `msg_paths` are folders with message definitions of your own. With `allow` only
     machines in these networks (`192.168.1.0/24`) may connect to the node, and this one.
 

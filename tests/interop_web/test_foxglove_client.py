@@ -1,4 +1,4 @@
-"""Foxglove's own client library against our gateway, on graphs of both ROS."""
+"""Foxglove's own client library with our gateway, on ROS 1 and ROS 2 graphs."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""One bag with a topic of every type that both ROS have, through ROS 2's recordings and back."""
+"""One bag with a topic of every type that ROS 1 and ROS 2 have, converted to ROS 2's recordings and back."""
 
 from __future__ import annotations
 

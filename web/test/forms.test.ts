@@ -123,7 +123,7 @@ test("each type has the control that fits", () => {
   assert.ok(speed.kind === "slider" && speed.max === 127);
 });
 
-test("what nobody publishes can be controlled", () => {
+test("topics without a publisher can be controlled", () => {
   const topic = (name: string) => [name, new Topic(name, "std_msgs/Bool", "bool data", undefined)] as const;
   const graph = {
     topics: new Map([topic("/led"), topic("/busy"), topic("/rosout"), topic("/seen"), topic("/mine")]),

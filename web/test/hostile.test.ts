@@ -20,9 +20,9 @@ function generator(seed: number): (below: number) => number {
 const REFUSED: [string, string][] = [
   ["contains itself", `a/B b${LINE}MSG: a/B\na/A a`],
   ["does not define", "a/Missing x"],
-  ["no field", "int32"],
-  ["no field", "int32 a b"],
-  ["no field", "__proto__ x y z"],
+  ["not a field", "int32"],
+  ["not a field", "int32 a b"],
+  ["not a field", "__proto__ x y z"],
   ["two fields", "int32 a\nint32 a"],
   ["does not define", "constructor x"],
   ["elements", "int32[99999999999] a"],

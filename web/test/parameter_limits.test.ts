@@ -1,4 +1,4 @@
-// What ROS 2's nodes say of their parameters.
+// The limits that ROS 2's nodes declare for their parameters.
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { byNode, limitsOf } from "../src/store/parameter_limits.ts";

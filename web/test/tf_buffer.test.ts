@@ -39,7 +39,7 @@ test("a time between two transforms is interpolated", () => {
   near(eulerDegrees(middle.rotation), [0, 0, 45]);
 });
 
-test("what cannot be looked up is said", () => {
+test("a failed lookup has a reason", () => {
   const tf = new TfBuffer();
   tf.insert("a", "b", 1, turned(0, 0), false, 0);
   tf.insert("c", "d", 1, turned(0, 0), false, 0);

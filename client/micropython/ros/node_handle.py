@@ -94,7 +94,7 @@ class NodeHandle:
         return self._window.dropped
 
     def now(self):
-        """Return the host's time; before its first answer, the time since the node was made."""
+        """Return the host's time; before its first answer, the time since the node was created."""
         return self._clock.at(ticks_ms())
 
     def setNow(self, moment):

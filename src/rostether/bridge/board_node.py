@@ -83,7 +83,7 @@ class BoardNode:
     def _fixed_size(self, info: TopicInfo) -> int | None:
         """Return the size of every message of a topic, None if they differ or its type is not known yet."""
         registry = self.store.registry
-        if not registry.is_at_hand(lambda: registry.message_type(info.message_type)):
+        if not registry.can_answer(lambda: registry.message_type(info.message_type)):
             return None
         try:
             return self.store.layout(info.message_type).fixed_size_bytes

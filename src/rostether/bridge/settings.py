@@ -17,7 +17,7 @@ class BridgeSettings:
     `client_call_timeout_s`: how long a board's own call may take in the graph. The board gets no time answer
     meanwhile, and unconfigures itself without one after 11 s.
     `queued_calls`: how many callers may wait for one board's service before the next is refused at once.
-    `parameter_timeout_s`: boards wait 1 s for a parameter unless the sketch says otherwise.
+    `parameter_timeout_s`: boards wait 1 s for a parameter unless the sketch sets another limit.
     `drain_pause_s`: how long a board is paused at a time for a slow subscriber.
     `frame_bytes`: the largest payload of a frame from a board; the default is the largest of the length
     field.

@@ -194,7 +194,7 @@ def firmware() -> None:
     """,
 )
 def board() -> None:
-    """Run real AVR firmware on simulated boards."""
+    """Run sketches and firmware on simulated boards."""
 
 
 @click.group(

@@ -42,7 +42,7 @@ def text_payload(text: str | bytes) -> bytes:
 
 
 def read_text(payload: bytes) -> str:
-    """Return the text of a std_msgs/String. Raises Deviation for another layout."""
+    """Return the text of a std_msgs/String. Raises Deviation if the layout is wrong."""
     if len(payload) < 4 or len(payload) != 4 + int.from_bytes(payload[:4], "little"):
         raise Deviation(f"{payload[:32].hex(' ')} is not a std_msgs/String")
     return payload[4:].decode("utf-8", "replace")

@@ -102,7 +102,7 @@ class MemoryWatch:
         self._is_closed = False
 
     def call(self, *, is_first: bool = False) -> None:
-        """Pass the value on if it is new; an error of the callback stays here."""
+        """Pass the value on if it is new; an error of the callback is only logged."""
         value = self._parameters.get_or_none(self.name)
         is_new = value != self._latest or type(value) is not type(self._latest)
         if not self._is_closed and (is_first or is_new):

@@ -1,4 +1,4 @@
-"""Topics of the in-memory graph: publishers and subscribers that meet inside one process."""
+"""Topics of the in-memory graph: publishers and subscribers in one process."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ class MemoryPublisher:
         return len(self.links)
 
     def publish_raw(self, payloads: Sequence[bytes]) -> bool:
-        """Queue the payloads for every subscriber; False asks the caller to await `drained`."""
+        """Queue the payloads for every subscriber; False means: await `drained` first."""
         if self._is_closed or not payloads:
             return self.flow.is_open
         for link in self.links:
@@ -75,7 +75,7 @@ class MemoryPublisher:
         """Connect a subscriber of this type; a mismatch is logged in one line."""
         if subscriber.skip_own and subscriber.node_name == self.node_name:
             return
-        if not subscriber.takes(self):
+        if not subscriber.accepts(self):
             _log.warning(
                 "%s: %s publishes %s, %s wants %s",
                 self.topic,
@@ -132,8 +132,8 @@ class MemorySubscriber:
         """How many publishers are connected now."""
         return len(self.links)
 
-    def takes(self, publisher: MemoryPublisher) -> bool:
-        """Return whether a new publisher has the type of this subscriber."""
+    def accepts(self, publisher: MemoryPublisher) -> bool:
+        """Return whether a new publisher's type fits; with `one_type`, the subscriber adopts the first."""
         if self._learns_type and all(link.node_name in self.skip_nodes for link in self.links):
             self.type = ANY_MESSAGE
         if not agree(publisher.type.md5sum, self.type.md5sum):
@@ -166,7 +166,7 @@ class MemorySubscriber:
             call_contained(f"on_connection of {self.topic}", self._on_connection, fields)
 
     def deliver(self, payloads: Sequence[bytes]) -> None:
-        """Deliver a batch; an error of the callback stays here."""
+        """Deliver a batch; an error of the callback is only logged."""
         call_contained(f"on_messages of {self.topic}", self._on_messages, payloads)
 
 

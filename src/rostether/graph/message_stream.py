@@ -14,7 +14,7 @@ from rostether.graph.ports import Graph
 from rostether.mechanisms.text import did_you_mean
 from rostether.msgdef.interface import ANY_MD5SUM, ANY_MESSAGE
 from rostether.msgdef.registry import Registry
-from rostether.msgdef.search_waiting import definitions_at_hand
+from rostether.msgdef.search_waiting import wait_for_definitions
 from rostether.serde.codec import Codec
 from rostether.serde.store import TypeStore
 from rostether.serde.values import Message
@@ -59,7 +59,7 @@ class LearnedTypes:
         registry = self.store.registry
         try:
             # The publisher's definition is as good as a search of folders, which would block the event loop.
-            can_ask = not definition or registry.is_at_hand(lambda: registry.message_type(name))
+            can_ask = not definition or registry.can_answer(lambda: registry.message_type(name))
             known = registry.message_type(name).md5sum if can_ask else ""
         except UnknownTypeError:
             if not definition:
@@ -124,7 +124,7 @@ class MessageStream(Generic[M]):
         message_type = ANY_MESSAGE
         name, registry = self._type_name, self._types.store.registry
         if name is not None:
-            await definitions_at_hand(registry, lambda: registry.message_type(name))
+            await wait_for_definitions(registry, lambda: registry.message_type(name))
             self._codec = self._types.store.codec(name)
             message_type = registry.message_type(name)
         subscriber = await self._graph.subscribe(

@@ -190,7 +190,7 @@ class Graph(Protocol):
         """Advertise a topic. `queue_bytes` limits the backlog of each slow subscriber (None: default).
 
         A second handle on a topic of this node shares the first one's queues and subscribers; it raises
-        TypeMismatchError for another type.
+        TypeMismatchError if its type is different.
         """
 
     async def subscribe(

@@ -25,7 +25,7 @@ class Publication(Protocol):
         """How many messages slow subscribers have lost so far, in total."""
 
     def publish(self, payloads: Sequence[bytes]) -> bool:
-        """Send or queue a batch; False asks the caller to await `drained`."""
+        """Send or queue a batch; False means: await `drained` first."""
 
     async def drained(self, timeout_s: float) -> None:
         """Wait until all backlogs are low, at most `timeout_s`."""
@@ -66,7 +66,7 @@ class PublisherHandle(Generic[PublicationT]):
         return self.publication.dropped_count
 
     def publish_raw(self, payloads: Sequence[bytes]) -> bool:
-        """Queue the payloads for every subscriber; False asks the caller to await `drained`."""
+        """Queue the payloads for every subscriber; False means: await `drained` first."""
         return self._is_closed or self.publication.publish(payloads)
 
     async def drained(self, timeout_s: float) -> None:

@@ -22,7 +22,7 @@ from rostether.graph.typed_handles import (
     TypedServiceClient,
 )
 from rostether.msgdef.interface import ServiceType
-from rostether.msgdef.search_waiting import definitions_at_hand
+from rostether.msgdef.search_waiting import wait_for_definitions
 from rostether.rostime import Time
 from rostether.serde.store import TypeStore
 from rostether.serde.type_classes import Request, Response, Service, name_of_type
@@ -70,7 +70,7 @@ class TypedGraph(LogMethods):
         Raises UnknownTypeError, InvalidNameError, GraphError.
         """
         type_name = name_of_type(type_name)
-        await definitions_at_hand(self.store.registry, lambda: self.store.registry.message_type(type_name))
+        await wait_for_definitions(self.store.registry, lambda: self.store.registry.message_type(type_name))
         codec = self.store.codec(type_name)
         message_type = self.store.registry.message_type(type_name)
         return TypedPublisher(await self.raw.advertise(topic, message_type, latch=latch), codec, self.raw.now)
@@ -118,7 +118,7 @@ class TypedGraph(LogMethods):
         stream = self._stream(topic, name, DEFAULT_QUEUE_MESSAGES, reports_silence=False)
         if name is not None:
             registry = self.store.registry
-            await definitions_at_hand(registry, lambda: registry.message_type(name))
+            await wait_for_definitions(registry, lambda: registry.message_type(name))
             registry.message_type(name)
         return CallbackSubscriber(stream, callback)
 
@@ -238,7 +238,7 @@ class TypedGraph(LogMethods):
 
     async def _service_type(self, given: str | type[Service[Any, Any]]) -> ServiceType:
         name, registry = name_of_type(given), self.store.registry
-        await definitions_at_hand(registry, lambda: registry.service_type(name))
+        await wait_for_definitions(registry, lambda: registry.service_type(name))
         return registry.service_type(name)
 
     def message(self, type_name: str, /, **fields: Any) -> Message:

@@ -29,7 +29,7 @@ class LaunchNode:
     """One process to start.
 
     `name` has no namespace, `namespace` is global without a trailing slash (`/` is the root); `remaps` are
-    pairs (from, to) as written; later pairs of `environment` win.
+    pairs (from, to) as written; later pairs of `environment` override earlier ones.
     """
 
     package: str

@@ -87,7 +87,10 @@ class PackageFiles:
 
 
 def find_definitions(msg_paths: Iterable[Path], package_path: Iterable[Path]) -> dict[str, PackageFiles]:
-    """Find packages below both, and plain folders of definitions below `msg_paths`; earlier roots win."""
+    """Find packages below both, and plain folders of definitions below `msg_paths`.
+
+    Earlier roots have priority.
+    """
     found: dict[str, PackageFiles] = {}
     for root in msg_paths:
         for folder in walk(root):
@@ -147,7 +150,7 @@ def earlier_files(package: str, name: str) -> dict[str, Path]:
 def read_definition(file: Path) -> str:
     """Return a file's text with Unix line ends. Raises DefinitionError if it cannot be read or is too long.
 
-    Comments in another encoding than UTF-8 do not matter, so undecodable bytes are replaced.
+    Comments may have any encoding, so bytes that are not UTF-8 are replaced.
     """
     try:
         with file.open("rb") as stream:

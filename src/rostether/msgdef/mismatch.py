@@ -154,7 +154,7 @@ def _candidates(
         affected = _holders(nested, ordered)
         for once in _changed(_Version.of(nested, sums), header):
             yield once.text(), once, affected
-    # Two changes are mostly fields that a later version added in two places.
+    # Two changes are usually fields that a later version added in two places.
     for two in combinations(range(len(version.fields)), 2):
         kept = tuple(each for index, each in enumerate(version.fields) if index not in two)
         twice = version._replace(fields=kept)

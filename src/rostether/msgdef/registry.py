@@ -44,7 +44,7 @@ class Registry:
     """Finds, parses and caches definitions; each is read on demand.
 
     `paths` are folders of packages or of plain definitions (--msg-path), `package_path` those of
-    ROS_PACKAGE_PATH and the workspace; both win over the bundled definitions, in the order given. A package
+    ROS_PACKAGE_PATH and the workspace; both override the bundled definitions, in the order given. A package
     there replaces the whole bundled one; a plain folder replaces single types. `nearby` is only called for
     types that none of these has; it returns the roots of more packages, whose search takes time.
     """
@@ -88,8 +88,8 @@ class Registry:
         variables = os.environ if environ is None else environ
         return cls(paths, package_path=package_path(variables), nearby=_packages_around)
 
-    def is_at_hand(self, look: Callable[[], object]) -> bool:
-        """Return whether `look`, a query of this registry, needs no search of folders.
+    def can_answer(self, query: Callable[[], object]) -> bool:
+        """Return whether `query`, which calls methods of this registry, needs no search of folders.
 
         For event loops, which must not search: `search_waiting` does it in a thread.
         """
@@ -97,7 +97,7 @@ class Registry:
             return True
         self._may_search = False
         try:
-            look()
+            query()
         except _SearchNeeded:
             return False
         except RostetherError:

@@ -1,4 +1,4 @@
-"""Searches folders of definitions in a thread, so that the event loop is free."""
+"""Searches folders of definitions in a thread, so that the event loop is not blocked."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ _searches: WeakKeyDictionary[Registry, Future[None]] = WeakKeyDictionary()
 
 
 def start_search(registry: Registry) -> Future[None]:
-    """Search all folders of a registry in a thread, once; afterwards it walks no file system."""
+    """Search all folders of a registry in a thread, once. After that, the registry searches no folders."""
     search = _searches.get(registry)
     if search is None:
         search = _searches[registry] = Future()
@@ -27,12 +27,12 @@ def start_search(registry: Registry) -> Future[None]:
 
 async def definitions_searched(registry: Registry) -> None:
     """Wait until all folders of definitions have been searched."""
-    await definitions_at_hand(registry, registry.packages)
+    await wait_for_definitions(registry, registry.packages)
 
 
-async def definitions_at_hand(registry: Registry, look: Callable[[], object]) -> None:
-    """Wait until `look`, a query of the registry, needs no search of folders; mostly it returns at once."""
-    if not registry.is_at_hand(look):
+async def wait_for_definitions(registry: Registry, query: Callable[[], object]) -> None:
+    """Wait until the registry can answer a query without a search of folders. Usually, it returns at once."""
+    if not registry.can_answer(query):
         await asyncio.wrap_future(start_search(registry))
 
 

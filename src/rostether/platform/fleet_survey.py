@@ -51,7 +51,10 @@ class Survey:
         return self._table.robots
 
     async def run(self, duration_s: float, *, until_answered: bool = False) -> None:
-        """Ask repeatedly for some time, and close the sockets. With `until_answered`, for one answer."""
+        """Send queries for this time, then close the sockets.
+
+        With `until_answered`, stop at the first answer.
+        """
         end_s = time.monotonic() + duration_s
         try:
             while time.monotonic() < end_s and not (until_answered and self._answered.is_set()):

@@ -11,10 +11,11 @@ from rostether.platform.status_frame import HostState, RobotStatus
 
 STATUS_PERIOD_S = 1.0
 
-# The interval between answers to queries and stops; an answer may be lost, and the sender waits for it.
+# The interval between answers to queries and stops. It is short because the sender waits, and an answer may
+# be lost.
 _QUICK_PERIOD_S = 0.25
 
-# Enough for the obeyed sender, a second one, and some programs that list the fleet.
+# Enough for the sender that the robot obeys, a second one, and some programs that list the fleet.
 _MAX_SENDERS = 8
 
 

@@ -14,7 +14,7 @@ class BoardIdentity:
 
     `port` is the serial port's path, `usb_location` its USB socket, `usb_interface` the number of its
     interface if one device has several ports, `address` a network address without the port, `psk` and
-    `certificate` the files of the key and the certificate that it has proven to have.
+    `certificate` the files of the key and the certificate with which it has authenticated.
     """
 
     usb_id: str | None = None

@@ -27,7 +27,7 @@ class PortUse(Enum):
     ASK = auto()
     # Probably a board: listen first, and probe only if no other device sends.
     LISTEN = auto()
-    # On USB, but of an unknown kind: not opened; the report says how to allow it.
+    # On USB, but of an unknown kind: not opened; a report describes how to allow it.
     OFFER = auto()
     # Not opened and not reported: not a USB device, or ignored by the user's settings.
     LEAVE = auto()

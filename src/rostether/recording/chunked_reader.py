@@ -14,7 +14,7 @@ from rostether.recording.packed_chunks import StoredChunk, compression_shares
 from rostether.recording.recorded import CompressionShare, Connection, RecordedMessage
 from rostether.recording.regular_file import MappedFile
 
-# The limit of reported reasons: every chunk may be damaged in another way.
+# The limit of reported reasons: every chunk may be damaged in a different way.
 MAX_DAMAGE_CHARS = 500
 
 

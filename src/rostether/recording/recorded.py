@@ -71,7 +71,7 @@ class Connection:
         )
 
     def fields(self) -> dict[str, str]:
-        """Return the connection header's fields, sorted by name like in rosbag."""
+        """Return the connection header's fields, sorted by name as in rosbag."""
         fields = {"callerid": self.caller_id} if self.caller_id else {}
         if self.is_latching:
             fields["latching"] = "1"

@@ -17,7 +17,8 @@ PAUSE_S = 0.1
 # graph may also list subscribers that were killed.
 CONNECT_S = 3.0
 
-# A graph may list the relay's own subscriber, which does not connect: after this time, it is not waited for.
+# A graph may list the relay's own subscriber, which does not connect. If all others are connected and none
+# was added for this time, the relay does not wait for it.
 SETTLE_S = 0.2
 
 # How often connected subscribers are counted; the port does not report them.

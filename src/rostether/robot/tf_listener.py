@@ -83,7 +83,7 @@ async def tf_listener(
     try:
         for topic, is_static in ((TF_STATIC_TOPIC, True), (TF_TOPIC, False)):
 
-            def name_publisher(header: Mapping[str, str], is_static: bool = is_static) -> OnMessages:
+            def handler_for(header: Mapping[str, str], is_static: bool = is_static) -> OnMessages:
                 authority = header.get("callerid", UNKNOWN_AUTHORITY)
                 return listener.batch_handler(graph, codec, authority, is_static=is_static)
 
@@ -92,7 +92,7 @@ async def tf_listener(
                     topic,
                     message_type,
                     listener.batch_handler(graph, codec, UNKNOWN_AUTHORITY, is_static=is_static),
-                    on_connection=name_publisher,
+                    on_connection=handler_for,
                 )
             )
         yield listener

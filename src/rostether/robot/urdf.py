@@ -1,6 +1,6 @@
 """URDF: the XML that describes a robot's links and joints.
 
-It is read like in urdfdom: with an error in a joint or in the tree, the robot is refused; an invalid shape is
+It is read as by urdfdom: with an error in a joint or in the tree, the robot is refused; an invalid shape is
 omitted. Unknown elements are ignored, so a .xacro file without macros also loads.
 """
 

@@ -20,7 +20,7 @@ CONNECT_TIMEOUT_S = 10.0
 # behind, and could not be dropped.
 UNSENT_BYTES = 128 << 10
 
-# A peer that reads gets the rest within milliseconds; others are not waited for.
+# A peer that reads gets the rest within milliseconds. There is no wait for other peers.
 CLOSE_GRACE_S = 1.0
 
 # Nearly all headers are below; larger ones are counted together, so that many cannot fill the memory.

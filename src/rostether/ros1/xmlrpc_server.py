@@ -22,7 +22,7 @@ from rostether.transports.sockets import close_servers, lengthen_backlog, system
 IDLE_TIMEOUT_S = 90.0
 # A client connects to send a request; a silent connection only uses a descriptor.
 FIRST_BYTE_LIMIT_S = 15.0
-# A client that reads has its answer within milliseconds; one that does not read is not waited for.
+# A client that reads has its answer within milliseconds. The server does not wait for other clients.
 _CLOSE_GRACE_S = 1.0
 # The share of connections without a complete request that clients in use make room for. Half-open connections
 # above it replace each other; they would otherwise take the place of every node that waits between two calls.

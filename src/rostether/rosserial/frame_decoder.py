@@ -30,7 +30,7 @@ from rostether.rosserial.frame import FORMS, MAX_PAYLOAD_BYTES, SYNC, Header, re
 from rostether.rosserial.frame_scan import FrameScanner, Patience, Scan
 from rostether.rosserial.payload_limits import NO_LIMITS, PayloadLimits
 
-# Longer than pauses inside a frame on a working line (USB polls, operating system), mostly below 20 ms.
+# Longer than pauses inside a frame on a working line (USB polls, operating system), usually below 20 ms.
 FIRST_SEARCH_S = 0.1
 
 # A frame that got no byte for this time is not being received.

@@ -45,7 +45,7 @@ class HostOutput:
         self._waiting_bytes = 0
 
     def pop_ready(self) -> bytes:
-        """Return the control frames that may go now."""
+        """Return the control frames that may be sent now."""
         data = b"".join(self._waiting)
         self._waiting.clear()
         self._waiting_bytes = 0

@@ -9,7 +9,7 @@ from rostether.rosserial.events import DiscardReason
 
 @dataclass(slots=True)
 class LinkStatistics:
-    """Counters of one link since it was made."""
+    """Counters of one link since its start."""
 
     bytes_received: int = 0
     frames_received: int = 0
@@ -23,7 +23,7 @@ class LinkStatistics:
 
     @property
     def damaged_frames(self) -> int:
-        """How many places looked like a frame and failed a check."""
+        """The number of apparent frames that failed a check."""
         return sum(
             self.discarded.get(reason, 0)
             for reason in (

@@ -1,6 +1,6 @@
 """Writes the Python source that checks a type's layout: straight-line code, constant offsets folded.
 
-`accepts(b)` and `accepts_all(payloads)` come out as, for example, for sensor_msgs/Imu:
+`accepts(b)` checks one payload, `accepts_all(payloads)` a batch. For sensor_msgs/Imu, the first is:
 
     def accepts(b):
         try:
@@ -9,7 +9,7 @@
         except overrun:
             return False
 
-Source never contains a name from a definition, only numbers, so that no definition can inject code.
+The source never contains a name from a definition, only numbers, so that no definition can inject code.
 """
 
 from __future__ import annotations
@@ -63,7 +63,7 @@ def compile_layout(tree: Struct) -> tuple[Accepts, AcceptsAll]:
 
 
 class _LayoutSource:
-    """Collects the functions that walk over nested types, children before those that call them."""
+    """Collects the functions that walk over nested types, each after the functions that it calls."""
 
     def __init__(self) -> None:
         self.functions: list[str] = []
@@ -82,7 +82,7 @@ class _LayoutSource:
         return name
 
     def reads(self, node: Node) -> int:
-        """Return how many lengths an inline value has."""
+        """Return how many length fields are read if a value is checked inline."""
         if not isinstance(node, Struct):
             return int(node.fixed_size_bytes is None)
         count = self._reads.get(node.name)
@@ -95,7 +95,7 @@ class _LayoutSource:
 class _Body:
     """The body of one function: lines that walk over the payload `b`.
 
-    The position is the variable `o`, or none at the start of the payload, plus a constant offset.
+    The position is the variable `o` plus a constant offset; before the first length field, only the offset.
     """
 
     def __init__(self, source: _LayoutSource, start: str) -> None:

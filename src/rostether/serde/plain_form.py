@@ -1,4 +1,4 @@
-"""Messages as values for JSON, for `--json` and the web page.
+"""Messages as values for JSON, for `--json`.
 
 uint8[] and char[] become lists of integers, times and durations `{"secs": ..., "nsecs": ...}`. JSON has no
 NaN or infinity: they become the strings "NaN", "Infinity" and "-Infinity" (as in protobuf's JSON), which

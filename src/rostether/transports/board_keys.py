@@ -1,4 +1,4 @@
-"""The keys and certificates of single boards, and those that a board has proven to have."""
+"""The keys and certificates of single boards, and those with which a board has authenticated."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from types import MappingProxyType
 
 from rostether.errors import ConfigError
 
-# A certificate has about 2 KB; a longer file is another file, given by mistake.
+# A certificate has about 2 KB; a longer file is not a certificate.
 MAX_CERTIFICATE_BYTES = 64 * 1024
 
 _NONE: Mapping[str, bytes] = MappingProxyType({})
@@ -24,7 +24,7 @@ class BoardKeys:
 
 @dataclass(frozen=True, slots=True)
 class Proof:
-    """The files of the single board's key and certificate that a peer has proven to have."""
+    """The files of a board's key and certificate with which the peer has authenticated."""
 
     psk: str | None = None
     certificate: str | None = None

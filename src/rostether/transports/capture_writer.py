@@ -19,7 +19,7 @@ DEFAULT_LIMIT_BYTES = 100 << 20
 # The loss when the process is killed; a shorter period would cost a system call for each chunk.
 FLUSH_PERIOD_S = 0.2
 
-# In a flood, this size is written before the period ends.
+# If more than this is collected, it is written before the period ends.
 FLUSH_BYTES = 256 * 1024
 
 # The braces and keys around a chunk's bytes.
@@ -27,7 +27,7 @@ _OVERHEAD_BYTES = 64
 
 
 class CaptureWriter:
-    """One capture being written; `report` gets one line when it ends before its time (limit, disk)."""
+    """Writes one capture. If it must end early (size limit, disk error), `report` gets one line."""
 
     def __init__(
         self,
@@ -160,12 +160,12 @@ class RecordedTransport:
 
     @property
     def remote(self) -> str | None:
-        """The network address of the other side, without a port; None where it is on no network."""
+        """The network address of the other side, without a port; None without a network."""
         return self._inner.remote
 
     @property
     def proof(self) -> Proof:
-        """The key and the certificate of a single board that the other side has proven to have."""
+        """The board's key and certificate with which the other side has authenticated."""
         return self._inner.proof
 
     @property

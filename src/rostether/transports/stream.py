@@ -43,7 +43,7 @@ class StreamTransport(asyncio.BaseProtocol):
         self._ended = asyncio.get_running_loop().create_future()
 
     def peer_certificate(self) -> bytes | None:
-        """Return the certificate that the peer has proven to have, in DER form."""
+        """Return the certificate with which the peer has authenticated, in DER form."""
         tls = None if self._wire is None else self._wire.get_extra_info("ssl_object")
         return None if tls is None else tls.getpeercert(binary_form=True)
 

@@ -36,11 +36,11 @@ class Transport(Protocol):
 
     @property
     def remote(self) -> str | None:
-        """The network address of the other side, without a port; None where it is on no network."""
+        """The network address of the other side, without a port; None without a network."""
 
     @property
     def proof(self) -> Proof:
-        """The key and the certificate of a single board that the other side has proven to have."""
+        """The board's key and certificate with which the other side has authenticated."""
 
     @property
     def can_pause(self) -> bool:

@@ -2,8 +2,8 @@
 
 h11 does the framing (Content-Length, chunked, HTTP/1.0 and 1.1, keep-alive); this adds what ROS peers need:
 limits, one exchange at a time, `Expect: 100-continue`, and no browsers: a web page can make a browser POST to
-a loopback port, and only a browser sends an `Origin` header, so a request with one is refused. A request for
-a host with another name is refused too: see `transports.own_names`.
+a loopback port, and only a browser sends an `Origin` header, so a request with one is refused. A request
+whose `Host` is not a name of this machine is refused too: see `transports.own_names`.
 """
 
 from __future__ import annotations
@@ -17,10 +17,10 @@ from rostether.errors import LocalProtocolError, RemoteProtocolError
 # The largest documents in practice are robot descriptions and whole parameter dumps, of a few MB.
 MAX_BODY_BYTES = 16 * 1024 * 1024
 
-# The average size of chunks, each of which costs a step: senders fill them, but a few may be small.
+# The least average size of chunks, because each costs a step. Senders fill chunks, but a few may be small.
 MIN_CHUNK_BYTES = 64
 SMALL_CHUNKS = 1024
-# How many parts of a request are read in one step: a header, some chunks, an end. Below a millisecond.
+# How many parts of a request are read in one step: a header, some chunks, an end. They take less than 1 ms.
 EVENTS_AT_ONCE = 64
 
 _XML_TYPES = (b"text/xml", b"application/xml")
@@ -37,7 +37,7 @@ _REASONS = {
 
 
 class HttpStatusError(RemoteProtocolError):
-    """The peer answered with another HTTP status than 200: it is an HTTP server, but not one for XML-RPC."""
+    """The HTTP status of the answer is not 200: the peer is an HTTP server, but not one for XML-RPC."""
 
 
 class HttpServerSide:
@@ -109,7 +109,7 @@ class HttpServerSide:
             if event is h11.PAUSED or isinstance(event, h11.ConnectionClosed):
                 return None
             if isinstance(event, h11.Request):
-                self._judge(event)
+                self._check_request(event)
             elif isinstance(event, h11.Data):
                 self._body += event.data
                 self._chunk_count += event.chunk_start
@@ -122,7 +122,7 @@ class HttpServerSide:
         self.is_behind = True
         return None
 
-    def _judge(self, request: h11.Request) -> None:
+    def _check_request(self, request: h11.Request) -> None:
         headers = dict(request.headers)
         if request.method != b"POST":
             self._refuse(405, "this is an XML-RPC server of a ROS graph: send it a POST")
@@ -137,7 +137,7 @@ class HttpServerSide:
                 f"--listen to this name",
             )
         elif any(_media_type(value) not in _XML_TYPES for name, value in request.headers if name == _TYPE):
-            # A web page can send forms or plain text without a permission; some ROS clients send no type.
+            # A web page can send forms or plain text without permission. Some ROS clients send no type.
             self._refuse(415, "an XML-RPC request has the Content-Type text/xml")
         elif int(headers.get(b"content-length", b"0")) > self._max_body_bytes:
             self._refuse(413, f"the request is larger than {self._max_body_bytes} bytes")
@@ -201,8 +201,8 @@ class HttpClientSide:
     def receive_data(self, data: bytes) -> bytes | None:
         """Handle bytes, `b""` for the end of the stream; return the body once the response is complete.
 
-        Raises HttpStatusError for another status than 200, RemoteProtocolError if the data is not HTTP, or
-        too long.
+        Raises HttpStatusError if the status is not 200, RemoteProtocolError if the data is not HTTP or too
+        long.
         """
         try:
             self._connection.receive_data(data)

@@ -145,7 +145,7 @@ async def running(name: str, kind: str, *words: str) -> AsyncIterator[Fleet]:
             channel.close()
 
 
-async def test_it_obeys_commands_reopens_a_deaf_socket_and_stops_with_its_sender() -> None:
+async def test_it_obeys_commands_reopens_a_stalled_socket_and_stops_with_its_sender() -> None:
     async with running("MulticastRobot", "uno") as fleet:
         for direction, speed, left, right in (
             (0, 1, 255, 255),

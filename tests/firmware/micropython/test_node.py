@@ -20,28 +20,28 @@ NODE = PROGRAMS / "platform_node.py"
 LONGEST_TEXT = 276
 
 
-async def test_converses_over_usb(library: Path) -> None:
+async def test_exchanges_messages_over_usb(library: Path) -> None:
     async with (
         usb_board(NODE, library, "usb") as board,
         meeting() as met,
         met.bridge(board.address),
     ):
-        await met.converse()
+        await met.exchange_messages()
 
 
-async def test_converses_over_a_uart(library: Path, tmp_path: Path) -> None:
+async def test_exchanges_messages_over_a_uart(library: Path, tmp_path: Path) -> None:
     port = tmp_path / "port"
     async with meeting() as met, met.bridge(f"pty:{port}"):
         await until(port.exists, "the port")
         async with running(NODE, library, "tty", str(port)):
-            await met.converse()
+            await met.exchange_messages()
 
 
-async def test_converses_over_tcp_and_comes_back_to_another_bridge(library: Path) -> None:
+async def test_exchanges_messages_over_tcp_and_reconnects_to_another_bridge(library: Path) -> None:
     async with meeting() as met, contextlib.AsyncExitStack() as node:
         async with met.bridge("tcp://127.0.0.1:0") as (address,):
             await node.enter_async_context(running(NODE, library, "tcp", *_place(address)))
-            await met.converse()
+            await met.exchange_messages()
         async with met.bridge(address):
             assert await met.ask("hello again") == "hello again"
 
@@ -65,25 +65,27 @@ async def test_calls_a_service_from_a_task(library: Path) -> None:
         assert set(met.answers) == {"pulled"}
 
 
-async def test_converses_without_the_modules_of_micropython(library: Path) -> None:
+async def test_exchanges_messages_without_the_modules_of_micropython(library: Path) -> None:
     # As on CircuitPython: its counter of milliseconds, and sockets that have recv_into.
     async with (
         meeting() as met,
         met.bridge("tcp://127.0.0.1:0") as (address,),
         running(NODE, library, "tcp", *_place(address), on_cpython=True),
     ):
-        await met.converse()
+        await met.exchange_messages()
         # The counter has started again.
         await until(lambda: met.counts[-1] > 100, "counts")
         assert await met.ask("hello again") == "hello again"
 
 
-async def test_converses_over_the_second_usb_port_of_circuitpython(library: Path, tmp_path: Path) -> None:
+async def test_exchanges_messages_over_the_second_usb_port_of_circuitpython(
+    library: Path, tmp_path: Path
+) -> None:
     port = tmp_path / "port"
     async with meeting() as met, met.bridge(f"pty:{port}"):
         await until(port.exists, "the port")
         async with running(NODE, library, "usb", str(port), on_cpython=True):
-            await met.converse()
+            await met.exchange_messages()
 
 
 async def test_a_board_that_is_reset_is_back(library: Path) -> None:

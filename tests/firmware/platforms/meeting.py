@@ -62,7 +62,7 @@ class Meeting:
         finally:
             await publisher.close()
 
-    async def converse(self) -> None:
+    async def exchange_messages(self) -> None:
         """Use all that the node offers."""
         await self.counting()
         assert await self.ask("hello") == "hello"

@@ -55,7 +55,7 @@ async def test_an_esp32_connects_as_its_sketch_asks_for_it(
         met.bridge("tcp://127.0.0.1:0") as (address,),
         running(program, address.rpartition(":")[2]),
     ):
-        await met.converse()
+        await met.exchange_messages()
 
 
 def test_ports_of_any_class(library: Path, tmp_path_factory: pytest.TempPathFactory) -> None:
@@ -63,11 +63,11 @@ def test_ports_of_any_class(library: Path, tmp_path_factory: pytest.TempPathFact
     assert done.returncode == 0, f"check {done.returncode} of serial_ports.cpp failed"
 
 
-async def test_tcp_converses_and_comes_back_within_two_seconds(tcp_sketch: Path) -> None:
+async def test_tcp_exchanges_messages_and_reconnects_within_two_seconds(tcp_sketch: Path) -> None:
     async with meeting() as met, contextlib.AsyncExitStack() as node:
         async with met.bridge("tcp://127.0.0.1:0") as (address,):
             await node.enter_async_context(running(tcp_sketch, address.rpartition(":")[2]))
-            await met.converse()
+            await met.exchange_messages()
         # Long enough for the pauses between its attempts to reach their longest.
         await asyncio.sleep(2.0)
         began_s = time.monotonic()
@@ -75,16 +75,16 @@ async def test_tcp_converses_and_comes_back_within_two_seconds(tcp_sketch: Path)
             async with lateness() as late:
                 await met.counting(1)
             assert time.monotonic() - began_s - late.total_s < 2.0
-            await met.converse()
+            await met.exchange_messages()
 
 
-async def test_udp_converses(udp_sketch: Path) -> None:
+async def test_udp_exchanges_messages(udp_sketch: Path) -> None:
     async with (
         meeting() as met,
         met.bridge("udp://127.0.0.1:0") as (address,),
         running(udp_sketch, address.rpartition(":")[2]),
     ):
-        await met.converse()
+        await met.exchange_messages()
 
 
 async def test_udp_sends_whole_frames_and_receives_only_from_the_host(udp_sketch: Path) -> None:

@@ -17,24 +17,24 @@ from unit.bridge.lateness import lateness
 pytestmark = [pytest.mark.arm, pytest.mark.qemu]
 
 
-async def test_converses_over_its_uart(cortex_m_program: Path) -> None:
+async def test_exchanges_messages_over_its_uart(cortex_m_program: Path) -> None:
     async with (
         meeting() as met,
         await QemuBoard.start(cortex_m_program) as board,
         met.bridge(board.address),
     ):
-        await met.converse()
+        await met.exchange_messages()
 
 
 @pytest.mark.parametrize("kit", STM32_KITS)
-async def test_an_stm32_converses_over_usart2(kit: str, library: Path, tmp_path: Path) -> None:
+async def test_an_stm32_exchanges_messages_over_usart2(kit: str, library: Path, tmp_path: Path) -> None:
     program = compile_for_stm32(kit, NODE / "embedded.cpp", library, tmp_path / "node.elf")
     async with (
         meeting() as met,
         await QemuBoard.start(program, machine="netduinoplus2") as board,
         met.bridge(board.address),
     ):
-        await met.converse()
+        await met.exchange_messages()
 
 
 async def test_is_served_by_its_link_address(cortex_m_program: Path) -> None:
@@ -42,10 +42,10 @@ async def test_is_served_by_its_link_address(cortex_m_program: Path) -> None:
     async with meeting() as met, simulated([link], met.reporter) as (served,):
         assert served.name == "tiva"
         async with met.bridge(f"{served}?name=tiva"):
-            await met.converse()
+            await met.exchange_messages()
 
 
-async def test_comes_back_within_two_seconds_of_a_reset(cortex_m_program: Path) -> None:
+async def test_reconnects_within_two_seconds_of_a_reset(cortex_m_program: Path) -> None:
     async with (
         meeting() as met,
         await QemuBoard.start(cortex_m_program) as board,
@@ -61,4 +61,4 @@ async def test_comes_back_within_two_seconds_of_a_reset(cortex_m_program: Path) 
             while not any(count < before for count in met.counts[seen:]):
                 await met.counting(1)
         assert time.monotonic() - began_s - late.total_s < 2.0
-        await met.converse()
+        await met.exchange_messages()

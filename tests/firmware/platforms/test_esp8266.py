@@ -23,9 +23,9 @@ QEMU = (
 
 
 @pytest.mark.lx106
-async def test_converses_over_its_serial_port(library: Path, tmp_path: Path) -> None:
+async def test_exchanges_messages_over_its_serial_port(library: Path, tmp_path: Path) -> None:
     program = compile_for_esp8266(NODE / "arduino.cpp", library, tmp_path / "node.elf")
     async with meeting() as met, met.bridge("tcp://127.0.0.1:0") as listening:
         host = listening[0].removeprefix("tcp://")
         async with running(*QEMU, "-serial", f"tcp:{host}", "-kernel", str(program)):
-            await met.converse()
+            await met.exchange_messages()

@@ -23,19 +23,19 @@ from waiting import until
 pytestmark = pytest.mark.gcc
 
 
-async def test_converses_over_tcp(linux_program: Path) -> None:
+async def test_exchanges_messages_over_tcp(linux_program: Path) -> None:
     async with (
         meeting() as met,
         met.bridge("tcp://127.0.0.1:0") as (address,),
         running(linux_program, address.removeprefix("tcp://")),
     ):
-        await met.converse()
+        await met.exchange_messages()
 
 
-async def test_converses_over_a_serial_port(linux_program: Path, tmp_path: Path) -> None:
+async def test_exchanges_messages_over_a_serial_port(linux_program: Path, tmp_path: Path) -> None:
     port = tmp_path / "port"
     async with meeting() as met, met.bridge(f"pty:{port}"), running(linux_program, port, "1000000"):
-        await met.converse()
+        await met.exchange_messages()
 
 
 async def test_takes_its_port_from_the_environment(linux_program: Path) -> None:
@@ -45,7 +45,7 @@ async def test_takes_its_port_from_the_environment(linux_program: Path) -> None:
             await met.counting()
 
 
-async def test_comes_back_within_two_seconds_of_the_bridge(linux_program: Path) -> None:
+async def test_reconnects_within_two_seconds_of_the_bridge(linux_program: Path) -> None:
     async with meeting() as met, contextlib.AsyncExitStack() as node:
         async with met.bridge("tcp://127.0.0.1:0") as (address,):
             await node.enter_async_context(running(linux_program, address.removeprefix("tcp://")))
@@ -57,10 +57,10 @@ async def test_comes_back_within_two_seconds_of_the_bridge(linux_program: Path) 
             async with lateness() as late:
                 await met.counting(1)
             assert time.monotonic() - began_s - late.total_s < 2.0
-            await met.converse()
+            await met.exchange_messages()
 
 
-async def test_comes_back_to_a_serial_port_that_was_gone(linux_program: Path, tmp_path: Path) -> None:
+async def test_reconnects_to_a_serial_port_that_was_gone(linux_program: Path, tmp_path: Path) -> None:
     port = tmp_path / "port"
     async with meeting() as met, running(linux_program, port):
         for _ in range(2):

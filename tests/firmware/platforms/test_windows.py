@@ -29,7 +29,7 @@ def wine(tmp_path_factory: pytest.TempPathFactory) -> Iterator[dict[str, str]]:
     subprocess.run(["wineserver", "--kill"], env=everything, check=False, stdout=null, stderr=null)
 
 
-async def test_converses_over_tcp_comes_back_and_converses_over_a_com_port(
+async def test_exchanges_messages_over_tcp_reconnects_and_exchanges_messages_over_a_com_port(
     windows_program: Path, wine: dict[str, str], tmp_path: Path
 ) -> None:
     async with meeting() as met:
@@ -38,11 +38,11 @@ async def test_converses_over_tcp_comes_back_and_converses_over_a_com_port(
         async with running("wine", windows_program, address.removeprefix("tcp://"), environment=wine):
             for _ in range(2):
                 async with met.bridge(address):
-                    await met.converse()
+                    await met.exchange_messages()
                 await asyncio.sleep(0.5)
         port = tmp_path / "port"
         async with met.bridge(f"pty:{port}"):
             # Beyond COM9, which needs the long form of the name.
             (Path(wine["WINEPREFIX"]) / "dosdevices" / "com33").symlink_to(port)
             async with running("wine", windows_program, "COM33", "115200", environment=wine):
-                await met.converse()
+                await met.exchange_messages()

@@ -7,7 +7,7 @@ import pytest
 from loop_watch import LoopWatch
 from rostether.errors import UnknownTypeError
 from rostether.msgdef.registry import Registry
-from rostether.msgdef.search_waiting import definitions_at_hand, definitions_searched, start_search
+from rostether.msgdef.search_waiting import definitions_searched, start_search, wait_for_definitions
 
 
 @pytest.fixture
@@ -38,8 +38,8 @@ async def test_after_a_search_nothing_is_walked(registry: Registry, monkeypatch:
 
 async def test_one_search_serves_all(registry: Registry) -> None:
     assert start_search(registry) is start_search(registry)
-    await definitions_at_hand(registry, lambda: registry.message("around/Own"))
-    assert registry.is_at_hand(registry.packages)
+    await wait_for_definitions(registry, lambda: registry.message("around/Own"))
+    assert registry.can_answer(registry.packages)
 
 
 async def test_a_failed_search_is_reported_to_the_waiting_caller(
@@ -57,7 +57,7 @@ async def test_bundled_types_need_no_search(tmp_path: Path, monkeypatch: pytest.
     monkeypatch.chdir(tmp_path)
     watch = LoopWatch(monkeypatch)
     registry = Registry.from_environment(environ={})
-    await definitions_at_hand(registry, lambda: registry.message("sensor_msgs/Imu"))
-    assert registry.is_at_hand(lambda: registry.service("std_srvs/SetBool"))
-    assert not registry.is_at_hand(lambda: registry.message("nowhere/Own"))
+    await wait_for_definitions(registry, lambda: registry.message("sensor_msgs/Imu"))
+    assert registry.can_answer(lambda: registry.service("std_srvs/SetBool"))
+    assert not registry.can_answer(lambda: registry.message("nowhere/Own"))
     assert (watch.folders, watch.held) == (0, 0)

@@ -38,6 +38,6 @@ function typeOf({ node }: Field): Primitive | "string" | undefined {
 
 function choice(type: Primitive | "string", name: string, text: string): Choice[] {
   const value = type === "string" ? text : parseNumber(type, text);
-  // A constant of another field whose value does not fit is no choice.
+  // A constant whose value does not fit belongs to another field.
   return type !== "string" && typeof value === "string" ? [] : [{ name, value }];
 }

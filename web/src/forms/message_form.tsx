@@ -18,7 +18,7 @@ interface FieldProps {
   onChange: (value: unknown) => void;
 }
 
-// Deeper than any message; a form of more would not fit a screen.
+// Deeper than any message; a deeper form would not fit on a screen.
 const MAX_DEPTH = 8;
 const MAX_ITEMS = 50;
 
@@ -223,7 +223,7 @@ function NumberField(props: {
   );
 }
 
-/** A field that was marked as wrong is right again when it gets another value, for example a chosen one. */
+/** Clears the error mark of a field when it gets another value, for example a chosen one. */
 function useFreshValidity(value: unknown): RefObject<HTMLInputElement | null> {
   const field = useRef<HTMLInputElement>(null);
   useEffect(() => field.current?.setCustomValidity(""), [value]);

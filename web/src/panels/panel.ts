@@ -11,7 +11,7 @@ import type { SettingChecks, Settings } from "./setting_checks.ts";
 export interface Suggestion {
   /** Stable, so that the card keeps its place: `/ultrasound`. */
   key: string;
-  /** The content of the card's head. */
+  /** The text of the card's header. */
   title: string;
   settings: Settings;
   /** Columns of the overview's grid on a wide screen, 1 to 3. */

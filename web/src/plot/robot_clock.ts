@@ -1,6 +1,6 @@
 // The robot's clock now, from the times of its messages: the right edge of plots that run.
 
-// A larger difference is no delay of the line: one of the two clocks was set.
+// A larger difference is not a delay of the line: one of the two clocks was set.
 const MAX_DELAY_S = 2;
 // The estimate follows a drifting clock slowly; delays only ever make messages late.
 const SHARE_OF_A_MESSAGE = 0.0005;

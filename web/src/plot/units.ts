@@ -1,4 +1,4 @@
-// The unit of a field: what its definition's comment says, else what ROS fixes for the type (REP 103).
+// The unit of a field: from the comment of its definition, else the one that ROS defines for the type (REP 103).
 
 import { parsePath } from "../wire/path.ts";
 import type { Node, StructNode } from "../wire/schema.ts";

@@ -17,11 +17,11 @@ import { type DisplayContext, HeaderDisplay, setPose } from "./display.ts";
 import type { OccupancyGrid, Pose } from "./messages.ts";
 import { arrow, axes } from "./shapes.ts";
 
-/** A particle filter has some thousands of poses. */
+/** A particle filter has thousands of poses. */
 const MAX_POSES = 5000;
 /** A path of an hour at 20 Hz. */
 const MAX_PATH_POINTS = 100_000;
-/** Odometry leaves a trail of so many points, one for each 2 cm. */
+/** The points of the trail of an odometry, one for each 2 cm. */
 const MAX_TRAIL = 2000;
 /** 64 million cells are 64 MB of texture, more than a phone gives. */
 const MAX_CELLS = 4096 * 4096;
@@ -167,7 +167,7 @@ export class GridDisplay extends HeaderDisplay<OccupancyGrid> {
       this.context.report(
         width * height > MAX_CELLS
           ? `A map of ${width} x ${height} cells is too large for the page.`
-          : `This map says ${width} x ${height} cells and has ${data.length}.`,
+          : `This map should have ${width} x ${height} cells, but has ${data.length}.`,
       );
       return;
     }

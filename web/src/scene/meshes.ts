@@ -39,7 +39,7 @@ function parse(kind: string, uri: string, bytes: Uint8Array): Object3D {
       checkCollada(text);
       const scene = new ColladaLoader().parse(text, "")?.scene;
       if (scene === undefined) throw new Error("it has no scene");
-      // Collada files of robots have z up as ROS; the loader turns them to three's y up.
+      // In Collada files of robots, z points up as in ROS; the loader rotates them, because in three.js y does.
       scene.rotation.set(0, 0, 0);
       return scene;
     }

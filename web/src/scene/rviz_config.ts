@@ -12,7 +12,7 @@ export interface RvizConfig {
 
 type Tree = { [key: string]: Tree | Tree[] | string };
 
-/** RViz' own files have some hundred lines. */
+/** RViz' own files have hundreds of lines. */
 const MAX_LINES = 20_000;
 
 /**
@@ -20,7 +20,7 @@ const MAX_LINES = 20_000;
  *
  * RViz writes one regular form of YAML: two spaces a level, one value a line.
  *
- * @throws Error with a sentence when the text has no such form.
+ * @throws Error with a sentence for the user if the text has another form.
  */
 export function readRvizConfig(text: string): RvizConfig {
   const lines = text.split(/\r?\n/).filter((line) => line.trim() !== "" && !line.trim().startsWith("#"));

@@ -28,7 +28,7 @@ export interface Edge {
 
 export interface Found {
   readonly transform: Transform;
-  /** Time of the data it was made from; Infinity if all transforms are static. */
+  /** The time of its data; Infinity if all transforms are static. */
   readonly timeS: number;
 }
 
@@ -44,7 +44,7 @@ export class TfBuffer {
   /** Grows with each new frame or parent, so that views know when the tree has changed. */
   treeVersion = 0;
 
-  /** Remember where `child` is in `parent`; like tf2, without invalid transforms. */
+  /** Stores where `child` is in `parent`. Like tf2, it ignores invalid transforms. */
   insert(
     parent: string,
     child: string,
@@ -82,7 +82,7 @@ export class TfBuffer {
     else insertSample(edge, sample);
   }
 
-  /** Forget all moving frames, as in tf2: the clock went back, so earlier transforms belong to another run. */
+  /** Clears the transforms that are not static, like tf2: the clock went back, so they belong to an earlier run. */
   clearHistory(): void {
     for (const edge of this.edges.values()) if (!edge.isStatic) edge.samples = [];
   }
@@ -101,7 +101,7 @@ export class TfBuffer {
     ];
   }
 
-  /** Every frame, parents without one of their own included. */
+  /** All frames, including those that have no parent. */
   frames(): string[] {
     const names = new Set<string>();
     for (const edge of this.edges.values()) {
@@ -111,7 +111,7 @@ export class TfBuffer {
     return [...names].sort();
   }
 
-  /** The frame above all others of this one's tree. */
+  /** The root of the tree that contains the frame. */
   root(frame: string): string {
     return this.chain(frameName(frame)).at(-1) ?? frame;
   }
@@ -206,7 +206,7 @@ function insertSample(edge: Edge, sample: Sample): void {
     if (drop > 0) samples.splice(0, Math.max(drop, 64));
     return;
   }
-  // The clock went back (a simulation or a bag started again): the old history is of another run.
+  // The clock went back (a simulation or a bag started again): the old history belongs to an earlier run.
   if (sample.timeS < newest.timeS - HISTORY_S) {
     edge.samples = [sample];
     return;
@@ -224,7 +224,7 @@ function sampleAt(edge: Edge, timeS: number): Transform | string {
   if (timeS > newest.timeS) return `The frame ${child} is ${(timeS - newest.timeS).toFixed(1)} s old.`;
   const oldest = samples[0] as Sample;
   if (timeS < oldest.timeS)
-    return `The frame ${child} is known only since ${(oldest.timeS - timeS).toFixed(1)} s later.`;
+    return `The oldest transform of the frame ${child} is ${(oldest.timeS - timeS).toFixed(1)} s newer.`;
   let [low, high] = [0, samples.length - 1];
   while (high - low > 1) {
     const middle = (low + high) >> 1;

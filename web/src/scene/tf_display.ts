@@ -5,11 +5,11 @@ import { type Display, disposeTree, type Placed } from "./display.ts";
 import { axes } from "./shapes.ts";
 import type { TfBuffer } from "./tf_buffer.ts";
 
-/** A humanoid has some 100 frames; more labels than this cannot be read. */
+/** A humanoid has about 100 frames; more labels than this cannot be read. */
 const MAX_SHOWN = 300;
 const MAX_AXIS_M = 0.15;
 const MIN_AXIS_M = 0.01;
-/** Of the robot's size. */
+/** The length of an axis, as a part of the robot's size. */
 const AXIS_PART = 0.3;
 
 export class TfDisplay implements Display {

@@ -23,7 +23,7 @@ import { cellFor, Ground } from "./ground.ts";
 import type { Transform, Vec3 } from "./rigid.ts";
 import { frameName, type TfBuffer } from "./tf_buffer.ts";
 
-// 30 pictures a second look smooth, and need half the energy of 60.
+// 30 Hz looks smooth, and needs half the energy of 60 Hz.
 const MIN_FRAME_MS = 30;
 // Without a graphics card a picture takes the processor about 65 ms; a core must be left for other work.
 const MIN_SOFTWARE_FRAME_MS = 400;
@@ -201,7 +201,7 @@ export class SceneView {
     this.controls.dispose();
     this.ground.dispose();
     this.renderer.dispose();
-    // Browsers keep only some 16 contexts alive, and wait for garbage collection otherwise.
+    // Browsers allow only about 16 contexts, and otherwise free them with the next garbage collection.
     this.renderer.forceContextLoss();
     this.renderer.domElement.remove();
   }

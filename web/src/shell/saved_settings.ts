@@ -1,4 +1,4 @@
-// The settings of panels that outlive the page: what the user has changed, not what a link or a card gave.
+// The settings of panels that stay when the page is closed: the user's changes, not the values of links and cards.
 import { effect, type Signal } from "@preact/signals";
 import type { Panel } from "../panels/panel.ts";
 import { type Settings, validSettings } from "../panels/setting_checks.ts";

@@ -1,7 +1,7 @@
 // One requestAnimationFrame loop for the whole page. Only views marked dirty are drawn.
 
 export interface FrameTask {
-  /** Draws in the next frame; many marks before it are one. */
+  /** Draws once in the next frame, even if called several times before it. */
   markDirty(): void;
   dispose(): void;
 }
@@ -38,7 +38,7 @@ function run(): void {
   }
 }
 
-/** Makes a task of the loop; `draw` runs at most once a frame, and not while the page is hidden. */
+/** Creates a task of the loop; `draw` runs at most once a frame, and not while the page is hidden. */
 export function frameTask(draw: () => void): FrameTask {
   let isDisposed = false;
   const task = () => draw();

@@ -235,7 +235,7 @@ export class Robot {
     });
   }
 
-  /** A robot that serves its page, and does not let it connect, refuses it; browsers do not say so. */
+  /** If the robot serves the page but not the connection, it refuses the page. Browsers do not report this. */
   private async explainLoss(): Promise<void> {
     const answer = await fetch(location.pathname, { cache: "no-store" }).catch(() => undefined);
     if (answer?.ok && this.connection.value === "lost" && this.refusedBefore++ > 0)

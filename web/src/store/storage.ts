@@ -1,4 +1,5 @@
-// Settings that outlive the page. Private windows and full disks refuse storage; the page works without.
+// Settings that stay when the page is closed. Private windows and full disks refuse storage; the page also works
+// without it.
 
 const PREFIX = "rostether.";
 

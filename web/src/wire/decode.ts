@@ -60,7 +60,7 @@ export class Cursor {
     const count = this.view.getUint32(this.skip(4), true);
     const most = smallest > 0 ? (this.bytes.length - this.offset) / smallest : MAX_EMPTY_ELEMENTS;
     if (count > most)
-      throw new DecodeError(`an array says ${count} elements, more than the message can hold`);
+      throw new DecodeError(`an array claims ${count} elements, more than the message can hold`);
     return count;
   }
 }

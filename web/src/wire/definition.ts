@@ -151,7 +151,7 @@ function parseBody(name: string, body: string): RawType {
     const hash = trimmed.indexOf("#");
     const comment = hash < 0 ? "" : trimmed.slice(hash + 1).trim();
     const field = FIELD.exec(hash < 0 ? trimmed : trimmed.slice(0, hash).trim());
-    if (!field) throw new DefinitionError(`${name} has a line that is no field: ${trimmed.slice(0, 80)}`);
+    if (!field) throw new DefinitionError(`${name} has a line that is not a field: ${trimmed.slice(0, 80)}`);
     const [, type, brackets, count, key] = field as unknown as [
       string,
       string,

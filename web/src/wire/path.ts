@@ -49,7 +49,7 @@ export function parsePath(path: string): Step[] {
   for (const part of path.split(".")) {
     const match = /^([A-Za-z]\w*)((?:\[(?:\d{1,9}|:)\])*)$/.exec(part);
     if (!match)
-      throw new PathError(`"${path.slice(0, 80)}" is no path such as angular_velocity.z or ranges[3]`);
+      throw new PathError(`"${path.slice(0, 80)}" is not a path such as angular_velocity.z or ranges[3]`);
     steps.push(match[1]!);
     for (const [, index] of match[2]!.matchAll(/\[(\d+|:)\]/g))
       steps.push(index === ":" ? "[:]" : Number(index));
@@ -90,7 +90,7 @@ export function pathReader(type: StructNode, path: string): PathReader {
       comment = struct.fields[position]!.comment;
       continue;
     }
-    if (node.kind !== "array") throw new PathError(`${String(steps[index - 1])} of ${path} is no array`);
+    if (node.kind !== "array") throw new PathError(`${String(steps[index - 1])} of ${path} is not an array`);
     if (step === "[:]") {
       if (index !== steps.length - 1) throw new PathError(`[:] must be the end of ${path}`);
       return arrayReader(node, moves, comment, path);
@@ -137,7 +137,7 @@ function numberOf(node: Node, path: string): ReadNumber {
       return get(cursor.view, start) + get(cursor.view, start + 4) * 1e-9;
     };
   }
-  throw new PathError(`${path} is no number`);
+  throw new PathError(`${path} is not a number`);
 }
 
 function guarded(moves: ReadonlyArray<number | ((cursor: Cursor) => boolean)>, read: ReadNumber) {
@@ -166,7 +166,7 @@ function arrayReader(
   path: string,
 ): PathReader {
   const { element, length } = node;
-  if (element.kind !== "primitive") throw new PathError(`${path} is no array of numbers`);
+  if (element.kind !== "primitive") throw new PathError(`${path} is not an array of numbers`);
   const size = PRIMITIVE_BYTES[element.type];
   const readAll = (payload: Uint8Array): NumberArray | number[] => {
     try {

@@ -1,7 +1,7 @@
 """A service of the graph that the board calls. The board's call blocks its sketch until a response comes.
 
-The established device library waits without a limit, and the wire has no way to say that a call failed. So
-every request gets a response: the service's, or one whose fields are all zero, with a line that says why.
+The established device library waits without a limit, and the protocol cannot report that a call failed. So
+every request gets a response: the service's, or one whose fields are all zero, with a log line of the reason.
 """
 
 from __future__ import annotations

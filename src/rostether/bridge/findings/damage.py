@@ -29,7 +29,7 @@ class Damage:
     def __init__(self) -> None:
         self._count = 0
         self._last_s = float("-inf")
-        self._looks: deque[tuple[float, int, int]] = deque()
+        self._samples: deque[tuple[float, int, int]] = deque()
 
     def count_discarded(self, event: FrameDiscarded, now_s: float) -> None:
         """Count a damaged frame; discarded bytes at the same moment are the rest of it."""
@@ -39,22 +39,22 @@ class Damage:
             self._last_s = now_s
 
     def find(self, frame_count: int, now_s: float, reset_count: int = 0) -> Finding | None:
-        """Evaluate the counts, about once a second: `frame_count` valid frames so far, `reset_count` recent
-        resets.
+        """Return a finding if too many recent frames are damaged; to be called about once a second.
+
+        There were `frame_count` valid frames since the start, and `reset_count` recent resets.
         """
-        looks = self._looks
-        looks.append((now_s, self._count, frame_count))
-        while len(looks) > 2 and now_s - looks[0][0] > WINDOW_S:
-            looks.popleft()
-        _, damaged_before, sound_before = looks[0]
-        damaged, sound = self._count - damaged_before, frame_count - sound_before
-        if damaged < MIN_DAMAGED + RESET_DAMAGES * reset_count or damaged < MIN_SHARE * (damaged + sound):
+        samples = self._samples
+        samples.append((now_s, self._count, frame_count))
+        while len(samples) > 2 and now_s - samples[0][0] > WINDOW_S:
+            samples.popleft()
+        _, damaged_before, valid_before = samples[0]
+        damaged, valid = self._count - damaged_before, frame_count - valid_before
+        if damaged < MIN_DAMAGED + RESET_DAMAGES * reset_count or damaged < MIN_SHARE * (damaged + valid):
             return None
-        percent = 100 * damaged / (damaged + sound)
+        percent = 100 * damaged / (damaged + valid)
         return warning(
             Code.FRAMES_DAMAGED,
-            f"{percent:.2g} % of the frames are damaged ({damaged} of the last {damaged + sound})",
+            f"{percent:.2g} % of the frames are damaged ({damaged} of the last {damaged + valid})",
             "use a shorter or shielded cable away from motors, check the ground wire, choose a lower baud "
-            "rate, "
-            "and keep every interrupt of the sketch shorter than the time of one byte",
+            "rate, and keep every interrupt of the sketch shorter than the time of one byte",
         )

@@ -135,7 +135,7 @@ class LineWatch:
         self._announcements.refused(event)
 
     def _device_reset(self, _event: DeviceReset, now_s: float) -> None:
-        self._resets.happened(now_s)
+        self._resets.record(now_s)
         self.loop_speed.forget()
 
     def _device_silent(self, event: DeviceSilent, _now_s: float) -> None:

@@ -23,7 +23,7 @@ class Resets:
     def __init__(self) -> None:
         self._times: deque[float] = deque(maxlen=1000)
 
-    def happened(self, now_s: float) -> None:
+    def record(self, now_s: float) -> None:
         """Record a reset."""
         self._times.append(now_s)
 

@@ -137,17 +137,17 @@ class Rates(Generic[Key]):
     """The growth of counters over the last few updates."""
 
     def __init__(self) -> None:
-        self._looks: deque[tuple[float, dict[Key, int]]] = deque()
+        self._samples: deque[tuple[float, dict[Key, int]]] = deque()
 
     def update(self, counts: Mapping[Key, int], now_s: float) -> dict[Key, float]:
         """Read the counters and return their growth per second; empty at the first call.
 
         A counter that is lower than before belongs to a new connection and started from zero.
         """
-        self._looks.append((now_s, dict(counts)))
-        while len(self._looks) > 2 and now_s - self._looks[0][0] > WINDOW_S:
-            self._looks.popleft()
-        before_s, before = self._looks[0]
+        self._samples.append((now_s, dict(counts)))
+        while len(self._samples) > 2 and now_s - self._samples[0][0] > WINDOW_S:
+            self._samples.popleft()
+        before_s, before = self._samples[0]
         span_s = now_s - before_s
         if span_s <= 0:
             return {}

@@ -55,7 +55,7 @@ class HeldEvents:
         """
         if isinstance(event, (TopicAnnounced, ServiceAnnounced)):
             if self._wait is None:
-                if self._is_at_hand(event):
+                if self._can_answer(event):
                     return False
                 self._wait = asyncio.wrap_future(start_search(self._registry))
                 self._wait.add_done_callback(self._release)
@@ -81,10 +81,10 @@ class HeldEvents:
         if wait is not None:
             wait.cancel()
 
-    def _is_at_hand(self, event: TopicAnnounced | ServiceAnnounced) -> bool:
+    def _can_answer(self, event: TopicAnnounced | ServiceAnnounced) -> bool:
         registry = self._registry
 
-        def look() -> None:
+        def query() -> None:
             if isinstance(event, TopicAnnounced):
                 matches = registry.message_type(event.info.message_type).md5sum == event.info.md5sum
             else:
@@ -95,7 +95,7 @@ class HeldEvents:
                 # The line about it names the types that do match.
                 registry.packages()
 
-        return registry.is_at_hand(look)
+        return registry.can_answer(query)
 
     def _release(self, wait: asyncio.Future[None]) -> None:
         if wait is not self._wait:

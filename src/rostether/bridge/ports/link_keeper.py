@@ -40,7 +40,7 @@ class OpenTransport(Protocol):
 
 
 class LinkKeeper:
-    """Keeps the link of one address open; `devices` may set a board's speed if the address does not.
+    """Keeps the link of one address open; `devices` may set a board's baud rate if the address does not.
 
     `list_ports` returns the system's list of serial ports.
     """
@@ -163,7 +163,7 @@ def _comes_and_goes(address: Address) -> bool:
 
 
 def _terminal_made_ns(path: str) -> int | None:
-    """Return when a pseudo-terminal was made, None for other ports and for a link, which its program moves.
+    """Return when a pseudo-terminal was created; None for other ports, and for a link that its program moves.
 
     The system gives the number of a closed pseudo-terminal to the next program that makes one.
     """

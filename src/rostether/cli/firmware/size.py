@@ -191,10 +191,10 @@ def _bar(used: int, more: int, limit: int) -> str:
 
 def _groups(groups: Sequence[Group]) -> Table:
     table = Table(box=None, padding=(0, 2, 0, 0), pad_edge=False)
-    table.add_column("what takes it", no_wrap=True)
+    table.add_column("used by", no_wrap=True)
     table.add_column("flash", justify="right")
     table.add_column("RAM", justify="right")
-    table.add_column("the largest in it", overflow="fold")
+    table.add_column("largest items", overflow="fold")
     for group in groups:
         largest = ", ".join(_describe_item(each) for each in group.largest[:SHOWN_ITEMS])
         table.add_row(group.name, f"{group.flash_bytes:,}", f"{group.ram_bytes:,}", largest)

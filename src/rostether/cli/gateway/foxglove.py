@@ -73,7 +73,7 @@ def foxglove(
     """Connect Foxglove to the graph, to show topics, publish and call services.
 
     Open ws://localhost:8765 in Foxglove or another viewer of its WebSocket protocol. `rostether serve
-    --foxglove` does the same and connects boards. For other machines, give a PLACE such as 0.0.0.0:8765.
+    --foxglove` does the same and connects boards. For other machines, give a HOST, e.g. 0.0.0.0:8765.
 
     Its node is foxglove_bridge, on other ports foxglove_bridge_PORT; __name:=, __ns:= and from:=to work as
     for any ROS node.

@@ -37,7 +37,7 @@ class NodeWords:
     remappings: Mapping[str, str] = field(default_factory=dict)
 
     def name_for(self, own_name: str, port: int, default_port: int) -> str:
-        """Return the name: on another port than the default, it contains the port."""
+        """Return the name. It contains the port, unless this is the default port."""
         if self.name:
             return self.name
         # Port 0 is any free port, which is not known yet.
@@ -53,7 +53,7 @@ def read_gateway_words(words: Sequence[str], special: Mapping[str, str]) -> tupl
     if arguments.private_params:
         name = next(iter(arguments.private_params))
         raise click.UsageError(
-            f"_{name}:= works only for the node in launch files; use the options and PLACE here"
+            f"_{name}:= works only for the node in launch files; use the options and HOST:PORT here"
         )
     if len(arguments.rest) > 1:
         raise click.UsageError(f"give only one place to listen on, not {' and '.join(arguments.rest)}")

@@ -88,7 +88,7 @@ _ACCESS_OPTIONS = (
 _VIEW_OPTIONS = (
     add_option(
         "--view-token TOKEN",
-        "A second token, for clients that may look but not publish, call or set; or set "
+        "A second token, for clients that may only view, not publish, call or set; or set "
         f"{VIEW_TOKEN_VARIABLE}.",
         default="",
         envvar=VIEW_TOKEN_VARIABLE,

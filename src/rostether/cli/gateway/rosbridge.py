@@ -82,7 +82,7 @@ def rosbridge(
     """Connect web pages with roslibjs and programs with roslibpy to the graph.
 
     It uses the protocol of rosbridge_suite, with rosapi's services. `rostether serve --rosbridge` does the
-    same and connects boards. Pages of other hosts need --origin. For other machines, give a PLACE such as
+    same and connects boards. Pages of other hosts need --origin. For other machines, give a HOST, e.g.
     0.0.0.0:9090.
 
     Its node is rosbridge_websocket, on other ports rosbridge_websocket_PORT; __name:=, __ns:= and from:=to

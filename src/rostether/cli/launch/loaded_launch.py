@@ -40,7 +40,7 @@ class LoadedLaunch:
 
     @property
     def views(self) -> list[View]:
-        """Dashboard panels that replace its rviz and rqt windows that are not installed."""
+        """The dashboard panels that replace windows of rviz and rqt, if these are not installed."""
         views: dict[str, View] = {}
         for node in self.plan.nodes:
             if replacement_line(node.package, os.environ) is None:
@@ -71,7 +71,7 @@ class LoadedLaunch:
 def load(words: Sequence[str], *, runs_commands: bool) -> LoadedLaunch:
     """Load the launch files that the words name. Raises ConfigError.
 
-    Without `runs_commands`, no program runs that computes a parameter.
+    Without `runs_commands`, `<param command="...">` runs no program.
     """
     packages = packages_here()
     packages |= {name: folder for name, folder in bundled_packages().items() if name not in packages}

@@ -50,7 +50,7 @@ _package_options = option_group(
 @ignored_options("--rosdistro")
 @json_option
 def create(package: NewPackage, as_json: bool) -> None:
-    """Write package.xml and CMakeLists.txt of a new package into a folder of its name."""
+    """Write package.xml and CMakeLists.txt of a new package into a folder with its name."""
     created = create_package(Path.cwd(), replace(package, user=_user()))
     for line in created.warnings:
         warn(line)

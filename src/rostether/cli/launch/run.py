@@ -48,8 +48,8 @@ def run(prefix: str, debug: bool, package: str, program: str, arguments: tuple[s
         warn(line)
         replace_process(view_command(package, arguments, in_terminal=in_terminal), os.environ)
     # Searching a home directory takes time, and built-in nodes are not in a folder.
-    is_ours = (package, program) in served_nodes()
-    packages = {} if is_ours else packages_here()
+    is_built_in = (package, program) in served_nodes()
+    packages = {} if is_built_in else packages_here()
     found = node_command(package, program, packages=packages, environ=os.environ)
     words = [*shlex.split(prefix), *found, *arguments]
     if debug:

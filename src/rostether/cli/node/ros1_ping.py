@@ -16,7 +16,7 @@ from rostether.ros1.node.node_calls import NODE_TIMEOUT_S, find_node, node_names
 if TYPE_CHECKING:
     from rostether.ros1.node.master_client import MasterClient
 
-# Between pings, as rosnode.
+# Between pings, like rosnode.
 INTERVAL_S = 1.0
 
 
@@ -59,7 +59,7 @@ async def _ping_once(pinger: _Pinger) -> bool:
 
 
 class _Pinger:
-    """Pings one node and prints how it went; `replies_s` are the round trips so far."""
+    """Pings one node and prints the results; `replies_s` are the round trips so far."""
 
     def __init__(self, master: MasterClient, name: str, as_json: bool) -> None:
         self.name = name

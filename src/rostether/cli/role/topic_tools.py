@@ -92,7 +92,8 @@ def _mux_topics(arguments: Arguments) -> list[str]:
 async def mux(graph: TypedGraph, arguments: Arguments) -> None:
     """Publish one of the topics IN as OUT: mux OUT IN...
 
-    Services mux/select, mux/add, mux/delete and mux/list; _lazy:=true, _latch:=true, _initial_topic:=IN.
+    It offers the services mux/select, mux/add, mux/delete and mux/list. Parameters: _lazy:=true,
+    _latch:=true, _initial_topic:=IN.
     """
     from rostether.nodes.mux import Mux
 

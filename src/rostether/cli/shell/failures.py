@@ -19,7 +19,7 @@ EXIT_FAILED = 1
 EXIT_INTERRUPTED = 130
 # How click suggests similar options.
 _SIMILAR = re.compile(r"(?P<problem>.*)\. \(?Did you mean(?: one of:)? (?P<names>.*?)\?\)?")
-# What click says about values of the wrong type, in plain words.
+# Plain words for click's messages about values of the wrong type.
 _PLAINER = {
     "is not a valid float range": "is not a number",
     "is not a valid integer range": "is not a whole number",

@@ -32,9 +32,9 @@ if TYPE_CHECKING:
     from rostether.serde.codec import Codec
     from rostether.serde.values import Message
 
-# How long `-1` stays, as rostopic: subscribers need a moment to connect.
+# How long `-1` stays, like rostopic: subscribers need a moment to connect.
 ONCE_S = 3.0
-# For messages from files and pipes, as rostopic.
+# For messages from files and pipes, like rostopic.
 FILE_RATE_HZ = 10.0
 # Every graph has them, so a topic with a similar name is not a typing error.
 LOG_TOPICS = ("/rosout", "/rosout_agg")
@@ -80,12 +80,12 @@ class Ros1Topics(Ros1TopicListing):
 async def _publish(
     graph_options: GraphOptions, topic: str, type_name: str, given: tuple[str, ...], options: PubOptions
 ) -> None:
-    from rostether.msgdef.search_waiting import definitions_at_hand
+    from rostether.msgdef.search_waiting import wait_for_definitions
     from rostether.serde.yaml_form import fill_message, load_arguments
 
     name = resolve(topic, read_environment(graph_options))
     store = type_store(options.msg_paths)
-    await definitions_at_hand(store.registry, lambda: store.registry.message_type(type_name))
+    await wait_for_definitions(store.registry, lambda: store.registry.message_type(type_name))
     codec = store.codec(type_name)
     values = load_arguments(given)
     text = read_text(options.file) if options.file is not None else None

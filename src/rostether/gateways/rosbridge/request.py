@@ -13,7 +13,8 @@ from rostether.errors import RemoteProtocolError
 from rostether.gateways.large_json import count_values, parse_in_steps, parse_json
 from rostether.gateways.shown_values import show
 
-# The limit of names and ids: thousands are stored, and all nodes see them; real ones have less than 150.
+# The limit of names and ids: thousands are stored, and all nodes see them. Real ones have fewer than 150
+# characters.
 MAX_WORD_CHARACTERS: Final = 512
 
 # More values are parsed in a thread, because they may take longer than 10 ms.

@@ -27,7 +27,7 @@ class StatusLevel(IntEnum):
             raise RemoteProtocolError(f"level must be one of {names}, got {show(text)}") from None
 
 
-# Losses are reported unless a client wants only errors; the protocol's text says `error`.
+# Losses are reported unless a client wants only errors; the default in the protocol is `error`.
 DEFAULT_LEVEL = StatusLevel.WARNING
 
 

@@ -77,7 +77,7 @@ class InstalledPackages:
         return [name for name in self._all_roots() if any(self.of(name, kind) for kind in Kind)]
 
     def of(self, package: str, kind: Kind) -> Mapping[str, Path]:
-        """Return a package's files of one kind by type name; earlier prefixes win."""
+        """Return a package's files of one kind by type name; earlier prefixes have priority."""
         listing = self._listings.get((package, kind))
         if listing is None:
             # Stored when it is complete: a search in a thread may do the same.

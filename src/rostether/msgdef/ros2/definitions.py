@@ -37,7 +37,7 @@ class Ros2Definitions:
 
     `paths` are folders of packages or of plain definitions (--msg-path), of which those that are ROS 2 texts
     count; `package_path` are folders of packages (ROS_PACKAGE_PATH); `prefixes` are install prefixes as
-    AMENT_PREFIX_PATH names them. All win over the bundled definitions of `distro`, in the order given: a
+    AMENT_PREFIX_PATH names them. All override the bundled definitions of `distro`, in the order given: a
     package replaces the whole bundled one, a plain folder replaces single types. `last_prefixes` are
     searched last.
     """

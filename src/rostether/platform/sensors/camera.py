@@ -27,7 +27,7 @@ _HINT = "plug the camera in, or choose another ~source, such as test"
 
 # The longest delay before the first picture for a new subscriber.
 _POLL_S = 0.1
-# A slow subscriber gets fewer pictures.
+# The longest wait for a slow subscriber between two pictures.
 _DRAIN_LIMIT_S = 5.0
 
 
@@ -52,7 +52,7 @@ async def publish_pictures(
 
 
 class _Camera:
-    """The node, until it is cancelled."""
+    """Takes pictures and publishes them."""
 
     def __init__(
         self,

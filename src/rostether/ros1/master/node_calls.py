@@ -136,7 +136,7 @@ class NodeCallQueue:
                 await self._call(api, outbox, what, arguments)
             except _NotDeliveredError as error:
                 if what[0] == "shutdown":
-                    # The old node of that name has mostly ended already.
+                    # Usually, the old node of that name has already ended.
                     outbox.pending.clear()
                     continue
                 outbox.refusals = outbox.refusals + 1 if error.is_refused else 0

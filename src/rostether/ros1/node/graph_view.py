@@ -45,7 +45,7 @@ async def take_snapshot(master: MasterClient) -> Snapshot:
 
 
 def shared_snapshots(master: MasterClient) -> SharedSnapshots:
-    """Return the snapshots of a node, one for all requests that wait for one."""
+    """Return the snapshots of a node; requests at the same time share one."""
     return SharedSnapshots(lambda: take_snapshot(master))
 
 
@@ -54,8 +54,8 @@ async def watch_changes(
 ) -> AsyncIterator[Snapshot]:
     """Yield a snapshot now and one after each change, until `closed` is set.
 
-    If the master is unreachable later, the snapshot's `problem` says so; only the first request raises
-    MasterUnreachableError.
+    If the master is unreachable later, the snapshot's `problem` has the reason; only the first request
+    raises MasterUnreachableError.
     """
     latest = await take_snapshot(master)
     yield latest

@@ -51,9 +51,9 @@ class NativeRegistry(Registry):
             Ros2Definitions.from_environment(paths, environ), Registry.from_environment(paths, environ)
         )
 
-    def is_at_hand(self, look: Callable[[], object]) -> bool:
+    def can_answer(self, query: Callable[[], object]) -> bool:
         """Whether the folders have already been searched."""
-        return self.definitions.is_searched and self._ros1.is_at_hand(look)
+        return self.definitions.is_searched and self._ros1.can_answer(query)
 
     def search(self) -> None:
         """Search all folders now. It may take seconds."""

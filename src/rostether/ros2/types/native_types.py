@@ -23,7 +23,7 @@ SupportT = TypeVar("SupportT", MessageSupport, ServiceSupport)
 
 
 class NativeTypes(Ros2Types):
-    """A graph's types from a `NativeRegistry`; unknown types are handled like in `Ros2Types`."""
+    """A graph's types from a `NativeRegistry`; unknown types are handled as in `Ros2Types`."""
 
     def __init__(self, registry: NativeRegistry) -> None:
         super().__init__(registry, registry.definitions)

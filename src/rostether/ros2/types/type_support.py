@@ -87,7 +87,7 @@ class Ros2Types:
         self._native_services: dict[str, ServiceSupport] = {}
 
     async def searched(self) -> None:
-        """Wait until all folders of definitions of both ROS have been searched, in threads."""
+        """Wait until all folders of ROS 1 and ROS 2 definitions have been searched, in threads."""
         await definitions_searched(self.registry)
         if not self.definitions.is_searched:
             await asyncio.to_thread(self.definitions.search)

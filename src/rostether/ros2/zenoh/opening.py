@@ -1,4 +1,4 @@
-"""Opens a zenoh session, and says in plain words why it cannot."""
+"""Opens a zenoh session, and explains failures in plain words."""
 
 from __future__ import annotations
 

@@ -27,7 +27,7 @@ from rostether.ros2.zenoh.shared_session import LiveToken
 from rostether.ros2.zenoh.thread_state import stay_known
 from rostether.ros2.zenoh.tokens import Kind, Token, data_key
 
-# The number of past messages requested from a latched publisher: one, like in ROS 1.
+# The number of past messages requested from a latched publisher: one, as in ROS 1.
 LATCHED_SAMPLES = 1
 
 Report = Callable[[Level, str], None]

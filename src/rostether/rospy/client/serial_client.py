@@ -50,7 +50,7 @@ class SerialClient:
         self.timeout: float = timeout
 
     def run(self) -> None:
-        """Serve the board until the node shuts down; a port that is missing is waited for."""
+        """Serve the board until the node shuts down. If the port is missing, wait for it."""
         _serve(SerialAddress(self.port, self.baud, name=node.graph.node_name))
 
 

@@ -1,4 +1,4 @@
-"""rostopic, as programs use it: which topics there are, of which types, and fields within them."""
+"""The Python API of rostopic: topics, their types and their fields."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ def get_topic_type(topic: str, blocking: bool = False) -> tuple[str | None, str 
 
 
 def get_topic_class(topic: str, blocking: bool = False) -> tuple[Any, str | None, Evaluate | None]:
-    """Return a topic's message class, full name and field reader, as `get_topic_type`.
+    """Return a topic's message class, full name and field reader, like `get_topic_type`.
 
     Raises ROSTopicException if the type is unknown.
     """
@@ -79,7 +79,10 @@ def find_by_type(topic_type: str) -> list[str]:
 
 
 def msgevalgen(pattern: str) -> Evaluate | None:
-    """Return a function that reads a field such as `/pose/position/x` or `/ranges[1:3]`, or None."""
+    """Return a function that reads a field such as `/pose/position/x` or `/ranges[1:3]`.
+
+    Returns None if the pattern names no field or is invalid.
+    """
     steps: list[tuple[str, int | slice | None]] = []
     for part in filter(None, pattern.split("/")):
         name, bracket, rest = part.partition("[")
@@ -111,7 +114,7 @@ def msgevalgen(pattern: str) -> Evaluate | None:
 def create_publisher(
     topic_name: str, topic_type: str, latch: bool, disable_rostime: bool = True
 ) -> tuple[Any, Any]:
-    """Become a node, and return a publisher and the message class of a type. Raises ROSTopicException."""
+    """Start a node, and return a publisher and the message class of a type. Raises ROSTopicException."""
     from rostether.rospy.client.client import init_node
     from rostether.rospy.client.publisher import Publisher
 
@@ -131,7 +134,10 @@ def publish_message(
     once: bool = False,
     verbose: bool = False,
 ) -> None:
-    """Publish the message in arguments: once, at a rate, or until the end. Raises ROSTopicException."""
+    """Publish a message with these fields: once, or repeatedly if there is a rate. Raises ROSTopicException.
+
+    Without `once` it returns when the node shuts down, so that latched messages stay available.
+    """
     from rostether.rospy.client.client import spin
 
     message = msg_class()

@@ -4,8 +4,8 @@
     board <── radio <── radio at the host <── frames <── send queue <── writes
 
 The radio at the host is in API mode 2. Boards with an address of 16 bits (MY) and of 64 bits (the radio's
-own) can be mixed; 802.15.4 and DigiMesh have other frames for the latter, and the radio is asked which it
-speaks.
+own) can be mixed. 802.15.4 and DigiMesh have different frames for the latter, so the host asks the radio
+which of the two protocols it uses.
 """
 
 from __future__ import annotations
@@ -42,9 +42,9 @@ OpenSerial: TypeAlias = Callable[[SerialAddress], Awaitable[Transport]]
 
 
 class XbeeListener:
-    """Receives from boards by radio and makes a transport of each; made by `start`.
+    """Receives from boards by radio, and creates a transport for each. `start` creates a listener.
 
-    When the radio at the host is unplugged all its transports end, and the port is opened again when it is
+    If the radio at the host is unplugged, all transports end. The port is opened again when the radio is
     back.
     """
 
@@ -116,7 +116,7 @@ class XbeeListener:
 
     @property
     def address(self) -> str:
-        """Where it listens."""
+        """The link address on which it listens."""
         return str(self._xbee_address)
 
     async def close(self) -> None:
@@ -215,12 +215,12 @@ class XbeeListener:
 
     def _packet_received(self, packet: RadioPacket) -> None:
         self._radio.has_answered = True
-        # A reply to the forged address of all radios would reach all boards. While the listener closes,
-        # nothing would end the transport of a new board.
+        # If the source is forged to be the broadcast address, a reply would reach all boards. While the
+        # listener closes, nothing would end the transport of a new board.
         if self._closed or not is_of_one_radio(packet.source):
             return
         self.peers.receive(packet.source, packet.payload)
-        # A board that was refused, because there are too many, leaves nothing behind.
+        # A board that was refused, because there are too many, has no link quality.
         if (quality := self._qualities.get(packet.source)) is None:
             return
         quality.received(packet.rssi_dbm)
@@ -248,7 +248,7 @@ class XbeeListener:
         self._pump()
 
     def _pump(self) -> None:
-        """Pass the packets to the radio that it has room for."""
+        """Send the packets for which the radio has room."""
         if self._serial is None or not self._radio.is_ready:
             return
         frames = bytearray()

@@ -7,9 +7,9 @@ from rostether.bridge.findings.resets import WINDOW_S, Resets
 def test_three_in_a_minute_are_a_loop() -> None:
     resets = Resets()
     for second in (0.0, 10.0):
-        resets.happened(second)
+        resets.record(second)
     assert resets.find(20.0, None) is None
-    resets.happened(20.0)
+    resets.record(20.0)
     finding = resets.find(20.0, None)
     assert finding is not None
     assert finding.code is Code.RESET_LOOP
@@ -19,7 +19,7 @@ def test_three_in_a_minute_are_a_loop() -> None:
 def test_output_of_the_board_is_reported() -> None:
     resets = Resets()
     for second in range(3):
-        resets.happened(float(second))
+        resets.record(float(second))
     finding = resets.find(3.0, "Brownout detector was triggered")
     assert finding is not None
     assert "Brownout detector" in finding.seen
@@ -28,6 +28,6 @@ def test_output_of_the_board_is_reported() -> None:
 def test_the_reset_button_pressed_sometimes_is_not_a_reset_loop() -> None:
     resets = Resets()
     for number in range(20):
-        resets.happened(number * WINDOW_S / 2.2)
+        resets.record(number * WINDOW_S / 2.2)
         assert resets.find(number * WINDOW_S / 2.2, None) is None or number >= 2
     assert resets.find(1e6, None) is None

@@ -90,7 +90,7 @@ async def test_a_type_is_searched_while_the_loop_goes_on_and_no_message_is_lost(
     await node.close()
 
 
-async def test_a_search_is_only_for_what_is_not_at_hand(
+async def test_a_search_is_only_for_unknown_definitions(
     workspace: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     watch = LoopWatch(monkeypatch)
@@ -122,7 +122,7 @@ async def test_what_waits_ends_with_its_connection(workspace: Path) -> None:
     held = HeldEvents(registry, handled.append, fail)
     assert held.hold_back(announced())
     held.drop()
-    await until(lambda: registry.is_at_hand(registry.packages), "the end of the search")
+    await until(lambda: registry.can_answer(registry.packages), "the end of the search")
     await asyncio.sleep(0)
     assert handled == []
 

@@ -8,7 +8,7 @@ from loop_watch import FolderWatch
 from rostether.errors import UnknownTypeError
 from rostether.msgdef.registry import Registry
 from rostether.msgdef.ros2.definitions import Ros2Definitions
-from rostether.msgdef.search_waiting import definitions_at_hand
+from rostether.msgdef.search_waiting import wait_for_definitions
 from rostether.ros2.types.native_registry import NativeRegistry, short_name
 from rostether.ros2.types.native_types import NativeTypes
 from rostether.ros2.types.type_support import Ros2Types
@@ -125,7 +125,7 @@ def installed(folder: Path) -> Path:
 async def test_a_search_lists_no_folder_on_the_event_loop(tmp_path: Path) -> None:
     registry = NativeRegistry(Ros2Definitions(prefixes=[installed(tmp_path)]), Registry())
     watch = FolderWatch()
-    await definitions_at_hand(registry, lambda: registry.message_type("my_msgs/Mine"))
+    await wait_for_definitions(registry, lambda: registry.message_type("my_msgs/Mine"))
     assert registry.message("my_msgs/Mine").fields[0].name == "x"
     assert [each for each in watch.listed if str(tmp_path) in each] == []
 

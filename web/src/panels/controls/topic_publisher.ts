@@ -3,7 +3,7 @@ import type { Robot } from "../../store/robot.ts";
 import type { Topic } from "../../store/topics.ts";
 import { encoder } from "../../wire/encode.ts";
 
-// A slider moves at the screen's rate; boards with 57,600 baud read some 100 messages a second.
+// A slider moves at the screen's rate; boards with 57,600 baud read about 100 messages a second.
 const MIN_PERIOD_MS = 50;
 
 export class TopicPublisher {

@@ -6,9 +6,9 @@ import { EmptyState } from "../../shell/parts.tsx";
 import { texts } from "../../texts.ts";
 import type { PanelContext } from "../panel.ts";
 import { preactPanel } from "../preact_panel.tsx";
+import { FIX_TYPE } from "./map.ts";
 import { MapView } from "./map_view.ts";
 
-export const FIX_TYPE = "sensor_msgs/NavSatFix";
 /** sensor_msgs/NavSatStatus: STATUS_NO_FIX. */
 const NO_FIX = -1;
 

@@ -1,4 +1,4 @@
-// A map with the robots' places and tracks, on tiles of the robot itself or on a grid.
+// A map with the robots' positions and tracks, on tiles from the robot or on a grid.
 import L from "leaflet";
 import { nearestLongitude, type Place, Track } from "./track.ts";
 
@@ -12,7 +12,7 @@ interface Robot {
   readonly dot: L.CircleMarker;
 }
 
-/** Lines of latitude and longitude where there are no tiles. */
+/** The edges of empty tiles as lines, if there are no tiles. */
 const Grid = L.GridLayer.extend({
   createTile(this: L.GridLayer): HTMLElement {
     const tile = document.createElement("div");
@@ -45,7 +45,7 @@ export class MapView {
     this.resizes.observe(host);
   }
 
-  /** A robot is here now. */
+  /** Shows a robot at its new position. */
   move(name: string, place: Place): void {
     let robot = this.robots.get(name);
     const near = robot ?? this.robots.values().next().value;
@@ -81,7 +81,7 @@ export class MapView {
     }
   }
 
-  /** Show all robots. */
+  /** Shows all robots. */
   fit(): void {
     const bounds = L.latLngBounds([]);
     for (const { line, dot } of this.robots.values()) {

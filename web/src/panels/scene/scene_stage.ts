@@ -31,13 +31,13 @@ const SURROUNDINGS = [
   "sensor_msgs/Range",
 ];
 const COLORS = ["#4c9aff", "#f5a524", "#36b37e", "#e5618a", "#9a6cf5", "#2bb8c4", "#d9c02f", "#f0734a"];
-/** The first transforms arrive one after another: the camera is fitted for this number of half seconds. */
+/** The first transforms arrive one after another: the camera is fitted again this many times, every half second. */
 const FIT_TICKS = 3;
 /** The camera does not fit itself to frames that are farther from the origin. */
 const MAX_DISTANCE_M = 15;
 /** Room around the frames of a robot whose shape is not known, for sensors and names. */
 const MARGIN_M = 0.15;
-/** Frames older than this while others move are named. */
+/** If a frame was not received for this time, the panel reports it. */
 const STALE_FRAME_MS = 3000;
 
 export interface SceneSettings {
@@ -156,7 +156,11 @@ export class SceneStage {
     else this.change({ hidden: hidden.filter((each) => each !== key), only: only && [...only, key] });
   }
 
-  /** Start from a .rviz file: its fixed frame, and only its displays. Throws with a sentence. */
+  /**
+   * Applies a .rviz file: its fixed frame, and only its displays.
+   *
+   * @throws Error with a sentence for the user.
+   */
   applyRviz(text: string): void {
     const config = readRvizConfig(text);
     const wanted = config.displays.filter((each) => each.enabled);
@@ -166,7 +170,7 @@ export class SceneStage {
     this.change({ fixedFrame: config.fixedFrame, hidden: [], only });
   }
 
-  /** Start from the file that the link names. */
+  /** Applies the .rviz file that the link names. */
   private async startFromRviz(): Promise<void> {
     const { rviz } = this.settings;
     if (rviz === undefined || !/^[\w-]+\.rviz$/.test(rviz)) return;
@@ -185,7 +189,7 @@ export class SceneStage {
     return !hidden.includes(key) && (only?.includes(key) ?? true);
   }
 
-  /** Move the camera so that the robot is in the picture, or `all` that is drawn. */
+  /** Moves the camera so that the robot is in the picture, or everything with `all`. */
   fit(all = false): void {
     const box = this.extent();
     const hasRobot = this.view.displays.has(ROBOT);
@@ -286,7 +290,7 @@ export class SceneStage {
       }
       this.view.markDirty();
     };
-    // Each marker counts; of sensors only the newest is drawn.
+    // Every marker is drawn; of other topics, only the newest message of each picture.
     const listener = MARKER_TYPES.includes(type) ? draw : () => this.queue(topic, draw);
     const { feed, close } = this.context.subscribe(topic, listener);
     if (feed.last !== undefined) this.queue(topic, draw);

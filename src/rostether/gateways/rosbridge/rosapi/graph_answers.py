@@ -127,7 +127,7 @@ class GraphAnswers:
         return found.providers[0] if found is not None and found.providers else ""
 
     async def service_providers(self, wanted: str) -> list[str]:
-        """Return the nodes that offer a service, given its name or, as rosapi's page says, its type."""
+        """Return the nodes that offer a service, given its name or, as rosapi documents, its type."""
         if wanted.count("/") and not wanted.startswith("/"):
             snapshot = await self._graph.snapshot()
             names = await self.services_for_type(wanted)

@@ -1,6 +1,6 @@
 """rosapi's services for parameters: values are JSON strings, because fields of services have fixed types.
 
-On a ROS 2 graph, parameters have names such as `/node:name`, like in rosapi; the ROS 1 form also works.
+On a ROS 2 graph, parameters have names such as `/node:name`, as in rosapi; the ROS 1 form also works.
 """
 
 from __future__ import annotations

@@ -50,7 +50,7 @@ struct board {
     bool powered;
     bool running;       /* false while paused, and after the end of `run` */
     bool quitting;
-    bool quits_at_stop; /* --for: the end of the run is the end of the program */
+    bool quits_at_stop; /* --duration: the end of the run is the end of the program */
     cycles_t stop_at;
     uint32_t heap_end_place; /* where malloc keeps the heap's end; 0: the program has no malloc */
 };
