@@ -63,11 +63,13 @@ class BoardRegistry:
         """Return the board of a new connection: a lost board that reconnected, else a new one.
 
         `node_name` is the full name; a number is appended if another board has it. With `replaces_silent`,
-        the new connection replaces one of the same peer that has fallen silent.
+        the new connection replaces one of the same peer that has fallen silent: it waits until that one
+        sends, or was silent for HALF_OPEN_S.
         Raises SessionError for a name that was dismissed.
         """
         number = 1
         has_waited = False
+        claimed_s = self._clock()
         while True:
             name = numbered(node_name, number)
             if name in self._dismissed:
@@ -85,14 +87,11 @@ class BoardRegistry:
                 self._cancel_leave_timer(board)
                 return board
             session = board.session
-            if (
-                replaces_silent
-                and session is not None
-                and self._clock() - session.received_at_s > HALF_OPEN_S
-            ):
+            may_be_gone = replaces_silent and session is not None and session.received_at_s <= claimed_s
+            if session is not None and may_be_gone and self._clock() - session.received_at_s > HALF_OPEN_S:
                 session.abandon()
                 return board
-            if not has_waited:
+            if may_be_gone or not has_waited:
                 has_waited = True
                 await asyncio.sleep(RECONNECT_S)
                 continue

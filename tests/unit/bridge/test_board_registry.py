@@ -5,7 +5,7 @@ from typing import Any
 
 import pytest
 
-from rostether.bridge.board_registry import Board, BoardRegistry
+from rostether.bridge.board_registry import RECONNECT_S, Board, BoardRegistry
 from rostether.errors import SessionError
 from waiting import until
 
@@ -141,9 +141,17 @@ async def test_a_connection_that_was_taken_over_ends_nothing() -> None:
     boards = BoardRegistry(0.0, lambda: now[0])
     board, node = await served(boards, "/tcp_robot")
     old: Any = board.session
-    assert (await boards.claim("/tcp_robot", replaces_silent=True)).name == "/tcp_robot_2"
+    old.received_at_s, now[0] = 1.5, 2.0
+    other = asyncio.create_task(boards.claim("/tcp_robot", replaces_silent=True))
+    await asyncio.sleep(2 * RECONNECT_S)
+    assert not other.done()
+    old.received_at_s = now[0] = 3.0
+    assert (await other).name == "/tcp_robot_2"
+    again = asyncio.create_task(boards.claim("/tcp_robot", replaces_silent=True))
+    await asyncio.sleep(2 * RECONNECT_S)
+    assert not again.done()
     now[0] = 10.0
-    assert await boards.claim("/tcp_robot", replaces_silent=True) is board
+    assert await again is board
     assert old.is_abandoned
     new: Any = FakeSession()
     board.session = new

@@ -224,11 +224,13 @@ async def test_a_board_that_lost_power_gets_its_name_back(
     await until(lambda: arrived, "the message")
 
 
-async def test_a_board_that_is_not_silent_keeps_its_name(site: Site, monkeypatch: pytest.MonkeyPatch) -> None:
+async def test_a_board_that_is_not_silent_keeps_its_name(site: Site) -> None:
     await site.start("tcp://0.0.0.0:11411")
-    site.connect("tcp 192.168.1.7:40000")
+    first = site.connect("tcp 192.168.1.7:40000")
     await site.serving("/tcp_192_168_1_7")
     site.connect("tcp 192.168.1.7:40001")
+    await asyncio.sleep(0)
+    first.send(125, text("still here"))
     await site.serving("/tcp_192_168_1_7", "/tcp_192_168_1_7_2")
 
 
