@@ -81,7 +81,9 @@ class Session:
         self._parameters = ParameterRelay(
             self.link, node.graph, node.notices, node.settings, self.outbox.flush, node.device.access
         )
-        self.watch = node.health.connected(baud, self.link.statistics, self.received_at_s)
+        # UDP has neither a speed nor flow control.
+        may_lose = baud is None and not transport.can_pause
+        self.watch = node.health.connected(baud, self.link.statistics, self.received_at_s, may_lose=may_lose)
         self._stamps = Stamps(node.health.clock, node.graph.now)
         self._no_answer: asyncio.TimerHandle | None = None
         self._timer: asyncio.TimerHandle | None = None

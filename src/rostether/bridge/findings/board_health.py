@@ -59,8 +59,10 @@ class BoardHealth:
             endpoints, lambda type_name: store.layout(type_name).smallest_size_bytes
         )
 
-    def connected(self, baud: int | None, statistics: LinkStatistics, now_s: float) -> LineWatch:
-        """Start to watch a connection."""
+    def connected(
+        self, baud: int | None, statistics: LinkStatistics, now_s: float, *, may_lose: bool = False
+    ) -> LineWatch:
+        """Start to watch a connection; `may_lose`: over datagrams."""
         was_alive = self.watch is not None and self.watch.was_alive
         if self._was_closed:
             self._resets = Resets()
@@ -71,7 +73,7 @@ class BoardHealth:
         self.connected_at_s = now_s
         self.clock.forget()
         self.required.forget()
-        self.watch = LineWatch(baud, self._resets, statistics, now_s)
+        self.watch = LineWatch(baud, self._resets, statistics, now_s, may_lose=may_lose)
         return self.watch
 
     def disconnected(self, error: TransportError | None, *, is_program: bool = False) -> None:

@@ -57,11 +57,22 @@ _SIGNS_OF_LIFE = (
 
 
 class LineWatch:
-    """One connection of one board; `baud` is the speed of a serial line, `resets` the board's."""
+    """One connection of one board; `baud` is the speed of a serial line, `resets` the board's.
 
-    def __init__(self, baud: int | None, resets: Resets, statistics: LinkStatistics, now_s: float) -> None:
+    `may_lose`: each frame is a datagram, which may be lost.
+    """
+
+    def __init__(
+        self,
+        baud: int | None,
+        resets: Resets,
+        statistics: LinkStatistics,
+        now_s: float,
+        *,
+        may_lose: bool = False,
+    ) -> None:
         self.noise = Noise()
-        self.loop_speed = LoopSpeed()
+        self.loop_speed = LoopSpeed(may_lose=may_lose)
         self.oversizes = Oversizes()
 
         # When the board last logged that a message did not fit its buffer.
@@ -118,7 +129,8 @@ class LineWatch:
             damage = self._damage.find(self._statistics.frames_received, now_s, self._resets.count(now_s))
         resets = self._find_resets(now_s, damage)
         # A board that restarts also restarts its period, which makes its request late.
-        slow = None if resets else self.loop_speed.find(is_listener=self._is_listener)
+        is_listener = self._is_listener and self._baud is not None
+        slow = None if resets else self.loop_speed.find(is_listener=is_listener)
         found = [
             self._find_absence(now_s),
             resets,

@@ -3,8 +3,11 @@ from __future__ import annotations
 from rostether.bridge.findings.finding import Code
 from rostether.bridge.findings.line_watch import LineWatch
 from rostether.bridge.findings.resets import Resets
-from rostether.rosserial.events import TimeRequested
+from rostether.rosserial.events import TimeRequested, TopicAnnounced, TopicRole
 from rostether.rosserial.link_statistics import LinkStatistics
+from rostether.rosserial.packets import TopicInfo
+
+LED = TopicAnnounced(TopicRole.SUBSCRIBER, TopicInfo(100, "led", "std_msgs/Bool", "", 512))
 
 
 def codes(checked_s: set[int]) -> set[Code]:
@@ -22,3 +25,12 @@ def test_requests_that_waited_while_this_process_was_paused_are_not_late() -> No
     running, paused = set(range(20)), set(range(8, 16))
     assert Code.SLOW_LOOP in codes(running)
     assert Code.SLOW_LOOP not in codes(running - paused)
+
+
+def test_a_network_that_delays_requests_is_not_a_slow_loop() -> None:
+    for baud in (57600, None):
+        watch = LineWatch(baud, Resets(), LinkStatistics(), 0.0)
+        watch.handle_event(LED, 0.0)
+        for number in range(4):
+            watch.handle_event(TimeRequested(), number * 2.8)
+        assert [each.code for each in watch.find(2.0)] == ([Code.SLOW_LOOP] if baud else [])

@@ -52,6 +52,16 @@ def test_one_request_that_was_lost_is_not_a_rule() -> None:
     assert speed.find(is_listener=True) is None
 
 
+def test_datagrams_that_were_lost_are_not_a_rule() -> None:
+    for may_lose in (False, True):
+        speed = LoopSpeed(may_lose=may_lose)
+        found = []
+        for time_s in (0.0, 5.0, 10.0, 12.5, 15.0, 17.5, 20.0, 22.5, 25.0):
+            speed.request(time_s, 0)
+            found.append(speed.find(is_listener=False))
+        assert any(found) is not may_lose
+
+
 def test_after_a_reset_it_begins_again() -> None:
     speed = LoopSpeed()
     speed.request(0.0, 0)
