@@ -17,6 +17,15 @@ RESET_DAMAGES = 2
 # One in 500: users do not notice less, and radio links are never better.
 MIN_SHARE = 0.002
 
+_NEXT_STEP = (
+    "use a shorter or shielded cable away from motors, check the ground wire, choose a lower baud rate, and "
+    "keep every interrupt of the sketch shorter than the time of one byte"
+)
+_NEXT_STEP_DATAGRAMS = (
+    "the network loses datagrams: improve the Wi-Fi signal, send messages that fit a datagram (1400 bytes), "
+    "or use TCP"
+)
+
 _CHECKS = frozenset({DiscardReason.LENGTH_CHECKSUM, DiscardReason.PAYLOAD_CHECKSUM, DiscardReason.PACKET})
 _REMAINS = frozenset({DiscardReason.NOISE, DiscardReason.VERSION, DiscardReason.UNFINISHED})
 # Stray bytes shorter than a frame do not count.
@@ -24,9 +33,10 @@ _MIN_REMAINS_BYTES = 8
 
 
 class Damage:
-    """The damaged frames of one connection."""
+    """The damaged frames of one connection; `may_lose`: over datagrams, of which some were lost."""
 
-    def __init__(self) -> None:
+    def __init__(self, *, may_lose: bool = False) -> None:
+        self._may_lose = may_lose
         self._count = 0
         self._last_s = float("-inf")
         self._samples: deque[tuple[float, int, int]] = deque()
@@ -55,6 +65,5 @@ class Damage:
         return warning(
             Code.FRAMES_DAMAGED,
             f"{percent:.2g} % of the frames are damaged ({damaged} of the last {damaged + valid})",
-            "use a shorter or shielded cable away from motors, check the ground wire, choose a lower baud "
-            "rate, and keep every interrupt of the sketch shorter than the time of one byte",
+            _NEXT_STEP_DATAGRAMS if self._may_lose else _NEXT_STEP,
         )

@@ -81,7 +81,8 @@ class LineWatch:
         self._resets = resets
         self._statistics = statistics
         self._opened_s = self._found_s = now_s
-        self._damage = Damage()
+        self._may_lose = may_lose
+        self._damage = Damage(may_lose=may_lose)
         self._announcements = Announcements()
         self._version: int | None = None
         self._alive_s: float | None = None
@@ -186,9 +187,11 @@ class LineWatch:
             return
         # The bytes before the first frame are the rest of a burst from before the port was opened.
         is_alive = self._alive_s is not None and now_s > self._alive_s and self._silence_s is None
-        was_text = self.noise.handle_discarded(event, now_s, is_alive=is_alive)
+        # A sketch cannot print between datagrams: text is the rest of a message.
+        may_print = is_alive and not self._may_lose
+        was_text = self.noise.handle_discarded(event, now_s, is_alive=may_print)
         self._announcements.discarded(event)
-        if self.was_alive and not was_text:
+        if self.was_alive and (self._may_lose or not was_text):
             self._damage.count_discarded(event, now_s)
 
     def _find_absence(self, now_s: float) -> Finding | None:

@@ -3,7 +3,14 @@ from __future__ import annotations
 from rostether.bridge.findings.finding import Code
 from rostether.bridge.findings.line_watch import LineWatch
 from rostether.bridge.findings.resets import Resets
-from rostether.rosserial.events import TimeRequested, TopicAnnounced, TopicRole
+from rostether.rosserial.events import (
+    DiscardReason,
+    FrameDiscarded,
+    ProtocolDetected,
+    TimeRequested,
+    TopicAnnounced,
+    TopicRole,
+)
 from rostether.rosserial.link_statistics import LinkStatistics
 from rostether.rosserial.packets import TopicInfo
 
@@ -34,3 +41,13 @@ def test_a_network_that_delays_requests_is_not_a_slow_loop() -> None:
         for number in range(4):
             watch.handle_event(TimeRequested(), number * 2.8)
         assert [each.code for each in watch.find(2.0)] == ([Code.SLOW_LOOP] if baud else [])
+
+
+def test_the_rest_of_a_long_message_is_text_of_the_sketch_only_where_no_datagram_is_lost() -> None:
+    for may_lose, code in ((False, Code.TEXT_BETWEEN_FRAMES), (True, Code.FRAMES_DAMAGED)):
+        watch = LineWatch(None, Resets(), LinkStatistics(), 0.0, may_lose=may_lose)
+        watch.handle_event(ProtocolDetected(2), 0.0)
+        watch.find(0.0)
+        for number in range(1, 6):
+            watch.handle_event(FrameDiscarded(DiscardReason.NOISE, b"y" * 200), float(number))
+        assert [each.code for each in watch.find(6.0)] == [code]
