@@ -16,7 +16,13 @@ from rostether.transports.board_keys import NO_KEYS, NO_PROOF, BoardKeys, Proof
 from rostether.transports.psk_hello import PSK_LIMIT_S, ConnectorHello, ListenerHello, read_key
 from rostether.transports.sockets import explain_reason
 from rostether.transports.stream import StreamTransport
-from rostether.transports.tls import TlsFiles, clear_handshake, connector_context, listener_context
+from rostether.transports.tls import (
+    TlsFiles,
+    clear_handshake,
+    connector_context,
+    listener_context,
+    show_ssl_reason,
+)
 
 if TYPE_CHECKING:
     import ssl
@@ -68,9 +74,8 @@ class Greeting:
                 await transport.start_tls(self._context, listens=self._listens, host=self._host)
             except OSError as error:
                 clear_handshake(error)
-                reason = getattr(error, "verify_message", None) or getattr(error, "reason", None)
                 raise TransportClosedError(
-                    f"no TLS connection: {reason or explain_reason(error)}; check the certificates"
+                    f"no TLS connection: {_explain_handshake(error)}; check the certificates"
                 ) from None
         certificate = self._certificates.get(transport.peer_certificate() or b"")
         if not self._keys:
@@ -81,6 +86,17 @@ class Greeting:
         hello = ListenerHello(self._keys)
         await _Hello(transport, hello).finish()
         return Proof(hello.proven, certificate)
+
+
+def _explain_handshake(error: OSError) -> str:
+    import ssl
+
+    if isinstance(error, ssl.SSLCertVerificationError):
+        return error.verify_message
+    if isinstance(error, ssl.SSLError):
+        return show_ssl_reason(error)
+    # asyncio raises it without a text.
+    return "the other side ended it" if isinstance(error, ConnectionResetError) else explain_reason(error)
 
 
 class _Hello:

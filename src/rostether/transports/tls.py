@@ -11,9 +11,14 @@ from rostether.errors import ConfigError
 
 if TYPE_CHECKING:
     import ssl
+    from pathlib import Path
 
 # Small boards take 2 s for their part of a handshake; a peer that does not answer takes a connection.
 HANDSHAKE_LIMIT_S = 5.0
+# A certificate with all its authorities; a device file has no end.
+_MAX_FILE_BYTES = 1024 * 1024
+# What OpenSSL reports of a peer that sends other bytes than TLS.
+_NO_TLS = frozenset({"HTTP_REQUEST", "HTTPS_PROXY_REQUEST", "UNKNOWN_PROTOCOL", "WRONG_VERSION_NUMBER"})
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,21 +74,59 @@ def connector_context(files: TlsFiles) -> ssl.SSLContext:
     return context
 
 
+def load_own_certificate(context: ssl.SSLContext, certificate: str, key: str | None) -> None:
+    """Load a certificate and its key, which may be in one file. Raises ConfigError that names the file."""
+    import ssl
+    from pathlib import Path
+
+    certificate_path = Path(certificate).expanduser()
+    key_path = certificate_path if key is None else Path(key).expanduser()
+    if b"-----BEGIN CERTIFICATE-----" not in _read(certificate_path):
+        raise ConfigError(f"{certificate_path} contains no certificate in PEM format")
+    key_text = _read(key_path)
+    if b"PRIVATE KEY-----" not in key_text:
+        raise ConfigError(f"{key_path} contains no private key in PEM format; add it, or give its file")
+    try:
+        # Never ask for a password on the terminal: a service has no terminal.
+        context.load_cert_chain(certificate_path, key_path, password=lambda: "")
+    except ssl.SSLError as error:
+        if error.reason == "KEY_VALUES_MISMATCH":
+            reason = f"{key_path} is not the key of the certificate {certificate_path}"
+        elif b"ENCRYPTED" in key_text:
+            reason = (
+                f"the key {key_path} has a password; remove it: openssl pkey -in {key_path} -out NEW_FILE"
+            )
+        else:
+            reason = f"{certificate_path} or {key_path} is damaged: {show_ssl_reason(error)}"
+        raise ConfigError(reason) from None
+
+
+def show_ssl_reason(error: ssl.SSLError) -> str:
+    """Return OpenSSL's reason in words."""
+    if error.reason in _NO_TLS:
+        return "it does not speak TLS"
+    return (error.reason or str(error)).lower().replace("_", " ")
+
+
+def _read(path: Path) -> bytes:
+    try:
+        with path.open("rb") as file:
+            return file.read(_MAX_FILE_BYTES)
+    except OSError as error:
+        raise ConfigError(f"{path} cannot be read: {error.strerror}") from None
+
+
 def _load(context: ssl.SSLContext, files: TlsFiles) -> None:
     import ssl
     from pathlib import Path
 
-    shown = f"cert={files.cert}" + (f"&key={files.key}" if files.key else "")
+    if files.cert is not None:
+        load_own_certificate(context, files.cert, files.key)
+    if files.ca is None:
+        return
     try:
-        if files.cert is not None:
-            key = None if files.key is None else Path(files.key).expanduser()
-            # Never ask for a password on the terminal: a service has no terminal.
-            context.load_cert_chain(Path(files.cert).expanduser(), key, password=lambda: "")
-        shown = f"ca={files.ca}"
-        if files.ca is not None:
-            context.load_verify_locations(Path(files.ca).expanduser())
-    except (OSError, ValueError) as error:
-        reason = error.reason if isinstance(error, ssl.SSLError) else getattr(error, "strerror", None)
-        raise ConfigError(
-            f"{shown}: it has no readable certificate or key in PEM format: {reason or error}"
-        ) from None
+        context.load_verify_locations(Path(files.ca).expanduser())
+    except ssl.SSLError:
+        raise ConfigError(f"ca={files.ca}: it contains no certificate in PEM format") from None
+    except OSError as error:
+        raise ConfigError(f"ca={files.ca} cannot be read: {error.strerror}") from None

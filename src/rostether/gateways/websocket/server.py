@@ -14,7 +14,7 @@ from http import HTTPStatus
 
 from websockets.http11 import Request
 
-from rostether.errors import ConfigError, TransportOpenError
+from rostether.errors import TransportOpenError
 from rostether.gateways.websocket.admission import Admission
 from rostether.gateways.websocket.connection import Connection, ConnectionUser
 from rostether.gateways.websocket.connection_limiter import ConnectionLimiter
@@ -27,6 +27,7 @@ from rostether.gateways.websocket.settings import (
 from rostether.gateways.websocket.site import Site
 from rostether.transports.own_names import OwnNames
 from rostether.transports.sockets import close_servers, lengthen_backlog, system_bind_errors
+from rostether.transports.tls import load_own_certificate
 
 _LOOPBACK_HOSTS = ("127.0.0.1", "::1")
 _EVERYWHERE = ("", "0.0.0.0", "::")  # noqa: S104 - compared, not bound
@@ -246,17 +247,10 @@ class WebSocketServer:
 def server_encryption(certificate: str, key: str) -> ssl.SSLContext | None:
     """Return the TLS context of a listener, None without a certificate; one file may contain both.
 
-    Raises ConfigError naming the files that cannot be used.
+    Raises ConfigError that names a file that cannot be used.
     """
     if not certificate:
         return None
     context = ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER)
-    try:
-        context.load_cert_chain(certificate, key or None)
-    except (OSError, ssl.SSLError) as error:
-        files = f"{certificate} and its key {key}" if key else certificate
-        raise ConfigError(
-            f"the certificate {files} cannot be used: {error.strerror or error}; "
-            "give readable files in PEM format"
-        ) from None
+    load_own_certificate(context, certificate, key or None)
     return context

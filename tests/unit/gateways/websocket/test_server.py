@@ -15,7 +15,5 @@ def test_without_a_certificate_nothing_is_encrypted() -> None:
 def test_files_that_cannot_be_used_are_named(tmp_path: Path) -> None:
     empty = tmp_path / "empty.pem"
     empty.write_text("")
-    with pytest.raises(ConfigError, match=r"empty\.pem and its key /none\.pem cannot be used"):
-        server_encryption(str(empty), "/none.pem")
-    with pytest.raises(ConfigError, match=r"the certificate .*empty\.pem cannot be used"):
+    with pytest.raises(ConfigError, match=r"empty\.pem contains no certificate"):
         server_encryption(str(empty), "")

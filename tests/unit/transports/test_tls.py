@@ -1,0 +1,60 @@
+"""The files of TLS: each fault is named in one line, without a question on the terminal."""
+
+from __future__ import annotations
+
+import shutil
+import ssl
+import subprocess
+from pathlib import Path
+
+import pytest
+
+from rostether.errors import ConfigError
+from rostether.transports.tls import load_own_certificate
+
+
+@pytest.fixture(scope="module")
+def files(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Two certificates, of which one has a key with a password."""
+    if shutil.which("openssl") is None:
+        pytest.skip("needs openssl to make certificates")
+    folder = tmp_path_factory.mktemp("certificates")
+    for name, secret in (("plain", ["-nodes"]), ("locked", ["-passout", "pass:secret"])):
+        subprocess.run(
+            [
+                *("openssl", "req", "-x509", "-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:prime256v1"),
+                *("-days", "2", "-subj", f"/CN={name}", *secret),
+                *("-keyout", folder / f"{name}.key", "-out", folder / f"{name}.pem"),
+            ],
+            check=True,
+            capture_output=True,
+        )
+    (folder / "both.pem").write_bytes(
+        b"".join((folder / f"plain.{end}").read_bytes() for end in ("pem", "key"))
+    )
+    (folder / "torn.pem").write_bytes((folder / "plain.pem").read_bytes()[:200])
+    return folder
+
+
+@pytest.mark.parametrize(
+    ("certificate", "key", "reason"),
+    [
+        ("none.pem", "plain.key", r"none\.pem cannot be read: No such file or directory"),
+        ("plain.pem", "none.key", r"none\.key cannot be read: No such file or directory"),
+        ("plain.key", "plain.pem", r"plain\.key contains no certificate in PEM format"),
+        ("plain.pem", None, r"plain\.pem contains no private key in PEM format; add it, or give its file"),
+        ("plain.pem", "locked.key", r"the key \S*locked\.key has a password; remove it: openssl pkey -in "),
+        ("locked.pem", "plain.key", r"plain\.key is not the key of the certificate \S*locked\.pem"),
+        ("torn.pem", "plain.key", r"torn\.pem or \S*plain\.key is damaged: "),
+    ],
+)
+def test_a_file_that_cannot_be_used_is_named(
+    files: Path, certificate: str, key: str | None, reason: str
+) -> None:
+    context = ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER)
+    with pytest.raises(ConfigError, match=reason):
+        load_own_certificate(context, str(files / certificate), key and str(files / key))
+
+
+def test_one_file_may_contain_both(files: Path) -> None:
+    load_own_certificate(ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER), str(files / "both.pem"), None)
