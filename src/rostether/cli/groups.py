@@ -149,6 +149,7 @@ def bag() -> None:
             "static": ("tf_static:static", "Publish a static transform."),
         },
     ),
+    suggest=lambda word: ("tf tree",) if word == "view_frames" else (),
     examples="""
     rostether tf tree
     rostether tf echo base_link gripper
@@ -189,6 +190,8 @@ def firmware() -> None:
             "run": ("run:board_run", "Run a sketch or an ELF file on a simulated board."),
         },
     ),
+    # As in arduino-cli.
+    suggest=lambda word: ("ports",) if word == "list" else (),
     examples="""
     rostether board run blink.ino --watch D13
     """,

@@ -12,7 +12,7 @@ import click
 
 from rostether.cli.shell.failures import EXIT_DONE, EXIT_FAILED, error_text, exit_code_of, print_error
 from rostether.cli.shell.verbs import LazyGroup
-from rostether.cli.verb_table import VERBS
+from rostether.cli.verb_table import VERBS, suggest
 
 _SPECIAL = re.compile(r"(__(?:name|ns|log|master|ip|hostname)):=(.*)", re.DOTALL)
 
@@ -23,6 +23,7 @@ _WITH_OWN_ROS_ARGUMENTS = ("serial-node", "run")
 @click.group(
     cls=LazyGroup,
     verbs=VERBS,
+    suggest=suggest,
     examples="""
     rostether demo                         a simulated board, live
     rostether serve /dev/ttyACM0           your board, master included
@@ -30,7 +31,7 @@ _WITH_OWN_ROS_ARGUMENTS = ("serial-node", "run")
     rostether topic echo /ultrasound       its values
     """,
 )
-@click.version_option(package_name="rostether", prog_name="rostether")
+@click.version_option(None, "-V", "--version", package_name="rostether", prog_name="rostether")
 def rostether() -> None:
     """Connect microcontrollers with rosserial firmware to ROS, without a ROS installation."""
 

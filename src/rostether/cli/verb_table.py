@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import re
+from collections.abc import Iterator
+
 from rostether.cli.shell.verbs import VerbEntry, verb_entries
 
 _PACKAGE = "rostether.cli"
@@ -107,3 +110,48 @@ VERBS: dict[str, VerbEntry] = {
         heading="This machine",
     ),
 }
+
+# First words that users of ROS, ROS 2, micro-ROS and Arduino's tools type, and the commands for them.
+ELSEWHERE: dict[str, tuple[str, ...]] = {
+    "agent": ("serve",),
+    "bridge": ("serve", "relay"),
+    "catkin_make": ("pkg make",),
+    "compile": ("firmware build",),
+    "connect": ("serve",),
+    "create": ("new sensor", "pkg create"),
+    "devices": ("ports",),
+    "gui": ("dashboard",),
+    "init": ("new sensor", "pkg create"),
+    "joystick": ("dashboard",),
+    "log": ("topic echo /rosout",),
+    "logs": ("topic echo /rosout",),
+    "make_libraries.py": ("firmware lib",),
+    "ros_lib": ("firmware lib",),
+    "rosserial": ("serve", "serial-node"),
+    "rqt": ("dashboard",),
+    "rqt_graph": ("graph",),
+    "rqt_plot": ("plot",),
+    "rviz": ("dashboard",),
+    "scan": ("ports",),
+    "serial": ("serve", "serial-node"),
+    "serial_node.py": ("serial-node",),
+    "simulate": ("board run", "demo"),
+    "simulator": ("board run", "demo"),
+    "sketch": ("new sensor", "firmware build"),
+    "start": ("serve", "up"),
+    "teleop": ("dashboard",),
+    "version": ("--version",),
+    "view_frames": ("tf tree",),
+    "web": ("dashboard",),
+    "wtf": ("doctor", "self-check"),
+}
+_PORT = re.compile(r"/dev/\w.*|COM\d+|[a-z]+://.*")
+
+
+def suggest(word: str) -> Iterator[str]:
+    """Yield the commands that a user may mean with a first word that is no command."""
+    yield from ELSEWHERE.get(word, ())
+    if (tool := word.removeprefix("ros")) != word and tool in VERBS:
+        yield tool
+    if _PORT.fullmatch(word):
+        yield f"serve {word}"

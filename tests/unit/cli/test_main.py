@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import itertools
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -13,6 +14,7 @@ from rostether.cli.main import rostether
 from rostether.cli.shell import failures
 from rostether.cli.shell.failures import error_text, exit_code_of
 from rostether.cli.shell.verbs import LazyGroup, Verb
+from rostether.cli.verb_table import ELSEWHERE
 from rostether.errors import ConfigError, RostetherError
 from unit.cli.command_shell import LiveGraph, Shell
 
@@ -48,7 +50,8 @@ def test_every_command_has_a_purpose_and_examples(path: str, shell: Shell) -> No
 
 
 def test_version(shell: Shell) -> None:
-    assert shell.output("--version") == f"rostether, version {version('rostether')}\n"
+    for option in ("--version", "-V"):
+        assert shell.output(option) == f"rostether, version {version('rostether')}\n"
 
 
 def test_what_is_typed_wrong_is_reported_with_the_nearest_command(shell: Shell) -> None:
@@ -57,6 +60,19 @@ def test_what_is_typed_wrong_is_reported_with_the_nearest_command(shell: Shell) 
     assert "did you mean `rostether topic pub`?" in shell.failure("pub", "/chatter", code=2)
     assert "`rostether link record` or `rostether bag record`?" in shell.failure("record", code=2)
     assert "see `rostether --help`" in shell.failure("xyzzy", code=2)
+    assert "see `rostether --help`" in shell.failure("stop", code=2)
+    for words, meant in (
+        ("compile", "firmware build"),
+        ("rosmsg", "msg"),
+        ("/dev/ttyACM0", "serve /dev/ttyACM0"),
+        ("board list", "ports"),
+    ):
+        assert f"did you mean `rostether {meant}`?" in shell.failure(*words.split(), code=2)
+
+
+def test_suggested_commands_exist(shell: Shell) -> None:
+    for words in itertools.chain.from_iterable(ELSEWHERE.values()):
+        assert shell(*(word for word in words.split() if not word.startswith("/")), "--help").code == 0, words
     assert "--nope" in shell.failure("topic", "list", "--nope", code=2)
 
 

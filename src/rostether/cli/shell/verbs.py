@@ -32,6 +32,8 @@ _GROUPS = "rostether.cli.groups:"
 # click's names of the types of numbers.
 _CLICK_TYPES = re.compile(r"(?:INTEGER|FLOAT)(?: RANGE)?")
 _COMMENTED = re.compile(r"(\S.*?) {2,}(\S.*)")
+# With difflib's own limit, `stop` would be similar to `topic`.
+_MIN_SIMILARITY = 0.7
 
 
 @dataclass(frozen=True, slots=True)
@@ -148,13 +150,24 @@ def verb(
 
 
 class LazyGroup(click.Group):
-    """A group of verbs, each imported when used, so that commands start quickly."""
+    """A group of verbs, each imported when used, so that commands start quickly.
+
+    `suggest` returns the commands for a word that users of other tools type, as words after `rostether`.
+    """
 
     context_class = _Context
 
-    def __init__(self, *args: Any, verbs: Mapping[str, VerbEntry], examples: str = "", **kwargs: Any) -> None:
+    def __init__(
+        self,
+        *args: Any,
+        verbs: Mapping[str, VerbEntry],
+        suggest: Callable[[str], Iterable[str]] = lambda _word: (),
+        examples: str = "",
+        **kwargs: Any,
+    ) -> None:
         super().__init__(*args, **_with_our_settings(kwargs))
         self.verbs = dict(verbs)
+        self.suggest = suggest
         self.examples = dedent(examples).strip("\n")
 
     def list_commands(self, ctx: click.Context) -> list[str]:
@@ -193,9 +206,10 @@ class LazyGroup(click.Group):
         name = args[0]
         # `rostether echo` for `rostether topic echo`.
         whole = [f"`{ctx.command_path} {group} {name}`" for group in self._groups_with(ctx, name)]
+        whole += [f"`{ctx.find_root().command_path} {words}`" for words in self.suggest(name)]
         if whole:
             return f"did you mean {' or '.join(whole[:3])}?"
-        if near := get_close_matches(name, self.verbs):
+        if near := get_close_matches(name, self.verbs, cutoff=_MIN_SIMILARITY):
             return f"did you mean {' or '.join(near)}?"
         return f"see `{ctx.command_path} --help`"
 
