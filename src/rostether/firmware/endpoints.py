@@ -9,6 +9,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -40,6 +41,8 @@ _WIDTHS = {
     **dict.fromkeys(("int64", "uint64", "float64", "time", "duration"), 8),
 }
 _LENGTH_BYTES = 4
+# The position of `driver_` in an endpoint. Another word may have the value of a function's address by chance.
+_DRIVER_WORD = 2
 
 
 @dataclass(frozen=True, slots=True)
@@ -113,8 +116,8 @@ class _Finder:
 
     def types(self, variable: Variable) -> list[str]:
         """Return the types of an endpoint, `package::Name`: one, or a service's two."""
-        functions = (self._functions.get(word, "") for word in self._words(variable))
-        for name in (variable.type_name, *functions):
+        drivers = islice(self._words(variable), _DRIVER_WORD, _DRIVER_WORD + 1)
+        for name in (variable.type_name, *(self._functions.get(each, "") for each in drivers)):
             match = _TYPES.search(name)
             if match is not None:
                 return _message_types(match["published"] or match["others"])
