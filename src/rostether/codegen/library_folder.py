@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import errno
 import os
 import tempfile
 from collections.abc import Mapping
@@ -52,9 +53,8 @@ def write_library_folder(target: Path, files: Mapping[str, bytes]) -> bool:
             _write_files(fresh, files, old=target)
             _swap(fresh, target, Path(scratch))
     except OSError as error:
-        raise CodegenError(
-            f"cannot write {target}: {error.strerror or error}; give a folder that you may write to"
-        ) from error
+        hint = "free some space" if error.errno == errno.ENOSPC else "give a folder that you may write to"
+        raise CodegenError(f"cannot write {target}: {error.strerror or error}; {hint}") from error
     return replaces
 
 

@@ -32,10 +32,12 @@ def write_whole(path: Path, content: bytes, *, durable: bool = False) -> None:
         if exists:
             shutil.copymode(target, fresh)
         fresh.replace(target)
-    except OSError:
+    except OSError as error:
         # On a full disk, an incomplete file would take the last free space.
         with suppress(OSError):
             fresh.unlink()
+        # Not that of the new file; a failed write has none.
+        error.filename = str(path)
         raise
     if durable and hasattr(os, "O_DIRECTORY"):
         folder = os.open(target.parent, os.O_RDONLY | os.O_DIRECTORY)

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import os
+import re
 import resource
 import signal
 from collections.abc import Iterator
@@ -30,6 +31,8 @@ def test_a_full_disk_leaves_no_part_of_a_file(tmp_path: Path) -> None:
     with pytest.raises(ConfigError, match=r"cannot write .*/graph.svg: File too large"):
         save(path, "x" * 2000)
     assert list(tmp_path.iterdir()) == []
+    with pytest.raises(OSError, match=re.escape(f"'{path}'")):
+        write_whole(path, b"x" * 2000)
     save(path, "old")
     with pytest.raises(ConfigError):
         save(path, "x" * 2000)
