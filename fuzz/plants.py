@@ -20,7 +20,7 @@ _ALL = (
         "frame-checksum-unchecked",
         "frame_decoder",
         "rostether.rosserial.frame_scan",
-        "good = [payload] if (summer(payload) + buffer[end - 1]) & 0xFF == target else []",
+        "good = [payload] if (sum_of(payload) + buffer[end - 1]) & 0xFF == target else []",
         "good = [payload]",
     ),
     Plant(

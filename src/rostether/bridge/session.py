@@ -55,7 +55,7 @@ _LOG = logging.getLogger(__name__)
 class Session:
     """One connection of one board, from `start` until the transport ends or `stop`.
 
-    It is the transport's receiver, and its endpoints' `BoardLine`. `baud` is the speed of a serial line.
+    It is the transport's receiver, and its endpoints' `BoardLine`. `baud` is the baud rate of a serial line.
     """
 
     def __init__(self, transport: Transport, node: BoardNode, *, baud: int | None = None) -> None:
@@ -135,7 +135,7 @@ class Session:
         self._after_link()
 
     async def wait_ended(self) -> TransportError | None:
-        """Wait until the connection ends; return why, None if we ended it."""
+        """Wait until the connection ends; return the error, None if we ended it."""
         return await asyncio.shield(self._ended)
 
     async def stop(self) -> None:

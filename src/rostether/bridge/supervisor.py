@@ -50,7 +50,7 @@ from rostether.transports.web import WebTransport
 MAX_JOIN_WAIT_S = 2.0
 # A board sends data within 2 s after it connects; a silent connection uses a place that another board may
 # need.
-SPEECHLESS_S = 60.0
+FIRST_FRAME_LIMIT_S = 60.0
 # The time to ask the boards to stop; a hung board does not read it.
 STOP_LIMIT_S = 0.8
 
@@ -136,7 +136,9 @@ class Supervisor:
                 await board.node.wait_for_subscribers()
 
     async def start(self, addresses: Sequence[Address]) -> None:
-        """Start to serve; a node to keep joins first. Missing links are opened when they appear.
+        """Start to serve. Missing links are opened when they appear.
+
+        With `BoardNodes.keeps_node`, the node of the first address joins before that.
 
         Raises TransportOpenError for an address that cannot be listened on, InvalidNameError for a name= or
         ns= that is not a ROS name.
@@ -175,7 +177,7 @@ class Supervisor:
     async def wait_done(self) -> None:
         """Wait until no board is served: closed, or every board's node was shut down from outside.
 
-        A listening address serves always, unless the node to keep was shut down.
+        With an address that listens, this happens only if the node to keep is shut down.
         """
         await self._done.wait()
 
@@ -224,7 +226,7 @@ class Supervisor:
     async def _serve(
         self, address: Address, transport: Transport, identity: BoardIdentity
     ) -> TransportError | None:
-        """Serve one connection until it ends; returns why. Raises SessionError, InvalidNameError."""
+        """Serve one connection until it ends; return the error. Raises SessionError, InvalidNameError."""
         device = self._devices.settings_for(address.name, identity)
         name = node_name(address, transport.peer, identity, device)
         is_program = transport.remote is not None and _is_loopback(transport.remote)
@@ -237,7 +239,7 @@ class Supervisor:
         session: Session | None = None
         timer: asyncio.TimerHandle | None = None
         try:
-            node = board.node or await self._give_node(address, board, device)
+            node = board.node or await self._create_node(address, board, device)
             node.hardware_id = hardware_id(address, transport.peer, identity)
             node.health.radio = transport.quality if isinstance(transport, PeerTransport) else None
             node.program = address.program if isinstance(address, SerialAddress) else None
@@ -250,7 +252,9 @@ class Supervisor:
             session.start()
             self._objects.connected()
             if isinstance(address, TcpAddress) and address.listens:
-                timer = asyncio.get_running_loop().call_later(SPEECHLESS_S, _end_if_speechless, session)
+                timer = asyncio.get_running_loop().call_later(
+                    FIRST_FRAME_LIMIT_S, _end_without_frame, session
+                )
             error = await session.wait_ended()
             self._objects.disconnected()
             node.health.disconnected(error, is_program=is_program)
@@ -291,11 +295,11 @@ class Supervisor:
         board = await self._boards.claim(node_name(address, "", identity, device))
         board.is_kept = True
         try:
-            await self._give_node(address, board, device)
+            await self._create_node(address, board, device)
         finally:
             self._boards.handle_disconnect(board, None)
 
-    async def _give_node(self, address: Address, board: Board, device: DeviceSettings) -> BoardNode:
+    async def _create_node(self, address: Address, board: Board, device: DeviceSettings) -> BoardNode:
         """Join the graph for a board, and stop serving it when the graph shuts down its node."""
         given = address.ns or device.namespace
         namespace = join_names("/", given or (board.name if self._nodes.ns_per_board else "/"))
@@ -337,7 +341,7 @@ class Supervisor:
             self._limited_reporter.line(Level.ERROR, f"a link failed: {reason_of(error)}")
 
 
-def _end_if_speechless(session: Session) -> None:
+def _end_without_frame(session: Session) -> None:
     if not session.link.statistics.frames_received:
         session.transport.close()
 

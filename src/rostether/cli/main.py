@@ -38,7 +38,7 @@ def rostether() -> None:
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line and return the exit code; never raises for anything a user did."""
-    _make_output_forgiving()
+    _prepare_output()
     if not sys.warnoptions:
         # Python's remarks about an expression of a user, such as "1if m else 0".
         warnings.simplefilter("ignore", SyntaxWarning)
@@ -76,7 +76,7 @@ def _flush_output(code: int) -> int:
     return code
 
 
-def _make_output_forgiving() -> None:
+def _prepare_output() -> None:
     # A caller may have closed them (`>&-`); Python then leaves None.
     for name in ("stdout", "stderr"):
         if getattr(sys, name) is None:

@@ -196,12 +196,12 @@ class Device(Endpoints):
                 self._line.attach(transport)
 
     async def _serve_line(self, transport: Transport) -> None:
-        greets = isinstance(self._address, UdpAddress)
+        sends_greeting = isinstance(self._address, UdpAddress)
         while self._line.transport is transport:
-            if greets and not self.connected:
+            if sends_greeting and not self.connected:
                 transport.write(_GREETING)
             with contextlib.suppress(TimeoutError):
-                async with asyncio.timeout(_GREETING_PERIOD_S if greets else None):
+                async with asyncio.timeout(_GREETING_PERIOD_S if sends_greeting else None):
                     error = await self._line.wait_lost()
                     _LOG.info("%s", error if error is not None else "the line was closed")
 

@@ -64,7 +64,7 @@ class DeviceLine:
             transport.close()
 
     async def wait_lost(self) -> TransportError | None:
-        """Wait until the transport has ended, and return why."""
+        """Wait until the transport has ended; return the error, None without one."""
         await self._lost.wait()
         return self._error
 

@@ -39,7 +39,7 @@ SMALL_STEPS = 300
 
 # A subscriber that reads less in a pause hangs: 160 kB/s in the bridge's pauses, in which dozens of floods
 # share one subscriber.
-LEAST_TAKEN_BYTES = 16 << 10
+MIN_READ_BYTES = 16 << 10
 
 
 class PublicationFlow:
@@ -81,7 +81,7 @@ class PublicationFlow:
 class Reader:
     """A node that reads one topic, perhaps from several publishers: counts its reads."""
 
-    takes: int = 0
+    read_count: int = 0
 
 
 class SubscriberFlow:
@@ -105,7 +105,7 @@ class SubscriberFlow:
         self._mark_bytes = self._high_water_bytes
         self._is_congested = False
         self._before_pause_bytes = 0
-        self._before_pause_takes = 0
+        self._before_pause_reads = 0
 
     @property
     def hangs(self) -> bool:
@@ -122,9 +122,9 @@ class SubscriberFlow:
             self._begin_pause(backlog_bytes)
             self._publication._note(self, is_congested=True)
 
-    def note_taken(self) -> None:
+    def note_sent(self) -> None:
         """Record that a part of the backlog was sent."""
-        self.reader.takes += 1
+        self.reader.read_count += 1
         if self.hangs:
             self._mark_bytes = self._limit_bytes - self._step_bytes
         self.update()
@@ -134,8 +134,8 @@ class SubscriberFlow:
         if not self._is_congested:
             return
         backlog_bytes = self._measure()
-        if self._before_pause_bytes - backlog_bytes < LEAST_TAKEN_BYTES:
-            reads_others = self.reader.takes != self._before_pause_takes
+        if self._before_pause_bytes - backlog_bytes < MIN_READ_BYTES:
+            reads_others = self.reader.read_count != self._before_pause_reads
             self._mark_bytes += self._small_step_bytes if reads_others else self._step_bytes
         self._begin_pause(backlog_bytes)
         if backlog_bytes <= self._mark_bytes or self.hangs:
@@ -148,7 +148,7 @@ class SubscriberFlow:
 
     def _begin_pause(self, backlog_bytes: int) -> None:
         self._before_pause_bytes = backlog_bytes
-        self._before_pause_takes = self.reader.takes
+        self._before_pause_reads = self.reader.read_count
 
     def _reopen(self) -> None:
         if self._is_congested:

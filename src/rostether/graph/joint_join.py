@@ -34,7 +34,7 @@ class JointJoin:
         self._joint_nodes: set[str] = set()
         self._relays: set[str] = set()
         # One of our nodes searches for all of them.
-        self._looking = asyncio.Lock()
+        self._search_lock = asyncio.Lock()
 
     async def __call__(
         self, node_name: str, *, namespace: str = "/", remappings: Mapping[str, str] | None = None
@@ -55,7 +55,7 @@ class JointJoin:
             await asyncio.gather(*(graph.close() for graph in graphs))
             raise (serious or wrong)[0]
         joint = JointGraph(graphs, self._joint_nodes, self._relays)
-        joint.run_until_closed(partial(self._be_listed, joint.node_name))
+        joint.run_until_closed(partial(self._list_node, joint.node_name))
         joint.run_until_closed(partial(self._poll, joint))
         for position, result in enumerate(results):
             if isinstance(result, GraphError):
@@ -65,13 +65,13 @@ class JointJoin:
             await joint.advertise(self._mark, MARK_TYPE)
         except RostetherError as error:
             _log.warning(
-                "relays do not see that %s is in several graphs, and carry what it publishes twice: %s",
+                "relays do not recognize that %s is in several graphs, and relay its messages again: %s",
                 joint.node_name,
                 error,
             )
         return joint
 
-    async def _be_listed(self, node_name: str) -> None:
+    async def _list_node(self, node_name: str) -> None:
         self._own_nodes[node_name] += 1
         self._update()
         try:
@@ -83,7 +83,7 @@ class JointJoin:
             self._update()
 
     async def _poll(self, joint: JointGraph) -> None:
-        async with self._looking, aclosing(joint.changes_of_each()) as changes:
+        async with self._search_lock, aclosing(joint.changes_of_each()) as changes:
             async for snapshots in changes:
                 self._seen = MarkedNodes.find(snapshots)
                 for name in self._seen.relays.keys() - self._relays:

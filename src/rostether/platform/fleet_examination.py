@@ -20,7 +20,7 @@ from rostether.platform.igmp_querier import has_querier
 from rostether.platform.multicast_socket import GroupAddress
 from rostether.platform.robot_table import Robot, RobotKey
 
-# Enough for many queries and answers, of which few are lost on Wi-Fi that works.
+# Enough for many queries and answers; a working Wi-Fi network loses few of them.
 _UNICAST_S = 1.5
 # How often a query for forwarding is sent, and the interval.
 _FORWARDED = 5

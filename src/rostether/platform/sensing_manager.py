@@ -35,7 +35,7 @@ GATHER_S = 0.05
 class SensingManager:
     """The node sensing_manager; `run` serves until cancelled.
 
-    Without `state_path`, the sensors are only in memory.
+    Without `state_path`, the sensors are only in memory. `named` are the sensors of the user's file.
     """
 
     def __init__(
@@ -54,7 +54,7 @@ class SensingManager:
         self._subscribers: dict[str, Subscriber] = {}
         self._publisher: TypedPublisher[...] | None = None
         self._snapshot = Snapshot()
-        self._has_news = asyncio.Event()
+        self._has_changes = asyncio.Event()
         self._reported = False
         self._is_unsaved = False
 
@@ -104,20 +104,20 @@ class SensingManager:
                 following.result()
             try:
                 async with asyncio.timeout(STATE_PERIOD_S):
-                    await self._has_news.wait()
+                    await self._has_changes.wait()
             except TimeoutError:
                 if self._registry.update_states(time.monotonic()):
                     return
             else:
                 await asyncio.sleep(GATHER_S)
-                self._has_news.clear()
+                self._has_changes.clear()
                 return
 
     async def _follow_connections(self) -> None:
         async for snapshot in self._graph.changes():
             self._record_publishers(snapshot)
             if self._registry.update_states(time.monotonic()):
-                self._has_news.set()
+                self._has_changes.set()
 
     def _record_publishers(self, snapshot: Snapshot) -> None:
         now_s = time.monotonic()
@@ -158,7 +158,7 @@ class SensingManager:
         now_s = time.monotonic()
         self._registry.record_message(sensor_id, now_s)
         if not self._registry.is_ready(sensor_id) and self._registry.update_states(now_s):
-            self._has_news.set()
+            self._has_changes.set()
 
     def _register(self, request: Message) -> dict[str, str]:
         sensor = self._registry.register(request.platform_name, request.sensor_type, time.monotonic())
@@ -187,7 +187,7 @@ class SensingManager:
         if sensor != before:
             self._mark_changed()
         elif self._registry.update_states(now_s):
-            self._has_news.set()
+            self._has_changes.set()
         return {"topic": topic, "name": sensor.name, "refusal": refusal}
 
     def _rename(self, request: Message) -> dict[str, object]:
@@ -198,7 +198,7 @@ class SensingManager:
 
     def _mark_changed(self) -> None:
         self._is_unsaved = True
-        self._has_news.set()
+        self._has_changes.set()
 
     async def _save(self) -> None:
         """Write the sensors if they have changed."""
@@ -214,8 +214,8 @@ class SensingManager:
                 self._reported = True
                 self._report(
                     Level.ERROR,
-                    f"{self._state_path}: cannot be written: {error.strerror or error}; a restart forgets "
-                    "the sensors",
+                    f"{self._state_path}: cannot be written: {error.strerror or error}; the sensors "
+                    "will be lost at a restart",
                 )
 
     def _publish(self) -> None:

@@ -19,7 +19,7 @@ from rostether.transports.serial_port import SerialPort
 class PortUse(Enum):
     """How a port may be used."""
 
-    # The user's file describes it: connect without detecting its speed.
+    # The user's file describes it: connect without detecting its baud rate.
     SERVE = auto()
     # The user named it as a board: probe until it answers.
     EXPECT = auto()

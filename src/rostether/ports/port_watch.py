@@ -31,7 +31,7 @@ LIST_PERIOD_S = 60.0
 BLIND_LIST_PERIOD_S = 2.0
 
 DEVICE_FOLDER = "/dev"
-_FOLDERS_TELL = sys.platform == "linux"
+_REPORTS_CHANGES = sys.platform == "linux"
 
 ListPorts = Callable[[], Sequence[SerialPort]]
 
@@ -68,7 +68,7 @@ class PortWatch:
     async def changes(self) -> AsyncIterator[list[SerialPort]]:
         """Yield the current ports, and again after each change."""
         known: list[SerialPort] | None = None
-        with _Alarm(self._folders) as alarm:
+        with _ChangeSignal(self._folders) as alarm:
             async for _ in self._reasons(alarm):
                 ports: list[SerialPort] | None
                 try:
@@ -80,7 +80,7 @@ class PortWatch:
                     known = ports
                     yield ports
 
-    async def _reasons(self, alarm: _Alarm) -> AsyncIterator[None]:
+    async def _reasons(self, alarm: _ChangeSignal) -> AsyncIterator[None]:
         """Yield each time the list must be queried."""
         clock = asyncio.get_running_loop().time
         marks: list[int] | None = None
@@ -91,7 +91,7 @@ class PortWatch:
             fresh = [folder_mark(folder) for folder in self._folders]
             if fresh != marks or alarm.read_and_clear():
                 marks, settled_s = fresh, now_s + SETTLING_S
-            list_period_s = LIST_PERIOD_S if _FOLDERS_TELL and any(marks) else BLIND_LIST_PERIOD_S
+            list_period_s = LIST_PERIOD_S if _REPORTS_CHANGES and any(marks) else BLIND_LIST_PERIOD_S
             is_settling = now_s < settled_s
             if is_settling or now_s - listed_s >= list_period_s:
                 listed_s = now_s
@@ -130,19 +130,19 @@ def _is_terminal(path: str) -> bool:
         return False
 
 
-class _Alarm:
+class _ChangeSignal:
     """Ends a wait when a folder changes, if the system reports changes."""
 
     def __init__(self, folders: Sequence[str]) -> None:
         self._folders = folders
         self._events: FolderEvents | None = None
-        self._rung = asyncio.Event()
-        self._has_rung = False
+        self._changed = asyncio.Event()
+        self._has_changed = False
 
     def __enter__(self) -> Self:
         try:
             self._events = FolderEvents(self._folders)
-            asyncio.get_running_loop().add_reader(self._events.fileno(), self._ring)
+            asyncio.get_running_loop().add_reader(self._events.fileno(), self._note_change)
         except (OSError, AttributeError, NotImplementedError):
             # inotify is missing, or its limit per user is reached.
             self._stop()
@@ -159,25 +159,25 @@ class _Alarm:
 
     def read_and_clear(self) -> bool:
         """Whether something happened since the last time."""
-        has_rung, self._has_rung = self._has_rung, False
-        return has_rung
+        has_changed, self._has_changed = self._has_changed, False
+        return has_changed
 
     async def wait(self, limit_s: float) -> None:
         """Wait until something happens, or the time is over."""
-        if self._has_rung:
+        if self._has_changed:
             return
-        self._rung.clear()
+        self._changed.clear()
         try:
             async with asyncio.timeout(limit_s):
-                await self._rung.wait()
+                await self._changed.wait()
         except TimeoutError:
             return
 
-    def _ring(self) -> None:
+    def _note_change(self) -> None:
         if self._events is not None:
             self._events.drain()
-        self._has_rung = True
-        self._rung.set()
+        self._has_changed = True
+        self._changed.set()
 
     def _stop(self) -> None:
         events, self._events = self._events, None

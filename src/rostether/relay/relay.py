@@ -37,10 +37,10 @@ from rostether.ros2.actions.board_graph import BoardJoin
 RETRY_S = 2.0
 
 # The time for relays and boards in both graphs to see a new relay: ROS 1 shows changes after a second.
-MEET_S = 2.0
+DISCOVERY_S = 2.0
 
 # How long a relay waits for each older one: until the graphs show what the older one relays.
-GIVE_WAY_S = 1.5
+OLDER_RELAY_WAIT_S = 1.5
 
 # How often other relays are checked. Until then, the offers of a killed relay are missing.
 CHECK_S = 3.0
@@ -159,7 +159,7 @@ class Relay:
             await asyncio.sleep(CHECK_S if known else RETRY_S)
 
     async def _arrange_on_changes(self) -> None:
-        await asyncio.sleep(MEET_S)
+        await asyncio.sleep(DISCOVERY_S)
         while True:
             await self._has_changed.wait()
             self._has_changed.clear()
@@ -257,7 +257,9 @@ class Relay:
         reported = ""
         while True:
             # Older relays have priority; this task is cancelled if one of them relays the topic.
-            await asyncio.sleep(GIVE_WAY_S * sum(mark < self._mark for mark in self._marked.relays.values()))
+            await asyncio.sleep(
+                OLDER_RELAY_WAIT_S * sum(mark < self._mark for mark in self._marked.relays.values())
+            )
             relay = self._relays[item] = self._new_relay(item)
             is_open = False
             try:

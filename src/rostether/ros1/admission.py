@@ -41,4 +41,4 @@ class Admission:
         return False
 
 
-EVERYBODY = Admission()
+ALLOW_ALL = Admission()

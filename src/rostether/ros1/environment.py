@@ -15,7 +15,7 @@ from dataclasses import dataclass, field, replace
 
 from rostether.errors import ConfigError
 from rostether.names.graph_name import canonical, is_global, is_legal_name, join
-from rostether.ros1.admission import EVERYBODY, Admission
+from rostether.ros1.admission import ALLOW_ALL, Admission
 from rostether.ros1.graph_limits import DEFAULT_GRAPH_LIMITS, GraphLimits
 from rostether.transports.allow_list import check_networks
 
@@ -85,7 +85,7 @@ class RosEnvironment:
     advertised_host: str = LOOPBACK
     listen_hosts: tuple[str, ...] = (LOOPBACK,)
     namespace: str = "/"
-    admission: Admission = field(default=EVERYBODY, compare=False)
+    admission: Admission = field(default=ALLOW_ALL, compare=False)
     limits: GraphLimits = DEFAULT_GRAPH_LIMITS
     own_names: tuple[str, ...] = ()
 

@@ -1,7 +1,8 @@
 """The methods of an XML-RPC server: a request's document in, the response's document out.
 
-A method is any callable of XML-RPC values, plain or async. What it raises becomes an answer: a RostetherError
-its text, anything else a fault that names the error, and a line in the log; never a traceback to the peer.
+A method is any callable of XML-RPC values, plain or async. Its errors become answers without a traceback: the
+answer to a RostetherError is its text. For any other error it is a fault that names the error, and the error
+is also logged.
 """
 
 from __future__ import annotations

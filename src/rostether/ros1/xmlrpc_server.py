@@ -9,7 +9,7 @@ from collections.abc import Collection, Iterable, Sequence
 from time import monotonic
 
 from rostether.errors import ConfigError, GraphError
-from rostether.ros1.admission import EVERYBODY, Admission
+from rostether.ros1.admission import ALLOW_ALL, Admission
 from rostether.ros1.environment import LOOPBACK, connect_host, format_uri, is_loopback
 from rostether.ros1.graph_limits import DEFAULT_GRAPH_LIMITS, GraphLimits
 from rostether.ros1.long_work import SLICE_S
@@ -26,7 +26,7 @@ FIRST_BYTE_LIMIT_S = 15.0
 _CLOSE_GRACE_S = 1.0
 # The share of connections without a complete request that clients in use make room for. Half-open connections
 # above it replace each other; they would otherwise take the place of every node that waits between two calls.
-_NEWCOMERS_SHARE = 0.25
+_UNUSED_SHARE = 0.25
 # How many of the largest requests may be received, and of the largest answers wait to be read, at once.
 _LARGEST_AT_ONCE = 4
 # Trying to get one free port on several addresses: a clash is rare, and two in a row have another cause.
@@ -48,7 +48,7 @@ class XmlRpcServer:
         hosts: Sequence[str] = (LOOPBACK,),
         port: int = 0,
         advertised_host: str = LOOPBACK,
-        admission: Admission = EVERYBODY,
+        admission: Admission = ALLOW_ALL,
         limits: GraphLimits = DEFAULT_GRAPH_LIMITS,
         own_names: Iterable[str] = (),
     ) -> None:
@@ -213,7 +213,7 @@ class XmlRpcServer:
 
 def _least_useful(connections: Collection[ServerConnection]) -> ServerConnection:
     """Return the connection that makes room: the first without a request, or the longest idle."""
-    newcomers = [each for each in connections if not each.has_spoken]
-    if len(newcomers) > len(connections) * _NEWCOMERS_SHARE:
-        return newcomers[0]
+    unused = [each for each in connections if not each.has_spoken]
+    if len(unused) > len(connections) * _UNUSED_SHARE:
+        return unused[0]
     return min(connections, key=lambda each: (not each.is_idle, each.last_active_s))

@@ -116,7 +116,7 @@ class PackageFinder(MetaPathFinder):
 
 
 def package_folders() -> dict[str, Path]:
-    """Map packages to their folders: those of ROS_PACKAGE_PATH, and what this process' starter found."""
+    """Map packages to folders: those of ROS_PACKAGE_PATH, and those found by the command that started us."""
     from rostether.packages.search_path import find_packages, ros_package_path
     from rostether.rospy.environment import PACKAGES_VARIABLE
 

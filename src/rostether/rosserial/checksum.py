@@ -26,16 +26,16 @@ def one_plus_sum(data: bytes) -> int:
         return adler32(data[:PIECE_BYTES]) + adler32(data[PIECE_BYTES:]) - 1
     count = size // PIECE_BYTES
     rest = data[count * PIECE_BYTES :]
-    return sum(map(adler32, _cutter(count)(data))) + adler32(rest) - count
+    return sum(map(adler32, _splitter(count)(data))) + adler32(rest) - count
 
 
 @cache
-def _cutter(count: int) -> Callable[[bytes], tuple[bytes, ...]]:
+def _splitter(count: int) -> Callable[[bytes], tuple[bytes, ...]]:
     """Return a struct that cuts off that number of pieces (at most 255), at half the cost of slices."""
     return Struct(f"{PIECE_BYTES}s" * count).unpack_from
 
 
-def summer_for(size: int) -> Callable[[bytes], int]:
+def sum_function(size: int) -> Callable[[bytes], int]:
     """Return the fastest equivalent of `one_plus_sum` for data of exactly `size` bytes."""
     return adler32 if size <= PIECE_BYTES else one_plus_sum
 

@@ -88,7 +88,7 @@ def _head(version: int, topic_id: int, size: int) -> tuple[bytes, int]:
 
 
 def encode_frame(topic_id: int, payload: bytes, version: int = 2) -> bytes:
-    """Return one frame. Raises LocalProtocolError if the content does not fit (source: module docstring)."""
+    """Return one frame. Raises LocalProtocolError if the content does not fit."""
     head, base = _head(version, topic_id, len(payload))
     return head + payload + _BYTES[255 - ((one_plus_sum(payload) + base) & 0xFF)]
 

@@ -19,7 +19,7 @@ from struct import Struct
 from typing import NamedTuple
 from zlib import adler32
 
-from rostether.rosserial.checksum import RunningSums, summer_for
+from rostether.rosserial.checksum import RunningSums, sum_function
 from rostether.rosserial.events import DiscardReason, FrameDiscarded
 from rostether.rosserial.frame import FORMS, SYNC
 from rostether.rosserial.topic_id import FIRST_USER_ID
@@ -60,7 +60,7 @@ class _Known(NamedTuple):
 
     topic_id: int
     stride: int
-    summer: Callable[[bytes], int]
+    sum_of: Callable[[bytes], int]
     target: int
 
 
@@ -120,7 +120,7 @@ class FrameScanner:
         if known is None or known.stride != len(buffer):
             return None
         payload = buffer[self._header_bytes : -1]
-        if (known.summer(payload) + buffer[-1]) & 0xFF != known.target:
+        if (known.sum_of(payload) + buffer[-1]) & 0xFF != known.target:
             return None
         return known.topic_id, payload
 
@@ -164,7 +164,7 @@ class FrameScanner:
                     header = buffer[position : position + header_bytes]
                     continue
                 known = verdict
-            topic_id, stride, summer, target = known
+            topic_id, stride, sum_of, target = known
             end = position + stride
             if end > total:
                 unfinished = unfinished or (position, stride)
@@ -183,7 +183,7 @@ class FrameScanner:
                 following = buffer[end : end + header_bytes]
             else:
                 payload = buffer[position + header_bytes : end - 1]
-                good = [payload] if (summer(payload) + buffer[end - 1]) & 0xFF == target else []
+                good = [payload] if (sum_of(payload) + buffer[end - 1]) & 0xFF == target else []
             if not good:
                 position = waste.reject_payload(position, stride)
                 header = buffer[position : position + header_bytes]
@@ -231,7 +231,7 @@ class FrameScanner:
             return DiscardReason.TOO_LONG
         if len(self._known) >= MAX_KNOWN_HEADERS:
             self._known.clear()
-        known = _Known(topic_id, length + self._overhead_bytes, summer_for(length), -base & 0xFF)
+        known = _Known(topic_id, length + self._overhead_bytes, sum_function(length), -base & 0xFF)
         self._known[header] = known
         return known
 
@@ -249,11 +249,11 @@ def _run_layout(header_bytes: int, stride: int) -> Struct:
 
 def _cut_run(buffer: bytes, position: int, header: bytes, known: _Known) -> list[bytes]:
     """Return the payloads of the valid frames, all with the same header, that begin at a position."""
-    _, stride, summer, target = known
+    _, stride, sum_of, target = known
     run = memoryview(buffer)[position : len(buffer) - (len(buffer) - position) % stride]
     good: list[bytes] = []
     for head, payload, check in _run_layout(len(header), stride).iter_unpack(run):
-        if head != header or (summer(payload) + check) & 0xFF != target:
+        if head != header or (sum_of(payload) + check) & 0xFF != target:
             break
         good.append(payload)
     return good

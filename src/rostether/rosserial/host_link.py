@@ -337,7 +337,7 @@ class HostLink:
         self._output.device_reset()
         self._negotiation.forget_requests()
         if self.is_settled:  # otherwise the running negotiation already knows the board's endpoints
-            self._table.distrust()
+            self._table.mark_stale()
             self._negotiation.ask(now_s)
         events.append(DeviceReset())
 

@@ -45,7 +45,7 @@ class ProtocolDetector:
 
     def feed(self, data: bytes | bytearray | memoryview, now_s: float) -> list[Decoded]:
         """Handle a chunk; return nothing until the version is known, or noise has waited long enough."""
-        return self._sift(
+        return self._detect(
             {version: reader.feed(data, now_s) for version, reader in self._candidates.items()}, now_s
         )
 
@@ -56,7 +56,7 @@ class ProtocolDetector:
 
     def handle_timer(self, now_s: float) -> list[Decoded]:
         """Search unfinished frames, and report noise that has waited long enough."""
-        decoded = self._sift(
+        decoded = self._detect(
             {version: reader.handle_timer(now_s) for version, reader in self._candidates.items()}, now_s
         )
         if self._release_s is not None and now_s >= self._release_s:
@@ -67,9 +67,9 @@ class ProtocolDetector:
         """Stop waiting; return the remaining events, as version 2 reads them."""
         return self._release() + self._candidates[2].abandon(now_s)
 
-    def _sift(self, found: dict[int, list[Decoded]], now_s: float) -> list[Decoded]:
+    def _detect(self, found: dict[int, list[Decoded]], now_s: float) -> list[Decoded]:
         for version, decoded in found.items():
-            if any(isinstance(item, Frames) and _is_believable(version, item) for item in decoded):
+            if any(isinstance(item, Frames) and _is_plausible(version, item) for item in decoded):
                 self.decoder = self._candidates[version]
                 self._release_s = None
                 return self._held[version] + decoded
@@ -85,7 +85,7 @@ class ProtocolDetector:
         return released
 
 
-def _is_believable(version: int, frames: Frames) -> bool:
+def _is_plausible(version: int, frames: Frames) -> bool:
     payload = frames.payloads[0]
     if frames.topic_id in ids.ANNOUNCEMENTS:
         return TopicInfo.decode(payload) is not None

@@ -169,7 +169,7 @@ class TopicTable:
             events += self._remove(key)
         return events + self._pair_services()
 
-    def distrust(self) -> None:
+    def mark_stale(self) -> None:
         """Send nothing to an endpoint until it is announced again: the device has been reset."""
         for endpoint in self._endpoints.values():
             endpoint.is_current = False

@@ -170,7 +170,7 @@ class TypeTrees:
             _total_size(node.fixed_size_bytes for node in nodes),
             1 + sum(node.zero_elements for node in nodes),
         )
-        _require_modest(name, struct)
+        _check_size(name, struct)
         if struct.depth > MAX_DEPTH:
             raise DefinitionError(f"{name} nests types more than {MAX_DEPTH} levels deep; flatten it")
         self._structs[name] = struct
@@ -181,7 +181,7 @@ class TypeTrees:
         if not field_type.is_array:
             return element
         array = _array(element, field_type.length)
-        _require_modest(f"{within[-1]}, by its {field_type},", array)
+        _check_size(f"{within[-1]}, by its {field_type},", array)
         return array
 
     def _nested(self, name: str, within: tuple[str, ...]) -> Struct:
@@ -212,7 +212,7 @@ def _total_size(sizes: Iterable[int | None]) -> int | None:
     return total
 
 
-def _require_modest(owner: str, node: Array | Struct) -> None:
+def _check_size(owner: str, node: Array | Struct) -> None:
     if (node.fixed_size_bytes or 0) > MAX_FIXED_BYTES:
         raise DefinitionError(
             f"{owner} needs at least {node.fixed_size_bytes} bytes, more than the limit of {MAX_FIXED_BYTES}"

@@ -148,7 +148,7 @@ class SimAddress(_Named):
 
 @dataclass(frozen=True, slots=True)
 class WebAddress(_Named):
-    """The serial ports of devices that show the dashboard; `baud` is the speed of one board's line."""
+    """The serial ports of devices that show the dashboard; `baud` is the baud rate of one board."""
 
     baud: int = DEFAULT_BAUD
 

@@ -22,13 +22,13 @@ from pathlib import Path
 
 from rostether.errors import ConfigError, RemoteProtocolError
 
-# A board on Wi-Fi answers within a second; a peer that does not answer takes a connection.
+# A board on Wi-Fi answers within a second; a peer that does not answer uses up a connection.
 PSK_LIMIT_S = 5.0
 
 # A shorter key can be guessed offline from one recorded hello.
 MIN_KEY_BYTES = 16
 
-# A longer file is another file, given by mistake.
+# A longer file is not a key.
 MAX_KEY_FILE_BYTES = 4096
 
 # The longest line has 105 bytes: a longer one is not a hello.
@@ -89,7 +89,9 @@ class ListenerHello:
             if hmac.compare_digest(proof, _proof(key, "connector", self._nonce, theirs)):
                 self.proven = name
                 return f"{_WORD} {_proof(key, 'listener', self._nonce, theirs)}\n".encode(), rest
-        raise RemoteProtocolError("it has another pre-shared key; use the same key on both sides, see psk=")
+        raise RemoteProtocolError(
+            "it has a different pre-shared key; use the same key on both sides, see psk="
+        )
 
 
 class ConnectorHello:
@@ -124,7 +126,7 @@ class ConnectorHello:
         match = _PROOF.fullmatch(line)
         if match is None or not hmac.compare_digest(match[1].decode(), self._expected):
             raise RemoteProtocolError(
-                "it has another pre-shared key; use the same key on both sides, see psk="
+                "it has a different pre-shared key; use the same key on both sides, see psk="
             )
         return b"", rest
 

@@ -17,7 +17,7 @@ MIN_READ_BYTES = 1024
 
 # The remaining share of a cost after each read: half after 69 reads. Hostile bytes arrive in long runs; a
 # pause of the garbage collector, which looks the same, has no effect after 0.3 MB.
-FORGETTING = 0.99
+DECAY = 0.99
 
 
 class ReadTurn:
@@ -26,7 +26,7 @@ class ReadTurn:
     def __init__(self, most_bytes: int) -> None:
         self.size_bytes = min(FIRST_READ_BYTES, most_bytes)
         self._most_bytes = most_bytes
-        self._price_s = 0.0
+        self._byte_cost_s = 0.0
 
     def note_quiet(self) -> None:
         """Record a read that is too small to measure."""
@@ -34,8 +34,8 @@ class ReadTurn:
 
     def note_cost(self, read_bytes: int, used_s: float) -> None:
         """Record the cost of a read, in seconds of CPU."""
-        price_s = self._price_s = max(used_s / read_bytes, self._price_s * FORGETTING)
+        byte_cost_s = self._byte_cost_s = max(used_s / read_bytes, self._byte_cost_s * DECAY)
         size_bytes = min(2 * self.size_bytes, self._most_bytes)
-        if size_bytes * price_s > TURN_S:
-            size_bytes = max(int(TURN_S / price_s), MIN_READ_BYTES)
+        if size_bytes * byte_cost_s > TURN_S:
+            size_bytes = max(int(TURN_S / byte_cost_s), MIN_READ_BYTES)
         self.size_bytes = size_bytes

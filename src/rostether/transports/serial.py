@@ -19,7 +19,7 @@ from rostether.transports.serial_port import find_usb_location
 from rostether.transports.sockets import explain_reason
 from rostether.transports.stream import FLUSH_LIMIT_S, READ_CHUNK_BYTES, StreamTransport
 
-# A pseudo-terminal has no line speed, and some systems refuse to set odd ones on it.
+# A pseudo-terminal has no baud rate, and some systems refuse to set unusual ones on it.
 _PTY_BAUD = 115200
 # How often `close` checks whether the port's output buffer is empty.
 _FLUSH_POLL_S = 0.02

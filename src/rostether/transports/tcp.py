@@ -234,7 +234,7 @@ class TcpListener:
         reason: str | None
         try:
             transport.proof = await greeting.exchange(transport)
-            reason = self._fullness(transport.host)
+            reason = self._full_reason(transport.host)
         except RostetherError as error:
             reason = str(error)
         if transport not in self._unproven:
@@ -250,9 +250,9 @@ class TcpListener:
     def _refusal_reason(self, host: str, own_host: str) -> str | None:
         if not self._allow.allows_connection(host, own_host):
             return "its address is not allowed"
-        return self._fullness(host)
+        return self._full_reason(host)
 
-    def _fullness(self, host: str) -> str | None:
+    def _full_reason(self, host: str) -> str | None:
         if len(self._boards) >= self._max_connections:
             return f"{self._max_connections} boards are already connected"
         if self._per_host[host] >= self._max_connections_per_host:

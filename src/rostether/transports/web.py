@@ -60,8 +60,8 @@ class WebSocket(Protocol):
 class WebTransport:
     """One board behind a page; made by `WebBoards.open`.
 
-    `connect` serves the board that the page names, or returns why not; `forget` is called at the end.
-    It cannot pause the board: its port loses the bytes that the page does not read in time.
+    `connect` serves the board that the page names, or returns the reason of a refusal. `forget` is called at
+    the end. It cannot pause the board: its port loses the bytes that the page does not read in time.
     """
 
     remote: str | None = None

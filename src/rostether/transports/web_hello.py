@@ -24,7 +24,7 @@ class WebHello:
     """A page's first message.
 
     `name` is the board's name for users. `key` is a random text that stays the same while the page reconnects
-    this board. `baud` is the speed of its serial port.
+    this board. `baud` is the baud rate of its serial port.
     """
 
     name: str
@@ -41,7 +41,7 @@ def read_hello(text: str) -> WebHello:
     if not isinstance(key, str) or not _ID.fullmatch(key):
         raise RemoteProtocolError("the key of a board has 8 to 64 letters, digits or -")
     if isinstance(baud, bool) or not isinstance(baud, int) or not 1 <= baud <= MAX_BAUD:
-        raise RemoteProtocolError(f"the speed of a line is 1 to {MAX_BAUD} baud")
+        raise RemoteProtocolError(f"the baud rate must be 1 to {MAX_BAUD}")
     return WebHello(name, key, baud)
 
 

@@ -445,7 +445,7 @@ async def test_a_view_shows_the_state_of_a_board(site: Site) -> None:
 async def test_a_client_that_never_sends_a_frame_is_disconnected(
     site: Site, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("rostether.bridge.supervisor.SPEECHLESS_S", 1.0)
+    monkeypatch.setattr("rostether.bridge.supervisor.FIRST_FRAME_LIMIT_S", 1.0)
     await site.start("tcp://:11411")
     site.connect("tcp 192.168.1.7:40000")
     silent, theirs = memory_pair()

@@ -8,7 +8,7 @@ import pytest
 
 from rostether.graph.flow_control import (
     DEFAULT_QUEUE_BYTES,
-    LEAST_TAKEN_BYTES,
+    MIN_READ_BYTES,
     SMALL_STEPS,
     STEPS,
     PublicationFlow,
@@ -44,7 +44,7 @@ class Subscriber:
     def take(self, size: int) -> None:
         if size:
             self.backlog = max(self.backlog - size, 0)
-            self.flow.note_taken()
+            self.flow.note_sent()
 
     def flood(self, rounds: int, taken: int) -> int:
         """Publish a chunk whenever that is allowed; `taken` leaves in each pause. Return the pauses made."""
@@ -77,7 +77,7 @@ def test_marks_have_a_distance(backlogs: list[int], is_open: bool) -> None:
     assert subscriber.publication.is_open is is_open
 
 
-@pytest.mark.parametrize("taken", [LEAST_TAKEN_BYTES, 3 * LEAST_TAKEN_BYTES, 10 * LEAST_TAKEN_BYTES])
+@pytest.mark.parametrize("taken", [MIN_READ_BYTES, 3 * MIN_READ_BYTES, 10 * MIN_READ_BYTES])
 def test_who_reads_slowly_loses_nothing(taken: int) -> None:
     subscriber = Subscriber(PublicationFlow())
     subscriber.flood(2000, taken)
@@ -101,7 +101,7 @@ def test_one_message_larger_than_the_queue_pauses_no_longer() -> None:
     assert pauses <= STEPS + 2
 
 
-@pytest.mark.parametrize("taken", [LEAST_TAKEN_BYTES, 10 * LEAST_TAKEN_BYTES])
+@pytest.mark.parametrize("taken", [MIN_READ_BYTES, 10 * MIN_READ_BYTES])
 def test_who_reads_again_is_waited_for_again(taken: int) -> None:
     subscriber = Subscriber(PublicationFlow())
     subscriber.flood(2000, 0)
@@ -116,7 +116,7 @@ def test_a_trickle_pauses_the_publisher_once_for_each_time() -> None:
     subscriber = Subscriber(PublicationFlow())
     subscriber.flood(2000, 0)
     for _ in range(5):
-        subscriber.take(LEAST_TAKEN_BYTES // 2)
+        subscriber.take(MIN_READ_BYTES // 2)
         assert subscriber.flood(100, 0) <= 2
 
 

@@ -14,7 +14,7 @@ from unit.relay.relay_world import World
 @pytest_asyncio.fixture
 async def world(monkeypatch: pytest.MonkeyPatch) -> AsyncIterator[World]:
     # Graphs in memory show everything at once.
-    monkeypatch.setattr(relay_module, "MEET_S", 0.01)
+    monkeypatch.setattr(relay_module, "DISCOVERY_S", 0.01)
     monkeypatch.setattr(relay_module, "CHECK_S", 0.05)
     world = World()
     await world.join()

@@ -95,7 +95,7 @@ async def test_of_two_active_relays_the_younger_one_stops(world: World) -> None:
 
 
 async def test_a_younger_relay_waits_for_older_ones(world: World, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(relay_module, "GIVE_WAY_S", 0.5)
+    monkeypatch.setattr(relay_module, "OLDER_RELAY_WAIT_S", 0.5)
     others = await marked(world, "/older", new_relay_mark())
     async with world.relaying(Topics("/*")) as relay:
         await until(lambda: any("/older" in line for line in world.lines))
@@ -136,7 +136,7 @@ async def test_a_killed_relay_is_forgotten(world: World) -> None:
 async def test_a_relay_that_was_killed_before_is_not_a_source(
     world: World, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(relay_module, "MEET_S", 1.0)
+    monkeypatch.setattr(relay_module, "DISCOVERY_S", 1.0)
     killed = await marked(world, "/killed", new_relay_mark())
     await killed[0].advertise_service("/switch", SET_BOOL, agreeing)
     # Only the first graph keeps the registrations of nodes that were killed.

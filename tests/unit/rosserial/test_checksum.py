@@ -4,7 +4,7 @@ import random
 
 import pytest
 
-from rostether.rosserial.checksum import PIECE_BYTES, RunningSums, one_plus_sum, summer_for
+from rostether.rosserial.checksum import PIECE_BYTES, RunningSums, one_plus_sum, sum_function
 
 SIZES = (0, 1, 2, 255, 256, 257, 511, 512, 513, 768, 4096, 65535)
 
@@ -14,7 +14,7 @@ SIZES = (0, 1, 2, 255, 256, 257, 511, 512, 513, 768, 4096, 65535)
 def test_extreme_bytes_sum_exactly(size: int, fill: bytes) -> None:
     data = fill * size
     assert one_plus_sum(data) & 0xFF == (1 + sum(data)) & 0xFF
-    assert summer_for(size)(data) & 0xFF == (1 + sum(data)) & 0xFF
+    assert sum_function(size)(data) & 0xFF == (1 + sum(data)) & 0xFF
 
 
 def test_random_bytes_sum_exactly() -> None:

@@ -154,7 +154,7 @@ def test_limits_of_both_directions() -> None:
 def test_nothing_is_sent_to_a_distrusted_endpoint() -> None:
     table = TopicTable(10)
     table.announce(ids.SUBSCRIBER, LED)
-    table.distrust()
+    table.mark_stale()
     assert table.send_limits == {}
     assert table.announce(ids.SUBSCRIBER, LED) == []
     assert table.send_limits == {100: 150}
@@ -208,7 +208,7 @@ def test_limits_are_one_value_until_an_endpoint_changes() -> None:
     limits = table.limits
     assert limits != before
     table.announce(ids.PUBLISHER, CHATTER)
-    table.distrust()
+    table.mark_stale()
     table.announce(ids.PUBLISHER, CHATTER)
     assert table.limits is limits
     table.withdraw_all_but([])

@@ -61,9 +61,9 @@ def test_both_lines_at_once_from_a_listener() -> None:
 def test_another_key_is_refused_by_either_side() -> None:
     listener, connector = ListenerHello({None: KEY}), ConnectorHello(b"another key of 17")
     connector.receive(listener.greeting)
-    with pytest.raises(RemoteProtocolError, match="another pre-shared key"):
+    with pytest.raises(RemoteProtocolError, match="a different pre-shared key"):
         listener.receive(connector.pop_answer())
-    with pytest.raises(RemoteProtocolError, match="another pre-shared key"):
+    with pytest.raises(RemoteProtocolError, match="a different pre-shared key"):
         connector.receive(b"RSPSK1 " + b"0" * 64 + b"\n")
 
 

@@ -25,7 +25,7 @@ export function hasFields(checks: SettingChecks): SettingCheck {
     Object.entries(checks).every(([name, check]) => check((value as Settings)[name]));
 }
 
-/** An object with a value for each of some topics. */
+/** An object whose values, one for each topic, pass the check. */
 export function isByTopic(check: SettingCheck): SettingCheck {
   return (value) => typeof value === "object" && value !== null && Object.values(value).every(check);
 }

@@ -57,7 +57,7 @@ _SIGNS_OF_LIFE = (
 
 
 class LineWatch:
-    """One connection of one board; `baud` is the speed of a serial line, `resets` the board's.
+    """One connection of one board; `baud` is the baud rate of a serial line, `resets` the board's.
 
     `may_lose`: each frame is a datagram, which may be lost.
     """

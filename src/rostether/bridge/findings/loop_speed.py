@@ -26,7 +26,7 @@ OVERDUE_S = 0.4
 TOLERANCE_S = 0.1
 
 # A board that usually requests the time sooner than this does not wait 2.5 s.
-SURELY_OURS_S = 2.4
+MAX_OUR_PERIOD_S = 2.4
 
 # A board that is later than 11 s was disconnected, not slow.
 MAX_LATE_S = 9.0
@@ -102,6 +102,6 @@ class LoopSpeed:
     @property
     def _period_s(self) -> float:
         is_ours = self.is_ours or (
-            len(self._intervals_s) >= MIN_COUNT and median(self._intervals_s) < SURELY_OURS_S
+            len(self._intervals_s) >= MIN_COUNT and median(self._intervals_s) < MAX_OUR_PERIOD_S
         )
         return OUR_REQUEST_PERIOD_S if is_ours else REQUEST_PERIOD_S

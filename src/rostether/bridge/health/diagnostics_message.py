@@ -62,7 +62,7 @@ class StatusWriter:
         yield "connected [s]", _scaled(connected_s, 1, ".0f")
         yield "protocol version", str(view.protocol_version or UNKNOWN)
         if view.baud is not None:
-            yield "line speed [baud]", str(view.baud)
+            yield "baud rate", str(view.baud)
         yield "received [bytes]", str(view.received_bytes)
         yield "received [bytes/s]", f"{rates.get('received', 0.0):.0f}"
         yield "sent [bytes]", str(view.sent_bytes)

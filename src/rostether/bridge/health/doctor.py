@@ -153,13 +153,13 @@ class Doctor:
         return replace(self._diagnosis(right, again, right.baud), findings=(wrong, *again.findings))
 
     async def _examine_listener(self, address: Address) -> Diagnosis:
-        came: asyncio.Future[Transport] = self._loop.create_future()
+        connected: asyncio.Future[Transport] = self._loop.create_future()
 
         def on_transport(transport: Transport) -> None:
-            if came.done():
+            if connected.done():
                 transport.close()
             else:
-                came.set_result(transport)
+                connected.set_result(transport)
 
         try:
             listener: Listener = await listen(address, on_transport, entry=BOARD_ENTRY)
@@ -170,7 +170,7 @@ class Doctor:
             self._report_step(f"waiting {wait_s:.0f} s for a board to connect to {listener.address} ...")
             try:
                 async with asyncio.timeout(wait_s):
-                    transport = await came
+                    transport = await connected
             except TimeoutError:
                 return Diagnosis(str(address), (_nobody(address, listener.address, wait_s),))
             return self._diagnosis(address, await self._watch(transport, None))

@@ -27,7 +27,7 @@ FORGET_S = 15.0
 LISTEN_S = 6.0
 
 # How long it waits for a publisher: a newly connected board advertises within a second.
-NOBODY_S = 2.5
+NO_PUBLISHER_S = 2.5
 
 # Any node may publish on /diagnostics; no user needs more boards than this.
 MAX_BOARDS = 512
@@ -83,7 +83,7 @@ async def reported_boards(graph: TypedGraph) -> list[BoardStatus]:
             expected = len(topic.publishers) if topic is not None else 0
             if expected and seen.known_count() >= expected:
                 break
-            if not expected and waited_s >= NOBODY_S:
+            if not expected and waited_s >= NO_PUBLISHER_S:
                 break
     return sorted(seen.boards(), key=lambda board: board.name)
 

@@ -24,7 +24,7 @@ from rostether.transports.transport import Transport
 WATCH_S = 8.0
 
 # How long to watch a board that was reset or whose time request was late: by then a pattern is visible.
-UNREST_S = 20.0
+UNSTABLE_WATCH_S = 20.0
 
 _POLL_S = 0.1
 _FIND_PERIOD_S = 1.0
@@ -103,9 +103,9 @@ async def _watch(session: Session, clock: Callable[[], float], watch_s: float) -
             session.node.health.find(now_s)
         if session.watch.was_alive:
             alive_s = now_s if alive_s is None else alive_s
-            is_doubtful = session.link.statistics.resets > 0 or session.watch.loop_speed.is_suspect
+            is_unstable = session.link.statistics.resets > 0 or session.watch.loop_speed.is_suspect
             # On a slow machine the types of its topics may be found after the time.
-            wanted_s = max(UNREST_S, watch_s) if is_doubtful or session.is_searching else watch_s
+            wanted_s = max(UNSTABLE_WATCH_S, watch_s) if is_unstable or session.is_searching else watch_s
             if now_s - alive_s >= wanted_s:
                 break
         elif now_s - began_s >= NO_ANSWER_S:

@@ -52,7 +52,7 @@ class Scheduler(Protocol):
 class Outbox:
     """Queues everything that one session writes.
 
-    `on_dropped(queue, count)` is called for each overflow. `baud` is the speed of the line, if it has one.
+    `on_dropped(queue, count)` is called for each overflow. `baud` is the baud rate, if there is one.
     """
 
     def __init__(

@@ -23,7 +23,7 @@ class ServeLink(Protocol):
     def __call__(
         self, address: Address, transport: Transport, identity: BoardIdentity
     ) -> Awaitable[TransportError | None]:
-        """Serve the link; return why it ended, None if the bridge ended it.
+        """Serve the link; return the error that ended it, None if the bridge ended it.
 
         Raises SessionError if it must not be served again.
         """

@@ -11,7 +11,7 @@ from rostether.transports.transport import Transport
 
 
 class TunableTransport(Transport, Protocol):
-    """An open serial port that changes its speed, and its receiver."""
+    """An open serial port whose baud rate can be changed, and its receiver."""
 
     @property
     def has_baud(self) -> bool:

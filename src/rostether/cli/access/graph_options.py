@@ -129,7 +129,7 @@ _TOOL_ALLOW = "Accept connections to this node from these addresses only (if ROS
 _SERVED_ALLOW = "Accept network connections from these addresses only, e.g. 192.168.1.0/24; may be repeated."
 
 # Options of the tools of ROS 2 that scripts pass; they have no effect here.
-_DAEMON_HABITS = ignored_options("--spin-time", no_daemon="--no-daemon")
+_IGNORED_DAEMON_OPTIONS = ignored_options("--spin-time", no_daemon="--no-daemon")
 
 _ROS1_HELP = "Use the ROS 1 graph even if ROS 2 is sourced"
 
@@ -201,7 +201,7 @@ def graph_options(
     if served and ros:
         options += _SERVING_OPTIONS
     if ros and not takes_both:
-        options.append(_DAEMON_HABITS)
+        options.append(_IGNORED_DAEMON_OPTIONS)
     if allow or served:
         text = _SERVED_ALLOW if served else _TOOL_ALLOW
         options.append(add_option("--allow CIDR", text, multiple=True))

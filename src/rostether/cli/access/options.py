@@ -22,7 +22,7 @@ msg_path_option = add_option(
 )
 
 
-qos_habits = ignored_options(
+ignored_qos_options = ignored_options(
     "--qos-profile",
     "--qos-depth",
     "--qos-history",

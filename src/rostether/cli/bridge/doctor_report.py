@@ -45,7 +45,7 @@ def reported_lines(board: BoardStatus, master_uri: str) -> Iterator[str]:
 
 def reported_record(board: BoardStatus) -> dict[str, object]:
     """Return the record of a board that a running bridge reports."""
-    return {"address": board.peer, "is_well": not board.level, **asdict(board)}
+    return {"address": board.peer, "healthy": not board.level, **asdict(board)}
 
 
 def finding_record(diagnosis: Diagnosis, finding: Finding) -> dict[str, object]:
@@ -64,7 +64,7 @@ def board_record(diagnosis: Diagnosis) -> dict[str, object]:
     """Return the last record of a diagnosis: whether the board is healthy, and its details."""
     record: dict[str, object] = {
         "address": diagnosis.address,
-        "is_well": diagnosis.is_ok,
+        "healthy": diagnosis.is_ok,
         "findings": [str(finding.code) for finding in diagnosis.findings],
         "baud": diagnosis.baud,
         "board": None,

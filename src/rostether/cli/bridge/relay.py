@@ -53,11 +53,13 @@ class RelayOptions:
     )
     services: tuple[str, ...] = option(
         "--service NAME[=TYPE]",
-        "Offer this service on the ROS that lacks it; may be repeated.",
+        "Offer this service in the graph that does not have it; may be repeated.",
         multiple=True,
     )
     actions: tuple[str, ...] = option(
-        "--action NAME", "Offer this action on the ROS that lacks it; may be repeated.", multiple=True
+        "--action NAME",
+        "Offer this action in the graph that does not have it; may be repeated.",
+        multiple=True,
     )
     master_port: int | None = option(
         "--master-port PORT", "Port for the ROS 1 master, which is started if none runs (11311).", type=PORT

@@ -201,7 +201,7 @@ def _refuse_token() -> None:
 
 @dataclass(frozen=True, slots=True)
 class _Settings:
-    """What the options mean: the links to serve, what goes with them, and the limits."""
+    """The meaning of the options: the links to serve, their settings, and the limits."""
 
     links: Sequence[Address]
     devices: DeviceBook

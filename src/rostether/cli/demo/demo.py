@@ -240,5 +240,7 @@ async def _watched(
     async with closed_at_end(await join_ros1(anonymous_name("demo_view"), environment=environment)) as graph:
         for topic, type_name in topics.items():
             message_type = store.registry.message_type(type_name)
-            await graph.subscribe(topic, message_type, partial(view.saw, topic, store.codec(type_name)))
+            await graph.subscribe(
+                topic, message_type, partial(view.add_messages, topic, store.codec(type_name))
+            )
         yield partial(graph.advertise, "/toggle_led", store.registry.message_type("std_msgs/Empty"))

@@ -122,7 +122,7 @@ class DemoView:
         self._curves: dict[str, deque[float]] = {}
         self._history: dict[str, deque[tuple[float, int]]] = {}
 
-    def saw(self, topic: str, codec: Codec, payloads: Sequence[bytes]) -> None:
+    def add_messages(self, topic: str, codec: Codec, payloads: Sequence[bytes]) -> None:
         """Add messages that arrived through the graph."""
         self.has_flowed = True
         self._last[topic] = (codec, payloads[-1])

@@ -95,10 +95,10 @@ async def joined_as(on: GatewayGraph, words: NodeWords, name: str, report: Repor
         return await on.join(node_name, namespace=namespace, remappings=remappings)
 
     in_its_namespace = partial(join, namespace=words.namespace, remappings=words.remappings)
-    return await joined_patiently(in_its_namespace, name, report)
+    return await join_with_retries(in_its_namespace, name, report)
 
 
-async def joined_patiently(join: JoinGraph, name: str, report: Report) -> Graph:
+async def join_with_retries(join: JoinGraph, name: str, report: Report) -> Graph:
     """Join as soon as there is a master. Raises GraphError."""
     return await wait_for_master(
         lambda: join(name), lambda error: report(Level.WARN, f"{name} waits: {error}")

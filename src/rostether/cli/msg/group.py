@@ -142,13 +142,13 @@ def _type_argument(kind: _Kind, given: str | None) -> str:
     return name
 
 
-def check_package(name: str, registry: Registry, lister: str) -> None:
-    """Raise UnknownTypeError for a package without definitions; `lister` lists those that have some."""
+def check_package(name: str, registry: Registry, list_command: str) -> None:
+    """Raise UnknownTypeError for a package without definitions; `list_command` lists those that have some."""
     if name not in registry.packages():
         meant = did_you_mean(name, registry.packages(), then=" Otherwise, ")
         raise UnknownTypeError(
             f"no package {name!r} with definitions is known; {meant}give its folder with --msg-path; "
-            f"`rostether {lister}` lists the known ones"
+            f"`rostether {list_command}` lists the known ones"
         )
 
 

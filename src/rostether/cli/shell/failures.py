@@ -20,7 +20,7 @@ EXIT_INTERRUPTED = 130
 # How click suggests similar options.
 _SIMILAR = re.compile(r"(?P<problem>.*)\. \(?Did you mean(?: one of:)? (?P<names>.*?)\?\)?")
 # Plain words for click's messages about values of the wrong type.
-_PLAINER = {
+_PLAIN_MESSAGES = {
     "is not a valid float range": "is not a number",
     "is not a valid integer range": "is not a whole number",
     "is not a valid float": "is not a number",
@@ -90,7 +90,7 @@ def usage_text(error: click.ClickException) -> str:
     if similar := _SIMILAR.fullmatch(text):
         names = similar["names"].replace("'", "").replace(",", " or")
         return f"{similar['problem']}; did you mean {names}?"
-    for unclear, plain in _PLAINER.items():
+    for unclear, plain in _PLAIN_MESSAGES.items():
         text = text.replace(unclear, plain)
     # Rostether's usage errors name the next step; those of click only name the problem.
     if context is not None and (type(error) is not click.UsageError or "unexpected extra" in text):

@@ -6,7 +6,7 @@ import click
 
 from rostether.cli.access.completions import complete_fields
 from rostether.cli.access.graph_options import GraphOptions, graph_options
-from rostether.cli.access.options import qos_habits
+from rostether.cli.access.options import ignored_qos_options
 from rostether.cli.shell.option_group import ignored_options, option_group
 from rostether.cli.shell.verbs import verb
 from rostether.cli.topic.options import EchoOptions
@@ -28,7 +28,7 @@ from rostether.cli.topic.topics import topics_of
 @option_group("options", EchoOptions)
 @graph_options(allow=True)
 @ignored_options("--qos-durability")
-@qos_habits
+@ignored_qos_options
 def echo(topic: str | None, type_name: str | None, options: EchoOptions, graph: GraphOptions) -> None:
     """Print the messages of a topic, or a field of them.
 

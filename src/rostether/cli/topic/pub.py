@@ -8,7 +8,7 @@ import click
 
 from rostether.cli.access.completions import complete_topic_type, complete_topics
 from rostether.cli.access.graph_options import GraphOptions, graph_options
-from rostether.cli.access.options import qos_habits
+from rostether.cli.access.options import ignored_qos_options
 from rostether.cli.shell.option_group import option_group
 from rostether.cli.shell.verbs import Verb, verb
 from rostether.cli.topic.options import PubOptions
@@ -55,16 +55,16 @@ class _Pub(Verb):
 @click.argument("values", nargs=-1, metavar="[VALUES]...")
 @option_group("options", PubOptions)
 @graph_options(allow=True)
-@qos_habits
+@ignored_qos_options
 def pub(
     topic: str, type_name: str, values: tuple[str, ...], options: PubOptions, graph: GraphOptions
 ) -> None:
     """Publish messages.
 
     VALUES are YAML: one mapping of the message's fields, the rest being zero, or the value of each field in
-    order; write -- before the number -1. `now` is a time, `auto` a header that is stamped now. Without
-    -1 and -r the message is latched until Ctrl-C. Without VALUES, messages come from a file (-f) or a pipe,
-    in YAML documents separated by ---.
+    order; write -- before the number -1. `now` becomes the current time, `auto` a header with the
+    current time. Without -1 and -r the message is latched until Ctrl-C. Without VALUES, messages come from a
+    file (-f) or a pipe, in YAML documents separated by ---.
 
     With --ros2 it works like `ros2 topic pub`: without -1 and -t it publishes repeatedly, once a second
     unless -r is given, and missing fields have their defaults.

@@ -42,14 +42,14 @@ class ClientParameters:
     def set(self, request: requests.SetParameters) -> None:
         """Set values, and answer with the new values if requested."""
 
-        async def set_them() -> None:
+        async def set_values() -> None:
             values, mistakes = await self._context.parameters.set(request.parameters)
             for text in mistakes:
                 self._report_mistake(text)
             if request.request_id is not None:
                 self._send(replies.parameter_values(values, request.request_id))
 
-        self._ask(set_them, "parameters cannot be set")
+        self._ask(set_values, "parameters cannot be set")
 
     def watch(self, request: requests.SubscribeParameters) -> None:
         """Report changes from now on; no names means all parameters."""

@@ -153,7 +153,7 @@ class FoxgloveGateway:
             if task is not None:
                 task.cancel()
                 await asyncio.wait([task])
-        await self._server.hang_up()
+        await self._server.close_connections()
         await self.context.close()
 
     async def wait_ended(self) -> None:
@@ -254,7 +254,7 @@ class FoxgloveGateway:
         self._warn(f"its node was shut down: {reason}")
         self._is_closing = True
         await self._server.close()
-        await self._server.hang_up()
+        await self._server.close_connections()
         self._ended.set()
 
     def _broadcast(self, message: str | bytes) -> None:

@@ -1,4 +1,4 @@
-"""What the clients of one gateway share."""
+"""The state that the clients of one gateway share."""
 
 from __future__ import annotations
 

@@ -129,7 +129,7 @@ class RosbridgeServer:
 
     async def _close(self) -> None:
         await self._server.close()
-        await self._server.hang_up()
+        await self._server.close_connections()
         if self._clients:
             await asyncio.wait(list(self._clients.values()))
         await self._context.close()

@@ -145,7 +145,7 @@ class Connection(asyncio.BufferedProtocol):
         return self._is_established and self._websocket.state is OPEN and not self._websocket.eof_sent
 
     @property
-    def is_newcomer(self) -> bool:
+    def is_in_handshake(self) -> bool:
         """Whether it has not sent a whole request yet."""
         return not self._is_established and self._answer is None
 
@@ -317,7 +317,7 @@ class Connection(asyncio.BufferedProtocol):
                 self._handle_request(event)
             elif isinstance(event, Frame):
                 self._handle_frame(event)
-        if self._websocket.handshake_exc is not None and self.is_newcomer:
+        if self._websocket.handshake_exc is not None and self.is_in_handshake:
             self._refuse_malformed()
         if self._answer is not None:
             # The library would parse the body as WebSocket frames.

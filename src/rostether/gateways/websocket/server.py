@@ -36,7 +36,7 @@ _EVERYWHERE = ("", "0.0.0.0", "::")  # noqa: S104 - compared, not bound
 _HOST_SHARE = 0.5
 
 # The time for clients to answer a close when the server ends.
-HANG_UP_S = 2.0
+CLOSE_LIMIT_S = 2.0
 
 
 class WebSocketServer:
@@ -137,12 +137,12 @@ class WebSocketServer:
         self._is_closed = True
         await close_servers(self._servers)
 
-    async def hang_up(self) -> None:
+    async def close_connections(self) -> None:
         """Close all connections, and abort those that do not answer in time."""
         for connection in list(self._connections):
             connection.close()
         try:
-            async with asyncio.timeout(HANG_UP_S):
+            async with asyncio.timeout(CLOSE_LIMIT_S):
                 await self._wait_until_empty()
         except TimeoutError:
             for connection in list(self._connections):
@@ -173,7 +173,7 @@ class WebSocketServer:
             return False
         [(host, _)] = Counter(each.host for each in plain).most_common(1)
         of_host = [each for each in plain if each.host == host]
-        oldest = next((each for each in of_host if each.is_newcomer), of_host[0])
+        oldest = next((each for each in of_host if each.is_in_handshake), of_host[0])
         self.forget(oldest)
         oldest.abort()
         return True

@@ -7,7 +7,7 @@ import logging
 import os
 from collections.abc import Iterable, Iterator, Sequence
 
-from rostether.ros1.admission import EVERYBODY, Admission
+from rostether.ros1.admission import ALLOW_ALL, Admission
 from rostether.ros1.environment import DEFAULT_MASTER_PORT, LOOPBACK
 from rostether.ros1.graph_limits import DEFAULT_GRAPH_LIMITS, GraphLimits
 from rostether.ros1.long_work import run_in_slices
@@ -30,7 +30,7 @@ class MasterServer:
         hosts: Sequence[str],
         port: int,
         advertised_host: str,
-        admission: Admission = EVERYBODY,
+        admission: Admission = ALLOW_ALL,
         limits: GraphLimits = DEFAULT_GRAPH_LIMITS,
         own_names: Iterable[str] = (),
     ) -> None:
@@ -57,7 +57,7 @@ class MasterServer:
         port: int = DEFAULT_MASTER_PORT,
         *,
         advertised_host: str = "",
-        admission: Admission = EVERYBODY,
+        admission: Admission = ALLOW_ALL,
         limits: GraphLimits = DEFAULT_GRAPH_LIMITS,
         own_names: Iterable[str] = (),
     ) -> MasterServer:

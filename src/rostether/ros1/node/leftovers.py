@@ -13,7 +13,7 @@ from rostether.ros1.xmlrpc_client import XmlRpcClient
 ANSWER_TIMEOUT_S = 3.0
 
 # The failures in a row after which a machine without any answer counts as disconnected; Wi-Fi may pause.
-PATIENT_FAILURES = 3
+MAX_FAILURES = 3
 
 
 class Leftovers:
@@ -51,7 +51,7 @@ class Leftovers:
                 self._failures.pop(uri, None)
                 return True
             self._failures[uri] += 1
-            return self._failures[uri] >= PATIENT_FAILURES
+            return self._failures[uri] >= MAX_FAILURES
         else:
             self._failures.pop(uri, None)
             return False

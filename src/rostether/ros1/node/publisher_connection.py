@@ -22,7 +22,7 @@ FIRST_RETRY_S = 0.1
 MAX_RETRY_S = 5.0
 
 # Failures in a row before a report, after 0.7 s: a publisher that ends is unregistered by then.
-PATIENT_FAILURES = 4
+UNREPORTED_FAILURES = 4
 
 # A publisher that has ended closes its connections at once; its last messages may still be in the socket. A
 # publisher that keeps a connection open sends nothing more.
@@ -170,7 +170,7 @@ class PublisherLink:
                 return
             except (GraphError, TransportError, ProtocolError, ConfigError) as error:
                 failures += 1
-                if failures == PATIENT_FAILURES:
+                if failures == UNREPORTED_FAILURES:
                     self._report(
                         f"{error}; still trying. If the node runs, check its ROS_IP or ROS_HOSTNAME; "
                         f"otherwise remove it with `rostether node cleanup`"

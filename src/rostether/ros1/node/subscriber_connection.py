@@ -55,7 +55,7 @@ class SubscriberConnection(asyncio.Protocol):
         self._queue: deque[tuple[bytes, int]] = deque()
         self._queued_bytes = 0
         self._loop = asyncio.get_running_loop()
-        self._takes_more = True
+        self._accepts_more = True
         self._is_losing = False
         self._may_report_s = 0.0  # from when on
         self._on_drop = on_drop
@@ -72,8 +72,8 @@ class SubscriberConnection(asyncio.Protocol):
         """Send a batch of `count` messages; return how many older ones were dropped for it."""
         self.record.byte_count += len(data)
         self.record.message_count += count
-        if self._takes_more:
-            self._flow.reader.takes += 1
+        if self._accepts_more:
+            self._flow.reader.read_count += 1
             self._transport.write(data)
             return 0
         self._queue.append((data, count))
@@ -99,13 +99,13 @@ class SubscriberConnection(asyncio.Protocol):
 
     def pause_writing(self) -> None:
         """Queue messages: the socket is full."""
-        self._takes_more = False
+        self._accepts_more = False
         self._flow.update()
 
     def resume_writing(self) -> None:
         """Write the queue, oldest first, until the socket is full again."""
-        self._takes_more = True
-        while self._queue and self._takes_more:
+        self._accepts_more = True
+        while self._queue and self._accepts_more:
             parts = []
             size_bytes = 0
             while self._queue and size_bytes < _WRITE_BYTES:
@@ -116,7 +116,7 @@ class SubscriberConnection(asyncio.Protocol):
             self._transport.write(parts[0] if len(parts) == 1 else b"".join(parts))
         if not self._queue:
             self._is_losing = False
-        self._flow.note_taken()
+        self._flow.note_sent()
 
     def connection_lost(self, exc: Exception | None) -> None:
         """Forget the connection."""

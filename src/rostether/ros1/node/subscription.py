@@ -87,7 +87,7 @@ class Subscription:
                     caller_id=self._node_name,
                     request=self._request,
                     accept=self._accept,
-                    report=self._report_trouble,
+                    report=self._report_problem,
                 )
 
     def _ending_link(self, uri: str) -> PublisherLink | None:
@@ -172,5 +172,5 @@ class Subscription:
 
         return deliver_wanted
 
-    def _report_trouble(self, trouble: str) -> None:
-        self._report(Level.WARN, f"cannot subscribe to {self.topic}: {trouble}")
+    def _report_problem(self, problem: str) -> None:
+        self._report(Level.WARN, f"cannot subscribe to {self.topic}: {problem}")

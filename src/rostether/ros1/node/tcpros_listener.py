@@ -8,7 +8,7 @@ from collections.abc import Callable, Sequence
 
 from rostether.errors import ConfigError, GraphError, TypeMismatchError
 from rostether.graph.ports import Level
-from rostether.ros1.admission import EVERYBODY, Admission
+from rostether.ros1.admission import ALLOW_ALL, Admission
 from rostether.ros1.environment import connect_host, is_loopback
 from rostether.ros1.graph_limits import DEFAULT_GRAPH_LIMITS, GraphLimits
 from rostether.ros1.tcpros_connection import HandshakeProtocol
@@ -40,7 +40,7 @@ class TcprosListener:
         accept_subscriber: AcceptPeer,
         accept_client: AcceptPeer,
         report: Callable[[Level, str], None],
-        admission: Admission = EVERYBODY,
+        admission: Admission = ALLOW_ALL,
         limits: GraphLimits = DEFAULT_GRAPH_LIMITS,
     ) -> None:
         self._accept_subscriber = accept_subscriber

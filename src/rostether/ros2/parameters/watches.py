@@ -1,4 +1,4 @@
-"""Watches parameters of any node: the own ones in the store, others through /parameter_events."""
+"""Watches parameters of any node: its own in the store, others through /parameter_events."""
 
 from __future__ import annotations
 

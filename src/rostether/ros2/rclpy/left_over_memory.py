@@ -13,7 +13,7 @@ SHARED_MEMORY = Path("/dev/shm")  # noqa: S108 - where Fast DDS puts it
 _LOCK_FILE = re.compile(r"fast(?:dds|rtps)_(?:[0-9a-f]{16}|port\d{1,5})_[es]l")
 
 # A program that starts creates the file before it locks it.
-_YOUNG_S = 10.0
+_LOCK_DELAY_S = 10.0
 
 
 def find_left_over(folder: Path = SHARED_MEMORY) -> list[str]:
@@ -33,7 +33,7 @@ def _is_left(file: Path) -> bool:
 
     try:
         with file.open("rb") as opened:
-            if time.time() - file.stat().st_mtime < _YOUNG_S:
+            if time.time() - file.stat().st_mtime < _LOCK_DELAY_S:
                 return False
             fcntl.flock(opened, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except OSError:

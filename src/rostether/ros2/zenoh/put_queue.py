@@ -39,7 +39,7 @@ LONG_NS = 10_000_000
 LONG_AGAIN_S = 2.0
 
 # How long the thread stays in use after a put that would have blocked the loop.
-WARY_S = 60.0
+THREAD_IN_USE_S = 60.0
 
 # How long a closing publication waits for its remaining puts.
 FINISH_LIMIT_S = 1.0
@@ -87,7 +87,7 @@ class PutQueue:
         self._flow = PublicationFlow()
         self._backlog = SubscriberFlow(self._flow, lambda: self._waiting_bytes, limit_bytes)
         self._job: asyncio.Future[Puts] | None = None
-        self._wary: asyncio.TimerHandle | None = None
+        self._thread_timer: asyncio.TimerHandle | None = None
         self._long_s = float("-inf")
         self._is_ended = False
 
@@ -117,9 +117,9 @@ class PutQueue:
         self._long_s = loop.time()
         if is_again or longest_ns >= VERY_LONG_NS:
             self.is_idle = False
-            if self._wary is not None:
-                self._wary.cancel()
-            self._wary = loop.call_later(WARY_S, self._calm_down)
+            if self._thread_timer is not None:
+                self._thread_timer.cancel()
+            self._thread_timer = loop.call_later(THREAD_IN_USE_S, self._leave_thread)
 
     async def drained(self, timeout_s: float) -> None:
         """Wait until the queue is short, `timeout_s` at most."""
@@ -140,18 +140,18 @@ class PutQueue:
             self.dropped_count += len(self._waiting)
             self._waiting.clear()
             self._backlog.end()
-            if self._wary is not None:
-                self._wary.cancel()
+            if self._thread_timer is not None:
+                self._thread_timer.cancel()
 
     def _continue(self) -> None:
-        taken: list[bytes] = []
-        taken_bytes = 0
-        while self._waiting and taken_bytes < JOB_BYTES:
-            taken.append(self._waiting.popleft())
-            taken_bytes += len(taken[-1])
-        self._waiting_bytes -= taken_bytes
+        batch: list[bytes] = []
+        batch_bytes = 0
+        while self._waiting and batch_bytes < JOB_BYTES:
+            batch.append(self._waiting.popleft())
+            batch_bytes += len(batch[-1])
+        self._waiting_bytes -= batch_bytes
         self._backlog.update()
-        self._job = asyncio.get_running_loop().run_in_executor(self._threads, self._put, taken)
+        self._job = asyncio.get_running_loop().run_in_executor(self._threads, self._put, batch)
         self._job.add_done_callback(self._job_done)
 
     def _job_done(self, job: asyncio.Future[Puts]) -> None:
@@ -164,11 +164,11 @@ class PutQueue:
         if self._is_ended:
             return
         if self._waiting:
-            self._backlog.note_taken()
+            self._backlog.note_sent()
             self._continue()
-        elif self._wary is None:
+        elif self._thread_timer is None:
             self.is_idle = True
 
-    def _calm_down(self) -> None:
-        self._wary = None
+    def _leave_thread(self) -> None:
+        self._thread_timer = None
         self.is_idle = self._job is None

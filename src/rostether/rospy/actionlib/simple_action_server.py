@@ -16,7 +16,7 @@ from rostether.rospy.client.shutdown import is_shutdown
 # How often the thread that executes goals checks for a shutdown.
 _POLL_S = 0.1
 
-_ANOTHER_CAME = "This goal was canceled because another goal was received by the simple action server"
+_PREEMPTED = "This goal was canceled because another goal was received by the simple action server"
 _ACCEPTED = "This goal has been accepted by the simple action server"
 
 
@@ -64,7 +64,7 @@ class SimpleActionServer:
                 logerr("Attempting to accept the next goal when a new goal is not available")
                 return None
             if self.is_active() and self.current_goal != self.next_goal:
-                self.current_goal.set_canceled(None, _ANOTHER_CAME)
+                self.current_goal.set_canceled(None, _PREEMPTED)
             self.current_goal = self.next_goal
             self.new_goal = False
             self.preempt_request = self.new_goal_preempt_request
@@ -142,10 +142,10 @@ class SimpleActionServer:
     def _accept_goal(self, goal: ServerGoalHandle) -> None:
         here = [each for each in (self.current_goal, self.next_goal) if each.get_goal() is not None]
         if any(goal.get_goal_id().stamp < each.get_goal_id().stamp for each in here):
-            goal.set_canceled(None, _ANOTHER_CAME)
+            goal.set_canceled(None, _PREEMPTED)
             return
         if self.next_goal.get_goal() is not None and self.next_goal != self.current_goal:
-            self.next_goal.set_canceled(None, _ANOTHER_CAME)
+            self.next_goal.set_canceled(None, _PREEMPTED)
         self.next_goal = goal
         self.new_goal = True
         self.new_goal_preempt_request = False

@@ -132,14 +132,14 @@ class TimeSynchronizer(SimpleFilter):
         with self.lock:
             self._keep(msg.header.stamp, msg, my_queue)
             for stamp in sorted(set.intersection(*(set(queue) for queue in self.queues))):
-                self._hand_on([stamp] * len(self.queues))
+                self._pass_on([stamp] * len(self.queues))
 
     def _keep(self, stamp: Any, msg: Any, queue: dict[Any, Any]) -> None:
         queue[stamp] = msg
         while len(queue) > self.queue_size:
             del queue[min(queue)]
 
-    def _hand_on(self, stamps: Sequence[Any]) -> None:
+    def _pass_on(self, stamps: Sequence[Any]) -> None:
         together = [queue.pop(stamp) for queue, stamp in zip(self.queues, stamps, strict=True)]
         self.signalMessage(*together)
 
@@ -176,7 +176,7 @@ class ApproximateTimeSynchronizer(TimeSynchronizer):
             nearest = [[stamp] if queue is my_queue else self._nearest(queue, stamp) for queue in self.queues]
             for stamps in product(*nearest):
                 if max(stamps) - min(stamps) < self.slop and stamp in my_queue:
-                    self._hand_on(stamps)
+                    self._pass_on(stamps)
                     return
 
     def _nearest(self, queue: dict[Any, Any], stamp: Any) -> list[Any]:

@@ -23,7 +23,7 @@ from rostether.serde.values import MessageClasses
 
 
 class ServiceClass:
-    """Base of service classes, as `std_srvs.srv.SetBool` is one."""
+    """The base of service classes such as `std_srvs.srv.SetBool`."""
 
     _type: str
     _md5sum: str
@@ -172,7 +172,10 @@ _types_lock = threading.Lock()
 
 
 def all_types() -> MessageTypes:
-    """Return the types of this process: ROS_PACKAGE_PATH, the folders its starter found, the bundled ones."""
+    """Return the types of this process.
+
+    They are in ROS_PACKAGE_PATH, in the folders that the command that started it has found, and bundled.
+    """
     global _types
     with _types_lock:
         if _types is None:

@@ -144,7 +144,7 @@ class Record:
     _least: tuple[int, int] = field(init=False)
 
     def __post_init__(self) -> None:
-        # Worked out once: a type holding a type twice, which holds one twice ..., has many paths.
+        # Computed once: if each type contains the next one twice, the number of paths grows exponentially.
         object.__setattr__(self, "block", _record_block(self))
         sizes = [slot.node.ros1_size_bytes for slot in self.ros1_slots]
         size = None if None in sizes else sum(size or 0 for size in sizes)

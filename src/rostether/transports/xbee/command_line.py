@@ -46,7 +46,7 @@ class CommandLine:
         await self._transport.wait_closed()
 
     def data_received(self, data: bytes) -> None:
-        """Keep an answer."""
+        """Collect the bytes of an answer."""
         self._received += data
         del self._received[:-_MAX_HELD_BYTES]
         self._changed.set()
@@ -79,7 +79,7 @@ class CommandLine:
             return False
 
     async def enter(self) -> bool:
-        """Enter command mode; False if no radio answers at this speed. Raises TransportError."""
+        """Enter command mode; False if no radio answers at this baud rate. Raises TransportError."""
         await asyncio.sleep(GUARD_S)
         self._received.clear()
         self._transport.write(b"+++")

@@ -1,4 +1,4 @@
-"""Sets up an XBee radio for a network of boards: finds its speed, sets its registers and writes its flash."""
+"""Sets up an XBee radio for a network of boards: finds its baud rate, sets its registers."""
 
 from __future__ import annotations
 
@@ -80,7 +80,7 @@ async def set_up_radio(
 
 
 def radio_commands(settings: RadioSettings, found: RadioFound) -> list[str]:
-    """Return the AT commands that set up a radio. Raises ConfigError for what its protocol does not have."""
+    """Return the AT commands that set up a radio. Raises ConfigError if its protocol lacks a setting."""
     needs_long = settings.address is None and not settings.is_coordinator
     if found.is_mesh and not settings.is_coordinator and not is_long(settings.coordinator_address):
         raise ConfigError(
@@ -126,7 +126,7 @@ async def _program(line: CommandLine, commands: list[str]) -> list[str]:
             raise TransportError(
                 f"the XBee refuses AT{command}; check the value, or update its firmware with Digi's XCTU"
             )
-    # The flash already has all settings; some radios answer this at their new speed.
+    # The flash already has all settings; some radios answer this at their new baud rate.
     with contextlib.suppress(TransportTimeoutError):
         await line.execute("CN")
     return commands

@@ -76,7 +76,7 @@ def test_a_healthy_board_once_a_second() -> None:
         reported = values(status)
         assert reported["state"] == "connected"
         assert reported["protocol version"] == "2"
-        assert reported["line speed [baud]"] == "115200"
+        assert reported["baud rate"] == "115200"
         assert int(reported["publisher range buffer [bytes]"]) > 0
         assert reported["checksum errors"] == "0"
         assert reported["reconnects"] == "0"

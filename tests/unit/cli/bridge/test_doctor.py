@@ -87,7 +87,7 @@ async def test_boards_at_ports(tmp_path: Path) -> None:
     )
     code, records = well
     assert (code, len(records)) == (0, 1)
-    assert records[0]["is_well"] is True
+    assert records[0]["healthy"] is True
     (endpoint,) = records[0]["board"]["endpoints"]
     assert (endpoint["name"], endpoint["type"]) == ("chatter", "std_msgs/String")
     assert endpoint["rate_hz"] > 0

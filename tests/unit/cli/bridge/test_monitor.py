@@ -77,7 +77,7 @@ async def test_one_table_and_objects_without_a_terminal(
         assert "    publisher chatter [std_msgs/String], " in lines[2]
         assert lines[3] == "  no problem found"
         assert await _doctor(None, None, (), as_json=True) == 0
-        assert json.loads(capsys.readouterr().out)["is_well"] is True
+        assert json.loads(capsys.readouterr().out)["healthy"] is True
 
 
 async def test_json_continues(tmp_path: Path) -> None:

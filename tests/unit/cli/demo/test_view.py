@@ -45,7 +45,7 @@ def view() -> DemoView:
 def measure(view: DemoView, *distances: float) -> None:
     codec = STORE.codec("sensor_msgs/Range")
     for distance in distances:
-        view.saw("/ultrasound", codec, [codec.encode({"range": distance})])
+        view.add_messages("/ultrasound", codec, [codec.encode({"range": distance})])
         view.update()
 
 

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 import pytest
 from websockets.asyncio.client import connect
 
-from rostether.cli.gateway.gateways import GatewayGraph, joined_patiently
+from rostether.cli.gateway.gateways import GatewayGraph, join_with_retries
 from rostether.cli.gateway.options import GatewayOptions
 from rostether.cli.gateway.rosbridge import rosbridge_gateway
 from rostether.errors import GraphError, MasterUnreachableError, UnknownTypeError
@@ -86,6 +86,6 @@ async def test_a_master_that_is_away_is_waited_for(monkeypatch: pytest.MonkeyPat
     log: list[tuple[Level, str]] = []
     away = MasterUnreachableError("the ROS master cannot be reached")
     join = Refusing(away, away, name="page")
-    graph: Graph = await joined_patiently(join, "page", lambda level, text: log.append((level, text)))
+    graph: Graph = await join_with_retries(join, "page", lambda level, text: log.append((level, text)))
     assert log == [(Level.WARN, "page waits: the ROS master cannot be reached")]
     await graph.close()

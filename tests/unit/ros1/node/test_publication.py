@@ -158,7 +158,7 @@ async def test_a_peer_that_hangs_gets_whole_messages_and_loses_the_oldest(per_ba
         assert re.search(r", [1-9]\d* messages dropped so far\)$", stage.reports[0][1])
         # Another episode is another report, but for those that follow at once.
         for is_soon in (True, False):
-            await until(lambda: connection._takes_more)
+            await until(lambda: connection._accepts_more)
             if not is_soon:
                 connection._may_report_s -= SLOW_REPORT_INTERVAL_S
             before = stage.topic.dropped_count

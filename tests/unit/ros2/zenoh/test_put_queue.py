@@ -101,7 +101,7 @@ async def test_after_a_long_put_a_thread_does_them_for_a_while(
     queue.add(payloads(1))
     await until(lambda: link.noted)
     assert not queue.is_idle
-    monkeypatch.setattr("rostether.ros2.zenoh.put_queue.WARY_S", 0.5)
+    monkeypatch.setattr("rostether.ros2.zenoh.put_queue.THREAD_IN_USE_S", 0.5)
     queue.note_longest(VERY_LONG_NS)
     assert not queue.is_idle
     await until(lambda: queue.is_idle)

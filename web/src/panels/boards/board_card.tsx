@@ -27,10 +27,10 @@ export function stateText(board: Board, nowMs: number): string {
   return t.states[state as keyof typeof t.states] ?? state;
 }
 
-/** The share of the line that is used in its busier direction, undefined without a line speed. */
+/** The share of the line that is used in its busier direction, undefined without a baud rate. */
 export function lineLoad(board: Board): { share: number; baud: number } | undefined {
   const { values } = board.status;
-  const baud = numberOf(values, "line speed [baud]");
+  const baud = numberOf(values, "baud rate");
   if (!baud) return undefined;
   const busier = Math.max(
     numberOf(values, "received [bytes/s]") ?? 0,
