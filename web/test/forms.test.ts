@@ -141,6 +141,7 @@ test("topics without a publisher can be controlled", () => {
     ]),
     services: new Map(),
     ownNodes: ["/gateway", "/web_teleop"],
+    hasBoards: false,
   };
   assert.deepEqual(controllableTopics(graph), ["/led", "/mine"]);
 });

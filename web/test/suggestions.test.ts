@@ -1,6 +1,7 @@
 // What the overview offers without configuration.
 import assert from "node:assert/strict";
 import { test } from "node:test";
+import { boardsPanel } from "../src/panels/boards/boards.ts";
 import { drivableTopics } from "../src/panels/drive/drivable.ts";
 import type { Graph } from "../src/panels/panel.ts";
 import { plotSuggestions } from "../src/panels/plots/suggestions.ts";
@@ -14,6 +15,7 @@ function graph(topics: Topic[], publishers: [string, string[]][], subscribers: [
     subscribers: new Map(subscribers),
     services: new Map(),
     ownNodes: ["/page"],
+    hasBoards: false,
   };
 }
 
@@ -37,6 +39,18 @@ test("a topic that only the page publishes has a control and no plot", () => {
     found.map((each) => each.key),
     ["/count"],
   );
+});
+
+test("a plot of one field of several names it", () => {
+  const soil = new Topic("/soil", "garden/Soil", "string label\nuint8 state\nfloat32[4] levels", 1);
+  const [card] = plotSuggestions(graph([soil], [["/soil", ["/board"]]], []));
+  assert.deepEqual([card!.key, card!.title], ["/soil", "/soil/state"]);
+});
+
+test("the card of the boards stays when the last one is gone", () => {
+  const empty = graph([], [], []);
+  assert.equal(boardsPanel.matches!(empty).length, 0);
+  assert.equal(boardsPanel.matches!({ ...empty, hasBoards: true }).length, 1);
 });
 
 test("a simulated board has a card", () => {

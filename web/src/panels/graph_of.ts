@@ -1,5 +1,6 @@
 // The graph as panels see it.
 import type { Robot } from "../store/robot.ts";
+import { boardsOf } from "./boards/board_history.ts";
 import type { Graph } from "./panel.ts";
 
 /** Reading it in a computed signal follows its changes. */
@@ -11,6 +12,7 @@ export function graphOf(robot: Robot): Graph {
     subscribers: robot.subscribers.value,
     services: robot.services.value,
     ownNodes: [node, teleopNode],
+    hasBoards: boardsOf(robot).byName.size > 0,
   };
 }
 

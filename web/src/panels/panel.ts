@@ -27,6 +27,8 @@ export interface Graph {
   services: ReadonlyMap<string, { name: string; type: string }>;
   /** The gateway's nodes, which publish and subscribe for pages. */
   ownNodes: readonly string[];
+  /** Whether a board has reported since the page was opened. */
+  hasBoards: boolean;
 }
 
 export interface PanelContext {

@@ -6,8 +6,9 @@ export const boardsPanel: Panel = {
   title: "boards",
   icon: "boards",
   onTabBar: true,
-  matches: ({ topics }) =>
-    topics.get("/diagnostics")?.isPublished
+  // The card stays when the last board is gone: it shows since when.
+  matches: ({ topics, hasBoards }) =>
+    hasBoards || topics.get("/diagnostics")?.isPublished
       ? [{ key: "boards", title: texts.panels.boards, settings: {}, order: 0 }]
       : [],
   load: () => import("./boards_panel.tsx"),

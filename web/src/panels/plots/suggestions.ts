@@ -26,6 +26,13 @@ export function mainPaths(topic: Topic): string[] {
   }
 }
 
+/** The topic, and the field if a number alone does not tell which one it is. */
+function titleOf(topic: Topic, paths: readonly string[]): string {
+  const [path = "", ...others] = paths;
+  const isPlain = others.length > 0 || path === "data" || topic.typeName in MAIN_FIELDS;
+  return isPlain ? topic.name : `${topic.name}/${path.replaceAll(".", "/")}`;
+}
+
 export function plotSuggestions(graph: Graph): Suggestion[] {
   const found: Suggestion[] = [];
   // Topics that only this page publishes are in its controls.
@@ -37,7 +44,7 @@ export function plotSuggestions(graph: Graph): Suggestion[] {
     const series = paths.map((path) => `${topic.name}.${path}`);
     found.push({
       key: topic.name,
-      title: topic.name,
+      title: titleOf(topic, paths),
       settings: { series },
       order: topic.typeName in MAIN_FIELDS ? 30 : 35,
     });
