@@ -238,7 +238,8 @@ async def test_seconds_of_garbage_at_ten_megabytes_a_second(name: str) -> None:
         assert ended_used_s - back_used_s < 2 * AT_ONCE_S * slow
         assert ended_s - back_s - late.total_s < 4 * AT_ONCE_S * slow
         # One second, and twice as much again for a busy machine: judged header by header it took four.
-        assert ended_used_s - used_s < 3.0 * slow
+        # Where the test takes longer, more headers are judged: some in each second.
+        assert ended_used_s - used_s < max(3.0 * slow, 0.5 * (ended_s - began_s))
         await asyncio.sleep(0.2)
         assert sorted(set(others)) == list(range(max(others) + 1))
         assert max(others) > 10

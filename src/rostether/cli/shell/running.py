@@ -32,7 +32,7 @@ T = TypeVar("T")
 BUSY_S = 2.0
 
 # `timeout -s INT` signals a command and then its group: a user does not press Ctrl-C twice so quickly.
-SAME_SIGNAL_S = 0.1
+SAME_SIGNAL_S = 0.25
 
 # The exit code that a shell reports for a program that SIGTERM ended.
 EXIT_TERMINATED = 143
