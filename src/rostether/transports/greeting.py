@@ -17,6 +17,7 @@ from rostether.transports.psk_hello import PSK_LIMIT_S, ConnectorHello, Listener
 from rostether.transports.sockets import explain_reason
 from rostether.transports.stream import StreamTransport
 from rostether.transports.tls import (
+    SPEAKS_NO_TLS,
     TlsFiles,
     clear_handshake,
     connector_context,
@@ -74,9 +75,7 @@ class Greeting:
                 await transport.start_tls(self._context, listens=self._listens, host=self._host)
             except OSError as error:
                 clear_handshake(error)
-                raise TransportClosedError(
-                    f"no TLS connection: {_explain_handshake(error)}; check the certificates"
-                ) from None
+                raise TransportClosedError(f"no TLS connection: {_explain_handshake(error)}") from None
         certificate = self._certificates.get(transport.peer_certificate() or b"")
         if not self._keys:
             return Proof(None, certificate)
@@ -91,12 +90,18 @@ class Greeting:
 def _explain_handshake(error: OSError) -> str:
     import ssl
 
+    if isinstance(error, ssl.SSLError) and error.reason in SPEAKS_NO_TLS:
+        return "the other side does not speak TLS; use tls: on both sides"
     if isinstance(error, ssl.SSLCertVerificationError):
-        return error.verify_message
-    if isinstance(error, ssl.SSLError):
-        return show_ssl_reason(error)
-    # asyncio raises it without a text.
-    return "the other side ended it" if isinstance(error, ConnectionResetError) else explain_reason(error)
+        reason = error.verify_message
+    elif isinstance(error, ssl.SSLError):
+        reason = show_ssl_reason(error)
+    elif isinstance(error, ConnectionResetError):
+        # asyncio raises it without a text.
+        reason = "the other side ended it"
+    else:
+        reason = explain_reason(error)
+    return f"{reason}; check the certificates"
 
 
 class _Hello:

@@ -18,7 +18,7 @@ HANDSHAKE_LIMIT_S = 5.0
 # A certificate with all its authorities; a device file has no end.
 _MAX_FILE_BYTES = 1024 * 1024
 # What OpenSSL reports of a peer that sends other bytes than TLS.
-_NO_TLS = frozenset({"HTTP_REQUEST", "HTTPS_PROXY_REQUEST", "UNKNOWN_PROTOCOL", "WRONG_VERSION_NUMBER"})
+SPEAKS_NO_TLS = frozenset({"HTTP_REQUEST", "HTTPS_PROXY_REQUEST", "UNKNOWN_PROTOCOL", "WRONG_VERSION_NUMBER"})
 
 
 @dataclass(frozen=True, slots=True)
@@ -103,8 +103,6 @@ def load_own_certificate(context: ssl.SSLContext, certificate: str, key: str | N
 
 def show_ssl_reason(error: ssl.SSLError) -> str:
     """Return OpenSSL's reason in words."""
-    if error.reason in _NO_TLS:
-        return "it does not speak TLS"
     return (error.reason or str(error)).lower().replace("_", " ")
 
 

@@ -168,7 +168,9 @@ async def test_tls_and_key_together(certificates: Path, key: Path) -> None:
         await carry(arrivals, f"tls://:{port}?connect=yes&ca={certificates}/server.pem&psk={key}")
 
 
-async def test_a_plain_board_at_a_tls_listener_is_refused(certificates: Path) -> None:
+async def test_a_plain_board_at_a_tls_listener_is_refused(
+    certificates: Path, caplog: pytest.LogCaptureFixture
+) -> None:
     server = f"tls://:0?cert={certificates}/server.pem&key={certificates}/server.key"
     async with listening(server) as (listener, arrivals, port), handshakes_in_memory() as handshakes:
         reader, writer = await asyncio.open_connection("127.0.0.1", port)
@@ -177,6 +179,7 @@ async def test_a_plain_board_at_a_tls_listener_is_refused(certificates: Path) ->
             await reader.read()
         writer.close()
         await until(lambda: listener.refused_count == 1)
+        assert "no TLS connection: the other side does not speak TLS; use tls: on both sides" in caplog.text
         assert (arrivals.count, listener.connection_count) == (0, 0)
         await until(lambda: handshakes() == 0)
         silent = await asyncio.gather(*(asyncio.open_connection("127.0.0.1", port) for _ in range(40)))
