@@ -73,7 +73,9 @@ class BoardHealth:
         self.connected_at_s = now_s
         self.clock.forget()
         self.required.forget()
-        self.watch = LineWatch(baud, self._resets, statistics, now_s, may_lose=may_lose)
+        self.watch = LineWatch(
+            baud, self._resets, statistics, now_s, may_lose=may_lose, on_radio=self.radio is not None
+        )
         return self.watch
 
     def disconnected(self, error: TransportError | None, *, is_program: bool = False) -> None:

@@ -17,13 +17,17 @@ RESET_DAMAGES = 2
 # One in 500: users do not notice less, and radio links are never better.
 MIN_SHARE = 0.002
 
-_NEXT_STEP = (
+CABLE_ADVICE = (
     "use a shorter or shielded cable away from motors, check the ground wire, choose a lower baud rate, and "
     "keep every interrupt of the sketch shorter than the time of one byte"
 )
-_NEXT_STEP_DATAGRAMS = (
+DATAGRAM_ADVICE = (
     "the network loses datagrams: improve the Wi-Fi signal, send messages that fit a datagram (1400 bytes), "
     "or use TCP"
+)
+RADIO_ADVICE = (
+    "move the radios closer together, set all of them to another channel, or send messages that fit a packet "
+    "(92 bytes, DigiMesh 65)"
 )
 
 _CHECKS = frozenset({DiscardReason.LENGTH_CHECKSUM, DiscardReason.PAYLOAD_CHECKSUM, DiscardReason.PACKET})
@@ -33,10 +37,10 @@ _MIN_REMAINS_BYTES = 8
 
 
 class Damage:
-    """The damaged frames of one connection; `may_lose`: over datagrams, of which some were lost."""
+    """The damaged frames of one connection; `advice` for its kind of line is the next step of the finding."""
 
-    def __init__(self, *, may_lose: bool = False) -> None:
-        self._may_lose = may_lose
+    def __init__(self, advice: str = CABLE_ADVICE) -> None:
+        self._advice = advice
         self._count = 0
         self._last_s = float("-inf")
         self._samples: deque[tuple[float, int, int]] = deque()
@@ -65,5 +69,5 @@ class Damage:
         return warning(
             Code.FRAMES_DAMAGED,
             f"{percent:.2g} % of the frames are damaged ({damaged} of the last {damaged + valid})",
-            _NEXT_STEP_DATAGRAMS if self._may_lose else _NEXT_STEP,
+            self._advice,
         )

@@ -9,7 +9,7 @@ from collections.abc import Callable
 from typing import Any
 
 from rostether.bridge.findings.announcements import Announcements
-from rostether.bridge.findings.damage import Damage
+from rostether.bridge.findings.damage import CABLE_ADVICE, DATAGRAM_ADVICE, RADIO_ADVICE, Damage
 from rostether.bridge.findings.finding import Code, Finding, error, warning
 from rostether.bridge.findings.loop_speed import LoopSpeed
 from rostether.bridge.findings.noise import Noise, is_text, show
@@ -59,7 +59,7 @@ _SIGNS_OF_LIFE = (
 class LineWatch:
     """One connection of one board; `baud` is the baud rate of a serial line, `resets` the board's.
 
-    `may_lose`: each frame is a datagram, which may be lost.
+    `may_lose`: over datagrams, `on_radio`: over an XBee, which may lose packets and delays them.
     """
 
     def __init__(
@@ -70,9 +70,10 @@ class LineWatch:
         now_s: float,
         *,
         may_lose: bool = False,
+        on_radio: bool = False,
     ) -> None:
         self.noise = Noise()
-        self.loop_speed = LoopSpeed(may_lose=may_lose)
+        self.loop_speed = LoopSpeed(may_lose=may_lose or on_radio)
         self.oversizes = Oversizes()
 
         # When the board last logged that a message did not fit its buffer.
@@ -82,7 +83,7 @@ class LineWatch:
         self._statistics = statistics
         self._opened_s = self._found_s = now_s
         self._may_lose = may_lose
-        self._damage = Damage(may_lose=may_lose)
+        self._damage = Damage(DATAGRAM_ADVICE if may_lose else RADIO_ADVICE if on_radio else CABLE_ADVICE)
         self._announcements = Announcements()
         self._version: int | None = None
         self._alive_s: float | None = None

@@ -42,7 +42,7 @@ MIN_COUNT_DATAGRAMS = 8
 
 
 class LoopSpeed:
-    """The time requests of one connection; `may_lose`: over datagrams, each of which may be lost."""
+    """The time requests of one connection; `may_lose`: each request may be lost or delayed."""
 
     def __init__(self, *, may_lose: bool = False) -> None:
         # Whether the board is known to run our library.

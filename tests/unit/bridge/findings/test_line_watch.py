@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+import pytest
+
 from rostether.bridge.findings.finding import Code
 from rostether.bridge.findings.line_watch import LineWatch
 from rostether.bridge.findings.resets import Resets
@@ -51,3 +53,25 @@ def test_the_rest_of_a_long_message_is_text_of_the_sketch_only_where_no_datagram
         for number in range(1, 6):
             watch.handle_event(FrameDiscarded(DiscardReason.NOISE, b"y" * 200), float(number))
         assert [each.code for each in watch.find(6.0)] == [code]
+
+
+@pytest.mark.parametrize(
+    ("may_lose", "on_radio", "advice"),
+    [
+        (False, False, "shielded cable"),
+        (True, False, "loses datagrams"),
+        (False, True, "move the radios closer"),
+    ],
+)
+def test_the_advice_for_damaged_frames_is_that_of_the_line(
+    may_lose: bool, on_radio: bool, advice: str
+) -> None:
+    watch = LineWatch(None, Resets(), LinkStatistics(), 0.0, may_lose=may_lose, on_radio=on_radio)
+    watch.handle_event(ProtocolDetected(2), 0.0)
+    watch.find(0.0)
+    for number in range(1, 6):
+        watch.handle_event(
+            FrameDiscarded(DiscardReason.PAYLOAD_CHECKSUM, b"\xff\xfe\x05\x00\xfa"), float(number)
+        )
+    (finding,) = watch.find(6.0)
+    assert advice in finding.next_step
