@@ -328,13 +328,13 @@ class PeerTable(Generic[PeerKey]):
         for peer in list(self._peers.values()):
             peer.resume_writing()
 
-    def end_all(self, error: TransportError | None) -> None:
-        """End every peer."""
+    def end_all(self, reason: str | None) -> None:
+        """End every peer for a reason, which follows its name; None if this side ends them."""
         if self._sweep_timer is not None:
             self._sweep_timer.cancel()
             self._sweep_timer = None
         for peer in list(self._peers.values()):
-            peer.end(error)
+            peer.end(None if reason is None else TransportClosedError(f"{peer.peer} {reason}"))
 
     def _schedule_sweep(self) -> None:
         # A quarter of the limit: a place is freed at most that much late.

@@ -4,7 +4,6 @@ import asyncio
 
 import pytest
 
-from rostether.errors import TransportClosedError
 from rostether.transports.peers import Medium, PeerEntry, PeerTable
 from rostether.transports.transport import Transport
 from unit.transports.recorder import Arrivals, Recorder
@@ -84,9 +83,8 @@ async def test_the_held_bytes_come_before_the_loss(medium: FakeMedium) -> None:
     peer, seen = await medium.peer("a")
     peer.pause_reading()
     medium.table.receive("a", b"last words")
-    error = TransportClosedError("unplugged")
-    medium.table.end_all(error)
-    assert await seen.until_lost() is error
+    medium.table.end_all("is unplugged")
+    assert str(await seen.until_lost()) == "peer a is unplugged"
     assert bytes(seen.data) == b"last words"
     peer.write(b"into the void")
     assert (medium.sent, peer.write_buffer_bytes) == ([], 0)

@@ -16,7 +16,7 @@ import logging
 from collections.abc import Awaitable, Callable
 from typing import TypeAlias
 
-from rostether.errors import TransportClosedError, TransportError
+from rostether.errors import TransportError
 from rostether.mechanisms.backoff import Backoff
 from rostether.transports.address import SerialAddress, XbeeAddress
 from rostether.transports.link_quality import LinkQuality
@@ -156,9 +156,10 @@ class XbeeListener:
         self._drained.set()
         if self._closed:
             return
-        _LOG.warning("%s", error)
+        what_happened = str(error or f"{self.address} is closed").partition(";")[0]
+        _LOG.warning("%s; plug the radio in again", what_happened)
         self._cancel_timers()
-        self.peers.end_all(error if error is not None else TransportClosedError(f"{self.address} closed"))
+        self.peers.end_all(f"is disconnected with {self.address}")
         self._reopening = self._loop.create_task(self._reopen())
 
     def pause_writing(self) -> None:
