@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import shlex
 from collections.abc import Iterator
 
 from rostether.cli.shell.verbs import VerbEntry, verb_entries
@@ -154,4 +155,4 @@ def suggest(word: str) -> Iterator[str]:
     if (tool := word.removeprefix("ros")) != word and tool in VERBS:
         yield tool
     if _PORT.fullmatch(word):
-        yield f"serve {word}"
+        yield f"serve {shlex.quote(word)}"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import shlex
 
 MAX_PORT = 65535
 WINDOWS_PORT = re.compile(r"(?:\\\\\.\\)?COM[0-9]+", re.IGNORECASE)
@@ -48,7 +49,10 @@ def baud_option(place: str) -> str | None:
 
 def sketch_advice(place: str) -> str:
     """Return what to do with a sketch where a link address belongs."""
-    return f"write sim:{place} for a simulated board; `rostether flash {place}` flashes and serves a board"
+    command = f"rostether flash {shlex.quote(place)}"
+    return (
+        f"write {shlex.quote(f'sim:{place}')} for a simulated board; `{command}` flashes and serves a board"
+    )
 
 
 def is_number(text: str) -> bool:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
@@ -55,7 +56,9 @@ async def open_transport(address: Address | str) -> Transport:
 
             return await connect_udp(address)
         case SimAddress():
-            raise ConfigError(f"{address} is a simulated board; `rostether serve {address}` starts it")
+            raise ConfigError(
+                f"{address} is a simulated board; `rostether serve {shlex.quote(str(address))}` starts it"
+            )
         case WebAddress():
             raise ConfigError(f"{address} is for `rostether serve --dashboard`: its page connects the boards")
         case _:

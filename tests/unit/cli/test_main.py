@@ -65,6 +65,7 @@ def test_what_is_typed_wrong_is_reported_with_the_nearest_command(shell: Shell) 
         ("compile", "firmware build"),
         ("rosmsg", "msg"),
         ("/dev/ttyACM0", "serve /dev/ttyACM0"),
+        ("/dev/ttyACM0?baud=9600", "serve '/dev/ttyACM0?baud=9600'"),
         ("board list", "ports"),
     ):
         assert f"did you mean `rostether {meant}`?" in shell.failure(*words.split(), code=2)

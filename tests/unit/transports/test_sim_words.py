@@ -52,5 +52,5 @@ def test_one_address_is_one_board() -> None:
 
 
 async def test_it_is_not_a_link_that_could_be_opened() -> None:
-    with pytest.raises(ConfigError, match=r"`rostether serve sim:x.elf` starts it"):
-        await open_transport("sim:x.elf")
+    with pytest.raises(ConfigError, match=r"`rostether serve 'sim:my x.elf'` starts it"):
+        await open_transport("sim:my x.elf")

@@ -80,6 +80,7 @@ def test_a_number_is_a_tcp_port() -> None:
         ("ttyACM0:115200", "write /dev/ttyACM0?baud=115200"),
         ("localhost:11411", "write tcp://localhost:11411?connect=yes to connect there"),
         ("blink.ino", "write sim:blink.ino for a simulated board"),
+        ("my blink.ino", "`rostether flash 'my blink.ino'` flashes"),
         ("uno", "such as /dev/ttyACM0 (`rostether ports` lists them)"),
     ],
 )

@@ -8,6 +8,7 @@ node joins the graph before the board connects, and the process ends with its no
 
 from __future__ import annotations
 
+import shlex
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
@@ -137,7 +138,9 @@ async def _serve(
         link = host.choose_link(arguments.rest, parameters, node_name=node_name, namespace=namespace)
         links = read_links(link, hosts, allowed)
         if isinstance(links[0], SimAddress):
-            raise ConfigError(f"serial-node does not serve simulated boards; use `rostether serve {link}`")
+            raise ConfigError(
+                f"serial-node does not serve simulated boards; use `rostether serve {shlex.quote(link)}`"
+            )
         consent = "listen:=0.0.0.0" if "listen" in host.parameters else "--listen 0.0.0.0"
         for line in loopback_lines(used.environment, links, consent=consent):
             reporter.line(Level.INFO, line)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import re
+import shlex
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -37,7 +38,7 @@ def flash(sketch: Path, board_name: str, options: BuildOptions, port: str | None
     """
     chosen = run(upload_sketch(sketch, board_name, options, port))
     address = address_of(sketch, chosen)
-    write_line(f"rostether serve '{address}'" if "?" in address else f"rostether serve {address}")
+    write_line(f"rostether serve {shlex.quote(address)}")
     replace_process(our_command("serve", address), os.environ)
 
 
