@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import warnings
+from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -38,17 +39,28 @@ _MAX_FILES = 50
 
 def explain_python2(script: Path) -> str:
     """Return what to do with a script that is, or imports, Python 2 code; empty if it is neither."""
+    for file, line, _ in _examine_all(script):
+        if line:
+            return f"{file}:{line}: written for Python 2; convert it with `2to3 -w {file}`"
+    return ""
+
+
+def imported_modules(script: Path) -> set[str]:
+    """Return the modules that a script and the modules next to it import."""
+    return {name for _, _, imported in _examine_all(script) for name in imported}
+
+
+def _examine_all(script: Path) -> Iterator[tuple[Path, int, list[str]]]:
+    """Yield a script and the modules next to it that it imports, each with the result of `_examine`."""
     waiting, seen = [script], {script}
     while waiting:
         file = waiting.pop(0)
         line, imported = _examine(file)
-        if line:
-            return f"{file}:{line}: written for Python 2; convert it with `2to3 -w {file}`"
+        yield file, line, imported
         beside = {file.parent / f"{name}.py" for name in imported} - seen
         if len(seen) + len(beside) <= _MAX_FILES:
             waiting += sorted(each for each in beside if each.is_file())
             seen |= beside
-    return ""
 
 
 def _examine(script: Path) -> tuple[int, list[str]]:

@@ -7,22 +7,28 @@ import os
 import shutil
 import subprocess
 import sys
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 
 from rostether.cli.launch.served_nodes import served_nodes, window_program
 from rostether.errors import ConfigError
 from rostether.mechanisms.text import did_you_mean
 from rostether.packages.executables import find_program, is_python, library_folders, shebang
-from rostether.packages.python_scripts import explain_python2
+from rostether.packages.python_scripts import explain_python2, imported_modules
 
 PYTHON_VARIABLE = "ROSTETHER_PYTHON"
 
 # A Python starts within a second, even on a busy small board.
 _PROBE_LIMIT_S = 10.0
-_PROBE = (
-    "import sys, importlib.util as u; print(sys.version_info >= (3, 11) or u.find_spec('rospy') is not None)"
-)
+# The packages of the workspace must be built for a real rospy. A folder without `__init__.py` has no origin.
+_PROBE = """
+import importlib.util, sys
+del sys.path[0]
+def has(name):
+    spec = importlib.util.find_spec(name)
+    return spec is not None and spec.origin is not None
+print(all(map(has, sys.argv[1:])) if has("rospy") else sys.version_info >= (3, 11))
+"""
 
 
 def node_command(
@@ -45,7 +51,7 @@ def node_command(
     found = find_program(package, program, folder, environ)
     if not is_python(found):
         return [str(found)]
-    python = python_for(found, environ)
+    python = python_for(found, environ, packages)
     if not Path(python[0]).name.startswith("python2") and (reason := explain_python2(found)):
         raise ConfigError(reason)
     return [*python, str(found)]
@@ -65,7 +71,7 @@ def explain_unknown_package(package: str, program: str, packages: Mapping[str, P
     )
 
 
-def python_for(script: Path, environ: Mapping[str, str]) -> list[str]:
+def python_for(script: Path, environ: Mapping[str, str], packages: Iterable[str] = ()) -> list[str]:
     """Return the words before the script's path on its command line: a Python, and flags of its first line.
 
     With these words, scripts also run if they are not executable or have Windows line ends.
@@ -76,19 +82,20 @@ def python_for(script: Path, environ: Mapping[str, str]) -> list[str]:
     if words and Path(words[0]).name == "env":
         words = [each for each in words[1:] if each != "-S" and "=" not in each]
     named = shutil.which(words[0], path=environ.get("PATH")) if words else None
-    if named is None or not _is_usable(named, environ.get("PYTHONPATH", "")):
+    needed = tuple(sorted(imported_modules(script).intersection(packages)))
+    if named is None or not _is_usable(named, environ.get("PYTHONPATH", ""), needed):
         return [sys.executable]
     return [named, *words[1:]]
 
 
 @functools.cache
-def _is_usable(python: str, python_path: str) -> bool:
-    """Return whether a Python has a real rospy, or can use the built-in one."""
+def _is_usable(python: str, python_path: str, needed: tuple[str, ...]) -> bool:
+    """Return whether a Python has a real rospy and the needed packages, or can use the built-in rospy."""
     if python == sys.executable:
         return True
     try:
         answer = subprocess.run(  # noqa: S603 - the program that the user's script names
-            [python, "-c", _PROBE],
+            [python, "-c", _PROBE, *needed],
             env={**os.environ, "PYTHONPATH": python_path},
             stdin=subprocess.DEVNULL,
             capture_output=True,

@@ -174,6 +174,20 @@ def test_which_python_runs_a_script(tmp_path: Path) -> None:
     assert python_for(script, {**path, PYTHON_VARIABLE: "/opt/python"}) == ["/opt/python"]
 
 
+def test_a_real_rospy_runs_scripts_whose_packages_are_built_for_it(tmp_path: Path) -> None:
+    text = f'#!/bin/sh\nPYTHONPATH={tmp_path / "real"} exec {sys.executable} "$@"\n'
+    named = write(tmp_path / "python3", text)
+    for package in ("rospy", "built"):
+        (tmp_path / "real" / package).mkdir(parents=True)
+        (tmp_path / "real" / package / "__init__.py").touch()
+    # A folder of a package is no module.
+    (tmp_path / "real" / "arm").mkdir()
+    built = write(tmp_path / "a.py", f"#!{named}\nimport rospy, sys\nfrom built.msg import Wheels\n")
+    assert python_for(built, {}, ["built", "arm"]) == [str(named)]
+    unbuilt = write(tmp_path / "b.py", f"#!{named}\nimport rospy\nfrom arm.msg import Angles\n")
+    assert python_for(unbuilt, {}, ["built", "arm"]) == [sys.executable]
+
+
 def test_a_script_for_python_2_is_refused_with_what_to_type(arm: Path) -> None:
     script = write(arm / "old.py", "#!/usr/bin/env python\nprint 'hello'\n")
     with pytest.raises(ConfigError, match=r"old\.py:2: written for Python 2; convert it with `2to3 -w"):
