@@ -26,7 +26,7 @@ export function mainPaths(topic: Topic): string[] {
   }
 }
 
-/** The topic, and the field if a number alone does not tell which one it is. */
+/** The topic, and the field of the number if the topic has several. */
 function titleOf(topic: Topic, paths: readonly string[]): string {
   const [path = "", ...others] = paths;
   const isPlain = others.length > 0 || path === "data" || topic.typeName in MAIN_FIELDS;
