@@ -89,13 +89,16 @@ class ParamWatch(Waiting[ports.Watch]):
 class Messages(Generic[M]):
     """The messages of a topic, to loop over; made by `Graph.messages`.
 
-    The subscription begins with the loop, or the first `next`, and ends with the loop or `close`.
+    The subscription begins with the loop, or the first `next`, and ends with the loop or `close`. Threads
+    that share it get each message once; the first loop that is left ends all.
     """
 
     def __init__(self, is_closed: Callable[[], bool], stream: MessageStream[M]) -> None:
         self._is_closed = is_closed
         self._stream = stream
         self._waiting: asyncio.Task[M] | None = None
+        self._turn = asyncio.Lock()
+        self._ended_count = 0
 
     @property
     def dropped_count(self) -> int:
@@ -123,10 +126,20 @@ class Messages(Generic[M]):
             LOOP.call(self._end())
 
     async def _next(self) -> M:
-        self._waiting = asyncio.ensure_future(anext(self._stream))
-        return await self._waiting
+        ended_count = self._ended_count
+        async with self._turn:
+            if self._ended_count != ended_count:
+                raise StopAsyncIteration
+            self._waiting = asyncio.ensure_future(anext(self._stream))
+            try:
+                return await self._waiting
+            except asyncio.CancelledError:
+                if self._ended_count == ended_count:
+                    raise
+                raise StopAsyncIteration from None
 
     async def _end(self) -> None:
+        self._ended_count += 1
         # A generator cannot be closed while it runs, for instance after Ctrl-C.
         if self._waiting is not None:
             self._waiting.cancel()

@@ -70,6 +70,29 @@ def test_topics(talker: rostether.sync.Graph, listener: rostether.sync.Graph) ->
     chatter.close()
 
 
+def test_threads_share_the_messages_of_a_topic_until_one_ends_them(talker: rostether.sync.Graph) -> None:
+    shared = talker.messages("shared", Int32)
+    got: queue.Queue[int] = queue.Queue()
+
+    def loop() -> None:
+        for message in shared:
+            got.put(message.data)
+
+    threads = [threading.Thread(target=loop, daemon=True) for _ in range(2)]
+    for thread in threads:
+        thread.start()
+    numbers = talker.publisher("shared", Int32)
+    numbers.wait_for_subscriber()
+    for number in range(20):
+        numbers.publish(data=number)
+    assert sorted(got.get(timeout=LIMIT_S) for _ in range(20)) == list(range(20))
+    shared.close()
+    for thread in threads:
+        thread.join(LIMIT_S)
+        assert not thread.is_alive()
+    assert got.empty()
+
+
 def test_a_callback_that_fails_ends_nothing(
     talker: rostether.sync.Graph, caplog: pytest.LogCaptureFixture
 ) -> None:
