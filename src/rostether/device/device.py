@@ -49,6 +49,9 @@ PROGRAM_CONFIG = DeviceLinkConfig(
 # Over UDP, a host detects the device by its first datagram, which is repeated because it may be lost.
 _GREETING = encode_frame(TIME, encode_time(Time()))
 _GREETING_PERIOD_S = 1.0
+# A running host requests the topics within a second.
+NO_HOST_WARNING_S = 5.0
+_NO_CAUSE = "; start one: rostether serve"
 
 _LOG = logging.getLogger(__name__)
 
@@ -92,6 +95,8 @@ class Device(Endpoints):
         )
         self._parameters = ParameterRequests()
         self._configured = asyncio.Event()
+        # Why no host is connected, as the end of a sentence.
+        self._cause = _NO_CAUSE
         self._keeper: asyncio.Task[None] | None = None
 
     async def __aenter__(self) -> Self:
@@ -129,7 +134,10 @@ class Device(Endpoints):
         return self._line.transport is not None and self._link.is_configured
 
     async def wait_connected(self, timeout_s: float | None = None) -> None:
-        """Wait until a host is connected. Raises TransportTimeoutError."""
+        """Wait until a host is connected; a long wait is logged. Raises TransportTimeoutError."""
+        if self.connected:
+            return
+        warning = asyncio.get_running_loop().call_later(NO_HOST_WARNING_S, self._warn_of_no_host)
         try:
             async with asyncio.timeout(timeout_s):
                 while not self.connected:
@@ -137,8 +145,13 @@ class Device(Endpoints):
                     await self._configured.wait()
         except TimeoutError:
             raise TransportTimeoutError(
-                f"no host requested the topics within {timeout_s:g} s; start one: rostether serve"
+                f"no host requested the topics within {timeout_s:g} s{self._cause}"
             ) from None
+        finally:
+            warning.cancel()
+
+    def _warn_of_no_host(self) -> None:
+        _LOG.warning("no host has requested the topics yet%s", self._cause)
 
     async def get_param(
         self, name: str, default: DeviceParam | None = None, *, timeout_s: float = 2.0
@@ -182,6 +195,7 @@ class Device(Endpoints):
             return await open_transport(self._address)
         except TransportError as error:
             _LOG.info("%s; trying again", error)
+            self._cause = f": {error}"
             return None
 
     async def _keep_open(self, transport: Transport | None) -> None:
@@ -203,6 +217,7 @@ class Device(Endpoints):
             with contextlib.suppress(TimeoutError):
                 async with asyncio.timeout(_GREETING_PERIOD_S if sends_greeting else None):
                     error = await self._line.wait_lost()
+                    self._cause = _NO_CAUSE if error is None else f": {error}"
                     _LOG.info("%s", error if error is not None else "the line was closed")
 
     def _handle_event(self, event: DeviceEvent) -> None:
@@ -213,6 +228,7 @@ class Device(Endpoints):
                     receive(payloads)
             case TopicsRequested():
                 self._backoff.reset()
+                self._cause = _NO_CAUSE
                 self._configured.set()
             case ParameterReceived():
                 self._parameters.answered(event)

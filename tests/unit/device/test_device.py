@@ -301,6 +301,19 @@ async def test_a_host_that_stops_is_not_a_host_until_it_asks_again(pair: tuple[D
             await device.wait_connected(timeout_s=0.01)
 
 
+async def test_a_long_wait_for_a_host_names_its_cause(
+    monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    monkeypatch.setattr("rostether.device.device.NO_HOST_WARNING_S", 0.0)
+    cause = "no program listens on 127.0.0.1:1"
+    async with device_on("tcp://127.0.0.1:1") as device:
+        with pytest.raises(TransportTimeoutError, match=cause):
+            await device.wait_connected(timeout_s=0.1)
+    assert [record.getMessage() for record in caplog.records if record.levelname == "WARNING"] == [
+        f"no host has requested the topics yet: {cause}; start it, or correct the port"
+    ]
+
+
 async def test_endpoints_declared_while_connected_reach_the_host(pair: tuple[Device, Any]) -> None:
     device, line = pair
     async with tethered(device, line) as host:
