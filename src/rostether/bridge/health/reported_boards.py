@@ -23,8 +23,11 @@ STALE_S = 3.0
 # How long a disconnected board stays in the table.
 FORGET_S = 15.0
 
-# The longest time that `reported_boards` listens: rates are known after a board's second report.
+# The longest time that `reported_boards` listens: rates are known some time after a board's first report.
 LISTEN_S = 6.0
+
+# A bridge measures rates from its first report to a subscriber on. The second may follow at once.
+RATES_AFTER_S = 0.9
 
 # How long it waits for a publisher: a newly connected board advertises within a second.
 NO_PUBLISHER_S = 2.5
@@ -36,31 +39,32 @@ _POLL_S = 0.1
 
 
 class BoardsSeen:
-    """The last status of each board, with its time of arrival by `clock`."""
+    """The last status of each board, with the times of its first and last arrival by `clock`."""
 
     def __init__(self, clock: Callable[[], float]) -> None:
         self._clock = clock
-        self._seen: dict[str, tuple[float, BoardStatus, int]] = {}
+        self._seen: dict[str, tuple[float, float, BoardStatus]] = {}
 
     def add_status(self, status: BoardStatus) -> None:
         """Handle a status."""
         if status.name in self._seen or len(self._seen) < MAX_BOARDS:
-            count = self._seen[status.name][2] if status.name in self._seen else 0
-            self._seen[status.name] = self._clock(), status, count + 1
+            now_s = self._clock()
+            first_s = self._seen[status.name][0] if status.name in self._seen else now_s
+            self._seen[status.name] = first_s, now_s, status
 
     def boards(self) -> list[BoardStatus]:
         """Return the boards with their state; a silent one counts as disconnected, and is removed later."""
         now_s = self._clock()
-        for name in [name for name, (at_s, _, _) in self._seen.items() if now_s - at_s > FORGET_S]:
+        for name in [name for name, (_, at_s, _) in self._seen.items() if now_s - at_s > FORGET_S]:
             del self._seen[name]
         return [
             status if now_s - at_s <= STALE_S else _gone(status, now_s - at_s)
-            for at_s, status, _ in self._seen.values()
+            for _, at_s, status in self._seen.values()
         ]
 
     def known_count(self) -> int:
-        """Return how many boards have reported often enough to know their rates."""
-        return sum(count > 1 for _, _, count in self._seen.values())
+        """Return how many boards have reported for long enough to know their rates."""
+        return sum(at_s - first_s >= RATES_AFTER_S for first_s, at_s, _ in self._seen.values())
 
 
 async def listen(graph: TypedGraph, on_status: Callable[[BoardStatus], object]) -> None:

@@ -37,3 +37,12 @@ def test_what_is_kept_is_bounded() -> None:
     for number in range(MAX_BOARDS + 100):
         seen.add_status(replace(ARM, name=f"/board_{number}"))
     assert len(seen.boards()) == MAX_BOARDS
+
+
+def test_rates_are_known_after_a_second_of_reports() -> None:
+    clock = Clock()
+    seen = BoardsSeen(clock)
+    for now_s, count in ((100.0, 0), (100.1, 0), (101.0, 1)):
+        clock.now_s = now_s
+        seen.add_status(ARM)
+        assert seen.known_count() == count
