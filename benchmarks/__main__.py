@@ -1,4 +1,4 @@
-"""Runs every benchmark and prints a table: what we reach, what was asked, and the bare relay of the same run.
+"""Runs every benchmark and prints a table: the result, the goal, and the bare relay of the same run.
 
 python -m benchmarks [throughput|round-trip|footprint|crowd|scale|flooding|frames|codec|cdr|cycles|flash|
     memory|gateways|zenoh ...]
@@ -33,7 +33,7 @@ from firmware.examples import established
 
 
 def throughput_table() -> Table:
-    """Measure floods both ways."""
+    """Measure floods in both directions."""
     table = Table(
         "flood", "messages/s", "lost", "CPU s/100k", "bare relay/s", "ratio", "wanted", title="Throughput"
     )
@@ -131,7 +131,7 @@ def crowd_table() -> Table:
 
 
 def scale_table() -> Table:
-    """Measure growing numbers of boards."""
+    """Measure increasing numbers of boards."""
     columns = "boards", "lost", "p50 ms", "p99 ms", "longest", "sent late, p99", "CPU", "MB", "wanted"
     table = Table(*columns, title=f"Scale, {scale.RATE_HZ} Hz each")
     for devices, seen in scale.scales():
@@ -176,12 +176,12 @@ def frames_table() -> Table:
 
 
 def codec_table() -> Table:
-    """Measure values to bytes and back, beside rosbags."""
+    """Measure values to bytes and back, compared with rosbags."""
     return _beside_rosbags("Codec", serde_codec.compare())
 
 
 def cdr_table() -> Table:
-    """Measure ROS 1 serialization to CDR and back, beside rosbags."""
+    """Measure ROS 1 serialization to CDR and back, compared with rosbags."""
     table = _beside_rosbags("CDR", cdr_conversion.compare())
     table.caption = "wanted: a String at most 1,500 ns, an Imu at most 3,000 ns"
     return table
@@ -197,9 +197,9 @@ def _beside_rosbags(title: str, rows: list[serde_codec.Row]) -> Table:
 
 
 def cycles_table() -> Table:
-    """Count what the client library takes of a Mega."""
+    """Count the cycles that the client library uses on a Mega."""
     title = "Client library, cycles on a Mega"
-    table = Table("operation", "ours", "of theirs", "with Serial, 1 Mbaud", "theirs", "wanted", title=title)
+    table = Table("operation", "ours", "relative", "with Serial, 1 Mbaud", "theirs", "wanted", title=title)
     neutral, serial = cycles.count(neutral=True), cycles.count(neutral=False)
     for operation in cycles.OPERATIONS:
         table.add_row(
@@ -214,8 +214,8 @@ def cycles_table() -> Table:
 
 
 def flash_table() -> Table:
-    """Measure what the examples take of the flash of two boards."""
-    columns = "board", "example", "flash B", "of theirs", "without Wire and USB"
+    """Measure how much flash of two boards the examples use."""
+    columns = "board", "example", "flash B", "relative", "without Wire and USB"
     table = Table(*columns, title="Client library, flash")
     for board in established.ESTABLISHED:
         measured = sizes.measure_flash(board)
@@ -227,8 +227,8 @@ def flash_table() -> Table:
 
 
 def memory_table() -> Table:
-    """Measure what the examples take of an Uno's RAM."""
-    columns = "example", "RAM B", "stack B", "RAM + stack", "of theirs"
+    """Measure how much of an Uno's RAM the examples use."""
+    columns = "example", "RAM B", "stack B", "RAM + stack", "relative"
     table = Table(*columns, title="Client library, RAM of an Uno")
     for size in sizes.measure():
         table.add_row(
@@ -243,7 +243,7 @@ def memory_table() -> Table:
 
 
 def gateways_table() -> Table:
-    """Measure gateways whose clients hear many topics."""
+    """Measure gateways whose clients receive many topics."""
     title = f"Gateways, {gateways.TOPICS} topics at {gateways.RATE_HZ:.0f} Hz"
     table = Table("gateway", "CPU", "received", "sent", "wanted", title=title)
     costs = gateways.gateway_costs()
@@ -258,7 +258,7 @@ def gateways_table() -> Table:
 
 
 def recording_table() -> Table:
-    """Measure recording a flood for ten seconds, and playing one, beside Debian's rosbag."""
+    """Measure the recording and the playback of a flood, compared with Debian's rosbag."""
     table = Table("bag", "messages/s", "lost", "cores", "wanted", title="Recording, 64 B")
     for kept in recording.recordings():
         table.add_row(
@@ -340,7 +340,7 @@ TABLES = {
 
 
 def main(names: list[str]) -> None:
-    """Print the tables that the arguments name, all without any."""
+    """Print the tables that the arguments name; without arguments, all."""
     if unknown := [name for name in names if name not in TABLES]:
         sys.exit(f"no benchmark is named {unknown[0]}; the names are {', '.join(TABLES)}")
     console = Console()

@@ -1,7 +1,7 @@
-"""The limit to compare with: bytes already in TCPROS form, copied from socket to socket by blocking Python.
+"""The limit for comparison: blocking Python that copies bytes in TCPROS form from socket to socket.
 
-    bare_relay.py MASTER_URI out PORT TOPIC TYPE   a publisher of TOPIC that copies what comes on PORT
-    bare_relay.py MASTER_URI in PORT TOPIC TYPE    a subscriber of TOPIC that copies to who connects to PORT
+    bare_relay.py MASTER_URI out PORT TOPIC TYPE   a publisher of TOPIC that copies the bytes received on PORT
+    bare_relay.py MASTER_URI in PORT TOPIC TYPE    a subscriber of TOPIC that copies to the client of PORT
 
 It decodes nothing, checks nothing and serves one peer.
 """
@@ -49,7 +49,7 @@ def copy(source: socket.socket, target: socket.socket) -> None:
 
 
 def slave(tcpros_port: int) -> str:
-    """Serve the slave API that a subscriber asks; returns its URI."""
+    """Serve the slave API for a subscriber; return its URI."""
     server = SimpleXMLRPCServer(("127.0.0.1", 0), logRequests=False, allow_none=True)
     server.register_function(
         lambda caller, topic, protocols: (1, "ready", ["TCPROS", "127.0.0.1", tcpros_port]), "requestTopic"
@@ -60,7 +60,7 @@ def slave(tcpros_port: int) -> str:
 
 
 def relay_out(master: Any, port: int, topic: str, type_name: str) -> None:
-    """Publish what comes on `port`, as it is."""
+    """Publish the bytes received on `port`, unchanged."""
     server, source_server = listen(), listen(port)
     message_type = Registry().message_type(type_name)
     master.registerPublisher("/bare_relay", topic, type_name, slave(server.getsockname()[1]))
@@ -80,7 +80,7 @@ def relay_out(master: Any, port: int, topic: str, type_name: str) -> None:
 
 
 def relay_in(master: Any, port: int, topic: str, type_name: str) -> None:
-    """Subscribe, and copy what comes to who connects to `port`."""
+    """Subscribe, and copy the messages to the client of `port`."""
     target_server = listen(port)
     target, _ = target_server.accept()
     publishers = master.registerSubscriber("/bare_relay", topic, type_name, slave(0))[2]

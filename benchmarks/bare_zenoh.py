@@ -1,4 +1,4 @@
-"""From zenoh to a TCP socket and back with nothing between them: what zenoh, Python and the system take.
+"""From zenoh to a TCP socket and back without a bridge: the time of zenoh, Python and the system.
 
 bare_zenoh.py DEVICE_PORT ZENOH_PORT   prints a line when it listens, ends with its device
 """
@@ -15,7 +15,7 @@ IN, OUT = "bench/in", "bench/out"
 
 
 def main(device_port: str, zenoh_port: str) -> None:
-    """Hand on until the device hangs up."""
+    """Pass bytes on until the device closes the connection."""
     configuration = zenoh.Config()
     for path, value in (
         ("mode", '"router"'),

@@ -1,4 +1,4 @@
-"""How long one message takes from ROS 1 serialization to CDR and back, beside rosbags in the same run.
+"""The time for one message from ROS 1 serialization to CDR and back, compared with rosbags in the same run.
 
 `compare()` returns the rows; python -m benchmarks cdr prints them.
 """
@@ -30,7 +30,7 @@ MESSAGES: dict[str, dict[str, Any]] = {
 
 
 def compare() -> list[Row]:
-    """Measure both libraries, turn by turn."""
+    """Measure both libraries in turns."""
     from rosbags.typesys import Stores, get_typestore
 
     store, definitions, theirs = TypeStore(Registry()), Ros2Definitions(), get_typestore(Stores.ROS2_JAZZY)

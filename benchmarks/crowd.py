@@ -1,4 +1,4 @@
-"""A hundred devices beside one that floods or worse: what they lose, how long messages take, memory."""
+"""A hundred devices and one that floods or sends garbage: lost messages, delays, memory."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ TROUBLE_BYTES_PER_S = 10e6
 
 @dataclass(frozen=True, slots=True)
 class Crowd:
-    """What was measured on the devices that do not flood; `late_...`: how punctual they were themselves."""
+    """The measurements of the devices that do not flood; `late_...`: how late they sent their messages."""
 
     sent: int
     received: int
@@ -30,15 +30,15 @@ class Crowd:
 def crowd(
     devices: int, rate_hz: int, seconds: int, *, floods: bool = True, trouble: str = "", roscore: bool = False
 ) -> Crowd:
-    """Serve devices on one listener, with one more that sends as fast as it can.
+    """Serve devices on one listener, and one more that sends as fast as it can.
 
-    `trouble`: instead it sends 10 MB a second of what crowd_troubles.py makes of that name. `roscore`: the
+    `trouble`: instead it sends 10 MB a second of this kind, see crowd_troubles.py. `roscore`: the
     master is Debian's.
     """
     port = free_port()
     messages = rate_hz * seconds
     with Bench(roscore=roscore) as bench:
-        # One more device than these may come, which floods.
+        # One more device may connect: the one that floods.
         limits = (f"--limit={name}={devices + 1}" for name in ("connections", "connections-per-host"))
         bridge = bench.ours("serve", f"tcp://:{port}", *limits)
         talkers = bench.module("crowd_devices", str(port), str(devices), str(rate_hz), str(messages))

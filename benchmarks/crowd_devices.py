@@ -1,13 +1,13 @@
-"""Many TCP devices in one program: each publishes at HZ on a topic of its own, when it was there in ns.
+"""Many TCP devices in one program: each publishes the time in ns at HZ, on a separate topic.
 
     crowd_devices.py PORT COUNT HZ MESSAGES
 
-Each message is a std_msgs/UInt64, the time it was written on the machine's monotonic clock, so that whoever
-hears it knows how long it took. Prints a line when all were asked for topics, begins at a line on stdin, and
-prints at the end how late it was itself with its messages: p99 and the longest in ms. What the machine does
-to it, it does to the bridge as well.
-The devices speak evenly spread over the period, as boards that know nothing of each other do. Their TCP
-gathers small messages until the last is acknowledged (no TCP_NODELAY), as that of many boards does.
+Each message is a std_msgs/UInt64, the time of writing on the machine's monotonic clock, so that a
+receiver knows the delay. Prints a line when all have received a topic request, begins at a line on stdin, and
+prints at the end how late it sent its messages: p99 and the longest in ms. This delay is caused by the
+machine, which also delays the bridge.
+The devices send at times spread evenly over the period, like independent boards. Their TCP
+collects small messages until the last is acknowledged (no TCP_NODELAY), as on many boards.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ TYPE = "std_msgs/UInt64"
 
 
 def stamped() -> bytes:
-    """Return a message that says when it was made."""
+    """Return a message with the current time."""
     return encode_frame(PUBLISHER_ID, struct.pack("<Q", time.monotonic_ns()))
 
 
@@ -50,7 +50,7 @@ class Crowd:
         self._asks = 0
 
     def serve(self, until_s: float) -> None:
-        """Answer what the host asks until then, and ask for the time as boards do."""
+        """Answer the host's requests until then, and request the time as boards do."""
         while True:
             rest_s = until_s - time.monotonic()
             for key, _ in self._selector.select(max(rest_s, 0.0)):
@@ -60,7 +60,7 @@ class Crowd:
                     line.sendall(TIME_REQUEST + self._announcements[line])
                     self.asked.add(line)
             while time.monotonic() >= self._time_due:
-                # One after the other: each board asks from when it was switched on.
+                # At different times: each board counts from its own start.
                 self._time_due += TIME_PERIOD_S / len(self.lines)
                 self._asks += 1
                 line = self.lines[self._asks % len(self.lines)]
@@ -71,7 +71,7 @@ class Crowd:
 
 
 def main(arguments: list[str]) -> None:
-    """Serve the devices until all has been said, then for ever."""
+    """Serve the devices until all messages are sent, then without end."""
     port, count, rate_hz, messages = (int(argument) for argument in arguments)
     allow_many_descriptors()
     crowd = Crowd(port, count)

@@ -1,8 +1,8 @@
-"""Hears every message of crowd_devices.py over raw TCPROS connections; prints how long they took.
+"""Receives every message of crowd_devices.py over raw TCPROS connections; prints their delays.
 
     crowd_listener.py MASTER_URI COUNT MESSAGES
 
-Prints a line when all connections stand; at the end: received, p50, p99 and the longest in ms.
+Prints a line when all connections are open; at the end: received, p50, p99 and the longest in ms.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ QUIET_S = 3.0
 
 
 def subscribe(master: Any, topic: str, publisher: str, md5sum: str) -> socket.socket:
-    """Connect to the publisher of a topic, with its header read."""
+    """Connect to the publisher of a topic, and read its header."""
     uri = master.lookupNode("/crowd", publisher)[2]
     node: Any = xmlrpc.client.ServerProxy(uri)
     _, host, port = node.requestTopic("/crowd", topic, [["TCPROS"]])[2]
@@ -45,7 +45,7 @@ def subscribe(master: Any, topic: str, publisher: str, md5sum: str) -> socket.so
 
 
 def main(arguments: list[str]) -> None:
-    """Listen until all has come or nothing comes any more."""
+    """Listen until all messages have arrived, or no more arrive."""
     master_uri, count, messages = arguments[0], int(arguments[1]), int(arguments[2])
     allow_many_descriptors()
     selector = selectors.DefaultSelector()

@@ -1,10 +1,10 @@
-"""A TCP device that does what none should: it says nothing sound, or announces ever other topics.
+"""A faulty TCP device: it sends no valid frame, or announces new topics all the time.
 
     crowd_troubles.py PORT KIND BYTES_PER_S   prints a line, begins at one on stdin, ends when it is ended
 
 KIND is noise (random bytes), headers (bytes that look like the beginnings of frames) or announcements (the
-topics of a board that is another one each time). Prints at the end of each second how many bytes it wrote, so
-that whoever measures knows that all of them were read.
+topics of a new board each time). Prints at the end of each second how many bytes it wrote, which
+shows that all of them were read.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ def noise() -> Iterator[bytes]:
 
 
 def headers() -> Iterator[bytes]:
-    """Yield beginnings of frames whose ends never come."""
+    """Yield beginnings of frames that never end."""
     return itertools.repeat(
         b"".join(
             encode_frame(FIRST_ID + number % 250, bytes(number % 60))[:7] + b"\xff\xfe"
@@ -47,7 +47,7 @@ def headers() -> Iterator[bytes]:
 
 
 def announcements() -> Iterator[bytes]:
-    """Yield the topics of ever other boards, a chunk each; made beforehand, so that they cost us nothing."""
+    """Yield the topics of different boards, one chunk each; created in advance, so that they cost no time."""
     frames = (
         announcement(FIRST_ID + number % 200, PUBLISHER, f"storm{number}", TYPES[number // 16 % len(TYPES)])
         for number in range(BOARDS * TOPICS)
@@ -59,7 +59,7 @@ KINDS = {"noise": noise, "headers": headers, "announcements": announcements}
 
 
 def write_paced(line: socket.socket, chunks: Iterator[bytes], bytes_per_s: float) -> None:
-    """Write at a rate, or as fast as it is read; read what the host says, and answer it."""
+    """Write at a rate, or as fast as it is read; read and answer the host's requests."""
     began_s = told_s = time.monotonic()
     written = 0
     for chunk in chunks:
@@ -75,7 +75,7 @@ def write_paced(line: socket.socket, chunks: Iterator[bytes], bytes_per_s: float
 
 
 def main(arguments: list[str]) -> None:
-    """Trouble the host until ended."""
+    """Send to the host until ended."""
     port, kind, bytes_per_s = int(arguments[0]), arguments[1], float(arguments[2])
     line = connect(port)
     line.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)

@@ -1,4 +1,4 @@
-"""How often commands reach twenty robots on bad Wi-Fi (30 % lost, 100 ms late), and how soon a stop does.
+"""The delays of commands and of a stop to twenty robots on bad Wi-Fi (30 % lost, 100 ms late).
 
 python -m benchmarks.fleet
 """

@@ -1,10 +1,10 @@
-"""A TCP device that does nothing but send or count: its frames are made before the clock starts.
+"""A TCP device that only sends or counts: its frames are created before the measurement.
 
     flood_device.py PORT send TYPE COUNT   announces a publisher of TYPE on `flood`, waits for a line on
                                            stdin, then sends COUNT frames and prints seconds
-    flood_device.py PORT sink COUNT        announces a std_msgs/String subscriber on `flood`, prints what came
+    flood_device.py PORT sink COUNT        announces a std_msgs/String subscriber on `flood`, prints the count
 
-A program of its own, on blocking sockets, so that it costs the bridge nothing but its bytes.
+A separate program with blocking sockets, so that only its bytes cost the bridge time.
 """
 
 from __future__ import annotations
@@ -51,13 +51,13 @@ def connect(port: int) -> socket.socket:
 
 
 def answer_requests(line: socket.socket, announcements: bytes, received: bytes) -> None:
-    """Announce when asked for topics, ask for the time as a board does."""
+    """Announce the topics when requested, and request the time as a board does."""
     if b"\xff\xfe\x00\x00\xff\x00\x00\xff" in received:
         line.sendall(encode_frame(10, bytes(8)) + announcements)
 
 
 def send(line: socket.socket, type_name: str, count: int) -> None:
-    """Announce, wait for the word, flood."""
+    """Announce, wait for a line on stdin, flood."""
     frame = encode_frame(PUBLISHER_ID, PAYLOADS[type_name])
     announcements = announcement(PUBLISHER_ID, 0, "flood", type_name)
     while True:
@@ -79,7 +79,7 @@ def send(line: socket.socket, type_name: str, count: int) -> None:
 
 
 def sink(line: socket.socket, count: int) -> None:
-    """Announce, count the frames of the one topic until all have come or 3 s of silence."""
+    """Announce, count the frames of the topic until all have arrived, or for 3 s of silence."""
     announcements = announcement(SUBSCRIBER_ID, 1, "flood", "std_msgs/String")
     header = encode_frame(SUBSCRIBER_ID, bytes(64))[:7]
     tail = b""
@@ -106,7 +106,7 @@ def sink(line: socket.socket, count: int) -> None:
 
 
 def main(arguments: list[str]) -> None:
-    """Play the role that the arguments name."""
+    """Run the mode that the arguments name."""
     line = connect(int(arguments[0]))
     if arguments[1] == "send":
         send(line, arguments[2], int(arguments[3]))

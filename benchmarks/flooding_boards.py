@@ -1,4 +1,4 @@
-"""Boards that all flood one roscpp subscriber, over TCP, as fast as they are read: what is lost."""
+"""Boards that all flood one roscpp subscriber, over TCP, as fast as they are read: lost messages."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ class FloodingBoards:
 
 
 def flooding_boards(boards: int, messages: int) -> FloodingBoards:
-    """Have boards send so many messages together; all of them could be slowed down."""
+    """Let boards send this number of messages together; TCP can slow all of them down."""
     port = free_port()
     each = messages // boards
     with Bench() as bench:

@@ -1,4 +1,4 @@
-"""What the bridge costs when little happens: start time, idle CPU, memory with one device and with 32."""
+"""The cost of an idle bridge: start time, CPU, memory with one device and with 32."""
 
 from __future__ import annotations
 

@@ -1,8 +1,8 @@
 """A client of a gateway: `python -m benchmarks.gateway_listener PORT TOPICS foxglove|json|cbor-raw SECONDS`.
 
-It subscribes everything, prints a line when all has begun to come, waits for a line, and prints how many
-messages came in the seconds after it. It only counts frames: one that falls behind would make its gateway
-leave messages out, and so seem cheap.
+It subscribes to everything, prints a line when all topics arrive, waits for a line, and prints how many
+messages arrived in the seconds after it. It only counts frames: a slow client would make its gateway
+omit messages, and so use less time.
 """
 
 from __future__ import annotations
@@ -20,13 +20,13 @@ _LENGTH_BYTES = {126: 2, 127: 8}
 
 
 class Frames:
-    """Cuts what a server sends into frames."""
+    """Splits the data of a server into frames."""
 
     def __init__(self) -> None:
         self._buffer = bytearray()
 
     def feed(self, data: bytes) -> Iterator[tuple[int, int, int]]:
-        """Yield (opcode byte, start, end) of each whole frame; they are good until the next call."""
+        """Yield (opcode byte, start, end) of each complete frame; they are valid until the next call."""
         self._buffer += data
         position, size = 0, len(self._buffer)
         while size - position >= 2:
@@ -48,7 +48,7 @@ class Frames:
 
 
 class Listener(asyncio.Protocol):
-    """Subscribes what it is offered, or by name, and counts."""
+    """Subscribes to all advertised topics, or by name, and counts messages."""
 
     def __init__(self, topics: set[str], kind: str) -> None:
         self.received = 0
@@ -58,7 +58,7 @@ class Listener(asyncio.Protocol):
         self._greeting = b""
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
-        """Shake hands."""
+        """Send the handshake."""
         assert isinstance(transport, asyncio.Transport)
         self._transport = transport
         lines = [
@@ -74,7 +74,7 @@ class Listener(asyncio.Protocol):
         transport.write("\r\n".join([*lines, "", ""]).encode())
 
     def data_received(self, data: bytes) -> None:
-        """Count, and subscribe."""
+        """Count messages, and subscribe."""
         if b"\r\n\r\n" not in self._greeting:
             self._greeting += data
             head, end, data = self._greeting.partition(b"\r\n\r\n")
@@ -103,7 +103,7 @@ class Listener(asyncio.Protocol):
 
     def _say(self, message: dict[str, Any]) -> None:
         text = json.dumps(message).encode()
-        # A mask of zeros leaves the text as it is; 126: the length follows in two bytes.
+        # A mask of zeros does not change the text; 126: the length follows in two bytes.
         header = bytes((_TEXT, _MASKED | 126)) + len(text).to_bytes(2, "big") + bytes(4)
         self._transport.write(header + text)
 

@@ -1,6 +1,6 @@
-"""What a gateway costs whose client listens to many topics: Foxglove's and rosbridge's, in one run.
+"""The cost of the Foxglove and rosbridge gateways for a client of many topics, in one run.
 
-Each is measured in several short turns, one after another, so that what else the machine does meets all.
+Each is measured in several short turns, so that other work of the machine affects all of them.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ KINDS = {"foxglove": "foxglove", "json": "rosbridge", "cbor-raw": "rosbridge"}
 
 @dataclass(frozen=True, slots=True)
 class GatewayCost:
-    """One gateway's processor time (the median turn's), and what its client got in all turns."""
+    """One gateway's processor time (of the median turn), and the messages of its client in all turns."""
 
     received: int
     expected: int
@@ -33,7 +33,7 @@ class GatewayCost:
 
 
 def gateway_costs() -> dict[str, GatewayCost]:
-    """Measure each kind of `KINDS`; the client hears all topics."""
+    """Measure each kind of `KINDS`; the client receives all topics."""
     received = dict.fromkeys(KINDS, 0)
     cpu: dict[str, list[float]] = {kind: [] for kind in KINDS}
     with Bench() as bench:

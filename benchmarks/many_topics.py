@@ -1,6 +1,6 @@
 """A robot with many topics: `python -m benchmarks.many_topics TOPICS HZ`, until its input ends.
 
-Each topic sends a sensor_msgs/Imu at its own moment of the period, as sensors do.
+Each topic sends a sensor_msgs/Imu at a different time of the period, as sensors do.
 """
 
 from __future__ import annotations

@@ -21,13 +21,13 @@ from web.browser import Browser, page_packages
 
 SECONDS = 8.0
 SETTLE_S = 4.0
-# A plot keeps five minutes; until then the page fills.
+# A plot keeps five minutes of data; the page's memory grows until then.
 FILLED_MINUTES = 6
 MOST_GROWTH = 0.10
 
 
 async def main(minutes: float) -> int:
-    """Measure; returns the exit code, 1 when the heap grew."""
+    """Measure; return the exit code, 1 if the heap has grown."""
     with Bench() as bench:
         os.environ["ROS_MASTER_URI"] = bench.master_uri
         first_line(bench.module("page_source"))
@@ -76,7 +76,7 @@ async def _watch_heap(browser: Browser, page: int, minutes: float) -> int:
 
 
 async def _received(browser: Browser, pages: list[int]) -> str:
-    """Return what the pages receive; a busy machine reads less than is sent."""
+    """Return how much the pages receive; on a busy machine they read less than is sent."""
     script = (
         "[...rostether.topics.value.keys()].map((each) => rostether.feed(each).rate.hertz(performance.now()))"
     )

@@ -1,4 +1,4 @@
-"""A robot as a browser sees it: `python -m benchmarks.page_source`, until its input ends.
+"""The topics of a robot for the page: `python -m benchmarks.page_source`, until its input ends.
 
 20 ranges at 50 Hz, a camera of 30 kB a picture at 15 Hz, six transforms at 30 Hz: 1,045 messages a second.
 """

@@ -1,4 +1,4 @@
-"""What the benchmarks start and ask: processes, their CPU seconds and memory, the connections of a node."""
+"""Starts and examines processes: their CPU seconds and memory, the connections of a node."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ def resident_mb(pid: int | str) -> float:
 
 
 class Bench:
-    """A master of our own, or Debian's, and the processes of one measurement; ends them all on leaving."""
+    """Our master or Debian's, and the processes of one measurement; all end with the block."""
 
     def __init__(self, *, roscore: bool = False) -> None:
         self._roscore = roscore
@@ -76,11 +76,11 @@ class Bench:
 
     @property
     def master(self) -> Any:
-        """A client of the master, made anew because its connection does not survive an error."""
+        """A new client of the master, because its connection does not survive an error."""
         return xmlrpc.client.ServerProxy(self.master_uri)
 
     def start(self, *command: str, env: dict[str, str] | None = None) -> subprocess.Popen[str]:
-        """Start a process whose output is read and whose input is written as lines."""
+        """Start a process; its output is read and its input is written in lines."""
         process = subprocess.Popen(
             command,
             cwd=REPOSITORY,
@@ -108,7 +108,7 @@ class Bench:
                 stream.close()
 
     def ours(self, *arguments: str) -> subprocess.Popen[str]:
-        """Start one of our commands against this master; its chatter goes nowhere."""
+        """Start one of our commands with this master; its log is discarded."""
         environment = dict(os.environ, ROS_MASTER_URI=self.master_uri)
         environment.pop("PYTHONDONTWRITEBYTECODE", None)
         process = subprocess.Popen(
@@ -156,7 +156,7 @@ class Bench:
 
 
 def output(process: subprocess.Popen[str]) -> list[str]:
-    """Wait for a process to print its figures; returns the words of its last line."""
+    """Wait until a process has printed its figures; return the words of its last line."""
     assert process.stdout is not None
     lines = process.stdout.read().split("\n")
     words = [line.split() for line in lines if line.strip()]

@@ -1,4 +1,4 @@
-"""Records a flood of 64-byte messages and plays one: what is lost and what it costs, beside Debian's rosbag.
+"""Records and plays a flood of 64-byte messages: losses and cost, compared with Debian's rosbag.
 
 python -m benchmarks.recording [SECONDS] [MESSAGES_PER_SECOND]
 """
@@ -43,7 +43,7 @@ class Recorded:
 
 @dataclass(frozen=True, slots=True)
 class Played:
-    """One playback as fast as it goes."""
+    """One playback at full speed."""
 
     name: str
     rate_hz: float
@@ -89,7 +89,7 @@ async def record(name: str, command: list[str], file: Path, seconds: float, rate
 
 
 async def play(name: str, command: list[str], file: Path) -> Played:
-    """Let a player play the flood without waiting, to a subscriber of ours."""
+    """Let a player play the flood without waiting, to our subscriber."""
     master = await MasterServer.start(port=0)
     environ = {"ROS_MASTER_URI": master.uri}
     loop = asyncio.get_running_loop()
@@ -115,7 +115,7 @@ async def play(name: str, command: list[str], file: Path) -> Played:
 
 
 def write_flood(file: Path) -> None:
-    """Write what is played."""
+    """Write the recording that is played."""
     writer = BagWriter(file)
     number = writer.add_connection(Connection("/flood", Registry().message_type("std_msgs/String"), "/flood"))
     for index in range(0, PLAYED, 100):
@@ -143,7 +143,7 @@ def cpu_s(pid: int) -> float:
 
 
 def recordings(seconds: float = 10.0, rate: float = 100_000.0) -> list[Recorded]:
-    """Measure ours in each format, and Debian's where it is installed."""
+    """Measure our recorder in each format, and Debian's if it is installed."""
     ours = [sys.executable, "-m", "rostether", "bag", "record"]
     runs = [
         ("rostether, .bag", ours, "ours.bag"),
@@ -160,11 +160,11 @@ def recordings(seconds: float = 10.0, rate: float = 100_000.0) -> list[Recorded]
 
 
 def playbacks() -> list[Played]:
-    """Measure how fast ours plays, and Debian's where it is installed."""
+    """Measure our player, and Debian's if it is installed."""
     ours = [sys.executable, "-m", "rostether", "bag", "play", "--immediate", "--wait-for-subscribers"]
     runs = [("rostether", ours)]
     if theirs := _debians("play"):
-        # Its queue counts messages, and drops what does not fit.
+        # Its queue is limited by the number of messages, and drops the others.
         runs.append(
             ("Debian's rosbag", [*theirs, "--immediate", "--wait-for-subscribers", f"--queue={PLAYED}"])
         )
@@ -182,7 +182,7 @@ def _debians(verb: str) -> list[str]:
 
 
 def main(arguments: list[str]) -> None:
-    """Print what was measured."""
+    """Print the measurements."""
     seconds = float(arguments[0]) if arguments else 10.0
     rate = float(arguments[1]) if len(arguments) > 1 else 100_000.0
     for kept in recordings(seconds, rate):

@@ -1,4 +1,4 @@
-"""How many frames a second the decoder, the encoder and the whole host link take, in chunks of 64 KiB.
+"""The frames a second that the decoder, the encoder and the whole host link process, in chunks of 64 KiB.
 
 `measure()` returns the rows; python -m benchmarks.rosserial_frames prints them.
 """
@@ -27,7 +27,7 @@ MD5SUM = "992ce8a1687cec8c8bd883ec73ca41d1"
 
 @dataclass(frozen=True, slots=True)
 class Row:
-    """One operation; `rate_hz` in frames a second, `wanted_hz` 0 where nothing was asked."""
+    """One operation; `rate_hz` in frames a second, `wanted_hz` is 0 without a goal."""
 
     operation: str
     rate_hz: float
@@ -73,7 +73,7 @@ def measure() -> list[Row]:
 
 
 def hostile() -> list[tuple[str, float]]:
-    """Return (name, megabytes a second) for bytes made to be slow."""
+    """Return (name, megabytes a second) for bytes that are slow to decode."""
     claim = encode_frame(TOPIC_ID, bytes(60000))[: FORMS[2].header_bytes]
     lines = {
         "beginnings of frames": b"\xff\xfe" * (CHUNK_BYTES // 2),
@@ -89,7 +89,7 @@ def _payloads(rng: random.Random, size: int) -> list[bytes]:
 
 def _decode(chunk: bytes) -> Callable[[], object]:
     decoder = FrameDecoder()
-    # Noise is searched for frames up to a limit a second; each chunk has that for itself.
+    # The search for frames in noise has a limit for each second; here it applies to each chunk.
     seconds = itertools.count()
 
     def work() -> object:

@@ -1,7 +1,7 @@
-"""ROS to device and back: single messages at a fixed rate, each timed on its way there and back.
+"""ROS to device and back: the round-trip times of single messages at a fixed rate.
 
-Publisher, device and subscriber are one program on blocking sockets, so that the time is the bridge's and
-the system's: two ways through the bridge, four wake-ups.
+Publisher, device and subscriber are one program with blocking sockets, so that the time is that of the bridge
+and the system: twice through the bridge, four wake-ups.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ class RoundTrips:
 
 
 class Peers:
-    """The three ends: who publishes `in`, the device that echoes, who subscribes to `out`."""
+    """The three peers: the publisher of `in`, the device that echoes, the subscriber of `out`."""
 
     def __init__(self, bench: Bench, port: int) -> None:
         self._announcements = announcement(SUBSCRIBER_ID, 1, "in", TYPE)
@@ -82,7 +82,7 @@ class Peers:
         self.device.settimeout(2.0)
 
     def round_trip_s(self) -> float:
-        """Send one message around. Raises TimeoutError when it is lost."""
+        """Send one message and wait for its echo. Raises TimeoutError if it is lost."""
         started = time.perf_counter()
         self.publisher.sendall(struct.pack("<I", len(PAYLOAD)) + PAYLOAD)
         received = b""
@@ -97,7 +97,7 @@ class Peers:
 
 
 def round_trips(rate_hz: float, count: int) -> RoundTrips:
-    """Send `count` 64-byte messages at `rate_hz` and time each one's way back."""
+    """Send `count` 64-byte messages at `rate_hz` and measure each round trip."""
     port = free_port()
     with Bench() as bench:
         bench.ours("serve", f"tcp://:{port}?name=echo_board")

@@ -1,4 +1,4 @@
-"""1 to 1,000 boards in one process, each at 10 Hz: what is lost, how long messages take, memory."""
+"""1 to 1,000 boards in one process, each at 10 Hz: lost messages, delays, memory."""
 
 from __future__ import annotations
 
@@ -12,6 +12,6 @@ SECONDS = 20
 
 
 def scales() -> Iterator[tuple[int, Crowd]]:
-    """Measure each number of boards in a process of its own."""
+    """Measure each number of boards in a separate process."""
     for devices in DEVICES:
         yield devices, crowd(devices, RATE_HZ, SECONDS, floods=False)

@@ -1,4 +1,4 @@
-"""How long one message takes to encode, decode and check, beside rosbags in the same run.
+"""The time to encode, decode and check one message, compared with rosbags in the same run.
 
 `compare()` returns the rows; python -m benchmarks.serde_codec prints them.
 """
@@ -40,7 +40,7 @@ DECODE_ONE_STRING = {
 
 @dataclass(frozen=True, slots=True)
 class Row:
-    """One operation; `theirs_ns` is None where rosbags has nothing like it."""
+    """One operation; `theirs_ns` is None if rosbags has no such operation."""
 
     operation: str
     ours_ns: float
@@ -57,7 +57,7 @@ class Start:
 
 
 def compare() -> list[Row]:
-    """Measure both libraries, turn by turn."""
+    """Measure both libraries in turns."""
     from rosbags.typesys import Stores, get_typestore
 
     from rostether.msgdef.registry import Registry
@@ -93,12 +93,12 @@ def _compare_type(codec: Codec, fields: dict[str, Any], theirs: Any) -> list[Row
 
 
 def starts() -> list[Start]:
-    """Measure what importing each library costs a process, up to its first decoded message."""
+    """Measure the cost of the import of each library, up to the first decoded message."""
     return [_start(library, code) for library, code in DECODE_ONE_STRING.items()]
 
 
 def best_ns(call: Callable[[], object]) -> float:
-    """Return the time of one call in the best of some rounds: the others were disturbed."""
+    """Return the time of one call in the best of several rounds: the others were disturbed."""
     call()
     best_s = float("inf")
     for _ in range(ROUNDS):

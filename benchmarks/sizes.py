@@ -1,4 +1,4 @@
-"""Flash, static RAM and stack of the examples, beside those with the established library."""
+"""Flash, static RAM and stack of the examples, compared with the established library."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ class Size:
 
     @property
     def sum_part(self) -> float:
-        """Static RAM and stack, of the established library's."""
+        """Static RAM and stack, relative to those with the established library."""
         established = ESTABLISHED["uno"][self.example][1] + ESTABLISHED_STACK_BYTES
         return (self.ram_bytes + self.stack_bytes) / established
 

@@ -1,10 +1,10 @@
-"""A bridge on a TCP link and a pseudo-terminal that damage and end all the time; the counters must be equal.
+"""A bridge on a TCP link and a pseudo-terminal that damage data and fail repeatedly; the counters must match.
 
 python -m benchmarks.soak [MINUTES]
 
-Each device numbers its messages. Its line to the bridge damages one in a hundred, puts garbage before one in
-fifty, and is hung up every few seconds. What the device wrote whole on a line that the bridge had
-settled on must be heard, nothing else may be, and memory must not grow. Exits with 1 if that does not hold.
+Each device numbers its messages. Its line to the bridge damages one in a hundred, adds garbage before one in
+fifty, and is closed every few seconds. All messages that were sent undamaged after the negotiation
+must be received, no others may be, and memory must not grow. Exits with 1 if one of these fails.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ MAX_GROWTH_MB = 8.0
 
 
 class Count:
-    """What one device sent whole, and what was damaged; summed up at the end of each connection."""
+    """The undamaged and the damaged messages of one device; summed up at the end of each connection."""
 
     def __init__(self) -> None:
         self.whole: set[int] = set()
@@ -39,7 +39,7 @@ class Count:
         self.sent = self.reconnects = self.lost = self.strangers = 0
 
     def take(self, received: set[int]) -> None:
-        """Compare with what was heard, and begin anew."""
+        """Compare with the received messages, and start again from zero."""
         self.sent += len(self.whole)
         self.lost += len(self.whole - received)
         self.strangers += len(self.damaged & received)
@@ -49,7 +49,7 @@ class Count:
 
 @dataclass(frozen=True, slots=True)
 class Soaked:
-    """What both devices saw together; `strangers` are damaged messages that were delivered."""
+    """The results of both devices together; `strangers` are damaged messages that were delivered."""
 
     sent: int
     reconnects: int
@@ -59,7 +59,7 @@ class Soaked:
 
 
 async def one_line(board: Board, received: list[int], count: Count, number: int, rng: random.Random) -> int:
-    """Connect, settle, send with faults for some seconds, hang up; returns the next number."""
+    """Connect, negotiate, send with faults for some seconds, disconnect; return the next number."""
     await board.connect(rng.randbytes(rng.randrange(2000)))
     await board.settle(received, number)
     number += 1
@@ -75,7 +75,7 @@ async def one_line(board: Board, received: list[int], count: Count, number: int,
         await board.send(garbage + bytes(frame))
         number += 1
         await asyncio.sleep(PERIOD_S)
-    # What is lost never comes; a busy machine may bring the rest late.
+    # Lost messages never arrive; on a busy machine, the others may arrive late.
     last_s = time.monotonic() + PATIENCE_S
     while not count.whole.issubset(received) and time.monotonic() < last_s:
         await asyncio.sleep(0.05)
@@ -99,7 +99,7 @@ async def one_device(kind: str, folder: Path, end_s: float, count: Count, rng: r
 
 
 async def soak(seconds: float, *, warm_up_s: float = WARM_UP_S) -> Soaked:
-    """Run both devices; memory is compared with what it was after the warm-up."""
+    """Run both devices; memory is compared with that after the warm-up."""
     began_s = time.monotonic()
     counts = {kind: Count() for kind in ("tcp", "pty")}
     with tempfile.TemporaryDirectory() as folder:
@@ -122,7 +122,7 @@ async def soak(seconds: float, *, warm_up_s: float = WARM_UP_S) -> Soaked:
 
 
 def main(minutes: float) -> int:
-    """Soak, print what was seen, return the exit code."""
+    """Run the test, print the results, return the exit code."""
     soaked = asyncio.run(soak(60 * minutes))
     print(
         f"{soaked.sent:,} messages, {soaked.reconnects} reconnects: {soaked.lost} whole ones lost, "

@@ -1,4 +1,4 @@
-"""Quiet TCP devices in one program: each publishes a std_msgs/String at HZ once it was asked for topics.
+"""TCP devices in one program: after the topic request, each publishes a std_msgs/String at HZ.
 
 talker_device.py PORT COUNT HZ
 """
@@ -15,7 +15,7 @@ from rostether.rosserial.frame import encode_frame
 
 
 def main(arguments: list[str]) -> None:
-    """Serve the devices for ever."""
+    """Serve the devices without end."""
     announcements = announcement(PUBLISHER_ID, 0, "flood", "std_msgs/String")
     message = encode_frame(PUBLISHER_ID, PAYLOADS["std_msgs/String"])
     selector = selectors.DefaultSelector()

@@ -1,8 +1,8 @@
-"""The TCPROS data path alone, no bridge: CPU and time a message, beside a bare `sendall` of the same bytes.
+"""The TCPROS data path without a bridge: CPU and time per message, compared with a bare `sendall`.
 
 python -m benchmarks.tcpros_publication [MESSAGES]
 
-The peer is a process that only reads (or only writes) a socket, so that it is no limit.
+The peer is a process that only reads (or only writes) a socket, so that it is not the limit.
 """
 
 from __future__ import annotations
@@ -76,7 +76,7 @@ class Run:
 
 
 def bare_sendall(messages: int) -> Run:
-    """Send the same bytes with nothing around."""
+    """Send the same bytes without TCPROS."""
     batch = encode_messages([PAYLOAD] * BATCH)
     with socket.create_server(("127.0.0.1", 0)) as server:
         sink = _start(SINK, str(server.getsockname()[1]), HEADER.hex(), str(messages // BATCH * len(batch)))
@@ -91,7 +91,7 @@ def bare_sendall(messages: int) -> Run:
 
 
 async def publication(messages: int) -> Run:
-    """Publish batches to one subscriber, waiting when it is behind."""
+    """Publish batches to one subscriber; wait while it is behind."""
     topic = Publication("/chat", STRING, node_name="/bench", report=_fail)
     server = await asyncio.get_running_loop().create_server(
         lambda: HandshakeProtocol(topic.accept), "127.0.0.1", 0
@@ -116,7 +116,7 @@ async def publication(messages: int) -> Run:
 
 
 async def subscription(messages: int) -> Run:
-    """Take batches from one publisher."""
+    """Receive batches from one publisher."""
     with socket.socket() as probe:
         probe.bind(("127.0.0.1", 0))
         port = probe.getsockname()[1]

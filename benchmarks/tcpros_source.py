@@ -1,4 +1,4 @@
-"""The two ends of the bare relay: a source of TCPROS messages, and a sink that counts them.
+"""The two peers of the bare relay: a source of TCPROS messages, and a sink that counts them.
 
 tcpros_source.py PORT TYPE COUNT   connects, waits for a line on stdin, sends COUNT messages
 tcpros_source.py PORT sink COUNT   connects, counts 64-byte messages, prints "count seconds"
@@ -14,7 +14,7 @@ from benchmarks.flood_device import BATCH, PAYLOADS, connect
 
 
 def main(arguments: list[str]) -> None:
-    """Play the role that the arguments name."""
+    """Run the mode that the arguments name."""
     line = connect(int(arguments[0]))
     count = int(arguments[2])
     if arguments[1] == "sink":

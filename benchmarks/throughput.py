@@ -1,4 +1,4 @@
-"""Messages a second through the bridge, each way, with a bare relay beside it in the same run."""
+"""Messages a second through the bridge in each direction, compared with a bare relay in the same run."""
 
 from __future__ import annotations
 

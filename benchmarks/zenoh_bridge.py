@@ -1,4 +1,4 @@
-"""A bridge into ROS 2 over zenoh, as `serve --ros2 zenoh` is one, on ports that only this benchmark uses.
+"""A bridge into ROS 2 over zenoh, like `serve --ros2 zenoh`, on ports that only this benchmark uses.
 
 zenoh_bridge.py DEVICE_PORT ZENOH_PORT NAME   prints a line when boards can connect, ends with its stdin
 """
@@ -21,7 +21,7 @@ from rostether.transports.address_parser import parse_address
 
 
 async def serve(device_port: str, zenoh_port: str, name: str) -> None:
-    """Serve until nobody holds our stdin any more."""
+    """Serve until the standard input is closed."""
     registry = Registry()
     environment = Ros2Environment(zenoh_overrides=(("listen/endpoints", f'["tcp/127.0.0.1:{zenoh_port}"]'),))
     types = Ros2Types(registry, Ros2Definitions())

@@ -55,7 +55,7 @@ def device_to_ros2(type_name: str, count: int) -> Flood:
 
 
 class _Peers:
-    """The three ends in this process: who publishes `in`, the device that echoes, who subscribes to `out`."""
+    """The peers in this process: the publisher of `in`, the echoing device, the subscriber of `out`."""
 
     def __init__(self, stack: ExitStack, device_port: int, zenoh_port: int) -> None:
         self._announcements = announcement(SUBSCRIBER_ID, 1, "in", TYPE)
@@ -75,7 +75,7 @@ class _Peers:
         time.sleep(1.0)
 
     def round_trip_s(self) -> float | None:
-        """Send one message around; None when it is lost."""
+        """Send one message and wait for its echo; None if it is lost."""
         self._came.clear()
         self._sequence += 1
         attachment = Attachment(self._sequence, time.time_ns(), bytes(16)).encode()
@@ -108,7 +108,7 @@ _CDR = b"\0\1\0\0" + struct.pack("<I", len(PAYLOAD) - 3) + b"x" * (len(PAYLOAD) 
 
 
 def round_trips(rate_hz: float, count: int) -> RoundTrips:
-    """Send `count` 64-byte messages at `rate_hz` and time each one's way to the device and back."""
+    """Send `count` 64-byte messages at `rate_hz` and measure each round trip."""
     with (
         ZenohBench() as bench,
         _bridged(bench, "echo_board") as (_, device_port, zenoh_port),
@@ -118,7 +118,7 @@ def round_trips(rate_hz: float, count: int) -> RoundTrips:
 
 
 def bare_round_trips(rate_hz: float, count: int) -> RoundTrips:
-    """Time the same way through a process that only hands bytes on: what is left is the library's."""
+    """Measure the same round trip through a process that only passes bytes on: the time of the library."""
     device_port, zenoh_port = free_port(), free_port()
     came = threading.Event()
 

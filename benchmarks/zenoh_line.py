@@ -1,6 +1,6 @@
 """Round trips over a serial line of 115200 baud: zenoh, the bridge, an Uno that repeats, and back.
 
-The Uno is simulated with its real firmware, and its UART takes the time of a real one for each bit: ten bits
+The Uno is simulated with its real firmware, and its UART has the bit rate of a real one: ten bits
 a byte, and eight bytes of frame around each message.
 """
 
@@ -34,12 +34,12 @@ ENDED_S = 5.0
 
 
 def line_ms(payload_bytes: int) -> float:
-    """Return what the line alone takes for a message there and back."""
+    """Return the time of the line alone for a message and its echo."""
     return 2 * 1000 * (payload_bytes + FRAME_BYTES) * BITS_PER_BYTE / BAUD
 
 
 def round_trips(payload_bytes: int, count: int) -> RoundTrips:
-    """Time messages of so many bytes, a String's, one after the other."""
+    """Measure round trips of String messages of this size, one after the other."""
     elf = asyncio.run(build_sketch(SKETCH, find_board("uno"))).elf
     port = free_port()
     times: list[float] = []
@@ -65,7 +65,7 @@ def round_trips(payload_bytes: int, count: int) -> RoundTrips:
             publisher.put(cdr, attachment=attachment)
             if came.wait(LOST_S):
                 times.append(time.perf_counter() - started_s)
-            # Not in step with the board's own work.
+            # Not in phase with the board's own work.
             time.sleep(0.003 + 0.0001 * (sequence % 17))
     return RoundTrips(count, tuple(sorted(times)))
 

@@ -1,6 +1,6 @@
-"""A plain subscriber over zenoh: it counts what comes by rmw_zenoh's conventions.
+"""A plain subscriber over zenoh: it counts messages in rmw_zenoh's form.
 
-zenoh_listener.py ZENOH_PORT TOPIC COUNT   prints a line when a publisher is there, then "count seconds"
+zenoh_listener.py ZENOH_PORT TOPIC COUNT   prints a line when it finds a publisher, then "count seconds"
 
 Samples without rmw_zenoh's attachment are not counted: a node of ROS 2 would drop them.
 """
@@ -21,7 +21,7 @@ FOUND_S = 20.0
 
 
 def open_session(zenoh_port: str) -> zenoh.Session:
-    """Open a session that knows the bridge's port only."""
+    """Open a session that connects only to the bridge's port."""
     configuration = zenoh.Config()
     for path, value in (
         ("mode", '"peer"'),
@@ -35,7 +35,7 @@ def open_session(zenoh_port: str) -> zenoh.Session:
 
 
 def wait_for(session: zenoh.Session, kind: str, topic: str) -> str:
-    """Wait until an end of a topic has its token; returns the key of its samples. Raises RuntimeError."""
+    """Wait for the token of a publisher or subscriber; return the key of its samples. Raises RuntimeError."""
     ends_s = time.monotonic() + FOUND_S
     while time.monotonic() < ends_s:
         for reply in session.liveliness().get(f"@ros2_lv/0/*/*/*/{kind}/*/*/*/%{topic}/**", timeout=1.0):
@@ -43,11 +43,11 @@ def wait_for(session: zenoh.Session, kind: str, topic: str) -> str:
                 parts = str(reply.ok.key_expr).split("/")
                 return f"0/{topic}/{parts[10]}/{parts[11]}"
         time.sleep(0.05)
-    raise RuntimeError(f"nobody has a token for /{topic}")
+    raise RuntimeError(f"there is no token for /{topic}")
 
 
 def main(zenoh_port: str, topic: str, count: str) -> None:
-    """Count until all have come, or none for a while."""
+    """Count until all have arrived, or none for a while."""
     wanted = int(count)
     total = 0
     first_s = last_s = 0.0

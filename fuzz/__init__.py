@@ -1,1 +1,1 @@
-"""Random and hostile input for everything that strangers, boards and files bring; see fuzz/README.md."""
+"""Random and hostile input for all code that reads data from peers, boards and files; see fuzz/README.md."""

@@ -22,7 +22,7 @@ FOUND = HERE / "found"
 
 
 def main() -> int:
-    """Fuzz one target or all, one after the other; 1 when something was found."""
+    """Fuzz one target or all, one after the other; return 1 if an input broke a promise."""
     parser = argparse.ArgumentParser(prog="python -m fuzz", description=__doc__)
     parser.add_argument("target", choices=[*targets.NAMES, "all"])
     parser.add_argument("--seconds", type=float, default=60.0, help="how long, for each target (60)")
@@ -54,7 +54,7 @@ def main() -> int:
 
 
 def _run_mutations(name: str, seconds: float, seed: int, *, is_planted: bool) -> int:
-    # A planted fault must be found in a given work, however busy the machine is.
+    # A planted fault must be found in a fixed CPU time, also on a busy machine.
     clock = time.process_time if is_planted else time.monotonic
     target = targets.load(name)
     count, began_s = 0, clock()

@@ -1,4 +1,4 @@
-"""What the grammars of several targets share: numbers near limits, noise, names, frames of a line."""
+"""Parts that the grammars of several targets share: numbers near limits, noise, names, frames."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ _NAMES = ("chatter", "led", "a", "arm/joint", "/imu", "~gains", "b_2")
 
 
 def near(source: random.Random, limit: int) -> int:
-    """Return a number at a limit, just beside it, far below it or at an edge of its type."""
+    """Return a number at a limit, next to it, far below it, or at the limit of an integer type."""
     chance = source.random()
     if chance < 0.5:
         return max(limit + source.choice((-1, 0, 0, 1, 2)), 0)
@@ -21,27 +21,27 @@ def near(source: random.Random, limit: int) -> int:
 
 
 def noise(source: random.Random, most_bytes: int = 12) -> bytes:
-    """Return a few bytes of a line that are no frame, mostly; beginnings of frames among them."""
+    """Return a few bytes that are usually not a frame, sometimes with the beginning of one."""
     parts = [source.choice(_NOISE) if source.random() < 0.6 else source.randbytes(2) for _ in range(3)]
     return b"".join(parts)[: source.randint(1, most_bytes)]
 
 
 def name(source: random.Random) -> str:
-    """Return a ROS name, one in eight of them odd."""
+    """Return a ROS name; one in eight is unusual or invalid."""
     if source.random() < 0.875:
         return source.choice(_NAMES)
     return source.choice(("", "/", "a b", "2x", "~", "a//b", "\u00e4", "x" * 255, "x" * 256))
 
 
 def damaged(source: random.Random, data: bytes) -> bytes:
-    """Return bytes with one of them changed, one left out or one put in."""
+    """Return the data with one byte changed, removed or inserted."""
     place = source.randrange(len(data) or 1)
     kept = source.choice((0, 1, 1))
     return data[:place] + source.randbytes(source.choice((0, 1, 1))) + data[place + kept :]
 
 
 def frame(source: random.Random, topic_id: int, payload: bytes, version: int = 2) -> bytes:
-    """Return a frame, one in ten of them damaged or cut."""
+    """Return a frame; one in ten is damaged or cut short."""
     data = encode_frame(topic_id, payload, version)
     chance = source.random()
     if chance < 0.05:
@@ -50,5 +50,5 @@ def frame(source: random.Random, topic_id: int, payload: bytes, version: int = 2
 
 
 def string(data: bytes) -> bytes:
-    """Return bytes behind their length."""
+    """Return a serialized string: the length, then the bytes."""
     return struct.pack("<I", len(data)) + data

@@ -1,4 +1,4 @@
-"""Limits of a module made small for one input, so that a few KB reach what lies at them and behind them."""
+"""Lowers limits of a module for one input, so that a few KB reach and exceed them."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from types import ModuleType
 
 @contextmanager
 def lowered(module: ModuleType, **limits: object) -> Iterator[None]:
-    """Give constants of a module other values within the block; a name that it does not have is an error."""
+    """Set constants of a module to other values within the block. Raises an error for an unknown name."""
     before = {name: getattr(module, name) for name in limits}
     try:
         for name, value in limits.items():

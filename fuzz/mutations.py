@@ -1,7 +1,7 @@
-"""Making inputs from a seed: by the grammar of a target, and by blind changes of what is known.
+"""Generates inputs from a seed: with the grammar of a target, and by random changes of known inputs.
 
-Blind changes find what readers do with damage; what lies behind a checksum, a length or a negotiation is only
-reached by inputs that are right but for one thing.
+Random changes test how readers handle damage. States behind a checksum, a length or a negotiation are only
+reached by inputs that are valid except for one detail.
 """
 
 from __future__ import annotations
@@ -9,7 +9,7 @@ from __future__ import annotations
 import random
 from collections.abc import Callable, Iterator, Sequence
 
-# Harnesses lower the limits of what they try, so that this is beyond each of them.
+# Harnesses lower the limits that they test, so that this exceeds each of them.
 MAX_INPUT_BYTES = 16 * 1024
 _INTERESTING = (
     b"\0",
@@ -29,7 +29,7 @@ def mutated(
 ) -> Iterator[bytes]:
     """Yield inputs without end; the same seed, corpus and grammar give the same ones.
 
-    Half are the grammar's as they are, a quarter is the grammar's changed, a quarter the corpus changed.
+    Half are from the grammar, a quarter are changed inputs of the grammar, a quarter those of the corpus.
     """
     source = random.Random(seed)
     while True:

@@ -1,4 +1,4 @@
-"""Applying one planted fault: a module of the product is imported with one piece of its source replaced."""
+"""Applies one planted fault: imports a module of rostether with one piece of its source replaced."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ PRODUCT = Path(__file__).parents[1] / "src"
 
 
 class PlantDoesNotApplyError(Exception):
-    """The source has changed: the plant's `old` text must stand in its module exactly once."""
+    """The source has changed: the plant's `old` text must occur in its module exactly once."""
 
 
 class _PlantedLoader(SourceFileLoader):

@@ -1,4 +1,4 @@
-"""Faults as they happen, one text in one module: the fuzz targets must find each in 20 s of CPU time."""
+"""Typical faults, each one text in one module: the fuzz targets must find each in 20 s of CPU time."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 
 class Plant(NamedTuple):
-    """A fault: `old`, which stands in the module once, becomes `new`; `target` must find it."""
+    """A fault: `old`, which occurs in the module once, becomes `new`; `target` must find it."""
 
     name: str
     target: str

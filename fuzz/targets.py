@@ -37,32 +37,32 @@ NAMES = (
     "foxglove",
 )
 CORPORA = Path(__file__).parent / "corpora"
-# No input of a few KB may hold a bridge up for as long as a board waits for its parameter.
+# No input of a few KB may block a bridge for as long as a board waits for its parameter.
 LIMIT_S = 1.0
-# What one input may need at a time: a hundred times that of the largest, and far below a declared 256 MB.
+# The memory for one input: a hundred times that of the largest input, and far below a declared 256 MB.
 LIMIT_BYTES = 32 << 20
-# Tracing memory takes three times as long, so that one input in so many is traced.
+# Tracing memory takes three times as long, so only one of this number of inputs is traced.
 TRACE_EVERY = 16
 _DESCRIPTORS = Path("/proc/self/fd")
 
 
 class SlowInputError(Exception):
-    """An input took longer than anything of its size may."""
+    """An input took longer than the limit for its size."""
 
 
 class LargeInputError(Exception):
-    """An input needed more memory than anything of its size may."""
+    """An input needed more memory than the limit for its size."""
 
 
 class LeftOpenError(Exception):
-    """An input left a file or a socket open, or an exception that nobody took."""
+    """An input left a file or a socket open, or an exception that was not handled."""
 
 
 @dataclass(frozen=True, slots=True)
 class Target:
-    """One harness: `run` raises when a promise is broken, `seeds` are inputs that mean something.
+    """One harness: `run` raises if a promise is broken, `seeds` are valid inputs.
 
-    `generate` makes an input with the grammar of the target, so that deep states are reached.
+    `generate` creates an input with the grammar of the target, so that deep states are reached.
     """
 
     name: str
@@ -71,18 +71,18 @@ class Target:
     generate: Callable[[random.Random], bytes]
 
     def corpus(self) -> list[bytes]:
-        """Return the kept inputs and the seeds; the kept ones once broke a promise or reached new code."""
+        """Return the seeds and the kept inputs, which once broke a promise or reached new code."""
         kept = [path.read_bytes() for path in sorted((CORPORA / self.name).glob("*")) if path.is_file()]
         return [b"", *self.seeds(), *kept]
 
     def inputs(self, seed: int) -> Iterator[bytes]:
-        """Yield inputs without end, made by the grammar and changed blindly; the same for the same seed."""
+        """Yield inputs without end, from the grammar and by random changes; the same for the same seed."""
         return mutated(self.corpus(), seed, self.generate)
 
     def check(self, data: bytes, *, is_traced: bool = False) -> None:
-        """Run one input, and see that it takes no time, memory or descriptor worth mentioning.
+        """Run one input, and check that it uses little time and memory, and leaves no descriptor open.
 
-        `is_traced`: its memory is measured, which is slow. Raises what the harness raises.
+        `is_traced`: its memory is measured, which is slow. Raises the errors of the harness.
         """
         began_s = time.process_time()
         with _nothing_left_open():
@@ -107,7 +107,7 @@ class Target:
 
 @contextmanager
 def _nothing_left_open() -> Iterator[None]:
-    """See that as many descriptors are open as before, and that nothing failed where nobody looked."""
+    """Check that no more descriptors are open than before, and that no exception was ignored."""
     unseen: list[str] = []
     before, hook = _open_descriptors(), sys.unraisablehook
     sys.unraisablehook = lambda failure: unseen.append(repr(failure.exc_value))

@@ -1,1 +1,1 @@
-"""One module a target: `run(data)` raises when a promise is broken, `seeds()` are meaningful inputs."""
+"""One module for each target: `run(data)` raises if a promise is broken, `seeds()` are valid inputs."""

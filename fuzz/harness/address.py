@@ -1,4 +1,4 @@
-"""Link addresses: refused in one line, or an address within its limits whose text is one again."""
+"""Link addresses: refused in one line, or read as an address within its limits; its text is valid again."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def seeds() -> list[bytes]:
 
 
 def generate(source: random.Random) -> bytes:
-    """Return an address with numbers around their limits, now and then with thousands of digits."""
+    """Return an address with numbers near their limits, sometimes with thousands of digits."""
     port = _number(source, _MAX_PORT)
     place, keys = source.choice(
         (
@@ -63,7 +63,7 @@ def _number(source: random.Random, limit: int) -> str:
 
 
 def run(data: bytes) -> None:
-    """Read an address, and what it calls itself."""
+    """Read an address, and read its own text again."""
     try:
         address = parse_address(data.decode("utf-8", "replace"))
     except RostetherError as error:

@@ -1,4 +1,4 @@
-"""Payloads of both sides, and full texts that have to get a ROS 2 form; the first byte chooses the type."""
+"""Payloads of ROS 1 and ROS 2, and full texts converted to ROS 2; the first byte selects the type."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ _NAMES = (
     "shape_msgs/SolidPrimitive",
     "rosgraph_msgs/Log",
 )
-# Both ROS have the same fields in these, so that nothing is lost on the way.
+# These have the same fields in ROS 1 and ROS 2, so that the conversion loses nothing.
 _ALIKE = ("std_msgs/String", "std_msgs/Empty", "sensor_msgs/JoyFeedbackArray", "shape_msgs/SolidPrimitive")
 _TEXT = 0xFF
 
@@ -49,7 +49,7 @@ def seeds() -> list[bytes]:
 
 
 def generate(source: random.Random) -> bytes:
-    """Return a payload of a type, or its CDR of either byte order, whole, cut or with a byte too many."""
+    """Return a payload of a type, or its CDR in either byte order: complete, cut, or with an extra byte."""
     index = source.randrange(len(_NAMES))
     converter, _ = _converter(_NAMES[index])
     payload = _payload(source, _store().codec(_NAMES[index]).tree)
@@ -83,7 +83,7 @@ _PART = b"=" * 80 + b"\nMSG: pkg/N\nint16 x\ntime y\n" + b"=" * 80 + (
 
 
 def run(data: bytes) -> None:
-    """Convert as ROS 1 and as CDR of both byte orders."""
+    """Convert the data as ROS 1, and as CDR in both byte orders."""
     if not data:
         return
     if data[0] == _TEXT:
@@ -103,7 +103,7 @@ def run(data: bytes) -> None:
         back = converter.from_cdr(cdr)
         assert len(back) <= len(payload)
         if layout.type_name in _ALIKE:
-            # A NUL at the end of a string is ROS 2's own there.
+            # In CDR, a NUL ends a string.
             assert back == payload or b"\0" in payload, "there and back is another message"
             again = converter.to_cdr(back)
             assert converter.from_cdr(again) == back
@@ -117,7 +117,7 @@ def run(data: bytes) -> None:
 
 
 def _is_read_whole(name: str, payload: bytes) -> bool:
-    """Tell whether the values of a payload take all of its bytes."""
+    """Return whether the values of a payload use all of its bytes."""
     codec = _store().codec(name)
     return len(codec.encode(codec.decode(payload))) == len(payload)
 

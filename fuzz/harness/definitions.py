@@ -1,6 +1,6 @@
-""".msg, .srv and full texts from connection headers: refused with file, line and column, or understood.
+""".msg, .srv and full texts from connection headers: refused with file, line and column, or parsed.
 
-Limits are low. What is understood must keep to them, and say the same when it is written and read again.
+Limits are low. A parsed definition must respect them, and must not change if it is written and parsed again.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ def seeds() -> list[bytes]:
 
 
 def generate(source: random.Random) -> bytes:
-    """Return declarations, with as many fields, parts and elements as there may be, and some more."""
+    """Return declarations whose numbers of fields, parts and elements are near and above the limits."""
     lines = []
     for number in range(near(source, MAX_FIELDS) % 20):
         if source.random() < 0.25:
@@ -72,7 +72,7 @@ def _constant(source: random.Random, number: int) -> str:
 
 
 def run(data: bytes) -> None:
-    """Parse as all three."""
+    """Parse the data in all three forms."""
     limits = {"MAX_TEXT_CHARACTERS": MAX_TEXT_CHARACTERS, "MAX_FIELDS": MAX_FIELDS}
     with (
         lowered(parse_msg, MAX_ARRAY_LENGTH=MAX_ARRAY_LENGTH, **limits),

@@ -1,4 +1,4 @@
-"""The device's half of a line, against whatever a host may say."""
+"""The link of a device, with any data from a host."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ _MESSAGE_FRAME_BYTES = len(encode_frame(125, _MESSAGE))
 
 
 def seeds() -> list[bytes]:
-    """Return what a host says to a device."""
+    """Return data that a host sends to a device."""
     ask = step(ids.PUBLISHER, b"")
     time = step(ids.TIME, bytes(8))
     answer = step(ids.PARAMETER, ParameterResponse((1,), (), ()).encode())
@@ -34,7 +34,7 @@ def seeds() -> list[bytes]:
 
 
 def generate(source: random.Random) -> bytes:
-    """Return a host that asks for the topics, then sends anything, some of it too large or odd."""
+    """Return the data of a host that requests the topics, then sends anything, also invalid or too large."""
     script = step(ids.TOPIC_REQUEST, b"")
     for _ in range(source.randint(1, 30)):
         match source.randrange(7):
@@ -57,7 +57,7 @@ def generate(source: random.Random) -> bytes:
 
 
 def run(data: bytes) -> None:
-    """Play a script to a device that publishes and asks all the time."""
+    """Feed a script to a device that publishes and requests parameters all the time."""
     with lowered(device_link, MAX_WAITING_BYTES=MAX_WAITING_BYTES):
         _play(data)
 
@@ -73,7 +73,7 @@ def _play(data: bytes) -> None:
         for event in [*link.handle_timer(now_s), *link.receive_data(received, now_s)]:
             match event:
                 case MessagesReceived(topic_id, payloads):
-                    assert topic_id == listens_on, "a message that nobody subscribed to"
+                    assert topic_id == listens_on, "a message without a subscriber"
                     assert max(map(len, payloads)) <= MAX_INPUT_BYTES, "a message larger than the buffer"
                 case ParameterReceived() | ParameterTimedOut():
                     asked -= 1
@@ -82,7 +82,7 @@ def _play(data: bytes) -> None:
         for _ in range(8):
             published_bytes += _MESSAGE_FRAME_BYTES * link.publish(topic, [_MESSAGE])
         link.log(LogLevel.INFO, "x")
-        with contextlib.suppress(LocalProtocolError):  # no more may wait
+        with contextlib.suppress(LocalProtocolError):  # more may not be queued
             link.request_parameter("~gains", now_s)
             asked += 1
         assert asked <= MAX_REQUESTS, "more questions wait than may"

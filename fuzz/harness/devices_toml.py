@@ -1,4 +1,4 @@
-"""devices.toml: refused in one line that names file and key, or understood, within its limits."""
+"""devices.toml: refused in one line that names file and key, or read within its limits."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def seeds() -> list[bytes]:
 
 
 def generate(source: random.Random) -> bytes:
-    """Return boards with some keys, values around their limits or of another kind."""
+    """Return boards with some keys, and values near their limits or of a wrong type."""
     lines = []
     for number in range(near(source, MAX_ENTRIES) % 16 if source.random() < 0.2 else source.randint(0, 3)):
         lines.append(f"[devices.b{number}]")
@@ -77,7 +77,7 @@ def _value(source: random.Random, key: str) -> str:  # noqa: PLR0911 - one case 
 
 
 def run(data: bytes) -> None:
-    """Read a file and ask for settings."""
+    """Read a file and look up settings."""
     with lowered(toml_table, MAX_ENTRIES=MAX_ENTRIES):
         _parse(data.decode("utf-8", "replace"))
 

@@ -1,6 +1,6 @@
-"""What a Foxglove client says, line by line: whatever it is, a question after it is answered in sound JSON.
+"""Messages of a Foxglove client, one a line: after any of them, a request is answered in valid JSON.
 
-A line in hexadecimal behind a `!` is a binary message. The graph is in memory, and no socket is opened.
+A line of `!` and hexadecimal digits is a binary message. The graph is in memory, and no socket is opened.
 """
 
 from __future__ import annotations
@@ -33,14 +33,14 @@ from rostether.serde.values import Message
 ANSWER_LIMIT_S = 30.0
 MAX_EACH = 2
 MAX_MISTAKES = 5
-# What the gateway itself publishes.
+# The topics that the gateway itself publishes.
 OWN = ("/rosout",)
-# What was taken back leaves the graph a few turns later.
+# Unadvertised topics leave the graph a few turns of the loop later.
 SETTLING_TURNS = 20
 LAST_QUESTION = '{"op":"getParameters","parameterNames":["/speed"],"id":"the end"}'
 
 _STORE = TypeStore(Registry())
-# The last question must find a place, whatever was asked before it.
+# The last request must be accepted, after any number of requests.
 _SETTINGS = FoxgloveSettings(
     limits=FoxgloveLimits(calls=100_000, subscriptions=MAX_EACH, client_channels=MAX_EACH)
 )
@@ -48,7 +48,7 @@ _FOLDER = Path(__file__).parent
 
 
 def seeds() -> list[bytes]:
-    """Return conversations of every operation."""
+    """Return messages of every operation."""
     call = struct.pack("<BIII", 2, 1, 5, 4) + b"ros1\1"
     json_call = struct.pack("<BIII", 2, 1, 6, 4) + b'json{"data":true}'
     talks = [
@@ -102,7 +102,7 @@ def seeds() -> list[bytes]:
 
 
 def generate(source: random.Random) -> bytes:
-    """Return lines of all operations and binary messages, more of each than may be."""
+    """Return lines of all operations and binary messages, more of each than the limits allow."""
     return "\n".join(_line(source) for _ in range(source.randint(1, 16))).encode()
 
 
@@ -135,13 +135,13 @@ def _line(source: random.Random) -> str:
 
 
 def run(data: bytes) -> None:
-    """Say all lines to a gateway with low limits, and then ask for a parameter."""
+    """Send all lines to a gateway with low limits, and then request a parameter."""
     with lowered(client_module, MAX_REPORTED_MISTAKES=MAX_MISTAKES):
         asyncio.run(_converse(data.decode("utf-8", "replace").split("\n")))
 
 
 class _Line:
-    """Stands for a connection: looks at what the client hears."""
+    """Replaces a connection: checks the messages that the client receives."""
 
     def __init__(self) -> None:
         self.peer = "a client"
@@ -149,7 +149,7 @@ class _Line:
         self.mistakes = 0
 
     def send(self, message: str | bytes) -> None:
-        """Hear an answer."""
+        """Check an answer."""
         if isinstance(message, bytes):
             assert message[0] in (2, 3, 4)
             return
@@ -157,42 +157,42 @@ class _Line:
         assert isinstance(fields["op"], str)
         assert "\n" not in str(fields.get("message", ""))
         self.mistakes += fields["op"] == "status" and fields["level"] == StatusLevel.ERROR
-        assert self.mistakes <= MAX_MISTAKES, "more mistakes are told than may be"
+        assert self.mistakes <= MAX_MISTAKES, "more mistakes are reported than allowed"
         if fields.get("id") == "the end":
             self.answered.set()
 
     async def send_large(self, message: bytes) -> None:
-        """Hear an answer of any size."""
+        """Check an answer of any size."""
         self.send(message)
 
     def send_data(self, subscription_id: int, time_ns: int, payloads: Sequence[bytes]) -> None:
-        """Hear a topic."""
+        """Check a message of a topic."""
         assert 0 <= subscription_id < 1 << 32
 
     def forget(self, subscription_id: int) -> None:
-        """Have nothing waiting."""
+        """Do nothing: no message waits."""
 
     def pause_reading(self) -> None:
-        """Say on: all is said already."""
+        """Do nothing: all lines were sent."""
 
     def resume_reading(self) -> None:
-        """Say on."""
+        """Do nothing."""
 
 
 class _Failures(logging.Handler):
-    """Keeps what would only be logged."""
+    """Keeps failures that would only be logged."""
 
     def __init__(self) -> None:
         super().__init__()
         self.texts: list[str] = []
 
     def emit(self, record: logging.LogRecord) -> None:
-        """Take a line of the log."""
+        """Keep a line of the log."""
         self.texts.append(record.getMessage())
 
 
 def _refuse(constant: str) -> None:
-    raise AssertionError(f"{constant} is no JSON")
+    raise AssertionError(f"{constant} is not JSON")
 
 
 def _tell(_: Level, text: str) -> None:

@@ -1,6 +1,6 @@
-"""The frame decoder: garbage never raises, chunks change nothing, and what it keeps is bounded.
+"""The frame decoder: garbage never raises, chunks do not change the result, and its buffer is bounded.
 
-What it finds is compared with a reader that is written as the format is described, one byte after the other.
+Its frames are compared with those of a simple reader that follows the specification byte by byte.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ MAX_PAYLOAD_BYTES = 300
 
 
 def seeds() -> list[bytes]:
-    """Return recorded sessions, and frames that lie about their length."""
+    """Return recorded sessions, and frames with a wrong length."""
     made = [bytes([version]) + encode_frame(125, b"abc", version=version) for version in FORMS]
     made.append(b"\x02" + encode_frames(10, [b"", b"x" * 300]) + b"\xff\xfe\xff\xff\x00")
     return made + [
@@ -28,7 +28,7 @@ def seeds() -> list[bytes]:
 
 
 def generate(source: random.Random) -> bytes:
-    """Return frames of one version with noise and damage between them, runs of one topic among them."""
+    """Return frames of one version with noise and damage between them, sometimes many frames of one topic."""
     choice = source.randrange(256)
     version = tuple(FORMS)[choice % len(FORMS)]
     parts = []
@@ -42,7 +42,7 @@ def generate(source: random.Random) -> bytes:
 
 
 def run(data: bytes) -> None:
-    """Decode in one piece and in two, and as the format is described."""
+    """Decode the data in one piece and in two, and with the simple reader."""
     version = (1, 2)[data[0] % 2] if data else 1
     stream = data[1:]
     whole, cut = (FrameDecoder(version, max_payload_bytes=MAX_PAYLOAD_BYTES) for _ in range(2))
@@ -57,7 +57,7 @@ def run(data: bytes) -> None:
 
 
 def messages(decoded: list[Decoded]) -> dict[int, list[bytes]]:
-    """Return the payloads by topic id, in their order: between topics there is none."""
+    """Return the payloads by topic id, each in order; the order between topics is not kept."""
     found: dict[int, list[bytes]] = {}
     for each in decoded:
         if isinstance(each, Frames):
@@ -66,7 +66,7 @@ def messages(decoded: list[Decoded]) -> dict[int, list[bytes]]:
 
 
 def read_slowly(stream: bytes, version: int) -> dict[int, list[bytes]]:
-    """Return the payloads by topic id: at each byte stands a sound frame, or the next byte is tried."""
+    """Return the payloads by topic id: if no valid frame begins at a byte, try the next one."""
     found: dict[int, list[bytes]] = {}
     place = 0
     while place < len(stream):

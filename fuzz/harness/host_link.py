@@ -1,6 +1,6 @@
-"""The host's half of a line: TopicInfo handling, negotiation, parameters, whatever a board may say.
+"""The link of a host: TopicInfo, negotiation and parameters, with any data from a board.
 
-Limits are low, and a list of what was announced, kept beside the link, says what it must refuse.
+Limits are low. A separate list of the announcements determines what the link must refuse.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ from rostether.rostime import Time
 MD5SUM = "992ce8a1687cec8c8bd883ec73ca41d1"
 MAX_ENDPOINTS = 4
 MAX_REPLY_BYTES = 256
-# Larger buffers are not tried: that takes long, and shows no more.
+# Larger buffers are not tried: that takes long, and finds nothing more.
 MAX_TRIED_BYTES = 2048
 LOGS = Allowance(5.0, 10)
 _LIMITS = HostLinkConfig(max_payload_bytes=512, max_endpoints=MAX_ENDPOINTS)
@@ -65,10 +65,10 @@ def seeds() -> list[bytes]:
 
 
 def generate(source: random.Random) -> bytes:
-    """Return a board that announces, settles, talks, floods and is reset, in any order."""
+    """Return the data of a board that announces, completes, publishes, floods and is reset, in any order."""
     topics = [_announcement(source, number) for number in range(source.randint(1, MAX_ENDPOINTS + 2))]
     calm = b"".join(step(kind, body, kind=1 | 1 << 1) for kind, body in topics)
-    # Each answers a topic request; after enough that agree, the link takes them for all there are.
+    # Each answers a topic request; after enough equal answers, the link considers the list complete.
     script = (step(ids.TIME, bytes(8), kind=1) + calm + step(0, b"", kind=2 << 1)) * source.choice((1, 3, 9))
     for _ in range(source.randint(0, 12)):
         script += _talk(source, topics)
@@ -103,7 +103,7 @@ def _talk(source: random.Random, topics: list[tuple[int, bytes]]) -> bytes:
 
 
 def run(data: bytes) -> None:
-    """Play a script to a link that answers all it is asked."""
+    """Feed a script to a link that answers all requests."""
     with lowered(host_output, MAX_WAITING_BYTES=MAX_REPLY_BYTES), lowered(control_rate, LOGS=LOGS):
         _play(data)
 
@@ -116,10 +116,10 @@ def _play(data: bytes) -> None:
     for received, pause_s, is_taken in steps(data):
         now_s += pause_s
         board.begin_step()
-        # In a negotiation a reset board has already told what it has.
+        # In a negotiation a reset board has already announced its topics.
         was_settled = link.is_settled
         events = [*link.handle_timer(now_s), *link.receive_data(received, now_s)]
-        # The link answers as the board is after the whole chunk.
+        # The link answers with the state of the board after the whole chunk.
         for event in events:
             board.take(event)
         for event in events:
@@ -144,7 +144,7 @@ def _play(data: bytes) -> None:
 
 
 class _Board:
-    """What the board has announced, as the events say."""
+    """The announcements of the board, according to the events."""
 
     def __init__(self, link: HostLink) -> None:
         self._link = link
@@ -153,7 +153,7 @@ class _Board:
         self._sent_before: dict[int, int] = {}
 
     def begin_step(self) -> None:
-        """Note how much each announced topic may bring: what is announced within a step counts behind it."""
+        """Note the limit of each announced topic; announcements within a step apply from the next one on."""
         self._sent_before = {
             topic_id: info.buffer_size
             for (role, topic_id), info in self._topics.items()
@@ -161,7 +161,7 @@ class _Board:
         }
 
     def take(self, event: HostEvent) -> None:
-        """Take an event."""
+        """Handle an event."""
         match event:
             case TopicAnnounced(role, info):
                 assert info.fault() is None
@@ -182,7 +182,7 @@ class _Board:
                 pass
 
     def check_limits(self) -> None:
-        """See that there are no more endpoints than may be, and that just what fits a buffer is sent."""
+        """Check the number of endpoints, and that only messages that fit a buffer are sent."""
         assert len(self._topics) + 2 * len(self._services) <= MAX_ENDPOINTS, "more endpoints than may be"
         for (role, topic_id), info in self._topics.items():
             size = info.buffer_size
@@ -197,7 +197,7 @@ class _Board:
                 raise AssertionError("a message went out that is larger than the board's buffer")
 
     def check_reset(self) -> None:
-        """See that nothing goes to a board that was reset and has announced nothing since."""
+        """Check that nothing is sent to a board that was reset and has announced nothing since."""
         assert not any(map(self._can_send, range(100, 256))), "sends to a board that was just reset"
 
     def _can_send(self, topic_id: int) -> bool:
@@ -208,7 +208,7 @@ class _Board:
         return True
 
     def answer_parameter(self) -> None:
-        """Answer as the bridge does: with nothing if the value does not fit, not at all if nothing fits."""
+        """Answer like the bridge: empty if the value does not fit, not at all if that does not fit either."""
         buffers = [
             info.buffer_size for (role, _), info in self._topics.items() if role is TopicRole.SUBSCRIBER
         ]

@@ -1,4 +1,4 @@
-"""HTTP of the XML-RPC servers and clients: an answer, an error of ours, or an ended connection."""
+"""HTTP of the XML-RPC servers and clients: an answer, one of our errors, or an ended connection."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ MAX_REQUESTS = 1000
 
 
 def seeds() -> list[bytes]:
-    """Return requests and responses, good and odd."""
+    """Return requests and responses, valid and unusual."""
     post = b"POST /RPC2 HTTP/1.1\r\nHost: a\r\nContent-Type: text/xml\r\n"
     return [
         b"\x80" + post + b"Content-Length: 3\r\n\r\nabc" + post + b"Content-Length: 0\r\n\r\n",
@@ -28,7 +28,7 @@ def seeds() -> list[bytes]:
 
 
 def generate(source: random.Random) -> bytes:
-    """Return some requests, or a response, with bodies around the limit, counted or in chunks."""
+    """Return some requests, or a response, with bodies near the limit, with a length or in chunks."""
     if source.random() < 0.25:
         status = source.choice(("200 OK", "200 OK", "404 No", "100 Continue"))
         return source.randbytes(1) + f"HTTP/1.1 {status}\r\n".encode() + _body(source)
@@ -47,7 +47,7 @@ def generate(source: random.Random) -> bytes:
 
 
 def _body(source: random.Random) -> bytes:
-    """Return the header lines that tell of a body, and the body."""
+    """Return the header lines that describe a body, and the body."""
     body = b"x" * (near(source, MAX_BODY_BYTES) % 500 if source.random() < 0.6 else source.randint(0, 9))
     if source.random() < 0.5:
         reported = len(body) if source.random() < 0.9 else near(source, MAX_BODY_BYTES)
@@ -59,7 +59,7 @@ def _body(source: random.Random) -> bytes:
 
 
 def run(data: bytes) -> None:
-    """Serve the bytes, and take them for an answer."""
+    """Read the bytes as requests, and as a response."""
     middle = data[0] * (len(data) - 1) // 256 if data else 0
     parts = (data[1:][:middle], data[1:][middle:], b"")
     _serve(data[1:], parts)

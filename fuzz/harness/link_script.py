@@ -1,4 +1,4 @@
-"""Reading fuzz input as a script for a link: pieces of noise and whole frames, with time between them."""
+"""Reads fuzz input as a script for a link: pieces of noise and whole frames, with pauses between them."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _PAUSES = (0.0, 0.01, 0.3, 4.0)
 
 
 class Step(NamedTuple):
-    """What arrives, how long before it time went by, and whether what goes out is taken after it."""
+    """The received data, the pause before it, and whether the output of the link is read after it."""
 
     received: bytes
     pause_s: float
@@ -26,8 +26,8 @@ class Step(NamedTuple):
 def steps(data: bytes) -> Iterator[Step]:
     """Yield the steps of a script.
 
-    A step begins with its kind (bit 0: a frame, whose topic id follows; 1 and 2: the pause; 3: nothing is
-    taken) and its length.
+    A step begins with its kind (bit 0: a frame, whose topic id follows; 1 and 2: the pause; 3: no output is
+    read) and its length.
     """
     position = 0
     for _ in range(MAX_STEPS):
@@ -46,7 +46,7 @@ def step(topic_id: int, body: bytes, *, kind: int = 1) -> bytes:
 
 
 def random_step(source: random.Random, topic_id: int, body: bytes) -> bytes:
-    """Return a step with a frame, mostly whole, after some pause; one in eight is followed by noise."""
+    """Return a step with a frame, usually complete, after a pause; one in eight is followed by noise."""
     kind = source.choice((0, 0, 0, 1, 1, 2, 3)) << 1 | (_IS_LEFT if source.random() < 0.2 else 0)
     data = frame(source, topic_id, body)
     made = (
@@ -56,6 +56,6 @@ def random_step(source: random.Random, topic_id: int, body: bytes) -> bytes:
 
 
 def burst(source: random.Random, topic_id: int, body: bytes) -> bytes:
-    """Return a step of as many frames at once as it holds."""
+    """Return a step with as many frames as fit into it."""
     data = encode_frame(topic_id, body)
     return step(0, data * source.randint(1, MAX_BODY_BYTES // len(data)), kind=source.choice((0, _IS_LEFT)))

@@ -1,4 +1,4 @@
-"""The packets of the protocol: what is decoded can be encoded, and is what the bytes say, all of them."""
+"""The packets of the protocol: a decoded packet can be encoded again, and contains all bytes."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def seeds() -> list[bytes]:
 
 
 def generate(source: random.Random) -> bytes:
-    """Return a packet of one kind, now and then with one field that cannot be meant or a byte too many."""
+    """Return a packet of one kind, sometimes with one invalid field or an extra byte."""
     kind = source.randrange(5)
     if kind == 0:
         texts = (name(source), source.choice(("std_msgs/String", "String", "a/b/c")), MD5SUM)
@@ -60,7 +60,7 @@ def generate(source: random.Random) -> bytes:
 
 
 def run(data: bytes) -> None:
-    """Decode as each kind of packet."""
+    """Decode the data as each kind of packet."""
     for decode in _DECODERS:
         packet = decode(data)
         if packet is not None:
@@ -68,7 +68,7 @@ def run(data: bytes) -> None:
                 again = decode(packet.encode())
             except RostetherError:
                 continue
-            # Floats that are no number equal nothing.
+            # NaN is not equal to anything.
             assert repr(again) == repr(packet)
     info = TopicInfo.read(data)
     assert (info is not None) == _has_layout(data, "HSSSi", MAX_NAME_BYTES)
@@ -90,7 +90,7 @@ def run(data: bytes) -> None:
 
 
 def _has_layout(data: bytes, fields: str, most_bytes: int) -> bool:
-    """Tell whether data are exactly these fields: numbers as in `struct`, S a string, 4 and 5 lists."""
+    """Return whether the data has exactly these fields: numbers as in `struct`, S a string, 4 and 5 lists."""
     place = 0
     for field in fields:
         if field in "HBi":

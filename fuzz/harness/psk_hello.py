@@ -1,4 +1,4 @@
-"""The hello with a pre-shared key: whoever lacks the key never gets through, and chunks change nothing."""
+"""The hello with a pre-shared key: a peer without the key is refused, and chunks do not change the result."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ NONCES = (bytes(16), bytes(range(16)))
 
 
 def seeds() -> list[bytes]:
-    """Return both sides of a hello with another key, and beginnings of one with this key."""
+    """Return both sides of a hello with a different key, and beginnings of one with this key."""
     found = []
     for key in (KEY, OTHER_KEY):
         listener, connector = ListenerHello({None: key}, NONCES[0]), ConnectorHello(key, NONCES[1])
@@ -27,14 +27,14 @@ def seeds() -> list[bytes]:
 
 
 def generate(source: random.Random) -> bytes:
-    """Return lines of a hello that are right but for a key, a letter, a length or a line's end."""
+    """Return lines of a hello that are correct except for a key, a letter, a length or a line end."""
     key = source.choice((KEY, KEY, OTHER_KEY))
     role = source.choice(("connector", "listener"))
     theirs = source.randbytes(16).hex()
     nonces = (NONCES[0].hex(), theirs) if role == "connector" else (theirs, NONCES[1].hex())
     proof = _proof(key, role, *nonces)
     if source.random() < 0.3:
-        # Right at its beginning, or written otherwise.
+        # Correct at its beginning, or written differently.
         place = source.randrange(64)
         proof = source.choice((proof[:place] + "0" * (64 - place), proof.upper(), proof[:-1], proof + "0"))
     answer, greeting = f"RSPSK1 {theirs} {proof}\n", f"RSPSK1 {theirs}\nRSPSK1 {proof}\n"
@@ -50,7 +50,7 @@ def generate(source: random.Random) -> bytes:
 
 
 def run(data: bytes) -> None:
-    """Take the bytes as either side would; only a proof that is right may pass, and what follows it."""
+    """Read the bytes as both sides do; only a correct proof is accepted, and the bytes after it."""
     middle = data[0] * (len(data) - 1) // 256 if data else 0
     stream = data[1:]
     for hello, count, role in (

@@ -1,4 +1,4 @@
-"""Recordings, bags and MCAP: read and checked to their end, or refused in one line; mended ones are sound."""
+"""Bags and MCAP files: read and checked to their end, or refused in one line; repaired ones are valid."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from rostether.recording.mcap.writer import McapWriter
 from rostether.recording.recorded import Connection
 from rostether.recording.reindexing import reindex
 
-# An input of a few KB may unpack to many.
+# An input of a few KB may unpack to a large size.
 MAX_MESSAGES = 5000
 MAX_CHUNK_BYTES = 64 << 10
 MAX_CONNECTIONS = 8
@@ -31,7 +31,7 @@ _STRING = Registry().message_type("std_msgs/String")
 
 
 def seeds() -> list[bytes]:
-    """Return recordings of both formats, packed and plain, closed and cut."""
+    """Return recordings in both formats, compressed and plain, complete and cut."""
     found = []
     with tempfile.TemporaryDirectory() as folder:
         for writer_class, compressions in (
@@ -48,12 +48,12 @@ def seeds() -> list[bytes]:
                 found.append(path.read_bytes())
                 writer.close()
                 found.append(path.read_bytes())
-    # The most of a bag is the padding of its header, where changes mean nothing.
+    # Most of a bag is the padding of its header, where changes have no effect.
     return [*found, *(data.replace(b" " * 3000, b"") for data in found if b" " * 3000 in data)]
 
 
 def generate(source: random.Random) -> bytes:
-    """Return a recording with a few topics, one of its numbers changed, or a chunk that unpacks to much."""
+    """Return a recording with a few topics, with one number changed, or with a chunk that unpacks far."""
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "made"
         make = source.choice((BagWriter, McapWriter))
@@ -79,7 +79,7 @@ def generate(source: random.Random) -> bytes:
 
 
 def run(data: bytes) -> None:
-    """Read, check and mend one file, with low limits."""
+    """Read, check and repair one file, with low limits."""
     with (
         lowered(compression, MAX_CHUNK_BYTES=MAX_CHUNK_BYTES),
         lowered(bag_chunks, MAX_CONNECTIONS=MAX_CONNECTIONS),
@@ -105,7 +105,7 @@ def _read(data: bytes) -> None:
             assert len(times) <= MAX_MESSAGES
         try:
             assert all("\n" not in fault for fault in check(path, Registry(bundled=False)).faults)
-            mended = Path(folder) / ("mended.mcap" if data.startswith(b"\x89MCAP") else "mended.bag")
+            mended = Path(folder) / ("repaired.mcap" if data.startswith(b"\x89MCAP") else "repaired.bag")
             reindex(path, mended)
         except (RecordingError, ConfigError) as error:
             assert "\n" not in str(error)

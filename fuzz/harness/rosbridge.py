@@ -1,6 +1,6 @@
-"""What a rosbridge client says, line by line: whatever it is, a call after it is answered, all in sound JSON.
+"""Messages of a rosbridge client, one a line: after any of them, a call is answered, all in valid JSON.
 
-The graph is in memory, and no socket is opened. Errors that are not ours would be told to the client as well;
+The graph is in memory, and no socket is opened. Errors that are not ours would also reach the client;
 here they break the promise.
 """
 
@@ -42,11 +42,11 @@ from rostether.serde.values import Message
 ANSWER_LIMIT_S = 30.0
 MAX_EACH = 2
 MAX_FRAGMENTS = 6
-# What a client takes back stays for a while.
+# Topics that a client unadvertises stay for a while.
 MAX_LINGERING = 1
-# Then it leaves the graph a few turns later.
+# Then they leave the graph a few turns of the loop later.
 SETTLING_TURNS = 20
-# What the gateway itself publishes.
+# The topics that the gateway itself publishes.
 OWN = ("/rosout",)
 LAST_CALL = '{"op":"call_service","service":"/rosapi/get_time","id":"the end"}'
 
@@ -57,7 +57,7 @@ _NOT_OURS = re.compile(r"rosbridge: a client: [A-Za-z]*(Error|Exception|Interrup
 
 
 def seeds() -> list[bytes]:
-    """Return conversations of every operation, in pieces and pictures too."""
+    """Return messages of every operation, also in fragments and as PNG."""
     publish = '{"op":"publish","topic":"/pose","msg":{"header":{"stamp":"now"},"pose":{"position":{"x":1}}}}'
     talks = [
         [
@@ -107,7 +107,7 @@ def seeds() -> list[bytes]:
 
 
 def generate(source: random.Random) -> bytes:
-    """Return lines of all operations, more of each than may be, in fragments and pictures too."""
+    """Return lines of all operations, more of each than the limits allow, also in fragments and as PNG."""
     lines = []
     for _ in range(source.randint(1, 16)):
         line = json.dumps(_operation(source))
@@ -153,7 +153,7 @@ def _operation(source: random.Random) -> dict[str, object]:
 
 
 def run(data: bytes) -> None:
-    """Say all lines to a server with low limits, and then ask for the time."""
+    """Send all lines to a server with low limits, and then request the time."""
     with (
         lowered(client_topics, MAX_PUBLICATIONS=MAX_EACH, MAX_SUBSCRIPTIONS=MAX_EACH),
         lowered(client_services, MAX_SERVICES=MAX_EACH),
@@ -164,7 +164,7 @@ def run(data: bytes) -> None:
 
 
 class _Connection:
-    """Stands for a WebSocket: hands over what the client says, and looks at what it hears."""
+    """Replaces a WebSocket: passes on the client's messages, and checks those that it receives."""
 
     def __init__(self, lines: list[str], network: MemoryNetwork) -> None:
         self.network = network
@@ -201,20 +201,20 @@ class _Connection:
             self._answered.set()
 
     async def receive(self) -> str:
-        """Say nothing more."""
+        """Do nothing: no more messages follow."""
         return ""
 
     def close(self, code: int = 1000, reason: str = "") -> None:
-        """Be hung up on."""
-        raise AssertionError(f"hung up on: {code} {reason}")
+        """Note that the server closes the connection."""
+        raise AssertionError(f"connection closed: {code} {reason}")
 
     def abort(self) -> None:
-        """Be hung up on at once."""
-        raise AssertionError("hung up on at once")
+        """Note that the server aborts the connection."""
+        raise AssertionError("connection aborted")
 
 
 def _refuse(constant: str) -> None:
-    raise AssertionError(f"{constant} is no JSON")
+    raise AssertionError(f"{constant} is not JSON")
 
 
 def _tell(level: Level, text: str) -> None:

@@ -1,6 +1,6 @@
-"""A board at the bridge: whatever it said before, a sound board on the same connection is served after it.
+"""A board at the bridge: after any data, a healthy board on the same connection is served.
 
-The graph is in memory, the clock jumps, and no defect, traceback or line of two lines may appear.
+The graph is in memory, and the clock jumps. No defect, traceback or report of two lines may appear.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from rostether.serde.store import TypeStore
 from rostether.transports.memory import MemoryTransport, memory_pair
 from unit.bridge import virtual_time
 
-# On the virtual clock: longer than a silent board is waited for, and every negotiation.
+# On the virtual clock: longer than every negotiation, and than the wait for a silent board.
 ANSWER_LIMIT_S = 60.0
 SILENCE_S = 20.0
 _STORE = TypeStore(Registry())
@@ -47,17 +47,17 @@ _RESPONSES = [encode_frame(111, _DONE, version) for version in FORMS]
 
 
 def seeds() -> list[bytes]:
-    """Return scripts with topics, a service that is called, and questions."""
+    """Return scripts with topics, a service that is called, and requests."""
     calls = b"".join(step(kind, info.encode()) for kind, info in _service("/switch", 110))
     ask = step(ids.PARAMETER, ParameterRequest("list").encode(), kind=3)
     return [*host_link.seeds(), step(ids.TIME, bytes(8)) + calls + step(110, b"\1") * 3 + ask * 3]
 
 
 def generate(source: random.Random) -> bytes:
-    """Return a script for the link, with questions for all kinds of parameters and calls in it."""
+    """Return a script for the link, with requests for all kinds of parameters, and calls."""
     script = host_link.generate(source)
     if source.random() < 0.5:
-        name = source.choice(("/switch", "/broken", "/nobody"))
+        name = source.choice(("/switch", "/broken", "/missing"))
         script += b"".join(step(kind, info.encode()) for kind, info in _service(name, 120))
         script += step(120, source.choice((b"\1", b"", b"\1\1"))) * source.randint(1, 12)
     for _ in range(source.randint(0, 6)):
@@ -67,7 +67,7 @@ def generate(source: random.Random) -> bytes:
 
 
 def run(data: bytes) -> None:
-    """Play a script to a session, then be a sound board."""
+    """Feed a script to a session, then act as a healthy board."""
     virtual_time.run(_converse(data))
 
 
@@ -81,13 +81,13 @@ def _service(name: str, first_id: int) -> list[tuple[int, TopicInfo]]:
 
 class _Lines:
     def line(self, level: Level, text: str, *, node: str = "") -> None:
-        """Hear a line."""
+        """Check a line of the report."""
         assert "\n" not in text
         assert "please report" not in text, text
 
 
 class _Board:
-    """A board's end of the line."""
+    """The board's side of the line."""
 
     def __init__(self, transport: MemoryTransport) -> None:
         self.transport = transport
@@ -98,20 +98,20 @@ class _Board:
         transport.start(self)
 
     def data_received(self, data: bytes) -> None:
-        """Hear the host, and answer its topic requests once the script is over."""
+        """Receive the host's data, and answer its topic requests once the script is over."""
         self.received += data
         if self.is_sound and any(request in data for request in _TOPIC_REQUESTS):
             self._announce()
 
     def connection_lost(self, error: TransportError | None) -> None:
-        """Be hung up on."""
+        """Note the end of the connection."""
         self.is_lost = True
 
     def pause_writing(self) -> None:
-        """Write on."""
+        """Do nothing."""
 
     def resume_writing(self) -> None:
-        """Write on."""
+        """Do nothing."""
 
     def _announce(self) -> None:
         led = TopicInfo(100, "led", _STRING.name, _STRING.md5sum, 512)
@@ -120,7 +120,7 @@ class _Board:
         self.transport.write(encode_frame(ids.TIME, bytes(8)) + announced)
 
     async def is_answered(self, question: bytes, answers: list[bytes]) -> bool:
-        """Ask until there is an answer."""
+        """Send requests until there is an answer."""
         for _ in range(int(ANSWER_LIMIT_S)):
             self.transport.write(question)
             await asyncio.sleep(1.0)

@@ -1,6 +1,6 @@
-"""Connection headers, messages and service answers of TCPROS: refused with our errors, however cut.
+"""Connection headers, messages and service answers of TCPROS: refused with our errors, in any chunks.
 
-Limits are low, and readers written as the format is described say what is in a stream and what is refused.
+Limits are low. Simple readers that follow the specification determine the content of a stream.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ def seeds() -> list[bytes]:
 
 
 def generate(source: random.Random) -> bytes:
-    """Return one kind of stream, with lengths around the limits; runs of one length among the messages."""
+    """Return one kind of stream, with lengths near the limits, and sometimes many messages of one length."""
     kind = source.randrange(3)
     parts: list[bytes] = []
     for _ in range(source.randint(1, 10)):
@@ -62,7 +62,7 @@ def _field(source: random.Random) -> bytes:
 
 
 def run(data: bytes) -> None:
-    """Read as all three kinds of stream."""
+    """Read the data as all three kinds of stream."""
     middle = data[0] * (len(data) - 1) // 256 if data else 0
     stream = data[1:]
     for make, head_bytes in ((MessageDecoder, 4), (AnswerDecoder, 5)):
@@ -88,7 +88,7 @@ def _outcome(make: Callable[[int], Any], parts: list[bytes]) -> list[bytes] | No
 
 
 def _items(stream: bytes, head_bytes: int) -> list[bytes] | None:
-    """Return what a stream of lengths and payloads holds, None if it is to be refused."""
+    """Return the payloads in a stream of lengths and payloads, None if it must be refused."""
     found, place = [], 0
     while len(stream) - place >= head_bytes:
         start = place + head_bytes

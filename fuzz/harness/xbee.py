@@ -1,6 +1,6 @@
-"""The API frames of an XBee radio: chunks change nothing, and no report of a radio breaks its listener.
+"""The API frames of an XBee radio: chunks do not change the result, and no report stops the listener.
 
-What the decoder finds is compared with a reader that is written as the format is described.
+The decoder's frames are compared with those of a simple reader that follows the specification.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ def seeds() -> list[bytes]:
 
 
 def generate(source: random.Random) -> bytes:
-    """Return frames of one mode that a radio could send, some of them short, long or damaged."""
+    """Return frames of one mode that a radio could send; some are too short, too long or damaged."""
     choice = source.randrange(256)
     parts = []
     for _ in range(source.randint(1, 6)):
@@ -47,7 +47,7 @@ def generate(source: random.Random) -> bytes:
 
 
 def run(data: bytes) -> None:
-    """Decode in one piece and in two, and as the format is described; then let a listener handle it."""
+    """Decode the data in one piece and in two, and with the simple reader; then pass it to a listener."""
     is_escaped = bool(data[0] % 2) if data else True
     stream = data[1:]
     middle = data[0] * len(stream) // 256 if data else 0
@@ -61,7 +61,7 @@ def run(data: bytes) -> None:
 
 
 def read_escaped(stream: bytes) -> list[bytes]:
-    """Return the frames of API mode 2: each begins at a delimiter, which is nowhere else."""
+    """Return the frames of API mode 2: a delimiter occurs only at the beginning of a frame."""
     found = []
     for part in stream.split(DELIMITER)[1:]:
         plain, is_escaped = bytearray(), False
@@ -94,14 +94,14 @@ def read_plain(stream: bytes) -> list[bytes]:
 
 
 def is_whole(plain: bytes) -> bool:
-    """Return whether the first frame of bytes without a delimiter is complete and sound."""
+    """Return whether the first frame, given without its delimiter, is complete and valid."""
     length = int.from_bytes(plain[:2], "big")
     body = plain[2 : 2 + length + 1]
     return len(plain) >= 3 + length <= 3 + MAX_FRAME_BYTES and sum(body) % 256 == 0xFF
 
 
 def handle(frames: list[bytes]) -> None:
-    """Handle the reports as a listener does: what it holds and sends stays in its bounds."""
+    """Handle the reports like a listener; its queues and its output stay bounded."""
     radio = HostRadio()
     queue: SendQueue[int] = SendQueue(lambda: radio.packet_bytes)
     for now_s, frame in enumerate(frames):

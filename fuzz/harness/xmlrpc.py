@@ -1,6 +1,6 @@
-"""XML-RPC documents: refused with our errors; what is read can be written and is then read alike.
+"""XML-RPC documents: refused with our errors; a document that is read can be written, with the same values.
 
-Limits are low. What Python's own reader understands as well must be understood alike.
+Limits are low. If Python's own reader also accepts a document, the values must be the same.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ def load_response(document: bytes) -> XmlRpcValue:
 
 
 def seeds() -> list[bytes]:
-    """Return calls, responses, a fault, and a bomb of entities."""
+    """Return calls, responses, a fault, and a document whose entities expand exponentially."""
     return [
         dump_call("registerPublisher", ["/node", "/topic", "std_msgs/String", "http://host:1/"]),
         dump_call("setParam", ["/n", "/p", {"a": [1, 2.5, True, "x"], "b": b"\0"}]),
@@ -51,7 +51,7 @@ def seeds() -> list[bytes]:
 
 
 def generate(source: random.Random) -> bytes:
-    """Return a call with values of all kinds, numbers and depths around the limits."""
+    """Return a call with values of all kinds, and numbers and depths near the limits."""
     chance = source.random()
     if chance < 0.2:
         depth = near(source, MAX_NESTING) % 12
@@ -96,7 +96,7 @@ def _value(source: random.Random, depth: int) -> str:
 
 
 def run(data: bytes) -> None:
-    """Read as a call and as a response."""
+    """Read the data as a call and as a response."""
     with lowered(document_reader, MAX_VALUES=MAX_VALUES, MAX_NESTING=MAX_NESTING):
         _read(data)
 
@@ -119,7 +119,7 @@ def _read(data: bytes) -> None:
 
 
 def _check(params: Sequence[object]) -> None:
-    """See that what was read keeps to the limits."""
+    """Check that the values respect the limits."""
     count, level = 0, list[object](params)
     depth = 0
     while level:
@@ -137,7 +137,7 @@ def _check(params: Sequence[object]) -> None:
 
 
 def _is_plain(value: object) -> bool:
-    """Tell whether both readers have the same kinds of values for it: Python's reads no bytes of ours."""
+    """Return whether both readers have the same types for a value: Python's does not return bytes."""
     if isinstance(value, list):
         return all(map(_is_plain, value))
     if isinstance(value, dict):

@@ -1,4 +1,4 @@
-"""Values as people type them: refused with our errors, or a message that can be sent and printed."""
+"""Values as users type them: refused with our errors, or a message that can be sent and printed."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ def seeds() -> list[bytes]:
 
 
 def generate(source: random.Random) -> bytes:
-    """Return fields in the forms of rostopic pub, some of them too few, too many or of another kind."""
+    """Return fields in the forms of rostopic pub; sometimes too few, too many or of a wrong type."""
     index = source.randrange(len(_TYPES))
     text = source.choice(
         (
@@ -66,7 +66,7 @@ def _store() -> TypeStore:
 
 
 def run(data: bytes) -> None:
-    """Read as values of the type that the first byte chooses."""
+    """Read the data as values of the type that the first byte selects."""
     codec = _store().codec(_TYPES[data[0] % len(_TYPES)] if data else _TYPES[0])
     try:
         message = parse_values(codec, data[1:].decode("utf-8", "replace"), now=lambda: Time(1, 2))

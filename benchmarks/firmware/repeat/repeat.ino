@@ -1,4 +1,4 @@
-// Sends back what it hears, at 115200 baud.
+// Sends back each received message, at 115200 baud.
 #include <ros.h>
 #include <std_msgs/String.h>
 

@@ -8,7 +8,7 @@
 
 const int MICROPHONE = A0;
 const int LOUD = 200;                      // of 1023; more for a noisy room
-const unsigned long ECHO_MS = 100;         // a clap rings on as long
+const unsigned long ECHO_MS = 100;         // the echo of a clap lasts this long
 const unsigned long LONGEST_PAUSE_MS = 600;  // between the two claps
 
 ros::NodeHandle nh;

@@ -23,5 +23,5 @@ void loop() {
     text.data = "hello world!";
     chatter.publish(&text);
   }
-  nh.spinOnce();  // talks with the host; call it often
+  nh.spinOnce();  // communicates with the host; call it often
 }

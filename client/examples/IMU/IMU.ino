@@ -4,7 +4,7 @@
 // Try it:  rostether serve /dev/ttyACM0          rostether topic echo /imu_data          rviz, fixed frame base_link
 //
 // A gyroscope follows every movement, but drifts; gravity and the Earth's magnetic field show the true attitude, but
-// shake with every movement. A complementary filter takes the quick from the one and the lasting from the others.
+// shake with every movement. A complementary filter combines the fast changes of the gyroscope with the slow ones of the others.
 // Roll, pitch and yaw are zero when the sensor lies flat and its x axis points to magnetic north.
 
 #include <Wire.h>
@@ -109,7 +109,7 @@ void setup() {
 
   transform.header.frame_id = "base_link";
   transform.child_frame_id = "imu_link";
-  transform.transform.translation.x = 1.0;  // meters; apart, so that one sees both in rviz
+  transform.transform.translation.x = 1.0;  // meters; apart, so that both are visible in rviz
 
   has_sensor = sensor.begin();
   sensor.measure();

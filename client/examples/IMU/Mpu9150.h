@@ -23,7 +23,7 @@ class Mpu9150 {
     write(MPU, 0x1a, 3);                        // filter: 44 Hz
     write(MPU, 0x1b, 1 << 3);                   // gyroscope up to 500 degrees a second
     write(MPU, 0x1c, 1 << 3);                   // accelerometer up to 4 g
-    write(MPU, 0x37, 0x02);                     // let us talk with the magnetometer directly
+    write(MPU, 0x37, 0x02);                     // access the magnetometer directly
     write(MAGNETOMETER, 0x0a, 0x0f);            // first its factory calibration
     if (read(MAGNETOMETER, 0x10, 3)) {
       for (int i = 0; i < 3; i++) adjustment_[i] = 1 + (Wire.read() - 128) / 256.0;

@@ -20,7 +20,7 @@ unsigned long measured_ms;
 //   volts = 12.2 / (centimeters + 0.42)
 float measureRange() {
   const float volts = analogRead(SENSOR) * (5.0 / 1024);
-  if (volts < 0.3) return INFINITY;  // nothing within its reach
+  if (volts < 0.3) return INFINITY;  // no object in range
   return (12.2 / volts - 0.42) * 0.01;
 }
 

@@ -1,8 +1,8 @@
 // MobileBase: what the board of a TurtleBot3 Burger does, for any robot with two driven wheels.
 //
 //   in   cmd_vel       geometry_msgs/Twist        drive; without a new one it stops after half a second
-//        motor_power   std_msgs/Bool              false: the wheels stand still
-//        reset         std_msgs/Empty             here is x = y = 0
+//        motor_power   std_msgs/Bool              false: the wheels stop
+//        reset         std_msgs/Empty             sets x = y = 0 here
 //        sound         turtlebot3_msgs/Sound      a melody
 //   out  odom, joint_states, tf                   where it is, ten times a second
 //        imu, magnetic_field, sensor_state        ten times a second
@@ -10,7 +10,7 @@
 //
 // Wiring:  a motor driver: left direction - pin 4, left PWM - 5, right PWM - 6, right direction - 7; a piezo buzzer
 //          - 8; a bumper switch between 9 and GND; the battery's + through 20 kiloohm to A0, and A0 through 10 kiloohm
-//          to GND; an MPU-9150 as in the example IMU. What is missing is not missed.
+//          to GND; an MPU-9150 as in the example IMU. Missing parts are ignored.
 // Try it:  rostether serve "/dev/ttyACM0?baud=250000"
 //          rostether topic pub -r 10 /cmd_vel geometry_msgs/Twist "{linear: {x: 0.1}, angular: {z: 0.5}}"
 
@@ -40,11 +40,11 @@ const int BATTERY = A0;
 const float FULL_VOLTS = 12.4;   // three lithium cells
 const float EMPTY_VOLTS = 11.0;
 
-// What comes in is small, a Twist has 48 bytes: the sizes here (subscribers, publishers, bytes in, bytes out) leave
-// an Uno's memory to the messages that go out.
+// Received messages are small, a Twist has 48 bytes: these sizes (subscribers, publishers, bytes in, bytes out) leave
+// an Uno's memory to the messages that are sent.
 ros::NodeHandle_<ArduinoHardware, 4, 9, 128, 1024> nh;
 
-// A publisher needs to know its type, not a message: those are made when they are sent, one after the other in the
+// A publisher needs only the type. Messages are created when they are sent, one after the other in the
 // same memory. All at once they would take 800 bytes, and an Uno has 2048.
 template <class Message>
 Message* only() {
@@ -154,7 +154,7 @@ APART void publishField(const ros::Time& stamp) {
 }
 
 float batteryVolts() {
-  return analogRead(BATTERY) * (3 * 5.0 / 1024);  // the resistors let a third of it through
+  return analogRead(BATTERY) * (3 * 5.0 / 1024);  // the resistors divide it by three
 }
 
 APART void publishState(const ros::Time& stamp) {

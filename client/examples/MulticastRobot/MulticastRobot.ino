@@ -38,7 +38,7 @@ const Motor left = {33, 32};
 #else
 const Motor right = {7, 9};
 const Motor left = {8, 3};
-const uint8_t SD_CARD_PIN = 4;  // of the shield: high keeps the card silent
+const uint8_t SD_CARD_PIN = 4;  // of the shield: high deselects the card
 #endif
 
 void turn(const Motor& motor, int speed) {
@@ -68,7 +68,7 @@ ros::MulticastCommand<arduino_control::ArduinoControl, WiFiUDP> commands(&drive,
 void connect() {
   WiFi.begin("network", "password");
 #if defined(ESP32)
-  WiFi.setSleep(false);  // a radio that sleeps gets multicast late
+  WiFi.setSleep(false);  // a radio that sleeps receives multicast late
 #endif
   while (WiFi.status() != WL_CONNECTED) delay(100);
 }

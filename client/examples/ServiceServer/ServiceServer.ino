@@ -13,7 +13,7 @@ ros::NodeHandle nh;
 
 bool says_hello = false;
 
-// What the caller asked is in the request; what we put into the response goes back when this returns.
+// The request has the caller's values. The response is sent when this function returns.
 void answer(const Test::Request&, Test::Response& response) {
   says_hello = !says_hello;
   response.output = says_hello ? "hello" : "world";

@@ -19,7 +19,7 @@ IPAddress ip(192, 168, 0, 179);
 IPAddress server(192, 168, 0, 11);  // the host that `rostether serve` runs on
 const uint16_t serverPort = 11411;
 
-// With WiFiClient in place of EthernetClient where the board has Wi-Fi.
+// If the board has Wi-Fi, use WiFiClient instead of EthernetClient.
 typedef ros::KeyedClient<EthernetClient> Client_;
 ros::NodeHandle_<ArduinoTcpHardware<Client_>, 25, 25, 128> nh;
 

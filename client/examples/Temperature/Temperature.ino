@@ -7,7 +7,7 @@
 #include <std_msgs/Float32.h>
 
 const int SENSOR = A0;
-const int SAMPLES = 16;  // their mean is steadier than one
+const int SAMPLES = 16;  // their mean has less noise
 
 ros::NodeHandle nh;
 

@@ -1,4 +1,4 @@
-// What can be connected to the OpenCR of a TurtleBot3, with the pins that ROBOTIS uses. What is missing reads 0.
+// The sensors for the OpenCR of a TurtleBot3, on the pins that ROBOTIS uses. A missing sensor reads 0.
 #ifndef SENSORS_H
 #define SENSORS_H
 

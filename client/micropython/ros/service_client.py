@@ -20,7 +20,7 @@ class ServiceClient(Endpoint):
         self._nh.announce(ID_SERVICE_CLIENT + 1, self.id, self.topic, self._class.Response)
 
     def call(self, request, timeout_ms=10000):
-        """Return the response; None if no host is there, a call is under way, or `timeout_ms` have passed."""
+        """Return the response; None if no host is there, a call is active, or `timeout_ms` have passed."""
         if not self.begin(request):
             return None
         try:

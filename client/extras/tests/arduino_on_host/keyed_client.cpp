@@ -1,6 +1,6 @@
-// ros::KeyedClient against a host that says what stands in standard input, all at once, and then nothing or hangs up:
-//   keyed_client KEY stays|leaves < BYTES     prints the refusal's number, a space, and what the client said
-//   keyed_client digests                      SHA-256 of 0 to 199 bytes, and HMACs with keys of as many
+// ros::KeyedClient with a host that sends the standard input at once, and then stays silent or closes the connection:
+//   keyed_client KEY stays|leaves < BYTES     prints the refusal's number, a space, and the client's data
+//   keyed_client digests                      SHA-256 of 0 to 199 bytes, and HMACs with keys of these lengths
 #include <stdio.h>
 #include <string.h>
 #include <string>

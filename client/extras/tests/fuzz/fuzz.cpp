@@ -1,10 +1,10 @@
-// Feeds a node frames that nobody would send: any length, id and content, damaged ones, and noise.
+// Feeds a node unusual frames: any length, id and content, damaged ones, and noise.
 //
 //   fuzz SEED FRAMES
 //
-// The node has endpoints of many types, whose callbacks read all that a message holds. After each frame the line pauses,
-// and a good message must be delivered, and now and then the question for the topics answered. Prints how many frames there were, and of them how many
-// reached a callback; ends with 1 and what was fed last when something is wrong. Meant to run with sanitizers.
+// The node has endpoints of many types, whose callbacks read the whole message. After each frame the line pauses,
+// and a valid message must be delivered, and sometimes a topic request answered. Prints the number of frames, and how many of them
+// reached a callback. After a failure it prints the last input and exits with 1. Meant to run with sanitizers.
 #include <diagnostic_msgs/DiagnosticArray.h>
 #include <library_tests/Everything.h>
 #include <library_tests/Lookup.h>

@@ -7,7 +7,7 @@
 
 namespace {
 
-// A line with a clock of its own: each idle look takes 100 us.
+// A line with its own clock: each idle check takes 100 us.
 struct Line {
   std::vector<Bytes> sent;
   std::deque<Bytes> answers;  // one for each request

@@ -70,7 +70,7 @@ TEST(negotiation, without_endpoints_it_only_asks_for_the_time) {
   EXPECT_EQUAL(board.line.take().size(), 1u);
 }
 
-// A board first asks for the time: a host that asks for the topics would hear announcements twice.
+// A board first requests the time: a host that requests the topics would receive the announcements twice.
 TEST(negotiation, introduces_itself_after_its_own_reset_to_a_host_that_does_not_ask) {
   Board<> board;
   std_msgs::String text;

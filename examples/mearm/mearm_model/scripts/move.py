@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""robot_joint_mover: publishes where the joints are to stand, ten times a second.
+"""robot_joint_mover: publishes the positions of the joints, ten times a second.
 
 Publishes   joint_states         sensor_msgs/JointState
 Serves      select_position_set  mearm_model/MoveJoints, one of the sets below the parameter position_sets
@@ -52,7 +52,7 @@ class JointMover:
         return ""
 
     def run(self):
-        """Publish until the node is told to end."""
+        """Publish until the node is shut down."""
         rate = rospy.Rate(RATE_HZ)
         while not rospy.is_shutdown():
             state = JointState(name=JOINT_NAMES, position=self.positions)

@@ -25,7 +25,7 @@ void servoCallback(const mearm_model::ServoAngles& angles) {
   servo4.write(angles.servo4);
 }
 
-// For whoever steers the servos directly, and for the node mearm_controller.
+// For programs that move the servos directly, and for the node mearm_controller.
 ros::Subscriber<mearm_model::ServoAngles> direct("servo_control", &servoCallback);
 ros::Subscriber<mearm_model::ServoAngles> controlled("servo_pose_server", &servoCallback);
 

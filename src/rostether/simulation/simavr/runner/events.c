@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
  * Events, one JSON object a line: {"event":"pin","time_us":1234.5,"pin":"D13","level":1}.
- * time_us is the board's own time since it was plugged in, exact to the cycle. What the board itself causes in
- * quantity may be dropped when nobody reads in real time; the number of lost events is reported.
+ * time_us is the board's own time since it was plugged in, exact to the cycle. If the board causes many events, they
+ * may be dropped when no program reads them in real time; the number of lost events is reported.
  */
 #include <errno.h>
 #include <poll.h>

@@ -31,7 +31,7 @@
 static uint8_t own_ip[4] = {LOOPBACK, 0, 0, 2};
 static const uint8_t server_ip[4] = {LOOPBACK, 0, 0, 1};
 static struct {
-    int own, group; /* what hears the board's address, and the group; -1 if closed */
+    int own, group; /* the sockets of the board's address and of the group; -1 if closed */
     uint16_t port;
 } sockets[W5100_SOCKETS] = {{-1, -1, 0}, {-1, -1, 0}, {-1, -1, 0}, {-1, -1, 0}};
 

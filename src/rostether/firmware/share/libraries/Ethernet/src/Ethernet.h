@@ -51,7 +51,7 @@ extern EthernetClass Ethernet;
 
 class EthernetClient : public Client {
  public:
-  // 1 when connected, 0 when nobody answers within a second.
+  // 1 when connected, 0 without an answer within a second.
   virtual int connect(IPAddress ip, uint16_t port);
   // A name reaches what every address reaches: the host that the simulated board was started with.
   virtual int connect(const char* host, uint16_t port);
