@@ -99,7 +99,7 @@ def _paragraphs(text: str) -> Iterator[str]:
 
 
 def _escape(text: str) -> str:
-    """Return text that Markdown shows as it is, but for code in backticks."""
+    """Return text that Markdown shows unchanged, except for code in backticks."""
     parts = text.split("`")
     return "`".join(part if index % 2 else _MARKDOWN.sub(_entity, part) for index, part in enumerate(parts))
 

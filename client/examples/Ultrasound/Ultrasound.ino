@@ -21,7 +21,7 @@ ros::Publisher pub_range("ultrasound", &range_msg);
 unsigned long measured_ms;
 
 // The time at which the echo pin no longer has a level; 0 when it keeps it. Other than pulseIn(), micros() does not
-// lose time while bytes come and go on the serial line.
+// lose time while bytes are received and sent on the serial line.
 unsigned long endOf(int level) {
   const unsigned long began_us = micros();
   while (digitalRead(ECHO) == level) {

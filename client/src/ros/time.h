@@ -27,7 +27,7 @@ class Time {
 
   double toSec() const { return static_cast<double>(sec) + 1e-9 * static_cast<double>(nsec); }
 
-  // A double of four bytes (AVR) has a resolution of about two minutes for today's time: prefer sec and nsec there.
+  // A double of four bytes (AVR) has a resolution of about two minutes for current times: prefer sec and nsec there.
   Time& fromSec(double seconds) {
     sec = static_cast<uint32_t>(seconds);
     nsec = static_cast<uint32_t>((seconds - static_cast<double>(sec)) * 1e9 + 0.5);

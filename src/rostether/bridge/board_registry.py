@@ -164,7 +164,7 @@ class BoardRegistry:
     async def _close_and_report(self, node: BoardNode) -> None:
         try:
             await node.close()
-        except Exception as error:  # noqa: BLE001 - whatever a graph raises, the other boards go on
+        except Exception as error:  # noqa: BLE001 - whatever a graph raises, the other boards continue
             node.notices.report(Level.WARN, f"the node may still be listed: {reason_of(error)}")
 
     def _has_closed(self, closing: asyncio.Task[None]) -> None:

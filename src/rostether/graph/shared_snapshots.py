@@ -21,7 +21,7 @@ class SharedSnapshots:
         self._next: asyncio.Task[Snapshot] | None = None
 
     async def take(self) -> Snapshot:
-        """Return a snapshot that was requested after this call. Raises what taking it raises."""
+        """Return a snapshot that was requested after this call. Raises the errors of the request."""
         if self._next is None:
             self._next = asyncio.ensure_future(self._take_after(self._running))
             # All its callers may have been cancelled.

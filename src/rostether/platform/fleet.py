@@ -85,7 +85,7 @@ class FleetSender:
                 if paused_s > _MAX_PAUSE_S:
                     raise TransportError(
                         f"the robots stopped, because this program was paused for {paused_s:.0f} s; "
-                        "start it again to drive on"
+                        "start it again to continue"
                     )
                 self._send(self._commands.repeat(time.monotonic()))
                 self._check_refusals()

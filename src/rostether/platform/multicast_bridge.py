@@ -87,12 +87,12 @@ class _Bridge:
         self._sender = DatagramSender(settings.address.checked(), report)
         self._period_s = 1 / settings.frequency_hz if settings.frequency_hz else 0.0
         self._newest = b""
-        self._has_news = asyncio.Event()
+        self._has_message = asyncio.Event()
 
     def replace_newest(self, payload: bytes) -> None:
         """Replace the waiting message."""
         self._newest = payload
-        self._has_news.set()
+        self._has_message.set()
 
     def set_type(self, header: Mapping[str, str]) -> None:
         """Ignore the type: bare datagrams do not contain it."""
@@ -100,7 +100,7 @@ class _Bridge:
     async def run(self) -> None:
         next_s = 0.0
         while True:
-            await self._has_news.wait()
+            await self._has_message.wait()
             now_s = time.monotonic()
             if now_s < next_s:
                 await asyncio.sleep(next_s - now_s)
@@ -108,7 +108,7 @@ class _Bridge:
             # While messages arrive, due times keep a fixed grid: a late timer does not lower the frequency.
             next_s = max(next_s, now_s - self._period_s) + self._period_s
             if self._sender.send(self._newest):
-                self._has_news.clear()
+                self._has_message.clear()
             else:
                 await asyncio.sleep(_RETRY_S)
 
@@ -130,12 +130,12 @@ class _FramedBridge:
         self._commands: CommandSender | None = None
         self._newest: bytes | None = None
         self._silent_at_s: float | None = None
-        self._has_news = asyncio.Event()
+        self._has_message = asyncio.Event()
 
     def replace_newest(self, payload: bytes) -> None:
         """Replace the waiting message."""
         self._newest = payload
-        self._has_news.set()
+        self._has_message.set()
 
     def set_type(self, header: Mapping[str, str]) -> None:
         """Set the type of the topic; a new type starts a new sender."""
@@ -147,19 +147,19 @@ class _FramedBridge:
             self._release()
             self._settings = replace(self._settings, kind=kind)
             self._commands = self._channel.start_sender(self._settings)
-            self._has_news.set()
+            self._has_message.set()
 
     async def run(self) -> None:
-        next_news_s = 0.0
+        next_message_s = 0.0
         while True:
-            await self._wait(next_news_s)
+            await self._wait(next_message_s)
             now_s = time.monotonic()
             if self._commands is None:
                 continue
-            if self._newest is not None and now_s >= next_news_s:
+            if self._newest is not None and now_s >= next_message_s:
                 datagrams = self._commands.command(self._newest, now_s)
                 self._newest = None
-                next_news_s = now_s + self._period_s
+                next_message_s = now_s + self._period_s
                 self._silent_at_s = now_s + self._timeout_s
             elif self._silent_at_s is not None and now_s >= self._silent_at_s:
                 datagrams, self._silent_at_s = self._commands.halt(now_s), None
@@ -173,16 +173,16 @@ class _FramedBridge:
             for datagram in datagrams:
                 self._channel.send(datagram)
 
-    async def _wait(self, next_news_s: float) -> None:
+    async def _wait(self, next_message_s: float) -> None:
         """Return when a message may be sent, or a repetition is due."""
         is_waiting = self._newest is not None and self._commands is not None
         times = [self._silent_at_s, self._commands.due_s if self._commands else None]
-        times.append(next_news_s if is_waiting else None)
+        times.append(next_message_s if is_waiting else None)
         next_s = min((each for each in times if each is not None), default=float("inf"))
-        self._has_news.clear()
+        self._has_message.clear()
         try:
             async with asyncio.timeout(None if next_s == float("inf") else max(0, next_s - time.monotonic())):
-                await self._has_news.wait()
+                await self._has_message.wait()
         except TimeoutError:
             return
 

@@ -147,7 +147,7 @@ class SensorRegistry:
         if condition.instance not in ("", wanted.instance) and condition.holds_lease(now_s):
             remaining_s = (condition.lease_until_s or now_s) - now_s
             return before, f"{condition.instance} is registered as {wanted.id} for {remaining_s:.0f} s more"
-        # The latest name wins, from a registration or from a user.
+        # The latest name is used, from a registration or from a user.
         has_new_name = wanted.name not in ("", before.registered_name)
         self._sensors[wanted.id] = replace(
             before,

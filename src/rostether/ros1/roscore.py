@@ -47,7 +47,7 @@ class Roscore:
     ) -> Roscore:
         """Start where the environment lets us listen; port 0 takes a free one.
 
-        Raises GraphError when the port is taken, ConfigError when an address is not this machine's or its
+        Raises GraphError if the port is in use, ConfigError when an address is not this machine's or its
         own host name is unknown.
         """
         master = await MasterServer.start(

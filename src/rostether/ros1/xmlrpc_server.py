@@ -72,7 +72,7 @@ class XmlRpcServer:
         return format_uri(self._advertised_host, self.port)
 
     async def start(self) -> None:
-        """Begin to listen. Raises GraphError when the port is taken, ConfigError for a foreign address."""
+        """Begin to listen. Raises GraphError if the port is in use, ConfigError for a foreign address."""
         for attempt in range(_BIND_ATTEMPTS):
             self._is_closed = False
             try:

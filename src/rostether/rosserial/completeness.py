@@ -49,7 +49,7 @@ class Completeness:
         self._round: set[EndpointKey] = set()
         self._previous_round: set[EndpointKey] = set()
         self._equal_rounds = 0
-        self._has_news = False
+        self._has_changed = False
         self._quiet_rounds = 0
         self._before_close = (0, 0)
 
@@ -76,7 +76,7 @@ class Completeness:
     def open_round(self) -> None:
         """Begin a round."""
         self._round = set()
-        self._has_news = False
+        self._has_changed = False
 
     def resume_round(self) -> None:
         """Continue the last round: a part of its burst came late."""
@@ -98,7 +98,7 @@ class Completeness:
         self._round.add(key)
         if self._announced.get(key) != (kind, info):
             self._announced[key] = kind, info
-            self._has_news = True
+            self._has_changed = True
 
     def close_round(self) -> bool:
         """End the round; return whether all announcements were received."""
@@ -111,7 +111,7 @@ class Completeness:
             len(self._announced) > len(self._round) or not self._complete.keys() <= self._announced.keys()
         )
         self.is_lossy = self.is_lossy or is_missing
-        self._quiet_rounds = 0 if self._has_news or self.rounds == 1 else self._quiet_rounds + 1
+        self._quiet_rounds = 0 if self._has_changed or self.rounds == 1 else self._quiet_rounds + 1
         self._equal_rounds = self._equal_rounds + 1 if self._round == self._previous_round else 1
         self._previous_round = self._round
         if self._quiet_rounds < self._needed_rounds():

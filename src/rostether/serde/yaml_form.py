@@ -7,7 +7,7 @@ field, in order, and none may be missing. Inside, a list instead of a message gi
 
 A time may be `now`, a mapping, `[secs, nsecs]` or a whole number of nanoseconds, a header `auto` (stamped
 now), a uint8[] a list, a text or `!!binary`. Beyond genpy: floats may be written as `echo` prints them
-(`nan`, `inf`) and as `1e-3`, an empty value stands for zero, and nanoseconds are exact.
+(`nan`, `inf`) and as `1e-3`, an empty value means zero, and nanoseconds are exact.
 """
 
 from __future__ import annotations
@@ -70,7 +70,7 @@ def fill_message(codec: Codec, values: list[Any], *, now: Callable[[], Time]) ->
 
 
 class _Form:
-    """Turns YAML values into what `Codec.conform` takes."""
+    """Converts YAML values to the input of `Codec.conform`."""
 
     def __init__(self, type_name: str, now: Callable[[], Time]) -> None:
         self._type_name = type_name
@@ -157,7 +157,7 @@ def _load_one(text: str) -> Any:
     try:
         return load(text)
     except YamlError as error:
-        # YAML contains JSON, but for its escapes of characters beyond U+FFFF, which are two surrogates.
+        # YAML contains JSON, except for its escapes of characters beyond U+FFFF, which are two surrogates.
         import json
 
         try:

@@ -132,7 +132,7 @@ class Member(Waiting[Wrapped]):
         if not self.is_closed:
             self.is_closed = True
             atexit.unregister(self.close)
-            # A forked process is not the node: its parent goes on with it.
+            # A forked process is not the node: its parent continues as the node.
             if not LOOP.is_lost:
                 LOOP.call(self._end(), timeout_s=CLOSE_TIMEOUT_S)
 

@@ -74,7 +74,7 @@ class Announcement:
         except (OSError, NonUniqueNameException) as error:
             if zeroconf is not None:
                 await zeroconf.async_close()
-            reason = explain_reason(error) if isinstance(error, OSError) else "the name is taken"
+            reason = explain_reason(error) if isinstance(error, OSError) else "the name is in use"
             raise TransportOpenError(f"mDNS: cannot announce port {port}: {reason}") from error
         return cls(zeroconf, info)
 

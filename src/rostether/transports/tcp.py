@@ -141,7 +141,7 @@ class TcpListener:
         max_connections_per_host: int = MAX_CONNECTIONS_PER_HOST,
         board_keys: BoardKeys = NO_KEYS,
     ) -> TcpListener:
-        """Listen. Raises TransportOpenError if the port is taken or the host is not of this machine,
+        """Listen. Raises TransportOpenError if the port is in use or the host is not of this machine,
         ConfigError for a key or certificate that cannot be read.
         """
         allow = AllowList(address.allow)

@@ -16,7 +16,7 @@ enum PipeState { PIPE_FAILED, PIPE_PENDING, PIPE_OPEN };
 // It never blocks.
 //
 // A Pipe has
-//   PipeState open(uint32_t wait_ms)        begins or goes on opening, for about so long
+//   PipeState open(uint32_t wait_ms)        begins or continues opening, for about this time
 //   int read(uint8_t* bytes, size_t size)   bytes read; 0 if there are none; less if the pipe is broken
 //   int write(const uint8_t* bytes, size_t) likewise
 //   void wait(uint32_t wait_ms)             until it takes or gives bytes again, or so long

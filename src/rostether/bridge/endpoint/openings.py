@@ -133,7 +133,7 @@ class EndpointOpenings:
             except GraphError as error:
                 self._report(endpoint, f"{name} is not bridged yet: {error}; trying again", str(error))
                 await asyncio.sleep(backoff.next_delay_s())
-            except Exception as error:  # noqa: BLE001 - the other endpoints go on
+            except Exception as error:  # noqa: BLE001 - the other endpoints continue
                 reason = reason_of(error)
                 self._report(endpoint, f"{name} is not bridged: {reason}", reason)
                 return

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 class DashboardSettings:
     """Where the dashboard is served, and who may use it.
 
-    `place` is [HOST:]PORT; without a port, the next free one after 8765 is taken. Without `has_page` only the
+    `place` is [HOST:]PORT; without a port, the next free one from 8765 is used. Without `has_page` only the
     gateway is served. `views` are panels whose addresses are printed too. `wider` is the command, with
     {port}, to let other machines connect. `boards` are serial ports of the devices that show the page.
     """

@@ -124,7 +124,7 @@ def drive(options: DriveOptions, fleet: FleetSettings) -> int:
 @json_option
 @fleet_options()
 def stop(robot: int | None, as_json: bool, fleet: FleetSettings) -> int:
-    """Stop one robot or all, also those that another sender commands; list those that confirm it.
+    """Stop one robot or all, even if another sender commands them; list those that confirm it.
 
     The sender that commanded them must start again. The exit code is 1 if no robot confirms the stop, or if
     a robot answers without confirming it.

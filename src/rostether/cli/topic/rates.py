@@ -1,4 +1,4 @@
-"""`rostether topic hz|bw|delay`: how often messages come, how large and how old they are."""
+"""`rostether topic hz|bw|delay`: the rate, size and age of messages."""
 
 from __future__ import annotations
 

@@ -17,7 +17,7 @@ from rostether.mechanisms.text import fold_line
 from rostether.msgdef.interface import MessageType, ServiceType
 from rostether.rostime import NS_PER_S
 
-# The subprotocols of today's Foxglove and of older clients; the messages are the same.
+# The subprotocols of the current Foxglove and of older clients; the messages are the same.
 SUBPROTOCOLS = ("foxglove.sdk.v1", "foxglove.websocket.v1")
 
 ROS1_ENCODING = "ros1"
@@ -182,7 +182,7 @@ def time(time_ns: int) -> bytes:
 
 
 def asset_head(request_id: int) -> bytes:
-    """Return what precedes the bytes of a requested file."""
+    """Return the header before the bytes of a requested file."""
     return _ASSET_RESPONSE.pack(_ASSET_RESPONSE_OPCODE, request_id, _ASSET_FOUND, 0)
 
 

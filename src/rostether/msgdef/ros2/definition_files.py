@@ -20,7 +20,7 @@ from rostether.packages.package_xml import MAX_PACKAGE_XML_BYTES, parse_package_
 BUNDLED_FOLDER = Path(__file__).with_name("share")
 BUNDLED_DISTRO = "jazzy"
 _ROS1_DISTROS = frozenset({"kinetic", "lunar", "melodic", "noetic"})
-# Distribution -> folders to look in before the bundled distribution's own, first wins.
+# Distribution -> folders that are searched before the bundled distribution's own; the first has priority.
 _OVERLAYS: Mapping[str, tuple[str, ...]] = {
     "foxy": ("humble", "iron"),
     "galactic": ("humble", "iron"),

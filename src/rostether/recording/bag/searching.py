@@ -52,7 +52,7 @@ def search(data: Buffer, position: int, damage: str, content: BagContent | None 
 def _records(
     data: Buffer, position: int, note: Callable[[str], None]
 ) -> Iterator[tuple[int, Fields, int, int]]:
-    """Yield kind, fields, and start and end of the data, of each record; go on at a chunk after damage."""
+    """Yield kind, fields, and start and end of the data, of each record; continue at a chunk after damage."""
     while position < len(data):
         try:
             op, fields, start, end = _known_record(data, position)

@@ -168,7 +168,7 @@ def _stored(chunk: Chunk, numbers: frozenset[int] | None) -> StoredChunk:
 
 
 def search(data: Buffer, damage: str) -> McapContent:
-    """Read all complete records; after a broken one, go on at the next chunk.
+    """Read all complete records; after a broken one, continue at the next chunk.
 
     Raises RecordingError if the unpacked size of its chunks is implausible.
     """

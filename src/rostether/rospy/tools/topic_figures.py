@@ -1,4 +1,4 @@
-"""rostopic's figures of a topic: how often its messages come, how late and how large they are."""
+"""rostopic's figures of a topic: the rate, delay and size of its messages."""
 
 from __future__ import annotations
 

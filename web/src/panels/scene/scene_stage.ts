@@ -41,7 +41,7 @@ const MARGIN_M = 0.15;
 const STALE_FRAME_MS = 3000;
 
 export interface SceneSettings {
-  /** Empty chooses by itself. */
+  /** Empty: chosen automatically. */
   fixedFrame?: string;
   followedFrame?: string;
   /** Keys of displays that are not shown. */

@@ -6,7 +6,7 @@ const PIN = /^(in|out)([01])$|^pwm([\d.]+)$/;
 export interface Pin {
   name: string;
   direction: "in" | "out" | "pwm";
-  /** 0 or 1; of PWM the part of the time that it is high. */
+  /** 0 or 1; for PWM the duty cycle. */
   level: number;
 }
 
@@ -16,14 +16,14 @@ export interface BoardState {
   pins: Pin[];
   /** Degrees by pin. */
   servos: Record<string, number>;
-  /** The last line of each word, such as `range`: `0.5`. */
+  /** The last value of each command, such as `range`: `0.5`. */
   words: Record<string, string>;
   volts: Record<string, number>;
   /** Pins that are driven from outside: 0 or 1. */
   driven: Record<string, number>;
-  /** Words that the board accepts. */
+  /** The commands that the board accepts. */
   commands: readonly string[];
-  /** Of an analog input. */
+  /** The maximum voltage of an analog input. */
   mostVolts: number;
   error: string;
 }

@@ -1,4 +1,4 @@
-// Simulated boards: live pins, servos, and what surrounds them.
+// Simulated boards: live pins, servos, and their surroundings.
 import { useSignal } from "@preact/signals";
 import { useEffect, useMemo, useRef } from "preact/hooks";
 import { EmptyState } from "../../shell/parts.tsx";
@@ -18,14 +18,14 @@ const MOST_BATTERY_V = 18;
 const SETTLE_MS = 500;
 const FAULTS = ["none", "flip=0.0001", "flip=0.001", "flip=0.01", "drop=0.001", "drop=0.01"];
 
-type Tell = (line: string) => void;
+type SendLine = (line: string) => void;
 
 function SimulationPanel({ context }: { context: PanelContext }) {
   const boards = simulatedBoards(context.robot.topics.value.values());
   if (boards.size === 0)
     return <EmptyState icon="simulation" title={t.none} text={t.noneText} command={t.noneCommand} />;
   const { topic: shown } = context.settings.value;
-  // A card shows one board, without what surrounds it.
+  // A card shows one board, without its surroundings.
   if (context.isCard) {
     return <Board context={context} topic={String(shown)} name={boards.get(String(shown)) ?? ""} />;
   }
@@ -56,7 +56,7 @@ function Board({ context, topic, name }: { context: PanelContext; topic: string;
       made.dispose();
     };
   }, [mayAct, commands?.definition]);
-  const tell: Tell = (line) => publisher.peek()?.publish({ data: line });
+  const send: SendLine = (line) => publisher.peek()?.publish({ data: line });
   const tapped = useRef(new Map<string, { isDriven: boolean; untilMs: number }>());
   // The first tap drives a pin to its other level, as a button does; the second releases it.
   const tap = ({ name, level }: Pin) => {
@@ -65,16 +65,16 @@ function Board({ context, topic, name }: { context: PanelContext; topic: string;
     // The board's last state may be older than the last tap.
     const isDriven = last && now < last.untilMs ? last.isDriven : state?.driven[name] !== undefined;
     tapped.current.set(name, { isDriven: !isDriven, untilMs: now + SETTLE_MS });
-    tell(`pin ${name}=${isDriven ? "z" : level > 0 ? 0 : 1}`);
+    send(`pin ${name}=${isDriven ? "z" : level > 0 ? 0 : 1}`);
   };
-  const slide: Tell = (line) => publisher.peek()?.publishSmoothly({ data: line });
+  const slide: SendLine = (line) => publisher.peek()?.publishSmoothly({ data: line });
   // The pins of the drawing are smaller than a finger.
-  const hasFingers = !context.isCard && matchMedia("(pointer: coarse)").matches;
+  const isTouchScreen = !context.isCard && matchMedia("(pointer: coarse)").matches;
   const drawing = state && (
     <div>
       <BoardDrawing state={state} isDisabled={!mayAct} tap={tap} />
       <NamedPins
-        pins={state.pins.filter((pin) => !isNumbered(pin.name) || (hasFingers && isPressable(pin, state)))}
+        pins={state.pins.filter((pin) => !isNumbered(pin.name) || (isTouchScreen && isPressable(pin, state)))}
         driven={state.driven}
         isDisabled={!mayAct}
         tap={tap}
@@ -92,10 +92,10 @@ function Board({ context, topic, name }: { context: PanelContext; topic: string;
         <div class="simulation-parts">
           {drawing}
           <fieldset class="simulation-surroundings" disabled={!mayAct}>
-            <Obstacle state={state} tell={tell} slide={slide} />
+            <Obstacle state={state} send={send} slide={slide} />
             <Battery state={state} slide={slide} />
             <Volts state={state} slide={slide} />
-            <Line state={state} tell={tell} />
+            <Line state={state} send={send} />
           </fieldset>
           {state.error && <p class="problem">{state.error}</p>}
         </div>
@@ -106,12 +106,12 @@ function Board({ context, topic, name }: { context: PanelContext; topic: string;
   );
 }
 
-/** Whether something outside can drive the pin, or does. */
+/** Whether the pin can be driven from outside, or is. */
 function isPressable({ name, direction }: Pin, { driven }: BoardState): boolean {
   return direction === "in" || driven[name] !== undefined;
 }
 
-/** Pins as buttons: those with names, such as the lamps of an OpenCR; for fingers, also the numbered inputs. */
+/** Pins as buttons: those with names, such as the LEDs of an OpenCR; on touch screens, also the numbered inputs. */
 function NamedPins(props: {
   pins: readonly Pin[];
   driven: Readonly<Record<string, number>>;
@@ -145,7 +145,7 @@ function NamedPins(props: {
   );
 }
 
-function Obstacle({ state, tell, slide }: { state: BoardState; tell: Tell; slide: Tell }) {
+function Obstacle({ state, send, slide }: { state: BoardState; send: SendLine; slide: SendLine }) {
   const meters = Number.parseFloat(state.words.range ?? "");
   const isThere = Number.isFinite(meters);
   return (
@@ -154,7 +154,7 @@ function Obstacle({ state, tell, slide }: { state: BoardState; tell: Tell; slide
         <input
           type="checkbox"
           checked={isThere}
-          onChange={(event) => tell(`range ${event.currentTarget.checked ? DEFAULT_RANGE_M : "none"}`)}
+          onChange={(event) => send(`range ${event.currentTarget.checked ? DEFAULT_RANGE_M : "none"}`)}
         />
         {t.obstacle}
       </label>
@@ -170,7 +170,7 @@ function Obstacle({ state, tell, slide }: { state: BoardState; tell: Tell; slide
   );
 }
 
-function Battery({ state, slide }: { state: BoardState; slide: Tell }) {
+function Battery({ state, slide }: { state: BoardState; slide: SendLine }) {
   if (!state.commands.includes("battery")) return null;
   const volts = Number.parseFloat(state.words.battery ?? "") || FULL_BATTERY_V;
   return (
@@ -188,7 +188,7 @@ function Battery({ state, slide }: { state: BoardState; slide: Tell }) {
   );
 }
 
-function Volts({ state, slide }: { state: BoardState; slide: Tell }) {
+function Volts({ state, slide }: { state: BoardState; slide: SendLine }) {
   const inputs = state.pins.filter(({ name }) => /^A[0-5]$/.test(name)).map(({ name }) => name);
   return (
     <>
@@ -239,7 +239,7 @@ function Slider(props: {
   );
 }
 
-function Line({ state, tell }: { state: BoardState; tell: Tell }) {
+function Line({ state, send }: { state: BoardState; send: SendLine }) {
   const fault = state.words.fault ?? "none";
   const isOff = state.words.power === "off";
   const has = (word: string) => state.commands.includes(word);
@@ -249,7 +249,7 @@ function Line({ state, tell }: { state: BoardState; tell: Tell }) {
       {has("fault") && (
         <label>
           {t.faults}{" "}
-          <select value={fault} onChange={(event) => tell(`fault ${event.currentTarget.value}`)}>
+          <select value={fault} onChange={(event) => send(`fault ${event.currentTarget.value}`)}>
             {choices.map((each) => (
               <option key={each} value={each}>
                 {t.fault(each)}
@@ -260,12 +260,12 @@ function Line({ state, tell }: { state: BoardState; tell: Tell }) {
       )}
       <div class="simulation-buttons">
         {has("reset") && (
-          <button type="button" class="button" onClick={() => tell("reset")}>
+          <button type="button" class="button" onClick={() => send("reset")}>
             {t.reset}
           </button>
         )}
         {has("power") && (
-          <button type="button" class="button" onClick={() => tell(`power ${isOff ? "on" : "off"}`)}>
+          <button type="button" class="button" onClick={() => send(`power ${isOff ? "on" : "off"}`)}>
             {isOff ? t.powerOn : t.powerOff}
           </button>
         )}
