@@ -95,7 +95,7 @@ def leaves(name: str, value: Any, nesting: int = 0) -> Iterator[tuple[str, Param
     """Yield each parameter that a value loaded from YAML sets, with its full name.
 
     A mapping changes what it names and leaves the rest of the tree; a key with a leading slash is a full
-    name. Raises ConfigError for what no parameter can be, saying how to write it instead.
+    name. Raises ConfigError for a value that no parameter can have, with a form that works.
     """
     if not isinstance(value, dict):
         yield name, _checked(name, value, nesting)

@@ -213,7 +213,7 @@ class Graph(Protocol):
     async def call_service(
         self, service: str, service_type: ServiceType, request: bytes, *, timeout_s: float | None = None
     ) -> bytes:
-        """Call a service; without a time limit it waits as long as the server lives.
+        """Call a service; without a time limit it waits as long as the server runs.
 
         Raises ServiceUnavailableError, ServiceTimeoutError, ServiceCallError, TypeMismatchError.
         """

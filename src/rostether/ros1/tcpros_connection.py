@@ -180,7 +180,7 @@ class ConnectionRecord:
 
 
 def set_keepalive(transport: asyncio.Transport) -> None:
-    """Have the kernel notice a peer that vanished. TCP_NODELAY is asyncio's default, for all our sockets:
+    """Let the kernel detect a peer that disappeared. TCP_NODELAY is asyncio's default, for all our sockets:
 
     Nagle's algorithm would hold a message back for up to 40 ms, and we write whole batches anyway.
     """

@@ -11,7 +11,7 @@ stamps does. Each time answer sets its clock; until the next one the clock runs 
 
 A stamp is as late as the message was in progress, never early, so the lower edge is the clock: its height is
 the offset, worst at the end, its slope the drift. Both ends of an interval are compared, and the median over
-many of them rejects the intervals that a busy line has spoilt. Stamps that are not near the host's time
+many of them rejects the intervals that a busy line distorts. Stamps that are not near the host's time
 (zero, or time since boot) show nothing and are omitted.
 """
 

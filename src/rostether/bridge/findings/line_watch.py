@@ -255,7 +255,7 @@ class LineWatch:
 
 
 def absence(noise: Noise, baud: int | None, waited_s: float) -> Finding:
-    """Return why there is no rosserial frame, judged by the bytes that came instead."""
+    """Return why there is no rosserial frame, based on the bytes received instead."""
     if not noise.byte_count:
         hint = f", and whether its baud rate is {baud}" if baud else ""
         return error(

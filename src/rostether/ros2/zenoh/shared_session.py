@@ -33,7 +33,7 @@ class SharedSession:
         self.graph = GraphCache()
         self.session_id = str(session.zid())
         self.liveliness = session.liveliness()
-        # No thread before the first publication meets a full link.
+        # No thread starts before the first publication finds a full link.
         self.put_threads = ThreadPoolExecutor(MAX_PUT_THREADS, "zenoh put")
         # A separate pool: a caller that hangs must not block the loop or a topic.
         self.call_threads = ThreadPoolExecutor(MAX_CALL_THREADS, "zenoh call")

@@ -1,6 +1,6 @@
 """Messages like genpy's: positional or keyword fields, `serialize`, `deserialize`, printed as YAML.
 
-They are serde's messages underneath, so that one compiled codec reads and writes them.
+They are derived from serde's messages, so that one compiled codec reads and writes them.
 """
 
 from __future__ import annotations

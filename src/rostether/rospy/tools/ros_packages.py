@@ -88,7 +88,7 @@ class RosPack:
         return _manifest_in(Path(self.get_path(name)))
 
     def get_depends(self, name: str, implicit: bool = True) -> Sequence[str]:
-        """Return a package's dependencies, with theirs; only installed packages.
+        """Return a package's direct and indirect dependencies; only installed packages.
 
         Raises ResourceNotFound, InvalidManifest.
         """

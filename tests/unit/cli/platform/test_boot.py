@@ -107,7 +107,7 @@ def test_wrong_words(root: Path, shell: Shell, tmp_path: Path) -> None:
     [
         ("[parts]\na = 'serve /dev/ttyACM0 tpc://:11411'", "parts.a: unknown kind of link 'tpc'"),
         ("[parts]\na = 'core --lissten 0.0.0.0'", "parts.a: No such option"),
-        ("[parts]\na = 'core'\nb = 'role gsp'", "parts.b: no such command 'gsp'; did you mean gps"),
+        ("[parts]\na = 'core'\nb = 'role gpss'", "parts.b: no such command 'gpss'; did you mean gps"),
         ("[parts]\na = 'topic'", "parts.a: give a command after topic"),
         (
             "[parts]\na = 'dashboard --port x'",
