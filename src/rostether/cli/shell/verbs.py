@@ -209,7 +209,9 @@ class LazyGroup(click.Group):
         whole += [f"`{ctx.find_root().command_path} {words}`" for words in self.suggest(name)]
         if whole:
             return f"did you mean {' or '.join(whole[:3])}?"
-        if near := get_close_matches(name, self.verbs, cutoff=_MIN_SIMILARITY):
+        # Two letters the wrong way round make short words less similar.
+        swapped = [each for each in self.verbs if sorted(each) == sorted(name)]
+        if near := swapped or get_close_matches(name, self.verbs, cutoff=_MIN_SIMILARITY):
             return f"did you mean {' or '.join(near)}?"
         return f"see `{ctx.command_path} --help`"
 
