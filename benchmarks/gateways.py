@@ -20,7 +20,7 @@ RATE_HZ = 100.0
 SECONDS = 3.0
 TURNS = 3
 KINDS = {"foxglove": "foxglove", "json": "rosbridge", "cbor-raw": "rosbridge"}
-"""What a client asks for, and the verb of its gateway."""
+"""The encoding that a client requests, and the verb of its gateway."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -160,7 +160,7 @@ def _check_size(text: str, loader: Any) -> None:
 
 
 class _Sizes:
-    """What one document has so far. All methods raise YamlError."""
+    """The counts of one document so far. All methods raise YamlError."""
 
     def __init__(self) -> None:
         # The document and the collections that are open, innermost last.

@@ -1,4 +1,4 @@
-// What the library costs in cycles: the simulated board counts those between GPIOR2 = 1 and GPIOR2 = 0.
+// The cost of the library in cycles: the simulated board counts those between GPIOR2 = 1 and GPIOR2 = 0.
 //
 // With NEUTRAL_HARDWARE the line is memory and no interrupt runs: the library alone. Without it the line is Serial, and
 // its interrupts count too.

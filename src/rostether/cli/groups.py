@@ -117,7 +117,7 @@ def param() -> None:
             "info": ("info:bag_info", "Show the contents of a recording."),
             "check": ("check:bag_check", "Check a recording for errors."),
             "filter": ("filter:bag_filter", "Keep the messages that match an expression."),
-            "cut": ("cut:bag_cut", "Keep what was recorded at a time."),
+            "cut": ("cut:bag_cut", "Keep the messages of a period of time."),
             "convert": ("convert:bag_convert", "Convert between formats."),
             "compress": ("repack:bag_compress", "Compress recordings."),
             "decompress": ("repack:bag_decompress", "Decompress recordings."),

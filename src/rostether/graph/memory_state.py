@@ -1,4 +1,4 @@
-"""What the nodes of one in-memory graph share: endpoints, parameters, logs and the time."""
+"""The shared state of the nodes of one in-memory graph: endpoints, parameters, logs and the time."""
 
 from __future__ import annotations
 

@@ -77,7 +77,7 @@ class MemoryPublisher:
             return
         if not subscriber.accepts(self):
             _log.warning(
-                "%s: %s publishes %s, %s wants %s",
+                "%s: %s publishes %s, %s expects %s",
                 self.topic,
                 self.node_name,
                 self.type.name,

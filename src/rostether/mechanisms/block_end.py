@@ -1,4 +1,4 @@
-"""What ends with a block of code: something that is closed, or a task beside it."""
+"""Ends objects with a block of code: closes them, or cancels a task beside it."""
 
 from __future__ import annotations
 

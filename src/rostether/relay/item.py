@@ -9,7 +9,7 @@ from rostether.relay.side import Side
 
 
 class Kind(Enum):
-    """What an item is; reports about it start with the value."""
+    """The kind of an item; reports about it start with the value."""
 
     TOPIC = ""
     SERVICE = "service "

@@ -1,4 +1,4 @@
-"""What roscore starts: a master, and the node /rosout that gathers all logs on /rosout_agg."""
+"""The parts of roscore: a master, and the node /rosout, which collects all logs on /rosout_agg."""
 
 from __future__ import annotations
 

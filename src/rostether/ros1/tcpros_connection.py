@@ -1,4 +1,4 @@
-"""What all TCPROS connections share: the exchange of headers, socket options and counters."""
+"""The common part of all TCPROS connections: the exchange of headers, socket options and counters."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from rostether.tcpros.header import HeaderDecoder, encode_header
 # A healthy peer answers in milliseconds; over a bad radio link TCP repeats a lost packet within 3 s.
 CONNECT_TIMEOUT_S = 10.0
 
-# What the kernel may hold unsent for one subscriber: 10 ms of a flood. More would hide from us that it is
+# The unsent data of one subscriber in the kernel: 10 ms of a flood. More would hide from us that it is
 # behind, and could not be dropped.
 UNSENT_BYTES = 128 << 10
 

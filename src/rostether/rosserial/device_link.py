@@ -41,7 +41,7 @@ from rostether.rostime import Time
 # Bytes that the output buffer also holds, in both versions (established library).
 PUBLISHER_OVERHEAD_BYTES = 8
 
-# An unfinished frame must not swallow a probe; the established library waits 20 ms, networks need more.
+# An unfinished frame must not hide a probe; the established library waits 20 ms, networks need more.
 ABANDON_AFTER_S = 0.25
 
 # Beyond this, nothing is published until the driver has sent some data: a second of a 10 Mbit line.

@@ -1,4 +1,4 @@
-"""What links report, as frozen values. Directions and roles are the device's.
+"""The reports of links, as frozen values. Directions and roles are the device's.
 
 `HostLink` reports: MessagesReceived, TopicAnnounced, TopicWithdrawn, ServiceAnnounced, ServiceWithdrawn,
 AnnouncementRefused, NegotiationSettled, TimeRequested, LogReceived, ParameterRequested, FrameDiscarded,
@@ -19,14 +19,14 @@ from rostether.rostime import Time
 
 
 class TopicRole(Enum):
-    """What the device does with a topic: PUBLISHER sends to ROS, SUBSCRIBER receives from ROS."""
+    """The device's role for a topic: PUBLISHER sends to ROS, SUBSCRIBER receives from ROS."""
 
     PUBLISHER = "publisher"
     SUBSCRIBER = "subscriber"
 
 
 class ServiceRole(Enum):
-    """What the device is to a service: SERVER answers calls from ROS, CLIENT calls a service of ROS."""
+    """The device's role for a service: SERVER answers calls from ROS, CLIENT calls a service of ROS."""
 
     SERVER = "service server"
     CLIENT = "service client"

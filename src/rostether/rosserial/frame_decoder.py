@@ -1,4 +1,4 @@
-"""Cuts a byte stream into frames, and finds the frames that an unfinished frame has swallowed.
+"""Splits a byte stream into frames, and finds the frames inside an unfinished frame.
 
 States and transitions:
 
@@ -36,7 +36,7 @@ FIRST_SEARCH_S = 0.1
 # A frame that got no byte for this time is not being received.
 RECEIVING_S = 0.05
 
-# Searches become rarer, so that hostile input costs little; this limits how late a swallowed frame is found.
+# Searches become rarer, so that hostile input costs little; this limits the delay of the frames inside.
 MAX_SEARCH_S = 1.0
 
 # This number of valid frames in a row proves that the header before them is false: by chance, one frame in
@@ -64,7 +64,7 @@ Decoded: TypeAlias = Frames | FrameDiscarded
 
 
 class FrameDecoder:
-    """Cuts one direction of a line into frames of one protocol version, in linear time.
+    """Splits one direction of a line into frames of one protocol version, in linear time.
 
     The decoder waits for unfinished frames within `limits.possible`; complete frames beyond it are delivered
     too. After `abandon_after_s` without a byte, any unfinished frame is given up (None: never).
@@ -149,7 +149,7 @@ class FrameDecoder:
         return min((timer for timer in timers if timer is not None), default=None)
 
     def handle_timer(self, now_s: float) -> list[Decoded]:
-        """Search the unfinished frame if a search is due; return the frames that it swallowed."""
+        """Search the unfinished frame if a search is due; return the frames inside it."""
         abandon_at_s = self._abandon_at_s()
         if abandon_at_s is not None and now_s >= abandon_at_s:
             return self.abandon(now_s)
@@ -160,8 +160,8 @@ class FrameDecoder:
         buffer = bytes(self._pending)
         scan = self._scan(buffer, Patience.SEARCH, now_s)
         found = {*scan.groups, *(topic_id for topic_id, _ in scan.controls)}
-        swallowed = any(topic_id in self._possible for topic_id in found) if self._possible else found
-        if swallowed and (is_due or scan.tail_frames >= PROVING_FRAMES):
+        has_frames = any(topic_id in self._possible for topic_id in found) if self._possible else found
+        if has_frames and (is_due or scan.tail_frames >= PROVING_FRAMES):
             return self._accept(buffer, scan, now_s)
         if is_due:
             self._search_at_s = None
@@ -184,7 +184,7 @@ class FrameDecoder:
         return _frames(scan)
 
     def _scan(self, buffer: bytes, patience: Patience, now_s: float) -> Scan:
-        """Cut a buffer within the cost that this line may cause."""
+        """Split a buffer into frames, within the cost that this line may cause."""
         saved = self._false_starts_left + (now_s - self._false_starts_counted_s) * FALSE_STARTS_PER_S
         self._false_starts_left = min(max(saved, 0.0), MAX_SAVED_FALSE_STARTS)
         self._false_starts_counted_s = now_s

@@ -127,7 +127,7 @@ class FrameScanner:
     def scan(
         self, buffer: bytes, patience: Patience = Patience.WAIT, max_false_starts: int | None = None
     ) -> Scan:
-        """Cut a buffer that begins where a frame may begin.
+        """Split a buffer that begins where a frame may begin.
 
         After more than `max_false_starts` (None: any number), only its end is searched; the rest is noise.
         """

@@ -65,7 +65,7 @@ class HostLink:
         self._version: int | None = None
         self._table = TopicTable(self._config.max_endpoints, self._config.fixed_size)
         self.unread = UnreadBytes()
-        """What the device has not read yet; the driver sends only messages that have room there."""
+        """The bytes that the device has not read yet; the driver sends only messages that have room there."""
         self._output = HostOutput(self._table, self.statistics, self.unread)
         self._limits = self._table.limits
         self._line: ProtocolDetector | FrameDecoder = self._listen()

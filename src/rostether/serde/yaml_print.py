@@ -22,7 +22,7 @@ _PLAIN_TEXT: Final = re.compile(r"[ !#-\[\]-~]{1,70}")
 
 @dataclass(frozen=True, slots=True)
 class EchoStyle:
-    """What `rostopic echo` can omit or print otherwise.
+    """The parts that `rostopic echo` can omit or print differently.
 
     `time_offset` is subtracted from times (--offset), `number_width` is the columns of a number (-w).
     """

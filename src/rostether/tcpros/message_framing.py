@@ -57,7 +57,7 @@ def measure_oldest(data: bytes, excess_bytes: int) -> tuple[int, int]:
 
 
 class MessageDecoder:
-    """Cuts a byte stream, in chunks that may end anywhere, into payloads."""
+    """Splits a byte stream, in chunks that may end anywhere, into payloads."""
 
     def __init__(self, max_message_bytes: int = MAX_MESSAGE_BYTES) -> None:
         self._max_message_bytes = max_message_bytes
@@ -106,7 +106,7 @@ class MessageDecoder:
         return payloads
 
     def _cut_run(self, data: bytes, payloads: list[bytes]) -> int:
-        """Cut the chunk in one step if all its messages have the same length; return its end."""
+        """Split the chunk in one step if all its messages have the same length; return its end."""
         end = len(data)
         if end < 4 * _MIN_RUN:
             return 0

@@ -43,7 +43,7 @@ def encode_error(text: str) -> bytes:
 
 
 class AnswerDecoder:
-    """Cuts a byte stream, in chunks that may end anywhere, into answers."""
+    """Splits a byte stream, in chunks that may end anywhere, into answers."""
 
     def __init__(self, max_message_bytes: int = MAX_MESSAGE_BYTES) -> None:
         self._max_message_bytes = max_message_bytes

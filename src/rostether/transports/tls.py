@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 HANDSHAKE_LIMIT_S = 5.0
 # A certificate with all its authorities; a device file has no end.
 _MAX_FILE_BYTES = 1024 * 1024
-# What OpenSSL reports of a peer that sends other bytes than TLS.
+# OpenSSL's errors for a peer that does not send TLS.
 SPEAKS_NO_TLS = frozenset({"HTTP_REQUEST", "HTTPS_PROXY_REQUEST", "UNKNOWN_PROTOCOL", "WRONG_VERSION_NUMBER"})
 
 

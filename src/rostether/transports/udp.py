@@ -31,7 +31,7 @@ _Peer: TypeAlias = tuple[Any, ...]  # (host, port) of IPv4, (host, port, flow, s
 
 
 def split_datagrams(data: bytes | bytearray | memoryview) -> Iterator[bytes]:
-    """Cut bytes into datagrams of at most MAX_DATAGRAM_BYTES, as few as possible."""
+    """Split bytes into datagrams of at most MAX_DATAGRAM_BYTES, as few as possible."""
     for start in range(0, len(data), MAX_DATAGRAM_BYTES):
         yield bytes(data[start : start + MAX_DATAGRAM_BYTES])
 

@@ -203,7 +203,7 @@ def test_only_an_unconfigured_device_answers_a_wrong_version() -> None:
     assert link.data_to_send() == b""
 
 
-def test_an_unfinished_frame_does_not_swallow_a_probe_for_long() -> None:
+def test_an_unfinished_frame_does_not_hide_a_probe_for_long() -> None:
     link, _, _ = device()
     link.receive_data(frame(100, bytes(100))[:50], 100.0)
     link.receive_data(PROBE, 100.1)

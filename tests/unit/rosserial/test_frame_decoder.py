@@ -50,7 +50,7 @@ CASES: list[tuple[str, int, bytes, dict[int, list[bytes]], list[tuple[str, bytes
     ("wrong length check", 2, BAD_LENGTH + B, {126: [b"beta"]}, [("LENGTH_CHECKSUM", BAD_LENGTH)]),
     ("wrong byte in a run", 2, A + BAD_BYTE + A, {125: [b"alpha"] * 2}, [("PAYLOAD_CHECKSUM", BAD_BYTE)]),
     ("header in noise", 2, TRAP + A, {125: [b"alpha"]}, [("PAYLOAD_CHECKSUM", TRAP)]),
-    ("a frame cut short swallows none", 2, A[:-3] + B, {126: [b"beta"]}, [("PAYLOAD_CHECKSUM", A[:-3])]),
+    ("a frame cut short hides no other", 2, A[:-3] + B, {126: [b"beta"]}, [("PAYLOAD_CHECKSUM", A[:-3])]),
     ("one byte inserted", 2, INSERTED + B, {126: [b"beta"]}, [("PAYLOAD_CHECKSUM", INSERTED)]),
     ("longer than the limit", 2, HUGE + A, {125: [b"alpha"]}, [("TOO_LONG", HUGE)]),
     ("version 1", 1, A1 * 2, {125: [b"alpha"] * 2}, []),
@@ -216,7 +216,7 @@ class TestUnfinishedFrames:
         decoder.feed(self.CLAIM + B, 0.0)
         assert decoder.handle_timer(1.0) == []
 
-    def test_abandon_returns_what_was_swallowed(self) -> None:
+    def test_abandon_returns_the_frames_inside(self) -> None:
         decoder = FrameDecoder()
         decoder.feed(self.CLAIM + A + B[:-1], 0.0)
         assert decoder.abandon(0.0) == [

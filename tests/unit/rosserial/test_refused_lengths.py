@@ -90,7 +90,7 @@ def test_a_possible_length_is_given_up_while_good_frames_flow_behind_it() -> Non
     ]
 
 
-def test_looking_for_what_a_possible_length_swallows_gets_rarer() -> None:
+def test_searches_inside_a_possible_length_become_rarer() -> None:
     decoder = FrameDecoder(limits=PayloadLimits({125: 65535}))
     now_s, looks = 0.0, []
     decoder.feed(header(125, 65535), now_s)
@@ -104,7 +104,7 @@ def test_looking_for_what_a_possible_length_swallows_gets_rarer() -> None:
     assert len(looks) <= 12
 
 
-def test_a_message_that_is_none_gives_back_what_it_swallowed() -> None:
+def test_the_frames_inside_an_invalid_message_are_returned() -> None:
     link, now_s = settled_link()
     swallowed = header(CHATTER.topic_id, 3) + GOOD + TIME + b"\xff"
     events = link.rescan(swallowed, now_s)

@@ -6,7 +6,7 @@ interface Source {
 }
 const rawJson = (JSON as { rawJSON?: (text: string) => unknown }).rawJSON;
 
-/** As JSON.parse; integers that a number cannot hold are bigint. Throws SyntaxError. */
+/** Like JSON.parse; integers that a number cannot hold are bigint. Throws SyntaxError. */
 export function parseExact(text: string): unknown {
   // The reviver's third argument is newer than its type.
   const revive = (_: string, value: unknown, context?: Source) =>
@@ -16,7 +16,7 @@ export function parseExact(text: string): unknown {
   return JSON.parse(text, revive as (key: string, value: unknown) => unknown);
 }
 
-/** As JSON.stringify; bigint becomes an integer. */
+/** Like JSON.stringify; bigint becomes an integer. */
 export function stringifyExact(value: unknown): string {
   return JSON.stringify(value, (_, each) =>
     typeof each === "bigint" ? (rawJson?.(String(each)) ?? Number(each)) : each,

@@ -63,7 +63,7 @@ export interface Panel {
   onTabBar?: boolean;
   /** Whether its page fills the whole window, without a scroll bar. */
   fillsPage?: boolean;
-  /** What each of its settings must be; without it, the panel has none. */
+  /** The check of each of its settings; without it, the panel has none. */
   settings?: SettingChecks;
   /** Names of settings that its cards share with its page; the values are by topic. */
   shared?: readonly string[];

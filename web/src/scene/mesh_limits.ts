@@ -3,7 +3,7 @@
 /** A header and the number of triangles; then 50 bytes for each. */
 const STL_HEAD_BYTES = 84;
 const STL_TRIANGLE_BYTES = 50;
-/** What follows the last triangle of a text file: a name. */
+/** The name after the last triangle of a text file. */
 const MAX_STL_REST = 10_000;
 
 /** A thousand times the parts of a robot's link. */

@@ -183,7 +183,7 @@ export class TfBuffer {
   }
 }
 
-/** What tf2 does not accept, as a sentence. */
+/** The reason why tf2 does not accept a transform, as a sentence. */
 function invalidPart({ translation, rotation }: Transform): string | undefined {
   const shown = (numbers: readonly number[]) =>
     `(${numbers.map((each) => Number(each.toPrecision(4))).join(", ")})`;

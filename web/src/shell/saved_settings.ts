@@ -16,7 +16,7 @@ export function sharedSettings(panel: Panel): Settings {
   );
 }
 
-/** Saves changes until the returned function is called. `given` returns what the link or the card gave. */
+/** Saves changes until the returned function is called. `given` returns the values from the link or the card. */
 export function saveChanges(panel: Panel, settings: Signal<Settings>, given: () => Settings): () => void {
   let before = settings.peek();
   return effect(() => {

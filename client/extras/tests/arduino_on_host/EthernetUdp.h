@@ -74,7 +74,7 @@ class EthernetUDP : public Stream {
   int socket_;
   struct sockaddr_in to_;
   struct sockaddr_in from_;
-  // What the smallest of the chips holds.
+  // The capacity of the smallest chip.
   uint8_t out_[2048];
   size_t out_size_;
   uint8_t in_[2048];

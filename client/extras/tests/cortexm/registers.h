@@ -5,7 +5,7 @@
 
 inline volatile uint32_t& at(uint32_t address) { return *reinterpret_cast<volatile uint32_t*>(address); }
 
-// What runs on the interrupts of SysTick and of the UART.
+// The handlers of the interrupts of SysTick and of the UART.
 extern void (*tick_handler)();
 extern void (*uart_handler)();
 

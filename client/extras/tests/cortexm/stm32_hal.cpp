@@ -31,7 +31,7 @@ void onUsart() {
   }
 }
 
-// What main() of a CubeMX project does first.
+// The beginning of main() in a CubeMX project.
 struct Start {
   Start() { usart2::start(onTick, onUsart, 57600); }
 } start;

@@ -11,7 +11,7 @@
 #include "bytes.h"
 #include "expect.h"
 
-// What is at the end of the line, shared by the Hardware classes below.
+// The other end of the line, shared by the Hardware classes below.
 struct Line {
   struct Arrival {
     unsigned long at_ms;

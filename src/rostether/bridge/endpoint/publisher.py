@@ -158,7 +158,7 @@ class PublisherEndpoint:
         return payloads[:admitted]
 
     def _sort_out(self, payloads: list[bytes]) -> None:
-        """Accept valid messages, and search invalid ones for swallowed frames, in their order of arrival."""
+        """Accept valid messages, and search invalid ones for frames inside, in the order of arrival."""
         accepts = self._layout.accepts
         line = self._line
         fitting: list[bytes] = []

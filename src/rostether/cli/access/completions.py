@@ -24,7 +24,7 @@ TIMEOUT_S = 1.0
 ROS2_TIMEOUT_S = 3.0
 
 
-# What the ROS 1 master knows: publishers, subscribers and services, each with their nodes.
+# The state of the ROS 1 master: publishers, subscribers and services, each with their nodes.
 State: TypeAlias = tuple[Mapping[str, list[str]], Mapping[str, list[str]], Mapping[str, list[str]]]
 
 

@@ -70,7 +70,7 @@ class ConnectionUser(Protocol):
 
 
 class ConnectionServer(Protocol):
-    """What a connection asks of its server."""
+    """The part of its server that a connection uses."""
 
     limits: ConnectionLimits
     protocol: ServedProtocol

@@ -35,7 +35,7 @@ _log = logging.getLogger("rostether.ros1")
 
 
 class PublisherConnection(asyncio.Protocol):
-    """Cuts a publisher's data into messages, and passes on those of each chunk.
+    """Splits a publisher's data into messages, and passes on those of each chunk.
 
     `node_name` is the node in the publisher's header.
     """

@@ -21,7 +21,7 @@ MAX_HANDSHAKES = 256
 # The same for one address that is not this machine, so that it leaves room for others.
 MAX_HANDSHAKES_PER_HOST = 64
 
-# What all headers that are being received may take together: a few of the largest at once.
+# The limit of all headers that are being received together: a few of the largest at once.
 MAX_HEADERS_BYTES = 8 << 20
 
 _BIND_ATTEMPTS = 5

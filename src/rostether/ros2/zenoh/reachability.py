@@ -25,7 +25,7 @@ REFUSAL_TIMEOUT_S = 1.0
 
 _TLS_PROTOCOLS = ("tls/", "quic/")
 
-# What is wrong if an endpoint accepts connections, or its protocol cannot be tried.
+# The cause if an endpoint accepts connections, or its protocol cannot be tried.
 NO_SESSION = "zenoh cannot connect to it: check its protocol (tcp, tls, quic), and that it is a zenoh router"
 
 _LOOPBACK = ("localhost", "127.", "[::1]")

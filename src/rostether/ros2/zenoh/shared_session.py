@@ -1,4 +1,4 @@
-"""What the nodes of one zenoh session share."""
+"""The shared state of the nodes of one zenoh session."""
 
 from __future__ import annotations
 

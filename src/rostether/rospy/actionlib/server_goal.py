@@ -22,7 +22,7 @@ _CANCEL_REQUESTED = {GoalStatus.PENDING: GoalStatus.RECALLING, GoalStatus.ACTIVE
 
 
 class ServedGoal:
-    """A goal in a server's list, or a cancel request that came before its goal."""
+    """A goal in a server's list, or a cancel request that arrived before its goal."""
 
     def __init__(self, goal_id: Any = None, status: int = GoalStatus.PENDING, goal: Any = None) -> None:
         self.goal = goal
@@ -37,7 +37,7 @@ class ServedGoal:
 
 
 class GoalPublisher(Protocol):
-    """What a goal's handle needs of its server; `lock` is held while a status changes."""
+    """The part of a server that a goal's handle uses; `lock` is held while a status changes."""
 
     lock: threading.RLock
     ActionResultType: Any
@@ -46,7 +46,7 @@ class GoalPublisher(Protocol):
         """Publish the list of goals."""
 
     def publish_result(self, status: Any, result: Any) -> None:
-        """Publish how a goal ended, and the list."""
+        """Publish the result of a goal, and the list of goals."""
 
     def publish_feedback(self, status: Any, feedback: Any) -> None:
         """Publish the progress of a goal."""

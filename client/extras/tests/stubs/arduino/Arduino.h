@@ -1,4 +1,4 @@
-// What the library uses of an Arduino core: Print, Stream, and each core's own serial port classes.
+// The part of an Arduino core that the library uses: Print, Stream, and each core's own serial port classes.
 #ifndef STUB_ARDUINO_H_
 #define STUB_ARDUINO_H_
 

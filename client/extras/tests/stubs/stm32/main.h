@@ -1,4 +1,4 @@
-// What the library uses of ST's HAL, as a CubeMX project's main.h includes it.
+// The part of ST's HAL that the library uses, as a CubeMX project's main.h includes it.
 #ifndef STUB_MAIN_H_
 #define STUB_MAIN_H_
 

@@ -1,4 +1,4 @@
-// What the library uses of TivaWare's driver library. The headers beside this one include it.
+// The part of TivaWare's driver library that the library uses. The headers beside this one include it.
 #ifndef STUB_DRIVERLIB_H_
 #define STUB_DRIVERLIB_H_
 
