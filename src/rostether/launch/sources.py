@@ -102,6 +102,8 @@ def launch_files(folder: Path) -> list[str]:
 
 def _explain_missing(words: list[str], missing: str, packages: Mapping[str, Path]) -> str:
     if len(words) < 2 or missing != words[0]:
+        if Path(missing).is_dir():
+            return f"{missing} is a folder; give a launch file in it"
         return f"there is no launch file {missing}"
     package, name = words[0], words[1]
     if package not in packages:

@@ -63,6 +63,7 @@ async def run_in_qemu(
 async def find_program(path: Path, board: str, msg_paths: Sequence[Path] = ()) -> Path:
     """Return the program for a board. Raises BoardError if there is no such file, and build errors."""
     if path.suffix.lower() in _PROGRAM_SUFFIXES:
+        _refuse_missing(path)
         return path
     from rostether.firmware.build import build_sketch, find_board
     from rostether.firmware.built_firmware import BuildOptions, BuiltFirmware

@@ -37,8 +37,10 @@ def read_bytes(file: Path) -> bytes:
         else:
             with file.open("rb") as opened:
                 data = opened.read(MAX_FILE_BYTES + 1)
-    except (FileNotFoundError, IsADirectoryError):
+    except FileNotFoundError:
         raise ConfigError(f"there is no file {file}") from None
+    except IsADirectoryError:
+        raise ConfigError(f"{file} is a folder; give a file in it") from None
     except (OSError, ValueError) as error:
         raise ConfigError(f"cannot read {file}: {getattr(error, 'strerror', None) or error}") from None
     if len(data) > MAX_FILE_BYTES:

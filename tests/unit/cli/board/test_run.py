@@ -127,7 +127,7 @@ def test_options_are_words_for_the_board() -> None:
 @pytest.mark.parametrize(
     ("arguments", "code", "reported"),
     [
-        (["missing.elf"], 1, "missing.elf cannot be read"),
+        (["missing.elf"], 1, "missing.elf does not exist; give a sketch"),
         (["missing.ino"], 1, "missing.ino does not exist; give a sketch"),
         (["ELF", "--board", "due"], 1, "no simulated board 'due'; known: uno, nano"),
         (["ELF", "--board", "mega"], 1, "built for another chip"),

@@ -121,6 +121,7 @@ def test_unknown_node_is_refused_with_those_there_are(arm: Path, capsys: pytest.
         (["arm", "displai.launch"], "did you mean display.launch?"),
         (["arm", "zzz"], "it has display.launch, more.xml, params.launch, stay.launch"),
         (["nothing.launch"], "there is no launch file nothing.launch"),
+        (["/"], "/ is a folder; give a launch file in it"),
         ([], "give a launch file"),
         (["-", "-"], "once"),
     ],

@@ -236,7 +236,7 @@ def test_a_mistake_in_a_file_sets_nothing(graph: LiveGraph, shell: Shell, tmp_pa
     ):
         file.write_text(text)
         assert words in shell.failure("param", "load", str(file))
-    assert "there is no file" in shell.failure("param", "load", str(tmp_path))
+    assert "is a folder" in shell.failure("param", "load", str(tmp_path))
     assert value_of(graph, "/") == before
 
 

@@ -33,7 +33,7 @@ def test_a_file_and_standard_input(tmp_path: Path, monkeypatch: pytest.MonkeyPat
 @pytest.mark.parametrize("name", ["", "missing", "latin1"])
 def test_what_cannot_be_read_is_one_line(tmp_path: Path, name: str) -> None:
     (tmp_path / "latin1").write_bytes(b"\xff")
-    with pytest.raises(ConfigError, match=r"there is no file|not UTF-8"):
+    with pytest.raises(ConfigError, match=r"there is no file|is a folder|not UTF-8"):
         read_text(tmp_path / name)
 
 
