@@ -5,13 +5,15 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import shutil
-from collections.abc import Sequence
+from collections.abc import AsyncIterator, Sequence
+from contextlib import asynccontextmanager
 from dataclasses import asdict
 from typing import TYPE_CHECKING
 
 from rostether.bridge.health.board_status import BoardStatus
 from rostether.bridge.health.reported_boards import BoardsSeen, listen, reported_boards
 from rostether.cli.access.graph_options import GraphOptions, graph_options
+from rostether.cli.access.options import refuse_ros1_only
 from rostether.cli.access.ros1_access import joined, read_environment
 from rostether.cli.bridge.monitor_table import table
 from rostether.cli.shell.failures import EXIT_DONE, EXIT_FAILED
@@ -31,8 +33,8 @@ if TYPE_CHECKING:
 REFRESH_S = 0.5
 
 NOTHING = (
-    "no board publishes on /diagnostics; start `rostether serve` (without --no-diagnostics) and connect a "
-    "board"
+    "no board publishes on /diagnostics; start `rostether serve` on this graph (without --no-diagnostics) "
+    "and connect a board"
 )
 
 
@@ -43,11 +45,12 @@ NOTHING = (
     rostether monitor --once              one table
     rostether monitor --once --json       an object for each board
     rostether monitor --json              the same every second
+    rostether monitor --ros2              the boards on a ROS 2 graph
     """,
 )
 @add_flag("--once", "Print one table and exit (the default without a terminal).")
 @json_option
-@graph_options(ros=False, allow=True)
+@graph_options(allow=True)
 def monitor(once: bool, as_json: bool, graph: GraphOptions) -> int:
     """Monitor the boards of all bridges on the graph, with their topics and problems.
 
@@ -61,8 +64,7 @@ def monitor(once: bool, as_json: bool, graph: GraphOptions) -> int:
 
 
 async def _monitor(once: bool, as_json: bool, graph: GraphOptions) -> int:
-    environment = read_environment(graph)
-    async with joined(graph, purpose="monitor") as node:
+    async with _joined(graph) as (node, place):
         if once:
             return await _print_once(node, as_json)
         if as_json:
@@ -70,8 +72,22 @@ async def _monitor(once: bool, as_json: bool, graph: GraphOptions) -> int:
             return EXIT_DONE
         seen = BoardsSeen(asyncio.get_running_loop().time)
         async with task_beside(listen(node, seen.add_status)) as listening:
-            await _show_live(seen, environment.master_uri, listening)
+            await _show_live(seen, place, listening)
     return EXIT_DONE
+
+
+@asynccontextmanager
+async def _joined(graph: GraphOptions) -> AsyncIterator[tuple[TypedGraph, str]]:
+    """Join the graph; yield it with its name for users."""
+    if graph.ros2 is None:
+        async with joined(graph, purpose="monitor") as node:
+            yield node, read_environment(graph).master_uri
+        return
+    from rostether.cli.access.ros2_tool_node import tool_node
+
+    refuse_ros1_only(master=graph.master)
+    async with tool_node(graph) as tool:
+        yield tool.graph, "the ROS 2 graph"
 
 
 def _write_status(status: BoardStatus) -> None:
@@ -92,7 +108,7 @@ async def _print_once(node: TypedGraph, as_json: bool) -> int:
     return EXIT_DONE
 
 
-async def _show_live(seen: BoardsSeen, master_uri: str, listening: asyncio.Task[object]) -> None:
+async def _show_live(seen: BoardsSeen, place: str, listening: asyncio.Task[object]) -> None:
     from rich.console import Console
     from rich.live import Live
 
@@ -100,21 +116,21 @@ async def _show_live(seen: BoardsSeen, master_uri: str, listening: asyncio.Task[
     with Live(console=console, auto_refresh=False) as live:
         while not listening.done():
             boards = seen.boards()
-            live.update(_picture(boards, master_uri, console.width, console.height), refresh=True)
+            live.update(_picture(boards, place, console.width, console.height), refresh=True)
             # The end of the subscription also ends the display, at once.
             with contextlib.suppress(TimeoutError):
                 await asyncio.wait_for(asyncio.shield(listening), REFRESH_S)
 
 
-def _picture(boards: Sequence[BoardStatus], master_uri: str, width: int, height: int) -> Text:
+def _picture(boards: Sequence[BoardStatus], place: str, width: int, height: int) -> Text:
     from rich.text import Text
 
     if not boards:
-        return Text(f"{master_uri}: {NOTHING}; press Ctrl-C to stop")
+        return Text(f"{place}: {NOTHING}; press Ctrl-C to stop")
     text = Text(no_wrap=True, overflow="crop", end="")
     count = counted(len(boards), "board")
     for line in table(boards, width, height - 3):
         for piece, style in line.pieces:
             text.append(piece, style)
         text.append("\n")
-    return text.append(f"{count} at {master_uri}; press Ctrl-C to stop"[:width], "dim")
+    return text.append(f"{count} on {place}; press Ctrl-C to stop"[:width], "dim")

@@ -113,7 +113,7 @@ async def test_live_in_a_terminal(tmp_path: Path) -> None:
                     seen += os.read(ours, 65536).decode()
                 except BlockingIOError:
                     continue
-            assert "1 board at http://" in seen
+            assert "1 board on http://" in seen
             assert "no board publishes on /diagnostics" not in seen.rpartition("/arm")[2]
             process.send_signal(signal.SIGINT)
             while process.returncode is None:

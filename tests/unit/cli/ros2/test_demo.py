@@ -26,6 +26,8 @@ def test_the_demo_is_in_both_ros(graph: LiveGraph, world: ZenohWorld, shell: She
             assert process.poll() is None
         call = shell.output("service", "call", "/set_led", "std_srvs/srv/SetBool", "{data: true}")
         assert "success=True" in call
+        table = shell.output("monitor", "--once")
+        assert table.splitlines()[1].split()[:2] == ["/virtual_board", "connected"]
         assert "header" in shell("topic", "echo", "--ros1", "-n", "1", "/ultrasound").out
 
 
