@@ -76,9 +76,10 @@ def own_certificate(folder: Path, names: Iterable[str] = ()) -> OwnCertificate:
             _make_server(made, authority, key, wanted_names, addresses)
     except OSError as error:
         raise ConfigError(f"the certificate cannot be written to {folder}: {error.strerror}") from None
-    except ValueError as error:
+    except ValueError:
         raise ConfigError(
-            f"a certificate in {folder} cannot be read: {error}; delete that folder to make a new one"
+            f"authority.pem or authority.key in {folder} is damaged; delete both to make a new authority, "
+            "which devices must trust again"
         ) from None
     raise ConfigError(f"another program changes the certificates in {folder}; try again")
 
@@ -194,13 +195,15 @@ def _is_good(
 
     if not made.certificate.exists() or not made.key.exists():
         return False
-    certificate = x509.load_pem_x509_certificate(made.certificate.read_bytes())
     try:
+        certificate = x509.load_pem_x509_certificate(made.certificate.read_bytes())
         certificate.verify_directly_issued_by(authority)
+        key = load_pem_private_key(made.key.read_bytes(), None)
     except (InvalidSignature, ValueError):
+        # Files that were being written when the power failed may be empty.
         return False
     # Only one of the two files is new if the program was killed between the writes.
-    if load_pem_private_key(made.key.read_bytes(), None).public_key() != certificate.public_key():
+    if key.public_key() != certificate.public_key():
         return False
     held = certificate.extensions.get_extension_for_class(x509.SubjectAlternativeName).value
     return (

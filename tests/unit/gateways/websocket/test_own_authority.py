@@ -125,10 +125,16 @@ def test_it_is_renewed_before_it_ends(tmp_path: Path, monkeypatch: pytest.Monkey
     assert own_certificate(tmp_path).certificate.read_bytes() != first
 
 
-def test_files_that_are_broken_are_named(tmp_path: Path) -> None:
+def test_a_damaged_certificate_is_made_again_but_not_its_authority(tmp_path: Path) -> None:
     made = own_certificate(tmp_path)
+    authority = made.authority.read_bytes()
+    for file in (made.certificate, made.key):
+        file.write_text("")
+        assert own_certificate(tmp_path) == made
+        assert server_encryption(str(made.certificate), str(made.key))
+    assert made.authority.read_bytes() == authority
     made.authority.write_text("nonsense")
-    with pytest.raises(ConfigError, match="delete that folder to make a new one"):
+    with pytest.raises(ConfigError, match=r"authority\.pem or authority\.key in .* is damaged; delete both"):
         own_certificate(tmp_path)
 
 
