@@ -21,6 +21,7 @@ from rostether.bridge.peer_entry import BOARD_ENTRY
 from rostether.bridge.ports.discovery import Discovery
 from rostether.bridge.ports.link_keeper import LinkKeeper, OpenTransport, identify_address, way_back
 from rostether.bridge.ports.machine_ports import THIS_MACHINE, MachinePorts
+from rostether.bridge.ports.open_attempts import OpenAttempts
 from rostether.bridge.process_memory import BoardObjects
 from rostether.bridge.reporter import LimitedReporter, Reporter, SilentReporter, reason_of
 from rostether.bridge.session import Session
@@ -30,8 +31,10 @@ from rostether.errors import (
     RostetherError,
     SessionError,
     TransportError,
+    TransportOpenError,
 )
 from rostether.graph.ports import NAME_TAKEN, Graph, JoinGraph, Level
+from rostether.mechanisms.backoff import Backoff
 from rostether.mechanisms.waiting import wait_for_master
 from rostether.names.graph_name import join as join_names
 from rostether.names.graph_name import validate_name
@@ -207,6 +210,30 @@ class Supervisor:
                 return
             self._run(self._serve_peer(address, transport))
 
+        try:
+            await self._listen(address, on_transport)
+        except TransportOpenError as error:
+            if not isinstance(address, XbeeAddress):
+                raise
+            self._run(self._wait_for_radio(address, on_transport, str(error)))
+
+    async def _wait_for_radio(
+        self, address: XbeeAddress, on_transport: Callable[[Transport], None], reason: str
+    ) -> None:
+        attempts = OpenAttempts(
+            Backoff(limit_s=MAX_JOIN_WAIT_S),
+            lambda reason: self._reporter.line(Level.ERROR, f"{reason} (trying again)"),
+            settle_s=0.0,
+        )
+        while reason:
+            await attempts.wait_after(reason)
+            reason = ""
+            try:
+                await self._listen(address, on_transport)
+            except TransportOpenError as error:
+                reason = str(error)
+
+    async def _listen(self, address: Address, on_transport: Callable[[Transport], None]) -> None:
         listener = await self._links.listen(address, on_transport, entry=BOARD_ENTRY)
         self._listeners.append(listener)
         if isinstance(address, WebAddress):

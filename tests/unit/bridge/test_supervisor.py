@@ -87,6 +87,8 @@ class Site:
     async def listen(
         self, address: Address, on_transport: Callable[[Transport], None], *, entry: PeerEntry | None = None
     ) -> FakeListener:
+        if self.open_errors:
+            raise self.open_errors.pop(0)
         self.listeners.append(FakeListener(address, on_transport))
         return self.listeners[-1]
 
@@ -130,6 +132,18 @@ async def test_many_links_are_served_each_as_a_node(site: Site) -> None:
     site.connect("tcp 192.168.1.7:40000")
     await site.serving("/left", "/right", "/tcp_192_168_1_7")
     assert set(site.network.snapshot().topics["/chatter"].publishers) == site.nodes()
+
+
+async def test_a_radio_that_is_plugged_in_later_is_served(site: Site) -> None:
+    site.open_errors = [TransportOpenError("no serial port /dev/ttyUSB0")] * 2
+    await site.start("xbee:/dev/ttyUSB0")
+    await until(lambda: site.listeners, "the radio")
+    site.connect("xbee 0x0001")
+    await site.serving("/xbee_0x0001")
+    assert len(site.reporter.having("no serial port /dev/ttyUSB0 (trying again)")) == 1
+    site.open_errors = [TransportOpenError("port 11411 is in use")]
+    with pytest.raises(TransportOpenError, match="11411"):
+        await site.start("tcp://:11411")
 
 
 async def test_boards_of_one_name_are_numbered(site: Site) -> None:
