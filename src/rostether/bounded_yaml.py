@@ -130,6 +130,11 @@ def _translated(read: Callable[[], T]) -> T:
         raise
     except yaml.YAMLError as error:
         problem = " ".join(str(getattr(error, "problem", None) or error).split())
+        # libyaml has the same limit since 0.2.6, and may reach it first.
+        if problem == "exceeded maximum nesting depth":
+            raise _too_large(
+                "levels", MAX_NESTING, "flatten it", getattr(error, "problem_mark", None)
+            ) from None
         raise YamlError(f"not YAML: {problem}", getattr(error, "problem_mark", None)) from None
     except RecursionError:
         raise YamlError("too large as YAML: it is nested too deeply") from None
@@ -196,13 +201,15 @@ class _Sizes:
     def check(self, event: Any) -> None:
         innermost = self._parts[-1]
         if len(self._parts) + innermost.depth > MAX_NESTING + 2:
-            raise _too_large("levels", MAX_NESTING, "flatten it", event)
+            raise _too_large("levels", MAX_NESTING, "flatten it", event.start_mark)
         if innermost.values > MAX_VALUES:
-            raise _too_large("values", MAX_VALUES, "write bytes as !!binary, or split it", event)
+            raise _too_large("values", MAX_VALUES, "write bytes as !!binary, or split it", event.start_mark)
         if self._aliased_count > MAX_ALIASED_VALUES:
-            raise _too_large("values from aliases (*name)", MAX_ALIASED_VALUES, "write fewer aliases", event)
+            raise _too_large(
+                "values from aliases (*name)", MAX_ALIASED_VALUES, "write fewer aliases", event.start_mark
+            )
         if self._merge_count > MAX_MERGES:
-            raise _too_large("merges (<<)", MAX_MERGES, "write the keys out", event)
+            raise _too_large("merges (<<)", MAX_MERGES, "write the keys out", event.start_mark)
 
 
 @dataclass(slots=True)
@@ -218,5 +225,5 @@ class _Part:
         self.depth = max(self.depth, part.depth + 1)
 
 
-def _too_large(what: str, limit: int, remedy: str, event: Any) -> YamlError:
-    return YamlError(f"too large as YAML: it has more than {limit} {what}; {remedy}", event.start_mark)
+def _too_large(what: str, limit: int, remedy: str, mark: Any) -> YamlError:
+    return YamlError(f"too large as YAML: it has more than {limit} {what}; {remedy}", mark)

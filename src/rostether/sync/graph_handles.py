@@ -134,7 +134,9 @@ class Messages(Generic[M]):
             try:
                 return await self._waiting
             except asyncio.CancelledError:
-                if self._ended_count == ended_count:
+                task = asyncio.current_task()
+                # Nobody waits for the error of a call that Ctrl-C ended.
+                if self._ended_count == ended_count or (task is not None and task.cancelling()):
                     raise
                 raise StopAsyncIteration from None
 

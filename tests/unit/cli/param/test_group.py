@@ -70,7 +70,8 @@ def test_a_mapping_changes_what_it_names(graph: LiveGraph, shell: Shell) -> None
         ("{a: ", ": this is not YAML"),
         ("&a {b: *a}", "endless as YAML"),
         ("&a [*a]", "endless as YAML"),
-        ("[" * 5000, "not YAML"),
+        # Too deep for newer versions of libyaml.
+        ("[" * 5000, "YAML"),
         ("[" * 100_000, "too large as YAML"),
         ("!!python/object:os.system {}", "could not determine a constructor"),
         ("rad(__import__)", "__import__"),
