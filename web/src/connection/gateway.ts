@@ -96,6 +96,8 @@ export class Gateway {
         rejectAll(this.parameterRequests);
         handlers.onCommandConnection(false);
       },
+      // Only this connection is watched: on the other one, a large message may take long to arrive.
+      onSilence: () => this.view.drop(),
     });
   }
 

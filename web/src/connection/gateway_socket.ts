@@ -13,6 +13,8 @@ export interface GatewaySocketHandlers {
   onBinary(message: ServerBinary): void;
   /** `retryMs` is how long it waits until it tries again. */
   onClose(reason: string, retryMs: number): void;
+  /** The gateway does not answer: the network has failed. The connection is closed next. */
+  onSilence?(): void;
 }
 
 export function gatewaySocket(url: () => string, handlers: GatewaySocketHandlers): ReconnectingSocket {
@@ -37,5 +39,6 @@ export function gatewaySocket(url: () => string, handlers: GatewaySocketHandlers
       return true;
     },
     onClose: handlers.onClose,
+    ...(handlers.onSilence && { question: { op: "askTime", id: 0 }, onSilence: handlers.onSilence }),
   });
 }

@@ -6,6 +6,9 @@ const FIRST_RETRY_MS = 250;
 const MAX_RETRY_MS = 5000;
 // A server that accepts the connection must answer within this time.
 const OPEN_TIMEOUT_MS = 10_000;
+// Browsers do not report a network that has failed. When nothing has arrived for one to two of these periods, the
+// server is asked; after two more without an answer, the connection has failed.
+const QUIET_MS = 5000;
 
 export interface SocketHandlers {
   /** The WebSocket is open; a client that sends the first message sends it now. */
@@ -14,6 +17,10 @@ export interface SocketHandlers {
   onMessage(data: string | ArrayBuffer): boolean;
   /** `retryMs` is how long it waits until it tries again. */
   onClose(reason: string, retryMs: number): void;
+  /** A request that the server answers at once, to find out whether the network has failed. */
+  question?: object;
+  /** The question had no answer; the connection is closed next. */
+  onSilence?(): void;
 }
 
 export class ReconnectingSocket {
@@ -22,6 +29,8 @@ export class ReconnectingSocket {
   private readonly handlers: SocketHandlers;
   private socket: WebSocket | undefined;
   private timer: ReturnType<typeof setTimeout> | undefined;
+  private watch: ReturnType<typeof setInterval> | undefined;
+  private quietPeriods = 0;
   private retryMs = FIRST_RETRY_MS;
   private isClosed = false;
 
@@ -46,9 +55,20 @@ export class ReconnectingSocket {
     return this.socket?.bufferedAmount ?? 0;
   }
 
+  /** Closes a connection on a network that has failed, without waiting for the server. */
+  drop(): void {
+    if (!this.socket) return;
+    clearInterval(this.watch);
+    const socket = this.socket;
+    this.socket = undefined;
+    socket.close();
+    this.retryLater("");
+  }
+
   close(): void {
     this.isClosed = true;
     clearTimeout(this.timer);
+    clearInterval(this.watch);
     removeEventListener("online", this.retryNow);
     document.removeEventListener("visibilitychange", this.retryNow);
     this.socket?.close();
@@ -77,17 +97,30 @@ export class ReconnectingSocket {
     };
     socket.onmessage = (event) => {
       if (this.socket !== socket || this.isClosed) return;
+      this.quietPeriods = 0;
       if (!this.handlers.onMessage(event.data as string | ArrayBuffer)) return;
       clearTimeout(timeout);
       this.retryMs = FIRST_RETRY_MS;
+      clearInterval(this.watch);
+      if (this.handlers.question) this.watch = setInterval(this.checkSilence, QUIET_MS);
     };
     socket.onclose = (event) => {
       clearTimeout(timeout);
       if (this.socket !== socket) return;
+      clearInterval(this.watch);
       this.socket = undefined;
       if (!this.isClosed) this.retryLater(event.reason);
     };
   }
+
+  private readonly checkSilence = () => {
+    this.quietPeriods++;
+    if (this.quietPeriods === 2) this.send(this.handlers.question as object);
+    else if (this.quietPeriods === 4) {
+      this.handlers.onSilence?.();
+      this.drop();
+    }
+  };
 
   private retryLater(reason: string): void {
     // Many pages must not connect again at the same moment.
