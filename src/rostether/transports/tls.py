@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import logging
 import traceback
 from collections.abc import Iterable
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -13,10 +15,14 @@ if TYPE_CHECKING:
     import ssl
     from pathlib import Path
 
+_LOG = logging.getLogger(__name__)
+
 # Small boards take 2 s for their part of a handshake; a peer that does not answer takes a connection.
 HANDSHAKE_LIMIT_S = 5.0
 # A certificate with all its authorities; a device file has no end.
 _MAX_FILE_BYTES = 1024 * 1024
+# OpenSSL's numbers for "certificate is not yet valid" and "certificate has expired".
+_DATE_FAULTS = frozenset({9, 10})
 # OpenSSL's errors for a peer that does not send TLS.
 SPEAKS_NO_TLS = frozenset({"HTTP_REQUEST", "HTTPS_PROXY_REQUEST", "UNKNOWN_PROTOCOL", "WRONG_VERSION_NUMBER"})
 
@@ -99,6 +105,33 @@ def load_own_certificate(context: ssl.SSLContext, certificate: str, key: str | N
         else:
             reason = f"{certificate_path} or {key_path} is damaged: {show_ssl_reason(error)}"
         raise ConfigError(reason) from None
+    if (fault := _find_date_fault(certificate_path, key_path)) is not None:
+        _LOG.warning("%s: %s; replace it, or set the clock of this machine", certificate_path, fault)
+
+
+def _find_date_fault(certificate: Path, key: Path) -> str | None:
+    """Return why the dates of a certificate are wrong now, None if they are right.
+
+    Python reads the dates only in a handshake, so this is one in memory, of the certificate with itself.
+    """
+    import ssl
+
+    own, peer = ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER), ssl.SSLContext(ssl.PROTOCOL_TLS_CLIENT)
+    own.load_cert_chain(certificate, key)
+    peer.check_hostname = False
+    peer.verify_flags |= ssl.VERIFY_X509_PARTIAL_CHAIN
+    peer.load_verify_locations(certificate)
+    to_own, to_peer = ssl.MemoryBIO(), ssl.MemoryBIO()
+    sides = peer.wrap_bio(to_peer, to_own), own.wrap_bio(to_own, to_peer, server_side=True)
+    try:
+        # The peer's hello, the certificate, and the check of it.
+        for side in (*sides, sides[0]):
+            with suppress(ssl.SSLWantReadError):
+                side.do_handshake()
+    except ssl.SSLError as error:
+        if isinstance(error, ssl.SSLCertVerificationError) and error.verify_code in _DATE_FAULTS:
+            return error.verify_message
+    return None
 
 
 def show_ssl_reason(error: ssl.SSLError) -> str:

@@ -2,12 +2,18 @@
 
 from __future__ import annotations
 
+import datetime
 import shutil
 import ssl
 import subprocess
 from pathlib import Path
 
 import pytest
+from cryptography import x509
+from cryptography.hazmat.primitives import hashes
+from cryptography.hazmat.primitives.asymmetric import ec
+from cryptography.hazmat.primitives.serialization import Encoding, NoEncryption, PrivateFormat
+from cryptography.x509.oid import NameOID
 
 from rostether.errors import ConfigError
 from rostether.transports.tls import load_own_certificate
@@ -58,3 +64,28 @@ def test_a_file_that_cannot_be_used_is_named(
 
 def test_one_file_may_contain_both(files: Path) -> None:
     load_own_certificate(ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER), str(files / "both.pem"), None)
+
+
+@pytest.mark.parametrize(
+    ("days", "fault"), [(-9, "certificate has expired"), (9, "certificate is not yet valid"), (0, "")]
+)
+def test_wrong_dates_are_logged(
+    tmp_path: Path, caplog: pytest.LogCaptureFixture, days: int, fault: str
+) -> None:
+    key = ec.generate_private_key(ec.SECP256R1())
+    name = x509.Name([x509.NameAttribute(NameOID.COMMON_NAME, "bridge")])
+    begin = datetime.datetime.now(datetime.UTC) + datetime.timedelta(days=days - 1)
+    certificate = (
+        x509.CertificateBuilder(name, name, key.public_key(), x509.random_serial_number())
+        .not_valid_before(begin)
+        .not_valid_after(begin + datetime.timedelta(days=3))
+        .sign(key, hashes.SHA256())
+    )
+    file = tmp_path / "both.pem"
+    file.write_bytes(
+        certificate.public_bytes(Encoding.PEM)
+        + key.private_bytes(Encoding.PEM, PrivateFormat.PKCS8, NoEncryption())
+    )
+    load_own_certificate(ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER), str(file), None)
+    wanted = [f"{file}: {fault}; replace it, or set the clock of this machine"] if fault else []
+    assert caplog.messages == wanted
