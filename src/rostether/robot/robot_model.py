@@ -60,50 +60,15 @@ class Joint:
 
 
 @dataclass(frozen=True, slots=True)
-class Shape:
-    """One geometry of a link: `kind` is box, cylinder, sphere or mesh.
-
-    `size` is in meters: a box's edges, a cylinder's radius and length, a sphere's radius; a mesh's scale.
-    `color` is red, green, blue, alpha from 0 to 1; None if not given.
-    """
-
-    kind: str
-    size: tuple[float, ...]
-    origin: Transform = IDENTITY
-    mesh: str = ""
-    material: str = ""
-    color: tuple[float, float, float, float] | None = None
-
-
-@dataclass(frozen=True, slots=True)
-class Inertial:
-    """A link's mass in kg, about `origin` with the inertia ixx, ixy, ixz, iyy, iyz, izz in kg m²."""
-
-    mass: float
-    origin: Transform = IDENTITY
-    inertia: tuple[float, float, float, float, float, float] = (0.0,) * 6
-
-
-@dataclass(frozen=True, slots=True)
-class Link:
-    """One rigid body."""
-
-    name: str
-    visuals: tuple[Shape, ...] = ()
-    collisions: tuple[Shape, ...] = ()
-    inertial: Inertial | None = None
-
-
-@dataclass(frozen=True, slots=True)
 class RobotModel:
-    """A tree of links; mappings are in the order of the file.
+    """A tree of links; links and joints are in the order of the file.
 
     `problems` lists errors in shapes and inertias, which do not affect the poses of links.
     """
 
     name: str
     root: str
-    links: dict[str, Link]
+    links: tuple[str, ...]
     joints: dict[str, Joint]
     problems: tuple[str, ...] = ()
     _below: dict[str, list[Joint]] = field(default_factory=dict, repr=False, compare=False)

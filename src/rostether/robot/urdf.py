@@ -1,18 +1,19 @@
 """URDF: the XML that describes a robot's links and joints.
 
 It is read as by urdfdom: with an error in a joint or in the tree, the robot is refused; an invalid shape is
-omitted. Unknown elements are ignored, so a .xacro file without macros also loads.
+only reported. Unknown elements are ignored, so a .xacro file without macros also loads.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 
 from rostether.errors import RobotModelError
 from rostether.mechanisms.xml_tree import XmlElement, parse_xml
-from rostether.robot.robot_model import Joint, JointType, Limits, Link, Mimic, RobotModel
+from rostether.robot.robot_model import Joint, JointType, Limits, Mimic, RobotModel
 from rostether.robot.transform import Vector
-from rostether.robot.urdf_link import Numbers, read_colors, read_link
+from rostether.robot.urdf_link import Numbers, check_link, check_materials
 
 # The largest robot descriptions have a few MB.
 MAX_XML_BYTES = 64 << 20
@@ -60,13 +61,14 @@ class _Reader:
         if robot.get("version") not in (None, "1.0", "1"):
             raise robot.error(f"version {robot.get('version')} is not supported; only 1.0 is")
         problems: list[str] = []
-        colors = read_colors(robot, self._numbers, problems)
-        links: dict[str, Link] = {}
+        check_materials(robot, self._numbers, problems)
+        links: dict[str, None] = {}
         for element in robot.all("link"):
-            link = read_link(element, self._numbers, colors, problems)
-            if link.name in links:
-                raise element.error(f"link {link.name!r} is not unique")
-            links[link.name] = link
+            link = element.get("name") or ""
+            check_link(link, element, self._numbers, problems)
+            if link in links:
+                raise element.error(f"link {link!r} is not unique")
+            links[link] = None
         if not links:
             raise robot.error(f"the robot has no <link>{self._xacro_hint(robot)}")
         if len(links) > MAX_LINKS:
@@ -91,9 +93,9 @@ class _Reader:
             children[joint.child] = joint.name
             joints[joint.name] = joint
         root = self._root(robot, links, children)
-        return RobotModel(name, root, links, joints, tuple(problems))
+        return RobotModel(name, root, tuple(links), joints, tuple(problems))
 
-    def _root(self, robot: XmlElement, links: dict[str, Link], children: dict[str, str]) -> str:
+    def _root(self, robot: XmlElement, links: Iterable[str], children: dict[str, str]) -> str:
         roots = [name for name in links if name not in children]
         if not roots:
             raise robot.error("no root link: every link is the child of a joint, so they form a loop")

@@ -1,108 +1,84 @@
-"""Links of a URDF: shapes, materials and masses. An invalid one is reported and omitted."""
+"""Checks of a URDF's shapes, materials and masses. The poses of links do not depend on these."""
 
 from __future__ import annotations
 
 import math
-from typing import TypeAlias
 
 from rostether.errors import RobotModelError
 from rostether.mechanisms.xml_tree import XmlElement
-from rostether.robot.robot_model import Inertial, Link, Shape
 from rostether.robot.transform import Transform, Vector, quaternion_from_rpy
-
-Color: TypeAlias = tuple[float, float, float, float]
 
 _INERTIA = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
 
 
-def read_colors(robot: XmlElement, numbers: Numbers, problems: list[str]) -> dict[str, Color]:
-    """Return the colors of the materials that a robot defines for all links."""
-    colors = {}
+def check_materials(robot: XmlElement, numbers: Numbers, problems: list[str]) -> None:
+    """Append the errors in the materials that a robot defines for all links."""
     for material in robot.all("material"):
         try:
-            color = _color(material, numbers)
+            _check_color(material, numbers)
         except RobotModelError as error:
             problems.append(str(error))
-            continue
-        if color is not None:
-            colors[material.get("name") or ""] = color
-    return colors
 
 
-def read_link(element: XmlElement, numbers: Numbers, colors: dict[str, Color], problems: list[str]) -> Link:
-    """Return one link; its errors are added to `problems`."""
-    name = element.get("name") or ""
+def check_link(name: str, element: XmlElement, numbers: Numbers, problems: list[str]) -> None:
+    """Append the errors in a link's name, shapes and masses."""
     if not name:
         problems.append(f"line {element.line}: a link has no name")
-    shapes: dict[str, list[Shape]] = {"visual": [], "collision": []}
-    for kind, found in shapes.items():
+    checks = {"visual": _check_shape, "collision": _check_shape, "inertial": _check_inertial}
+    for kind, check in checks.items():
         for each in element.all(kind):
             try:
-                found.append(_shape(each, numbers, colors, f"{kind} of link {name!r}"))
+                check(each, numbers, f"{kind} of link {name!r}")
             except RobotModelError as error:
                 problems.append(str(error))
-    inertial = None
-    described = element.first("inertial")
-    if described is not None:
-        try:
-            inertial = _inertial(described, numbers, f"inertial of link {name!r}")
-        except RobotModelError as error:
-            problems.append(str(error))
-    return Link(name, tuple(shapes["visual"]), tuple(shapes["collision"]), inertial)
 
 
-def _shape(element: XmlElement, numbers: Numbers, colors: dict[str, Color], what: str) -> Shape:
+def _check_shape(element: XmlElement, numbers: Numbers, what: str) -> None:
     geometry = element.first("geometry")
     form = next(iter(geometry.children), None) if geometry is not None else None
     if form is None:
         raise RobotModelError(f"line {element.line}: {what} has no geometry")
-    origin = numbers.origin(element, what)
+    numbers.origin(element, what)
     material = element.first("material")
-    named = (material.get("name") or "") if material is not None else ""
-    color = _color(material, numbers) if material is not None else None
-    kind, size, mesh = _form(form, numbers, what)
-    return Shape(kind, size, origin, mesh, named, color if color is not None else colors.get(named))
+    if material is not None:
+        _check_color(material, numbers)
+    _check_form(form, numbers, what)
 
 
-def _form(form: XmlElement, numbers: Numbers, what: str) -> tuple[str, tuple[float, ...], str]:
+def _check_form(form: XmlElement, numbers: Numbers, what: str) -> None:
     match form.tag:
         case "box":
-            return "box", numbers.vector(form, form.get("size") or "", f"the size of {what}"), ""
+            numbers.vector(form, form.get("size") or "", f"the size of {what}")
         case "cylinder":
-            return (
-                "cylinder",
-                (numbers.needed(form, "radius", what), numbers.needed(form, "length", what)),
-                "",
-            )
+            numbers.needed(form, "radius", what)
+            numbers.needed(form, "length", what)
         case "sphere":
-            return "sphere", (numbers.needed(form, "radius", what),), ""
+            numbers.needed(form, "radius", what)
         case "mesh":
-            mesh = form.get("filename")
-            if not mesh:
+            if not form.get("filename"):
                 raise RobotModelError(f"line {form.line}: the mesh of {what} has no filename")
-            return "mesh", numbers.vector(form, form.get("scale") or "1 1 1", f"the scale of {what}"), mesh
+            numbers.vector(form, form.get("scale") or "1 1 1", f"the scale of {what}")
         case _:
             raise RobotModelError(
                 f"line {form.line}: {what} is a <{form.tag}>; known: box, cylinder, sphere, mesh"
             )
 
 
-def _color(material: XmlElement, numbers: Numbers) -> Color | None:
+def _check_color(material: XmlElement, numbers: Numbers) -> None:
     color = material.first("color")
-    if color is None:
-        return None
-    what = f"the rgba of material {material.get('name')!r}"
-    red, green, blue, alpha = numbers.many(color, color.get("rgba") or "", what, 4)
-    return red, green, blue, alpha
+    if color is not None:
+        what = f"the rgba of material {material.get('name')!r}"
+        numbers.many(color, color.get("rgba") or "", what, 4)
 
 
-def _inertial(element: XmlElement, numbers: Numbers, what: str) -> Inertial:
+def _check_inertial(element: XmlElement, numbers: Numbers, what: str) -> None:
     mass, inertia = element.first("mass"), element.first("inertia")
     if mass is None or inertia is None:
         raise RobotModelError(f"line {element.line}: {what} needs <mass> and <inertia>")
-    ixx, ixy, ixz, iyy, iyz, izz = (numbers.needed(inertia, name, what) for name in _INERTIA)
-    value = numbers.needed(mass, "value", what)
-    return Inertial(value, numbers.origin(element, what), (ixx, ixy, ixz, iyy, iyz, izz))
+    for name in _INERTIA:
+        numbers.needed(inertia, name, what)
+    numbers.needed(mass, "value", what)
+    numbers.origin(element, what)
 
 
 class Numbers:

@@ -42,9 +42,9 @@ def expand(file: Path, **mappings: str) -> str:
 
 def test_macros_arguments_and_find(robot: Path) -> None:
     model = parse_urdf(expand(robot))
-    assert list(model.links) == ["base", "left", "right"]
+    assert model.links == ("base", "left", "right")
     assert model.joints["left_joint"].origin.translation[2] == pytest.approx(1.5707963)
-    assert list(parse_urdf(expand(robot, count="1")).links) == ["base", "right"]
+    assert parse_urdf(expand(robot, count="1")).links == ("base", "right")
 
 
 def test_dependencies(robot: Path) -> None:
