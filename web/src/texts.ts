@@ -32,13 +32,13 @@ export const texts = {
     connecting: "Connecting",
     lost: "Connection lost",
     notConnected: "Not connected",
-    neverConnected: "The robot does not answer. This page tries again by itself.",
+    neverConnected: "The robot does not answer. This page tries again automatically.",
     wantsToken:
       "The robot refuses this page: its address has no token, or a wrong one. Open the address that the robot prints",
-    lostDetail: "The values on this page are old. The page reconnects by itself.",
+    lostDetail: "The values on this page are old. The page reconnects automatically.",
     refused: "The robot refuses this page. If its token has changed, open the address that it prints now",
     graphProblemDetail:
-      "Nodes that are connected stay connected; new topics do not appear. The robot tries again by itself.",
+      "Nodes that are connected stay connected; new topics do not appear. The robot tries again automatically.",
     dark: "Use dark colors",
     light: "Use light colors",
     loadFailed: "This panel could not be loaded. Trying again.",
@@ -163,7 +163,7 @@ export const texts = {
     follow: "Camera follows",
     followNothing: "Nothing",
     empty:
-      "Nothing to draw yet. Robot models, frames, scans, ranges, IMUs, paths and markers appear by themselves.",
+      "Nothing to draw yet. Robot models, frames, scans, ranges, IMUs, paths and markers appear automatically.",
     openRviz: "Open an .rviz file",
     noWebgl: (reason: string) => `This browser cannot draw 3D (WebGL): ${reason}`,
     undecodable: (reason: string) => `The last message cannot be read: ${reason}`,
@@ -381,7 +381,7 @@ export const texts = {
     },
     counts: (baud: number, received: string, sent: string) =>
       `${baud} baud, ${received} from the board, ${sent} to it`,
-    noServer: "The robot does not answer. This page tries again by itself.",
+    noServer: "The robot does not answer. This page tries again automatically.",
     unpluggedText: "The port is gone. Plug the board in again.",
     cannotOpen: (reason: string) => `The port cannot be opened; close other programs that use it. ${reason}`,
     viewOnly: "This page may only view",

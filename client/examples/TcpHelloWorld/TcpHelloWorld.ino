@@ -22,7 +22,7 @@ ros::NodeHandle nh;
 
 std_msgs::String text;
 ros::Publisher chatter("chatter", &text);
-unsigned long said_ms;
+unsigned long published_ms;
 
 void setup() {
   Serial.begin(115200);  // free for debug output: ROS does not use it
@@ -36,8 +36,8 @@ void setup() {
 }
 
 void loop() {
-  if (millis() - said_ms >= 1000) {
-    said_ms = millis();
+  if (millis() - published_ms >= 1000) {
+    published_ms = millis();
     text.data = "hello world!";
     chatter.publish(&text);
   }

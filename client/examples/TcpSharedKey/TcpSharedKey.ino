@@ -25,16 +25,16 @@ ros::NodeHandle_<ArduinoTcpHardware<Client_>, 25, 25, 128> nh;
 
 std_msgs::String text;
 ros::Publisher chatter("chatter", &text);
-unsigned long said_ms;
-Client_::Refusal told = Client_::NONE;
+unsigned long published_ms;
+Client_::Refusal printed = Client_::NONE;
 
 // Prints on the serial line why the connection to the host fails.
 void explain(Client_::Refusal refusal) {
-  if (refusal == told) return;
-  told = refusal;
-  if (refusal == Client_::NO_ANSWER) Serial.println(F("the host says nothing: has it another key?"));
-  if (refusal == Client_::NO_HELLO) Serial.println(F("the host asks for no key: serve it with psk="));
-  if (refusal == Client_::WRONG_KEY) Serial.println(F("the host has another key"));
+  if (refusal == printed) return;
+  printed = refusal;
+  if (refusal == Client_::NO_ANSWER) Serial.println(F("the host does not answer: its key may be different"));
+  if (refusal == Client_::NO_HELLO) Serial.println(F("the host needs no key: serve it with psk="));
+  if (refusal == Client_::WRONG_KEY) Serial.println(F("the host has a different key"));
 }
 
 void setup() {
@@ -48,8 +48,8 @@ void setup() {
 
 void loop() {
   explain(nh.getHardware()->client().refusal());
-  if (millis() - said_ms >= 1000) {
-    said_ms = millis();
+  if (millis() - published_ms >= 1000) {
+    published_ms = millis();
     text.data = "hello, friend";
     chatter.publish(&text);
   }

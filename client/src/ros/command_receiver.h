@@ -57,7 +57,7 @@ class CommandReceiver {
     return was_moving;
   }
 
-  // Returns the request of a datagram, and overwrites its header and tag. After OBEY, `isMoving` says whether to move or to
+  // Returns the request of a datagram, and overwrites its header and tag. After OBEY, `isMoving` returns whether to move or to
   // stop; give the address of the sender to `setHolder`.
   uint8_t receive(uint8_t* frame, uint16_t size, uint16_t now_ms) {
     if (!isForMe(frame, size)) return NOTHING;

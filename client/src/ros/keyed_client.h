@@ -73,7 +73,7 @@ class KeyedClient : public NetworkClient {
   static const char* word() { return "RSPSK1 "; }
 
   Refusal greet() {
-    char theirs[NONCE_HEX + 1], ours[NONCE_HEX + 1], proof[PROOF_HEX + 1], said[PROOF_HEX + 1];
+    char theirs[NONCE_HEX + 1], ours[NONCE_HEX + 1], proof[PROOF_HEX + 1], received[PROOF_HEX + 1];
     const uint32_t began_ms = millis();
     Refusal refusal = readLine(theirs, NONCE_HEX, began_ms);
     if (refusal != NONE) return refusal;
@@ -87,10 +87,10 @@ class KeyedClient : public NetworkClient {
     line[sizeof line - 1] = '\n';
     NetworkClient::write(reinterpret_cast<const uint8_t*>(line), sizeof line);
     prove("listener ", theirs, ours, proof);
-    refusal = readLine(said, PROOF_HEX, began_ms);
+    refusal = readLine(received, PROOF_HEX, began_ms);
     if (refusal != NONE) return refusal;
     uint8_t differing = 0;
-    for (uint8_t i = 0; i < PROOF_HEX; ++i) differing |= static_cast<uint8_t>(said[i] ^ proof[i]);
+    for (uint8_t i = 0; i < PROOF_HEX; ++i) differing |= static_cast<uint8_t>(received[i] ^ proof[i]);
     return differing ? WRONG_KEY : NONE;
   }
 

@@ -1,4 +1,4 @@
-"""A board in the graph: its node, its endpoints and its log lines. It outlives connections."""
+"""A board in the graph: its node, its endpoints and its log lines. It is kept between connections."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
 """The service handles of a device.
 
-The wire carries no correlation id: one call at a time is in flight for each service, and an answer belongs
-to the call that waits.
+The protocol has no correlation id: one call at a time is in flight for each service, and a response belongs
+to that call.
 """
 
 from __future__ import annotations
@@ -79,8 +79,8 @@ class ServiceServer(Declared):
         except RostetherError as error:
             self._on_failure(f"service {self.service} failed: {error}")
         except Exception as error:  # noqa: BLE001 - the program's own code may raise anything
-            # The protocol cannot report a failure: the host gets it from the log, the caller by its time
-            # limit.
+            # The protocol cannot report a failure: the host receives a log message, and the caller's time
+            # limit ends.
             _LOG.exception("the handler of service %s failed", self.service)
             self._on_failure(f"service {self.service} failed: {type(error).__name__}: {error}")
 
@@ -129,7 +129,7 @@ class ServiceClient(Declared, Generic[Response]):
                 self._in_flight.set_result(payload)
 
     def fail(self, reason: str) -> None:
-        """End the call in flight: the line was lost."""
+        """End the call in flight, because the line was lost."""
         if self._in_flight is not None and not self._in_flight.done():
             self._in_flight.set_exception(ServiceUnavailableError(f"service {self.service}: {reason}"))
 

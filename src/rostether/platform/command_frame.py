@@ -99,11 +99,11 @@ def decode_frame(datagram: bytes, key: bytes = NO_KEY) -> CommandFrame:
         raise RemoteProtocolError(f"the command has version {version}; this program knows version {_VERSION}")
     if length != size - HEADER_BYTES - TAG_BYTES:
         raise RemoteProtocolError(
-            f"the command's length field is {length}, but its payload has another length"
+            f"the command's length field is {length}, but its payload has a different length"
         )
     if not hmac.compare_digest(siphash_2_4(key, datagram[:-TAG_BYTES]), datagram[-TAG_BYTES:]):
         raise RemoteProtocolError(
-            "the command's tag is wrong: the frame is damaged, or the sender has another key"
+            "the command's tag is wrong: the frame is damaged, or the sender has a different key"
         )
     if not 0 < ttl_ms <= MAX_TTL_MS:
         raise RemoteProtocolError(f"a time to live of {ttl_ms} ms is not from 1 to {MAX_TTL_MS}")

@@ -5,15 +5,15 @@ Numbers are little-endian:
     bytes   field
     0-1     magic "rS"
     2       version, 1
-    3       state: 1 the robot moves; from a board also 2: a sender commands it
+    3       flags: 1 the robot moves; 2 a sender commands it (only from boards)
     4-7     the robot's id
     8-15    epoch of the sender that this answers
     16-19   the last sequence received from that sender
-    20-23   frames received from that sender, each counted once
+    20-23   frames received from that sender, without repetitions
     24-27   frames of that sender that were lost or arrived too late
-    28      refusal: 0 none, 1 another sender commands, 2 the sender is older, 3 another type
+    28      refusal: 0 none, 1 another sender commands, 2 the sender is older, 3 a different type
     29      signal strength in dBm, signed; 0 is unknown
-    30-31   length of the holder's address in bytes
+    30-31   length of the next field in bytes
     32-     address of the sender that commands the robot, as text; empty if there is none.
             From a board 6 bytes: IPv4 address and port
     next 8  the robot's clock, in microseconds since 1970 (not from boards)
@@ -45,7 +45,7 @@ _MIN_BYTES = _HEADER.size + TAG_BYTES
 _VERSION = 1
 _MOVES = 1
 _IS_HELD = 2
-# The address is in network order. Every address as text is longer.
+# In network order. An address as text is always longer than 6 bytes.
 _BOARDS_HOLDER = struct.Struct("<4sH")
 _LAST_U32 = 0xFFFF_FFFF
 
@@ -123,10 +123,12 @@ def decode_status(datagram: bytes, key: bytes = NO_KEY) -> RobotStatus:
     holder, rest = body[_HEADER.size :][:length], body[_HEADER.size + length :]
     # Boards have no disk, and those with an earlier library send no epoch.
     if len(holder) != length or len(rest) not in (0, _EPOCH.size, _HOST.size + _EPOCH.size):
-        raise RemoteProtocolError(f"the status's length field is {length}, but the text has another length")
+        raise RemoteProtocolError(
+            f"the status's length field is {length}, but the text has a different length"
+        )
     if not hmac.compare_digest(siphash_2_4(key, body), tag):
         raise RemoteProtocolError(
-            "the status's tag is wrong: the frame is damaged, or the robot has another key"
+            "the status's tag is wrong: the frame is damaged, or the robot has a different key"
         )
     if refusal not in list(Refusal):
         raise RemoteProtocolError(f"the status has an unknown refusal code, {refusal}")

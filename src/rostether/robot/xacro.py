@@ -194,7 +194,7 @@ def _check_file(file: Path) -> None:
 
 
 def _parse(parse: Callable[..., Any]) -> Callable[..., Any]:
-    """Return xacro.parse(), which reads included files."""
+    """Return a function that checks each included file before it calls `parse`, which is xacro.parse()."""
 
     def checked(inp: Any, filename: Any = None) -> Any:
         if inp is None:
@@ -227,7 +227,7 @@ def _load_yaml(xacro: Any) -> Callable[[str], Any]:
 
 
 def _tokenize(tokenize: Callable[..., Any]) -> Callable[..., Any]:
-    """Return xacro.tokenize(), which makes a regular expression of the separators."""
+    """Return a function that checks the separators: xacro.tokenize() makes a regular expression of them."""
 
     def checked(text: Any, sep: str = ",; ", skip_empty: bool = True) -> Any:
         if not _SEPARATORS.fullmatch(sep):

@@ -24,7 +24,7 @@ def check_networks(networks: Iterable[str], source: str) -> tuple[str, ...]:
             ip_network(network, strict=False)
         except ValueError:
             raise ConfigError(
-                f"{source}: {network!r:.200} is not a network; write for instance 192.168.1.0/24 or 10.0.0.7"
+                f"{source}: {network!r:.200} is not a network; write for example 192.168.1.0/24 or 10.0.0.7"
             ) from None
     return checked
 
@@ -56,5 +56,5 @@ class AllowList:
         return any(address in network for network in self._networks)
 
     def allows_connection(self, host: str, own_host: str) -> bool:
-        """Return whether a connection may stay; if both ends have one address, it is from this machine."""
+        """Return whether a connection is allowed; if both ends have one address, it is local."""
         return host == own_host or self.allows(host)

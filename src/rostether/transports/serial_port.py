@@ -14,8 +14,8 @@ _USB_INTERFACE = re.compile(r"[0-9]+-[0-9.]+:[0-9]+\.[0-9]+")
 class SerialPort:
     """One serial port of this machine; the USB fields are None if the port is not on USB.
 
-    `usb_location` is the socket that the device is plugged into, with the interface: it stays when the port
-    gets another number (Linux only).
+    `usb_location` is the socket that the device is plugged into, with the interface: it stays the
+    same when the port gets a different number (Linux only).
     """
 
     path: str

@@ -46,12 +46,12 @@ async def test_tcp_shared_key(kind: str, tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("key", "says"), [("x" * 64, b"the host says nothing"), (None, b"the host asks for no key")]
+    ("key", "reason"), [("x" * 64, b"the host does not answer"), (None, b"the host needs no key")]
 )
-async def test_tcp_shared_key_of_others(key: str | None, says: bytes, tmp_path: Path) -> None:
+async def test_a_different_shared_key_is_explained(key: str | None, reason: bytes, tmp_path: Path) -> None:
     file = tmp_path / "board.key"
     file.write_text(key or "")
     psk = f"&psk={file}" if key else ""
     async with running("TcpSharedKey", "uno", ["watch serial"], uses_network=True, options=psk) as stage:
-        await until(lambda: says in stage.board.serial, "what the sketch says of it")
+        await until(lambda: reason in stage.board.serial, "the reason that the sketch prints")
         assert "chatter" not in str(await stage.graph.raw.snapshot())

@@ -2,7 +2,7 @@
 
     zenoh_sdk_peer.py PORT DOMAIN
 
-Reads one JSON object a line, does it, and prints one: {"done": WHAT, ...}. What subscribers get is printed as
+Reads one JSON object per line, executes it, prints {"done": WHAT, ...}. What subscribers get is printed as
 it comes: {"got": TOPIC, "fields": {...}}.
 """
 

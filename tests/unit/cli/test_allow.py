@@ -39,7 +39,7 @@ async def test_no_network_is_one_line(command: tuple[str, ...]) -> None:
     async with started(*command, "--allow", "10.0.0.0/8", "--allow", "lab") as process:
         text = await process.finish()
     assert text.strip() == (
-        "rostether: error: --allow: 'lab' is not a network; write for instance 192.168.1.0/24 or 10.0.0.7"
+        "rostether: error: --allow: 'lab' is not a network; write for example 192.168.1.0/24 or 10.0.0.7"
     )
     assert process.process.returncode == 1
 

@@ -37,7 +37,7 @@ def test_every_cut_is_refused(size: int) -> None:
 
 
 def test_another_key_is_refused() -> None:
-    with pytest.raises(RemoteProtocolError, match="another key"):
+    with pytest.raises(RemoteProtocolError, match="a different key"):
         decode_frame(FRAME.encode(KEY))
 
 

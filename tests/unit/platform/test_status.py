@@ -46,7 +46,7 @@ def test_a_status_is_whole_or_refused(status: RobotStatus) -> None:
             decode_status(bytes(damaged), KEY)
         with pytest.raises(RemoteProtocolError):
             decode_status(datagram[:index], KEY)
-    with pytest.raises(RemoteProtocolError, match="another key"):
+    with pytest.raises(RemoteProtocolError, match="a different key"):
         decode_status(datagram)
 
 

@@ -40,5 +40,5 @@ def test_a_connection_between_two_ends_of_one_address_is_this_machines() -> None
 
 def test_networks_are_checked_by_whoever_gives_them() -> None:
     assert check_networks(["10.0.0.0/8", "fe80::/10"], "--allow") == ("10.0.0.0/8", "fe80::/10")
-    with pytest.raises(ConfigError, match=r"--allow: 'lab' is not a network; write for instance 192\.168"):
+    with pytest.raises(ConfigError, match=r"--allow: 'lab' is not a network; write for example 192\.168"):
         check_networks(["lab"], "--allow")

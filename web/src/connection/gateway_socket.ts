@@ -1,4 +1,4 @@
-// A connection to the gateway that connects again by itself, and parses the gateway's messages.
+// A connection to the gateway that reconnects automatically, and parses the gateway's messages.
 import { parseExact } from "./exact_json.ts";
 import { parseBinary, type ServerBinary, type ServerText, SUBPROTOCOL } from "./protocol.ts";
 import { ReconnectingSocket } from "./socket.ts";

@@ -1,4 +1,4 @@
-// One WebSocket that connects again by itself, sooner when the page becomes visible.
+// One WebSocket that reconnects automatically, sooner when the page becomes visible.
 
 import { stringifyExact } from "./exact_json.ts";
 

@@ -48,11 +48,11 @@ export class PhoneSensor {
     }
   }
 
-  /** Switches the sensor on or off; called by a tap, as browsers ask for permission only then. */
+  /** Switches the sensor on or off; must be called by a tap, because browsers ask for permission only then. */
   toggle(): void {
     this.isOn.value = !this.isOn.value;
     this.problem.value = undefined;
-    follow();
+    updateSensors();
   }
 
   async begin(link: PhoneLink): Promise<void> {
@@ -64,7 +64,7 @@ export class PhoneSensor {
       if (run !== this.run) return;
       this.problem.value = problem;
       this.isOn.value = false;
-      follow();
+      updateSensors();
     };
     try {
       const end = await this.sensor.start({
@@ -107,7 +107,7 @@ export const sensors: readonly PhoneSensor[] = [imu, gps, camera, battery].map(
 export const phoneName: Signal<string> = signal(loadSetting("phone.name", `phone_${randomHex()}`));
 saveSetting("phone.name", phoneName.peek());
 
-/** The connection while a sensor is on and the page is seen. */
+/** The connection while a sensor is on and the page is visible. */
 export const phoneLink: Signal<PhoneLink | undefined> = signal(undefined);
 let link: PhoneLink | undefined;
 
@@ -115,16 +115,16 @@ export function isPhoneName(name: string): boolean {
   return NAME.test(name);
 }
 
-/** Renames the topics; those of sensors that are on end and begin. */
+/** Renames the topics; sensors that are on start again. */
 export function renamePhone(name: string): void {
   phoneName.value = name;
   saveSetting("phone.name", name);
   stopAll();
-  follow();
+  updateSensors();
 }
 
-/** Starts the sensors that are on, and stops the others; a page that is hidden has none. */
-function follow(): void {
+/** Starts the sensors that are on, and stops the others; while the page is hidden, all are stopped. */
+function updateSensors(): void {
   const wanted = pageHidden.peek() ? [] : sensors.filter((each) => each.isOn.peek());
   for (const each of sensors) if (!wanted.includes(each) && each.isRunning) each.stop();
   if (wanted.length === 0) {
@@ -143,5 +143,5 @@ function stopAll(): void {
 
 effect(() => {
   void pageHidden.value;
-  follow();
+  updateSensors();
 });

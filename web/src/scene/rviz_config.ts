@@ -16,11 +16,11 @@ type Tree = { [key: string]: Tree | Tree[] | string };
 const MAX_LINES = 20_000;
 
 /**
- * Read a configuration of RViz or RViz2.
+ * Reads a configuration of RViz or RViz2.
  *
- * RViz writes one regular form of YAML: two spaces a level, one value a line.
+ * RViz writes one regular form of YAML: two spaces per level, one value per line.
  *
- * @throws Error with a sentence for the user if the text has another form.
+ * @throws Error with a message for the user if the text has a different form.
  */
 export function readRvizConfig(text: string): RvizConfig {
   const lines = text.split(/\r?\n/).filter((line) => line.trim() !== "" && !line.trim().startsWith("#"));
@@ -44,7 +44,7 @@ function collect(value: Tree | Tree[] | string | undefined, displays: RvizDispla
   if (!Array.isArray(value)) return;
   for (const each of value) {
     const kind = typeof each.Class === "string" ? (each.Class.split("/").at(-1) ?? "") : "";
-    // RViz shows nothing of a group that is switched off.
+    // RViz does not show the displays of a disabled group.
     if (kind === "Group" && each.Enabled !== "false") collect(each.Displays, displays);
     // RViz2 nests the topic: Topic: { Value: /scan }.
     const named = isTree(each.Topic)
@@ -54,7 +54,7 @@ function collect(value: Tree | Tree[] | string | undefined, displays: RvizDispla
   }
 }
 
-/** A topic without a slash, as RViz of ROS 1 writes for markers, is one of the root. */
+/** RViz of ROS 1 writes the topics of markers without the first slash. */
 function absolute(topic: unknown): string {
   if (typeof topic !== "string" || topic === "") return "";
   return topic.startsWith("/") ? topic : `/${topic}`;

@@ -6,24 +6,24 @@ document.addEventListener("visibilitychange", () => {
   pageHidden.value = document.hidden;
 });
 
-const onScreen = new WeakMap<Element, (isSeen: boolean) => void>();
+const onScreen = new WeakMap<Element, (isOnScreen: boolean) => void>();
 const observer = new IntersectionObserver(
   (entries) => {
     for (const each of entries) onScreen.get(each.target)?.(each.isIntersecting);
   },
-  // Panels just outside of the screen start before they are visible.
+  // Panels just outside the screen start before they are visible.
   { rootMargin: "100px" },
 );
 
-/** Watches whether an element is seen, until `dispose`. */
+/** Watches whether an element is visible, until `dispose`. */
 export function watchVisible(element: Element): { visible: ReadonlySignal<boolean>; dispose(): void } {
-  const isSeen = signal(true);
-  onScreen.set(element, (seen) => {
-    isSeen.value = seen;
+  const isOnScreen = signal(true);
+  onScreen.set(element, (now) => {
+    isOnScreen.value = now;
   });
   observer.observe(element);
   return {
-    visible: computed(() => isSeen.value && !pageHidden.value),
+    visible: computed(() => isOnScreen.value && !pageHidden.value),
     dispose() {
       observer.unobserve(element);
       onScreen.delete(element);

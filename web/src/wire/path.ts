@@ -1,4 +1,4 @@
-// Reads one numeric path of a message, such as `angular_velocity.z`, `ranges[3]` or `ranges[:]`, and nothing else.
+// Reads the numbers at one path of a message, such as `angular_velocity.z`, `ranges[3]` or `ranges[:]`, without decoding the rest.
 import { Cursor, type NumberArray, numberArray, skipper } from "./decode.ts";
 import {
   fixedSize,
@@ -10,7 +10,7 @@ import {
   smallestSize,
 } from "./schema.ts";
 
-/** A path that the type does not have; the text has the reason. */
+/** The type does not have this path, or it is not a number; the message is the reason. */
 export class PathError extends Error {}
 
 export interface PathReader {

@@ -162,9 +162,9 @@ TEST(negotiation, asks_again_while_nobody_answers) {
   board.node.initNode();
   board.node.advertise(chatter);
   for (int ms = 0; ms < 30000; ++ms) ++board.line.now_ms, board.node.spinOnce();
-  const std::vector<Frame> said = board.line.take();
-  EXPECT(said.size() >= 12 && said.size() <= 15);
-  for (const Frame& each : said) EXPECT_EQUAL(each.id, 10);
+  const std::vector<Frame> sent = board.line.take();
+  EXPECT(sent.size() >= 12 && sent.size() <= 15);
+  for (const Frame& each : sent) EXPECT_EQUAL(each.id, 10);
 }
 
 TEST(negotiation, a_second_initNode_starts_anew) {

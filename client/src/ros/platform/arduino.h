@@ -1,8 +1,8 @@
 // Any Arduino serial port: hardware UART, USB, SoftwareSerial, or another Stream.
 //
-// The port is `Serial`, unless the sketch says otherwise before <ros.h>: USE_TEENSY_HW_SERIAL and USE_STM32_HW_SERIAL
+// The port is `Serial`, unless the sketch defines another before <ros.h>: USE_TEENSY_HW_SERIAL and USE_STM32_HW_SERIAL
 // choose Serial1; boards whose USB is their Serial (Leonardo, Micro, Zero, MKR) use Serial1 unless USE_USBCON is
-// defined, as sketches for them expect; SERIAL_PORT names any other. Or a class of the sketch names it:
+// defined, as sketches for them expect; SERIAL_PORT names any other. A class of the sketch can also name it:
 //
 //   class NewHardware : public ArduinoHardware {
 //    public:

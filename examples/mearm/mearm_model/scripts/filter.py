@@ -2,7 +2,7 @@
 """mearm_controller: turns joint states into servo angles, and moves the servos to named poses.
 
 Subscribes  joint_states       sensor_msgs/JointState, radians
-            servo_angles       mearm_model/ServoAngles, what the board says that it holds
+            servo_angles       mearm_model/ServoAngles, the angles that the board holds
 Publishes   servo_pose_server  mearm_model/ServoAngles, degrees
 Serves      set_servo_pose     mearm_model/MoveArm, the id of a pose in the parameter servo_poses
 Parameters  ~interpolation_steps (10), ~step_duration (0.05 s): how a pose is approached

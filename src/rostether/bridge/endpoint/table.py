@@ -1,6 +1,6 @@
 """All endpoints of one board's node, which follow the board's announcements.
 
-An endpoint outlives the connection it was announced on. When the board comes back and announces the same
+An endpoint is kept when its connection ends. When the board comes back and announces the same
 name and type, the endpoint is attached to the new connection and its publisher or subscription never left
 the graph; endpoints that the board did not announce again by the end of the negotiation are closed. A new
 sketch may use a name with another type and any id: the old endpoint is closed before the new one opens.

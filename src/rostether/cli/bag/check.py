@@ -26,7 +26,7 @@ def bag_check(files: tuple[Path, ...], msg_paths: tuple[Path, ...]) -> None:
     """Read every message and report errors; the exit code is 1 if there are any.
 
     The command checks that the index is complete, that every message fits its definition in the file, and
-    that this definition is the known one.
+    that this definition equals the one that rostether finds.
     """
     from rostether.msgdef.registry import Registry
     from rostether.recording.checking import check

@@ -39,15 +39,17 @@ _SHOWN_TOPICS = 10
     "+01:00 or Z after it names the time zone.",
     required=True,
 )
-@add_option("--duration TIME", "How much, e.g. 30, 30s, 5m or 2h (1m).", type=DURATION, default=60.0)
+@add_option(
+    "--duration TIME", "The length of the period, e.g. 30, 30s, 5m or 2h (1m).", type=DURATION, default=60.0
+)
 @add_option("-t --topic topics TOPIC", "Only this topic; * matches anything.", multiple=True)
 def bag_cut(
     sources: tuple[Path, ...], target: Path, start: str, duration: float, topics: tuple[str, ...]
 ) -> None:
     """Write the messages of a period to a new recording.
 
-    A RECORDING is a file, a ROS 2 bag, a folder of them, or a folder of such folders; a file that is being
-    recorded works too.
+    A RECORDING is a file, a ROS 2 bag, a folder of recordings, or a folder of such folders. Files that
+    are still being recorded are also read.
     """
     from rostether.recording.cutting import Cutting, find_recordings, moment_ns, second_moment
 

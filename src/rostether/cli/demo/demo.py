@@ -70,7 +70,7 @@ class DemoOptions:
         "--config FILE", "File of board names and settings (default: none).", type=PATH
     )
     ros1: bool = flag("--ros1", "Use only the ROS 1 graph.")
-    join: bool = flag("--join", "Join the ROS graph that runs here, instead of one of its own.")
+    join: bool = flag("--join", "Join the ROS graph that runs here, instead of starting a separate one.")
     port: int | None = option(
         "--port", "Start the ROS master at this port (default: 11311, or the next free port).", type=PORT
     )
@@ -151,7 +151,7 @@ async def _demo(environment: RosEnvironment, options: DemoOptions, devices: Devi
         view = DemoView(supervisor.boards, clock)
         controls.advertise = await stack.enter_async_context(_watched(used.environment, board.topics, view))
         await stack.enter_async_context(board.plug_in(supervisor, join))
-        # The board outlives the bridge: otherwise it would be reported as lost.
+        # The bridge closes before the board: otherwise it would report a lost board.
         stack.push_async_callback(supervisor.close)
         facts = DemoFacts(
             board.title,
@@ -163,7 +163,7 @@ async def _demo(environment: RosEnvironment, options: DemoOptions, devices: Devi
         show = _show_live(facts, view, recent, controls) if is_live else _show_lines(view)
         with contextlib.suppress(TimeoutError):
             await asyncio.wait_for(show, options.seconds)
-    if not view.has_flowed and not controls.quit.is_set():
+    if not view.has_messages and not controls.quit.is_set():
         raise GraphError("no message of the simulated board arrived through the ROS graph; please report it")
 
 

@@ -114,7 +114,7 @@ class DemoView:
     """Collects the data that the demo shows; a payload is decoded only when it is drawn."""
 
     def __init__(self, boards: Callable[[], list[BoardView]], clock: Callable[[], float]) -> None:
-        self.has_flowed = False
+        self.has_messages = False
         self.board: BoardView | None = None
         self._boards = boards
         self._clock = clock
@@ -124,7 +124,7 @@ class DemoView:
 
     def add_messages(self, topic: str, codec: Codec, payloads: Sequence[bytes]) -> None:
         """Add messages that arrived through the graph."""
-        self.has_flowed = True
+        self.has_messages = True
         self._last[topic] = (codec, payloads[-1])
 
     def update(self) -> None:

@@ -48,7 +48,7 @@ def _complete_kinds(_ctx: click.Context, _param: click.Parameter, incomplete: st
     multiple=True,
 )
 @add_option("--topic TOPIC", "The topic (default: the sensor's).")
-@add_option("--board", "The board, for the next command.", default="uno", show_default=True)
+@add_option("--board", "The board of the printed flash command.", default="uno", show_default=True)
 @add_option(
     "-o --output DIR", "The folder for the sketch's folder (default: this one).", type=PATH, default=Path()
 )
@@ -57,7 +57,8 @@ def new_sensor(
 ) -> None:
     """Write a sketch that publishes a sensor: ultrasound, infrared, temperature or button.
 
-    NAME is the name of the sketch (the sensor's). On a terminal, a missing SENSOR is asked for.
+    NAME is the name of the sketch (default: the sensor's name). On a terminal, the command asks for a missing
+    SENSOR.
     """
     from rostether.codegen.library_source import client_library
     from rostether.firmware.new_sketch import KINDS, write_sketch

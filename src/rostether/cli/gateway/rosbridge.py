@@ -278,7 +278,7 @@ def _globs(parameters: Mapping[str, Any], name: str) -> tuple[str, ...] | None:
 def rosapi_node(arguments: tuple[str, ...]) -> None:
     """Offer services that query the graph and access parameters, like rosapi_node.
 
-    Parameters: ~topics_glob, ~services_glob, ~params_glob. `rostether rosbridge` offers the same by itself.
+    Parameters: ~topics_glob, ~services_glob, ~params_glob. `rostether rosbridge` has the same services.
     """
     check_rosbridge()
     run_role("rosapi", arguments, _run_rosapi)

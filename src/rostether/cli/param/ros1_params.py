@@ -34,7 +34,7 @@ class Ros1Params:
         self._environment = read_environment(graph)
 
     def list_params(self, wanted: ParamListing) -> None:
-        """Print the names of parameters, of all or of a namespace."""
+        """Print the names of all parameters, or of those in a namespace."""
         refuse_ros2_only(
             with_hidden=wanted.with_hidden, with_types=wanted.with_types, prefixes=wanted.prefixes
         )

@@ -106,8 +106,8 @@ class DriveOptions:
 def drive(options: DriveOptions, fleet: FleetSettings) -> int:
     """Drive one robot or groups (arduino_control/ArduinoControl) until the time is over or Ctrl-C.
 
-    One sender commands a robot at a time. A robot stops by itself 0.3 s after the last command. The exit code
-    is 1 if no robot answers.
+    One sender commands a robot at a time. A robot stops automatically 0.3 s after the last command. The exit
+    code is 1 if no robot answers.
     """
     from rostether.platform.command_frame import ALL_GROUPS
 

@@ -72,7 +72,7 @@ def up(file: Path, check: bool) -> None:
             environ["ROS_IP"] = await _wait_for_address(interface)
             # Nodes have registered their address: they cannot be reached at another one.
             await run_until(parts.run(), _wait_for_address(interface, other_than=environ["ROS_IP"]))
-            write_line(f"the network interface {interface} has another address; all parts start again")
+            write_line(f"the network interface {interface} has a new address; all parts start again")
 
     try:
         run(main(), is_service=True)

@@ -35,7 +35,10 @@ REPORT_PERIOD_S = 1.0
 @json_option
 @graph_options(ros=False, allow=True)
 def monitor(frames: tuple[str, ...], count: int | None, as_json: bool, graph: GraphOptions) -> None:
-    """Report every second for each frame, or for the chain between two, who broadcasts it and how late."""
+    """Report every second which node broadcasts each frame, and how late.
+
+    With PARENT and CHILD, report only the frames between them.
+    """
     if len(frames) not in (0, 2):
         raise click.UsageError("give PARENT and CHILD, or no frame")
     run(_monitor(tuple(each.removeprefix("/") for each in frames), count, as_json, graph))

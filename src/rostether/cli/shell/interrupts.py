@@ -1,4 +1,4 @@
-"""Handles Ctrl-C outside of event loops: before the first of a command, and between two."""
+"""Handles Ctrl-C outside of event loops: before a command's first loop, and between two loops."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ _interrupted = False
 
 
 def raise_at_interrupt() -> None:
-    """Raise KeyboardInterrupt at Ctrl-C from now on, where it would have ended the process (`__main__`)."""
+    """From now on, raise KeyboardInterrupt at Ctrl-C; until now, it ended the process (see `__main__`)."""
     if signal.getsignal(signal.SIGINT) is signal.SIG_DFL:
         signal.signal(signal.SIGINT, _interrupt)
 
@@ -19,7 +19,7 @@ def was_interrupted() -> bool:
 
 
 def note_interrupt() -> None:
-    """Have the next event loop end at once."""
+    """Make the next event loop end at once."""
     global _interrupted
     _interrupted = True
 

@@ -16,7 +16,7 @@ from rostether.cli.shell.failures import EXIT_DONE
 from rostether.cli.shell.option_group import add_flag
 from rostether.mechanisms.text import escape_text
 
-json_option: Callable[[Any], Any] = add_flag("--json as_json", "Print one JSON object a line.")
+json_option: Callable[[Any], Any] = add_flag("--json as_json", "Print one JSON object per line.")
 
 
 Paint: TypeAlias = Callable[[str], str]

@@ -57,7 +57,7 @@ def run(main: Coroutine[Any, Any, T], *, is_service: bool = False, uvloop: bool 
         with asyncio.Runner(loop_factory=loop_factory) as runner:
             result = runner.run(ending.run(notifying_systemd(main) if is_service else main))
     except (KeyboardInterrupt, asyncio.CancelledError):
-        # Without an exit code, Ctrl-C came before our handlers were there, and asyncio's own cancelled all.
+        # Without an exit code, Ctrl-C came before our handlers were set, and was handled by asyncio.
         raise click.exceptions.Exit(
             EXIT_INTERRUPTED if ending.exit_code is None else ending.exit_code
         ) from None
@@ -86,7 +86,7 @@ class _Ending:
 
     def watch_start(self) -> None:
         """Note a Ctrl-C before the command runs; asyncio's own handler could lose it to a clean-up."""
-        # Windows has no such alarm, and leaves Ctrl-C to asyncio.
+        # Windows has no SIGALRM; there, asyncio handles Ctrl-C.
         handler = self._arrived if hasattr(signal, "SIGALRM") else signal.default_int_handler
         # A thread must not set handlers.
         with contextlib.suppress(ValueError):
@@ -153,7 +153,7 @@ class _Ending:
         """Stop checking whether the loop is busy, and handle Ctrl-C as before."""
         if self.exit_code is not None and hasattr(signal, "setitimer"):
             signal.setitimer(signal.ITIMER_REAL, 0)
-        # ValueError in a thread, TypeError for a handler that is not of Python.
+        # ValueError in a thread, TypeError for a handler that Python did not set.
         with contextlib.suppress(ValueError, TypeError):
             signal.signal(signal.SIGINT, self._handler_before)
 

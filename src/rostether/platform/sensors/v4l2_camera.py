@@ -40,7 +40,7 @@ class V4l2Camera:
         except OSError as error:
             if error.filename:
                 raise
-            # Only an error of opening names the device.
+            # Only errors of open() contain the file name.
             raise BoardError(f"{self._path}: {error.strerror or error}") from None
 
     async def _captured(self, rate_hz: float) -> AsyncGenerator[bytes, None]:

@@ -1,4 +1,4 @@
-"""Watches parameters of any node: its own in the store, others through /parameter_events."""
+"""Watches parameters: those of this node in its store, those of other nodes through /parameter_events."""
 
 from __future__ import annotations
 
@@ -81,7 +81,7 @@ class ParameterWatches:
             try:
                 nodes.add(codec.decode(payload).node)
             except SerializationError:
-                continue  # Not a message of the topic's type: parameters of no node.
+                continue  # Not a message of the topic's type.
         nodes.discard(self._graph.node_name)
         for watch in self._watches:
             if any(_concerns(node, watch.name) for node in nodes):
@@ -151,5 +151,5 @@ class ParameterWatch:
 
 
 def _concerns(node: str, name: str) -> bool:
-    """Return whether an event of a node may concern a full name: at it, below it, or the node's own."""
+    """Return whether a node's event may concern a name: its parameter, or a namespace that contains it."""
     return name == node or name.startswith(f"{node}/") or node.startswith(name.rstrip("/") + "/")

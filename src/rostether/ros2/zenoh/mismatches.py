@@ -11,7 +11,7 @@ from rostether.ros2.zenoh.tokens import Kind, Token
 
 
 class Mismatches:
-    """Reports every endpoint of a topic with another type, once."""
+    """Reports once every endpoint of a topic that has a different type."""
 
     def __init__(self, topic: str, support: MessageSupport, report: Callable[[Level, str], None]) -> None:
         self._topic = topic

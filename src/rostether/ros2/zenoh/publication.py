@@ -99,7 +99,7 @@ class Publication:
         return len(self._subscribers) if self._is_matched or self._qos.is_latching else 0
 
     def share(self, message_type: MessageType, *, latch: bool) -> None:
-        """Add a handle to this publication. Raises TypeMismatchError if it has another type."""
+        """Add a handle to this publication. Raises TypeMismatchError if it has a different type."""
         check_same_type(self.topic, self.type, message_type)
         if latch and not self._qos.is_latching:
             self._undeclare()
@@ -197,7 +197,7 @@ class Publication:
             self._matching = publisher.declare_matching_listener(
                 zenoh.handlers.Callback(self._match, indirect=False)
             )
-            # The stubs call it a bool.
+            # The type stubs declare it as bool.
             self._is_matched = cast(zenoh.MatchingStatus, publisher.matching_status).matching
             self._publisher = publisher
         self._token: LiveToken = self._node.declare(

@@ -1,4 +1,4 @@
-"""The arguments of genpy.message: messages filled from typed values."""
+"""genpy.message's functions for arguments: they fill messages from the values that users type."""
 
 from __future__ import annotations
 
@@ -15,7 +15,8 @@ from rostether.rostime import NS_PER_S
 def fill_message_args(msg: Any, msg_args: Any, keys: Mapping[str, Any] | None = None) -> None:
     """Fill a message with a list of all its fields, with a dict, or with a list of one dict.
 
-    `keys` are words for times and headers, as `now`. Raises MessageException, ValueError.
+    `keys` are the values of words such as `now`, which stand for times and headers.
+    Raises MessageException, ValueError.
     """
     arguments = [] if msg_args is None else msg_args
     if isinstance(arguments, list) and len(arguments) == 1 and isinstance(arguments[0], dict):
@@ -24,7 +25,7 @@ def fill_message_args(msg: Any, msg_args: Any, keys: Mapping[str, Any] | None = 
 
 
 def get_printable_message_args(msg: Any, buff: Any = None, prefix: str = "") -> str:
-    """Return the names of a message's fields, with those of the messages in it."""
+    """Return the names of a message's fields, including the fields of nested messages."""
     names = []
     for name in msg.__slots__:
         value = getattr(msg, name)

@@ -47,7 +47,7 @@ class CountingBoard:
         return self._device.connected
 
     async def __aenter__(self) -> Self:
-        """Start to count."""
+        """Start counting."""
         await self._device.__aenter__()
         self._counting = asyncio.get_running_loop().create_task(self._run())
         return self

@@ -59,7 +59,7 @@ def test_line_without_a_terminal(view: DemoView) -> None:
     assert view.line() == "link: waiting for the board"
     measure(view, 2.0, 1.25)
     assert view.line() == "ultrasound 20.0 Hz (1.25 m); 50 frames, 1 discarded"
-    assert view.has_flowed
+    assert view.has_messages
 
 
 @pytest.mark.parametrize(("width", "height"), [(120, 40), (80, 24), (40, 24)])

@@ -180,7 +180,7 @@ async def test_the_parts_start_again_at_another_address(tmp_path: Path) -> None:
             await up.wait_for("Press Ctrl-C to stop")
             subprocess.run([*enter, "ip", "address", "del", "127.0.0.1/8", "dev", "lo"], check=True)
             subprocess.run([*enter, "ip", "address", "add", "127.0.0.9/8", "dev", "lo"], check=True)
-            await up.wait_for("the network interface lo has another address; all parts start again")
+            await up.wait_for("the network interface lo has a new address; all parts start again")
             await up.wait_for("ROS_MASTER_URI=http://127.0.0.9:11311/")
         finally:
             await up.stop()

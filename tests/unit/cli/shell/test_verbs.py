@@ -55,7 +55,7 @@ def test_help_fits_a_narrow_terminal(shell: Shell, monkeypatch: pytest.MonkeyPat
     before_examples = shell.output("doctor", "--help").partition("Examples:")[0].splitlines()
     assert max(map(len, before_examples)) <= 40
     assert "  --json" in before_examples
-    assert "      Print one JSON object a line." in before_examples
+    assert "      Print one JSON object per line." in before_examples
 
 
 def test_an_option_that_belongs_into_the_address_is_explained(shell: Shell) -> None:

@@ -94,12 +94,12 @@ function ConnectPanel({ context }: { context: PanelContext }) {
   );
 }
 
-/** The ports that the user has allowed on an earlier visit. */
+/** The ports that the user allowed on an earlier visit. */
 function useKnownPorts(): Signal<SerialPort[]> {
   const known = useSignal<SerialPort[]>([]);
   useEffect(() => {
     const serial = serialPorts();
-    const look = () => {
+    const update = () => {
       serial?.getPorts().then(
         (ports) => {
           known.value = ports;
@@ -107,12 +107,12 @@ function useKnownPorts(): Signal<SerialPort[]> {
         () => undefined,
       );
     };
-    look();
-    serial?.addEventListener("connect", look);
-    serial?.addEventListener("disconnect", look);
+    update();
+    serial?.addEventListener("connect", update);
+    serial?.addEventListener("disconnect", update);
     return () => {
-      serial?.removeEventListener("connect", look);
-      serial?.removeEventListener("disconnect", look);
+      serial?.removeEventListener("connect", update);
+      serial?.removeEventListener("disconnect", update);
     };
   }, []);
   return known;
@@ -179,7 +179,7 @@ function PortForm(props: { port: Signal<SerialPort | undefined>; problem: Signal
 }
 
 function RelayCard({ context, relay }: { context: PanelContext; relay: BoardRelay }) {
-  // The counts change with every chunk; once a second is enough for people.
+  // The counts change with every chunk; once a second is enough for the display.
   useTick(context, 1000);
   const state = relay.state.value;
   return (

@@ -259,7 +259,7 @@ function TextLine({ field, send }: { field: string; send: Send }) {
   );
 }
 
-/** A float32 with the digits that it has, not those of the float64 that holds it. */
+/** The text of a number; of a float32 without the additional digits of the float64 that stores it. */
 function shownNumber(type: Primitive, value: number | bigint): string {
   return String(type === "float32" ? Number(Number(value).toPrecision(7)) : value);
 }

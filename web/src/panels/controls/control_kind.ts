@@ -17,7 +17,7 @@ export type ControlKind =
 
 const FLOATS: readonly Primitive[] = ["float32", "float64"];
 const SERVO = /servo|angle/i;
-/** Of a whole message; angles of others may be radians. */
+/** The name of a message type for servos. `angle` is not enough here: such messages may have radians. */
 const SERVOS = /servo[^/]*$/i;
 // More sliders are not readable.
 const MAX_SERVOS = 12;
@@ -36,7 +36,7 @@ export function controlKind(topic: string, type: StructNode): ControlKind {
   return { kind: "slider", field: name, type: node.type, ...sliderRange(topic, node.type) };
 }
 
-/** A form of many fields would fill the overview; the page of all controls has it. */
+/** Whether the overview shows the control as a card. A form is too large: only the panel of all controls has it. */
 export function fitsCard(topic: Topic): boolean {
   try {
     return controlKind(topic.name, topic.type()).kind !== "form";

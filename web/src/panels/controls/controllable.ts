@@ -1,9 +1,9 @@
-// Which topics wait for input: a node subscribes, and no other node publishes.
+// Which topics accept input: a node subscribes, and no other node publishes.
 import { hasSubscriber } from "../graph_of.ts";
 import type { Graph } from "../panel.ts";
 
-// Subscribed by tools and by every node, not for people.
-const NOT_FOR_HANDS =
+// Topics of tools and of every node, which a person does not control.
+const NOT_FOR_PEOPLE =
   /^\/(rosout|rosout_agg|clock|tf|tf_static|diagnostics|parameter_events)$|\/(feedback|status|result|goal|cancel)$|_simulation\/command$/;
 
 /** Topics that a person can control. */
@@ -12,7 +12,7 @@ export function controllableTopics(graph: Graph): string[] {
   const isFree = (topic: string) => publishers.get(topic)?.every((node) => ownNodes.includes(node)) ?? true;
   return [...subscribers.keys()]
     .filter(
-      (each) => !NOT_FOR_HANDS.test(each) && topics.has(each) && hasSubscriber(graph, each) && isFree(each),
+      (each) => !NOT_FOR_PEOPLE.test(each) && topics.has(each) && hasSubscriber(graph, each) && isFree(each),
     )
     .sort();
 }

@@ -1,4 +1,4 @@
-// Controls for everything that waits for input, made from the definitions.
+// Controls for all topics and services that accept input, made from their definitions.
 import type { Signal } from "@preact/signals";
 import { EmptyState } from "../../shell/parts.tsx";
 import { texts } from "../../texts.ts";
@@ -25,7 +25,7 @@ function ControlsPanel({ context }: { context: PanelContext }) {
   if (context.isCard) return <Control context={context} topicName={topic ?? ""} />;
   const graph = graphOf(robot);
   const topics = controllableTopics(graph);
-  // Long forms come after what takes one tap.
+  // Forms come after the small controls.
   const isForm = (name: string) => !fitsCard(graph.topics.get(name)!);
   const topicCard = (name: string) => (
     <section class="control-card" key={name} ref={name === topic ? showElement : undefined}>

@@ -4,12 +4,12 @@ import type { Message } from "../../wire/decode.ts";
 import { useSubscription } from "../hooks.ts";
 import type { PanelContext } from "../panel.ts";
 
-// A control that is used does not jump back to its own earlier values, which return from the robot meanwhile.
+// While it is used, a control must not jump back to its own earlier values, which return from the robot.
 const OWN_MS = 500;
 
 /**
- * Calls `show` with the messages of a topic while the control is visible; returns what the control calls when it
- * sends one itself.
+ * Calls `show` with the messages of a topic while the control is visible; returns a function that the
+ * control must call when it sends a message.
  */
 export function useOthersValue(
   context: PanelContext,

@@ -1,4 +1,4 @@
-// A service that one tap calls: without a request a button, with one bool a switch.
+// The control of a service with a simple request: a button for an empty one, a switch for a single bool.
 import { useSignal } from "@preact/signals";
 import type { Service } from "../../connection/protocol.ts";
 import { callService } from "../../store/call_service.ts";

@@ -1,4 +1,4 @@
-"""rosapi's services about types, the time, and the ROS version."""
+"""The services of rosapi for types, the time, and the ROS version."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ _EXAMPLES: Final = {"bool": "False", "string": "", "float32": "0.0", "float64": 
 
 
 class SystemAnswers:
-    """Answers that need only definitions, clock and environment."""
+    """Answers that need only definitions, the graph's clock, and the environment."""
 
     def __init__(
         self, graph: Graph, registry: Registry, environ: Mapping[str, str], *, is_ros2: bool
@@ -46,7 +46,7 @@ class SystemAnswers:
         return message_details(self._registry, self._registry.service(short_type(name)).response.full_name)
 
     async def time(self) -> dict[str, int]:
-        """Return ROS time, in the form of clients."""
+        """Return ROS time, as clients expect it."""
         now = self._graph.now()
         return {"secs": now.secs, "nsecs": now.nsecs}
 
@@ -63,7 +63,7 @@ class SystemAnswers:
 
 
 def message_details(registry: Registry, name: str) -> list[dict[str, Any]]:
-    """Return a message and all below it as rosapi/TypeDef. Raises UnknownTypeError, DefinitionError."""
+    """Return a message and all nested ones as rosapi/TypeDef. Raises UnknownTypeError, DefinitionError."""
     details: list[dict[str, Any]] = []
     waiting = [name]
     seen: set[str] = set()

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Events, one JSON object a line: {"event":"pin","time_us":1234.5,"pin":"D13","level":1}.
+ * Events, one JSON object per line: {"event":"pin","time_us":1234.5,"pin":"D13","level":1}.
  * time_us is the board's own time since it was plugged in, exact to the cycle. If the board causes many events, they
  * may be dropped when no program reads them in real time; the number of lost events is reported.
  */
