@@ -135,7 +135,7 @@ class Messages(Generic[M]):
                 return await self._waiting
             except asyncio.CancelledError:
                 task = asyncio.current_task()
-                # Nobody waits for the error of a call that Ctrl-C ended.
+                # The caller of a call that Ctrl-C ended does not wait for its error.
                 if self._ended_count == ended_count or (task is not None and task.cancelling()):
                     raise
                 raise StopAsyncIteration from None
