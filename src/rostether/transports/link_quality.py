@@ -24,6 +24,8 @@ class LinkQuality:
     lost_packets: int = 0
     retries: int | None = None
     last_status: str = "none"
+    # The result of the last packet that was lost.
+    last_loss: str = ""
     _recent: deque[bool] = field(default_factory=lambda: deque(maxlen=RECENT_PACKETS))
 
     def received(self, rssi_dbm: int | None) -> None:
@@ -38,6 +40,8 @@ class LinkQuality:
         self.lost_packets += is_lost
         self._recent.append(is_lost)
         self.last_status = status
+        if is_lost:
+            self.last_loss = status
         if retries is not None:
             self.retries = (self.retries or 0) + retries
 

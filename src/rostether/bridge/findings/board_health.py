@@ -114,8 +114,8 @@ def _radio_loss(radio: LinkQuality | None) -> list[Finding]:
     return [
         warning(
             Code.RADIO_LOSS,
-            f"{loss:.0%} of the last {RECENT_PACKETS} radio packets to the board were lost "
-            f"({radio.last_status}{signal})",
+            f"{100 * loss:.0f} % of the last {RECENT_PACKETS} radio packets to the board were lost "
+            f"({radio.last_loss}{signal})",
             "move the radios closer together, or set all of them to another channel",
         )
     ]

@@ -11,6 +11,7 @@ from rostether.bridge.findings.resets import MIN_RESETS
 from rostether.errors import PeerClosedError, TransportClosedError, TransportError
 from rostether.rosserial.events import ProtocolDetected
 from rostether.rosserial.link_statistics import LinkStatistics
+from rostether.transports.link_quality import RECENT_PACKETS, LinkQuality
 from unit.bridge.nodes import STORE, World
 
 
@@ -36,6 +37,20 @@ async def test_programs_that_follow_each_other_share_no_reset_history(
         health.disconnected(ending, is_program=is_program)
     health.connected(None, LinkStatistics(), now_s)
     assert (Code.RESET_LOOP in {each.code for each in health.find(now_s)}) is is_board
+
+
+async def test_the_finding_of_a_radio_names_the_last_packet_that_was_lost() -> None:
+    world = await World().open()
+    health = BoardNode(world.board, STORE, world.reporter, asyncio.get_running_loop().time).health
+    health.radio = LinkQuality(rssi_dbm=-71)
+    for number in range(RECENT_PACKETS):
+        is_lost = number % 2 == 0
+        health.radio.sent("no acknowledgement" if is_lost else "delivered", is_lost=is_lost)
+    health.connected(57600, LinkStatistics(), 0.0)
+    (finding,) = health.find(1.0)
+    assert finding.seen.startswith(
+        "50 % of the last 50 radio packets to the board were lost (no acknowledgement, signal -71 dBm"
+    )
 
 
 def slow(late_ms: int = 100) -> Finding:
