@@ -5,16 +5,14 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import shutil
-from collections.abc import AsyncIterator, Sequence
-from contextlib import asynccontextmanager
+from collections.abc import Sequence
 from dataclasses import asdict
 from typing import TYPE_CHECKING
 
 from rostether.bridge.health.board_status import BoardStatus
 from rostether.bridge.health.reported_boards import BoardsSeen, listen, reported_boards
+from rostether.cli.access.either_graph import joined_either
 from rostether.cli.access.graph_options import GraphOptions, graph_options
-from rostether.cli.access.options import refuse_ros1_only
-from rostether.cli.access.ros1_access import joined, read_environment
 from rostether.cli.bridge.monitor_table import table
 from rostether.cli.shell.failures import EXIT_DONE, EXIT_FAILED
 from rostether.cli.shell.option_group import add_flag
@@ -64,7 +62,7 @@ def monitor(once: bool, as_json: bool, graph: GraphOptions) -> int:
 
 
 async def _monitor(once: bool, as_json: bool, graph: GraphOptions) -> int:
-    async with _joined(graph) as (node, place):
+    async with joined_either(graph, purpose="monitor") as (node, place):
         if once:
             return await _print_once(node, as_json)
         if as_json:
@@ -74,20 +72,6 @@ async def _monitor(once: bool, as_json: bool, graph: GraphOptions) -> int:
         async with task_beside(listen(node, seen.add_status)) as listening:
             await _show_live(seen, place, listening)
     return EXIT_DONE
-
-
-@asynccontextmanager
-async def _joined(graph: GraphOptions) -> AsyncIterator[tuple[TypedGraph, str]]:
-    """Join the graph; yield it with its name for users."""
-    if graph.ros2 is None:
-        async with joined(graph, purpose="monitor") as node:
-            yield node, read_environment(graph).master_uri
-        return
-    from rostether.cli.access.ros2_tool_node import tool_node
-
-    refuse_ros1_only(master=graph.master)
-    async with tool_node(graph) as tool:
-        yield tool.graph, "the ROS 2 graph"
 
 
 def _write_status(status: BoardStatus) -> None:

@@ -53,7 +53,7 @@ class EchoOptions:
     """,
 )
 @option_group("options", EchoOptions)
-@graph_options(ros=False, allow=True)
+@graph_options(allow=True)
 def echo(options: EchoOptions, graph: GraphOptions) -> int:
     """Print the pose of the frame CHILD in the frame PARENT, RATE times a second (1).
 
@@ -64,12 +64,12 @@ def echo(options: EchoOptions, graph: GraphOptions) -> int:
 
 
 async def _echo(options: EchoOptions, graph: GraphOptions) -> int:
-    from rostether.cli.access.ros1_access import joined
+    from rostether.cli.access.either_graph import joined_either
     from rostether.errors import TransformError
     from rostether.robot.tf_listener import tf_listener
 
     async with (
-        joined(graph, purpose="tf_echo") as node,
+        joined_either(graph, purpose="tf_echo") as (node, _),
         tf_listener(node) as listener,
     ):
         parent, child = options.parent.removeprefix("/"), options.child.removeprefix("/")

@@ -33,7 +33,7 @@ REPORT_PERIOD_S = 1.0
 @click.argument("frames", nargs=-1, metavar="[PARENT CHILD]")
 @add_option("-n --count COUNT", "Stop after COUNT reports.", type=COUNT)
 @json_option
-@graph_options(ros=False, allow=True)
+@graph_options(allow=True)
 def monitor(frames: tuple[str, ...], count: int | None, as_json: bool, graph: GraphOptions) -> None:
     """Report every second which node broadcasts each frame, and how late.
 
@@ -45,14 +45,14 @@ def monitor(frames: tuple[str, ...], count: int | None, as_json: bool, graph: Gr
 
 
 async def _monitor(frames: tuple[str, ...], count: int | None, as_json: bool, graph: GraphOptions) -> None:
-    from rostether.cli.access.ros1_access import joined
+    from rostether.cli.access.either_graph import joined_either
     from rostether.robot.tf_listener import tf_listener
     from rostether.robot.tf_statistics import TfStatistics
     from rostether.robot.transform import StampedTransform
 
     statistics = TfStatistics()
     async with (
-        joined(graph, purpose="tf_monitor") as node,
+        joined_either(graph, purpose="tf_monitor") as (node, _),
         tf_listener(node) as listener,
     ):
 

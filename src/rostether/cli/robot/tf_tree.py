@@ -22,6 +22,7 @@ DEFAULT_LISTENING_S = 2.0
     """
     rostether tf tree
     rostether tf tree --duration 10
+    rostether tf tree --ros2
     rostether tf tree --dot | dot -Tpdf > frames.pdf
     """,
     old_options={"--time": "--duration"},
@@ -34,14 +35,14 @@ DEFAULT_LISTENING_S = 2.0
 )
 @add_flag("--dot", "Print the tree for graphviz.")
 @json_option
-@graph_options(ros=False, allow=True)
+@graph_options(allow=True)
 def tree(listening_s: float, dot: bool, as_json: bool, graph: GraphOptions) -> int:
     """Listen for a while, then show the tree of frames with the nodes that broadcast them."""
     return run(_tree(listening_s, dot, as_json, graph))
 
 
 async def _tree(listening_s: float, dot: bool, as_json: bool, graph: GraphOptions) -> int:
-    from rostether.cli.access.ros1_access import joined
+    from rostether.cli.access.either_graph import joined_either
     from rostether.robot.tf_listener import tf_listener
     from rostether.robot.tf_report import frame_facts, frame_tree, frames_as_dot
 
@@ -54,7 +55,7 @@ async def _tree(listening_s: float, dot: bool, as_json: bool, graph: GraphOption
             refusals.setdefault(word)
 
     async with (
-        joined(graph, purpose="view_frames") as node,
+        joined_either(graph, purpose="view_frames") as (node, _),
         tf_listener(node, on_refusal=note) as listener,
     ):
         await asyncio.sleep(listening_s)

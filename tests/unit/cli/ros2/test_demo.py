@@ -28,6 +28,8 @@ def test_the_demo_is_in_both_ros(graph: LiveGraph, world: ZenohWorld, shell: She
         assert "success=True" in call
         table = shell.output("monitor", "--once")
         assert table.splitlines()[1].split()[:2] == ["/virtual_board", "connected"]
+        pose = shell.output("tf", "echo", "-n", "1", "--timeout", "60", "odom", "base_link")
+        assert "- Translation: [" in pose
         assert "header" in shell("topic", "echo", "--ros1", "-n", "1", "/ultrasound").out
 
 
