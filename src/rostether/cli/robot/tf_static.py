@@ -6,6 +6,7 @@ import os
 
 import click
 
+from rostether.cli.access.graph_options import ROS2_CHOICE
 from rostether.cli.role.node import RoleVerb, node_arguments, role_node
 from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import verb
@@ -27,17 +28,19 @@ _arguments = click.argument("words", nargs=-1, type=click.UNPROCESSED, metavar=_
     rostether tf static 0 0 0.1 0 0 0 base_link laser
     rostether tf static 0 0 0.1 0 0 0 1 base_link laser
     rostether tf static 0 0 0.1 0 0 0 base_link laser 100     (on /tf, every 100 ms)
+    rostether tf static --ros2 0 0 0.1 0 0 0 base_link laser
     """,
     cls=RoleVerb,
 )
 @_arguments
-def static(words: tuple[str, ...]) -> None:
+@ROS2_CHOICE
+def static(words: tuple[str, ...], ros2: str | None) -> None:
     """Publish the transform from PARENT to CHILD on /tf_static until Ctrl-C.
 
     The units are meters, and radians or a quaternion. With a number of milliseconds at the end, it publishes
     repeatedly on /tf, like tf's node. PARAMETER contains a geometry_msgs/TransformStamped.
     """
-    _run(words, f"static_transform_publisher_{os.getpid()}")
+    _run(words, f"static_transform_publisher_{os.getpid()}", ros2)
 
 
 @verb(
@@ -54,14 +57,16 @@ def static_transform_publisher(words: tuple[str, ...]) -> None:
     _run(words, f"static_transform_publisher_{os.getpid()}")
 
 
-def _run(words: tuple[str, ...], default_name: str) -> None:
+def _run(words: tuple[str, ...], default_name: str, ros2: str | None = None) -> None:
     arguments = node_arguments(words)
     transform = None if len(arguments.rest) == 1 else parse_static_transform(arguments.rest)
-    run(_publish(arguments, transform, default_name), is_service=True)
+    run(_publish(arguments, transform, default_name, ros2), is_service=True)
 
 
-async def _publish(arguments: Arguments, transform: StaticTransform | None, default_name: str) -> None:
-    async with role_node(arguments, default_name) as graph:
+async def _publish(
+    arguments: Arguments, transform: StaticTransform | None, default_name: str, ros2: str | None
+) -> None:
+    async with role_node(arguments, default_name, ros2) as graph:
         if transform is None:
             name = arguments.rest[0]
             transform = static_transform_of(await graph.get_param(name), name)

@@ -28,8 +28,12 @@ def test_the_demo_is_in_both_ros(graph: LiveGraph, world: ZenohWorld, shell: She
         assert "success=True" in call
         table = shell.output("monitor", "--once")
         assert table.splitlines()[1].split()[:2] == ["/virtual_board", "connected"]
-        pose = shell.output("tf", "echo", "-n", "1", "--timeout", "60", "odom", "base_link")
-        assert "- Translation: [" in pose
+        with running(
+            "tf", "static", "--ros2", "zenoh", *["0", "0", "0.5", "0", "0", "0", "base_link", "mast"]
+        ):
+            pose = shell.output("tf", "echo", "-n", "1", "--timeout", "60", "base_link", "mast")
+        assert "- Translation: [0.000, 0.000, 0.500]" in pose
+        shell.output("tf", "echo", "-n", "1", "--timeout", "60", "odom", "base_link")
         assert "header" in shell("topic", "echo", "--ros1", "-n", "1", "/ultrasound").out
 
 
