@@ -315,7 +315,7 @@ export const texts = {
     noneText: "A recording holds all topics. Play it here, or with rostether bag play.",
     download: (name: string) => `Download ${name}`,
     notOffered: "This server does not record",
-    notOfferedText: "The dashboard of rostether serve, launch, demo and dashboard records.",
+    notOfferedText: "Only the dashboards of rostether serve, launch, demo and dashboard can record.",
   },
   console: {
     level: "Level",
@@ -326,7 +326,7 @@ export const texts = {
     resume: "Resume",
     clear: "Clear",
     none: "No log messages yet",
-    noneText: "What nodes and boards log appears here, also nh.loginfo() of a sketch.",
+    noneText: "Log messages of nodes and boards appear here, including nh.loginfo() of a sketch.",
     levels: { debug: "Debug", info: "Info", warning: "Warning", error: "Error", fatal: "Fatal" },
     atLeast: (level: string) => `${level} and higher`,
   },

@@ -34,7 +34,7 @@ class Declared:
 
 
 class Publisher(Declared, Generic[P]):
-    """Sends messages of one topic to the host; made by `Device.publisher`. `P` are the type's fields."""
+    """Sends messages of one topic to the host; made by `Device.publisher`. `P`: the type's fields."""
 
     def __init__(
         self, topic: str, topic_id: int, codec: Codec, line: DeviceLine, now: Callable[[], Time]
@@ -47,7 +47,7 @@ class Publisher(Declared, Generic[P]):
 
     @property
     def message_class(self) -> type[Message]:
-        """The class of the topic's messages; reusing one message object is the cheapest way."""
+        """The class of the topic's messages; reusing one message object is the fastest way."""
         return self._codec.message_class
 
     @overload
@@ -86,7 +86,7 @@ class Subscriber(Declared):
         self._callback = callback
 
     def receive(self, payloads: Iterable[bytes]) -> None:
-        """Decode payloads and call the callback; payloads of another type are counted and dropped."""
+        """Decode payloads and call the callback; payloads that do not fit the type are dropped."""
         for payload in payloads:
             try:
                 message = self._codec.decode(payload)
@@ -112,13 +112,13 @@ class Messages(Generic[M]):
         # The number of messages dropped because the loop was too slow.
         self.dropped_count = 0
         self._waiting: deque[Message] = deque(maxlen=max(queue_size, 1))
-        self._news = asyncio.Event()
+        self._wakeup = asyncio.Event()
 
     def put(self, message: Message) -> None:
         """Add a message that arrived."""
         self.dropped_count += len(self._waiting) == self._waiting.maxlen
         self._waiting.append(message)
-        self._news.set()
+        self._wakeup.set()
 
     def __aiter__(self) -> Self:
         return self
@@ -126,6 +126,6 @@ class Messages(Generic[M]):
     async def __anext__(self) -> M:
         """Return the next message; waits for it."""
         while not self._waiting:
-            self._news.clear()
-            await self._news.wait()
+            self._wakeup.clear()
+            await self._wakeup.wait()
         return cast("M", self._waiting.popleft())

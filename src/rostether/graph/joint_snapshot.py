@@ -54,15 +54,15 @@ async def follow_each(
     `joined` is set when another graph joins.
     """
     latest: dict[Graph, Snapshot] = {}
-    news = asyncio.Event()
+    wakeup = asyncio.Event()
     tasks: dict[Graph, asyncio.Task[None]] = {}
-    watching = [asyncio.ensure_future(_forward(joined, news)), asyncio.ensure_future(_note(closed, news))]
+    watching = [asyncio.ensure_future(_forward(joined, wakeup)), asyncio.ensure_future(_note(closed, wakeup))]
     reported: list[Snapshot] = []
     try:
         while True:
             for graph in graphs():
                 if graph not in tasks:
-                    tasks[graph] = asyncio.ensure_future(_follow(graph, latest, news))
+                    tasks[graph] = asyncio.ensure_future(_follow(graph, latest, wakeup))
             snapshots = [latest[graph] for graph in graphs() if graph in latest]
             if snapshots and snapshots != reported:
                 reported = snapshots
@@ -70,35 +70,35 @@ async def follow_each(
                 continue
             if closed.is_set() or all(task.done() for task in tasks.values()):
                 return
-            await news.wait()
-            news.clear()
+            await wakeup.wait()
+            wakeup.clear()
     finally:
         for task in (*watching, *tasks.values()):
             task.cancel()
         await asyncio.gather(*watching, *tasks.values(), return_exceptions=True)
 
 
-async def _forward(event: asyncio.Event, news: asyncio.Event) -> None:
+async def _forward(event: asyncio.Event, wakeup: asyncio.Event) -> None:
     while await event.wait():
-        news.set()
+        wakeup.set()
         event.clear()
 
 
-async def _note(event: asyncio.Event, news: asyncio.Event) -> None:
+async def _note(event: asyncio.Event, wakeup: asyncio.Event) -> None:
     await event.wait()
-    news.set()
+    wakeup.set()
 
 
-async def _follow(graph: Graph, latest: dict[Graph, Snapshot], news: asyncio.Event) -> None:
+async def _follow(graph: Graph, latest: dict[Graph, Snapshot], wakeup: asyncio.Event) -> None:
     """Keep the latest snapshot of a graph until it ends."""
     try:
         async for snapshot in graph.changes():
             latest[graph] = snapshot
-            news.set()
+            wakeup.set()
     except GraphError:
         latest.pop(graph, None)  # Hidden parts are not in the snapshot.
     finally:
-        news.set()
+        wakeup.set()
 
 
 def _merge_topics(one: TopicEntry, other: TopicEntry) -> TopicEntry:

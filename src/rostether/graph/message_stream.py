@@ -110,7 +110,7 @@ class MessageStream(Generic[M]):
         self._reports_silence = reports_silence
         self._payloads: deque[tuple[Codec, bytes]] = deque()
         self._queued_bytes = 0
-        self._news = asyncio.Event()
+        self._wakeup = asyncio.Event()
         self._error: RostetherError | None = None
         self._generator: AsyncGenerator[M, None] | None = None
 
@@ -134,12 +134,12 @@ class MessageStream(Generic[M]):
             on_connection=self._learn if self._type_name is None else None,
         )
         leaving = asyncio.ensure_future(self._graph.wait_closed())
-        leaving.add_done_callback(lambda _: self._news.set())
+        leaving.add_done_callback(lambda _: self._wakeup.set())
         warning = asyncio.ensure_future(self._warn_of_silence()) if self._reports_silence else None
         try:
             while not leaving.done():
-                await self._news.wait()
-                self._news.clear()
+                await self._wakeup.wait()
+                self._wakeup.clear()
                 if warning is not None:
                     warning.cancel()
                 while self._payloads:
@@ -192,7 +192,7 @@ class MessageStream(Generic[M]):
             self._codec = self._types.codec(header)
         except RostetherError as error:
             self._error = error
-            self._news.set()
+            self._wakeup.set()
 
     def _queue(self, payloads: Sequence[bytes]) -> None:
         codec = self._codec
@@ -204,4 +204,4 @@ class MessageStream(Generic[M]):
             while len(self._payloads) > self._queue_size or self._queued_bytes > MAX_QUEUE_BYTES:
                 self._queued_bytes -= len(self._payloads.popleft()[1])
                 self.dropped_count += 1
-        self._news.set()
+        self._wakeup.set()

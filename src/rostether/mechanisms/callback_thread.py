@@ -40,14 +40,14 @@ class CallbackThread(Generic[_T]):
         self._run = run
         self._on_full = on_full
         self._items: deque[_T] = deque()
-        self._news = threading.Condition()
+        self._wakeup = threading.Condition()
         self._is_alive = False
         self._is_full = False
         self._is_closed = False
 
     def put(self, items: Iterable[_T]) -> None:
         """Queue items. Never blocks."""
-        with self._news:
+        with self._wakeup:
             if self._is_closed:
                 return
             self._items.extend(items)
@@ -56,7 +56,7 @@ class CallbackThread(Generic[_T]):
             if not self._is_alive:
                 self._is_alive = True
                 threading.Thread(target=self._work, name=self._name, daemon=True).start()
-            self._news.notify()
+            self._wakeup.notify()
             self._report_fill()
 
     @property
@@ -66,16 +66,16 @@ class CallbackThread(Generic[_T]):
 
     def close(self) -> None:
         """End after the running callback."""
-        with self._news:
+        with self._wakeup:
             self._is_closed = True
             self._items.clear()
-            self._news.notify()
+            self._wakeup.notify()
 
     def _work(self) -> None:
         while True:
-            with self._news:
+            with self._wakeup:
                 while not self._items:
-                    if self._is_closed or not self._news.wait(IDLE_S):
+                    if self._is_closed or not self._wakeup.wait(IDLE_S):
                         if self._items:
                             continue
                         self._is_alive = False

@@ -19,7 +19,7 @@ class Kind(Enum):
 class RelayItem(NamedTuple):
     """A topic, service or action to relay.
 
-    `chosen_type` is the type of an action, or of a service whose graph does not know it; else it is empty.
+    `chosen_type` is the type of an action, or of a service whose graph does not report the type; else empty.
     """
 
     kind: Kind

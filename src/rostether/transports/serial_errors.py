@@ -60,7 +60,7 @@ def explain_open_error(
 
 
 def _is_terminal(path: str) -> bool:
-    """Return whether a device has a line; /dev/urandom refuses every setting as a line refuses a speed."""
+    """Return whether a device is a serial line; /dev/urandom refuses all settings with the same error."""
     try:
         descriptor = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_NOCTTY)
     except OSError:
@@ -96,4 +96,4 @@ def _describe_ports(list_ports: Callable[[], Sequence[_Port]]) -> str:
         return "no serial port found"
     shown = ", ".join(f"{port.path} ({port.description})" for port in ports[:LISTED_PORTS])
     more = f" and {len(ports) - LISTED_PORTS} more" if len(ports) > LISTED_PORTS else ""
-    return f"there is {shown}{more}"
+    return f"available: {shown}{more}"

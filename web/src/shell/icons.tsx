@@ -1,4 +1,4 @@
-// Icons as paths on a grid of 24, drawn with lines.
+// Icons as paths on a grid of 24 x 24, drawn with lines.
 
 const PATHS = {
   overview: "M4 4h7v9H4zM13 4h7v5h-7zM13 11h7v9h-7zM4 15h7v5H4z",

@@ -1,4 +1,4 @@
-// Saves data as a file of the user's.
+// Saves data as a file on the user's computer.
 
 export function saveFile(name: string, data: BlobPart | BlobPart[], type: string): void {
   const url = URL.createObjectURL(new Blob([data].flat(), { type }));

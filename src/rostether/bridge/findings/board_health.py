@@ -100,7 +100,7 @@ class BoardHealth:
 
     def report(self, findings: list[Finding], now_s: float) -> None:
         """Report each finding once, in one line."""
-        for finding in self._ledger.news(findings, now_s):
+        for finding in self._ledger.due(findings, now_s):
             if not finding.reported:
                 self._notices.report(_LEVELS[finding.severity], str(finding))
 
@@ -136,18 +136,18 @@ class FindingLedger:
     def __init__(self) -> None:
         self._reported: OrderedDict[tuple[Code, str], tuple[Severity, float]] = OrderedDict()
 
-    def news(self, findings: Iterable[Finding], now_s: float) -> list[Finding]:
+    def due(self, findings: Iterable[Finding], now_s: float) -> list[Finding]:
         """Return the current findings that should be reported now."""
-        news = []
+        due = []
         for finding in findings:
             severity, seen_s = self._reported.get(finding.key, (None, 0.0))
             if severity is None or now_s - seen_s > FORGET_AFTER_S or finding.severity > severity:
-                news.append(finding)
+                due.append(finding)
             self._reported[finding.key] = finding.severity, now_s
             self._reported.move_to_end(finding.key)
         while len(self._reported) > MAX_KEYS:
             self._reported.popitem(last=False)
-        return news
+        return due
 
     def forget(self, *codes: Code) -> None:
         """Report the next finding of these codes again, because its cause has certainly ended."""

@@ -1,8 +1,8 @@
 """How late a board's time requests are, which shows how slow its loop() is.
 
 A configured board requests the time when 2.5 s have passed (with our library 2.2 s), at its next
-nh.spinOnce(). A request that answers a topic request shows nothing, unless the next one has been overdue
-anyway.
+nh.spinOnce(). A request that answers a topic request gives no information, unless the periodic one was
+already overdue.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from rostether.bridge.findings.finding import Code, Finding, warning
 from rostether.mechanisms.median import median
 from rostether.rosserial.time_sync import OUR_REQUEST_PERIOD_S, REQUEST_PERIOD_S
 
-# Where the board listens to topics or serves calls: at 57600 baud its buffer of 64 bytes fills in 11 ms.
+# For boards that subscribe to topics or serve calls: at 57600 baud its buffer of 64 bytes fills in 11 ms.
 SLOW_LISTENER_S = 0.1
 
 # A board that only publishes, or is on a network, loses nothing; the library's own first example sleeps a
@@ -31,7 +31,7 @@ MAX_OUR_PERIOD_S = 2.4
 # A board that is later than 11 s was disconnected, not slow.
 MAX_LATE_S = 9.0
 
-KEPT = 16
+MAX_INTERVALS = 16
 MIN_COUNT = 2
 
 # Between two pauses, a simulator falls behind by up to 250 ms: the median of four intervals is below 100 ms.
@@ -50,7 +50,7 @@ class LoopSpeed:
         self._last_s: float | None = None
         self._asked = 0
         self._least_count = MIN_COUNT_DATAGRAMS if may_lose else MIN_COUNT
-        self._intervals_s: deque[float] = deque(maxlen=KEPT)
+        self._intervals_s: deque[float] = deque(maxlen=MAX_INTERVALS)
 
     @property
     def late_s(self) -> float | None:

@@ -14,7 +14,7 @@ ROLES = verb_entries(
     {
         "make-libraries": (
             "launch.pkg_make:make_libraries",
-            "Write the Arduino library, typed as for make_libraries.py.",
+            "Write the Arduino library, like make_libraries.py.",
         ),
         "rosserial-server-serial": (
             "bridge.rosserial_server:serial",
@@ -87,7 +87,7 @@ ROLES = verb_entries(
         ),
         "tf2-web-republisher": (
             "role.robot:tf2_web_republisher",
-            "Send web pages the transforms they ask for.",
+            "Send web pages the transforms that they request.",
         ),
         "rqt-plot": ("plot.rqt_plot:rqt_plot", "Plot fields of topics, like rqt_plot."),
     },

@@ -142,7 +142,7 @@ async def robot_state_publisher(graph: TypedGraph, _: Arguments) -> None:
 
 @role("tf2-web-republisher", "rostether role tf2-web-republisher")
 async def tf2_web_republisher(graph: TypedGraph, _: Arguments) -> None:
-    """Send web pages the transforms they ask for, like tf2_web_republisher.
+    """Send web pages the transforms that they request, like tf2_web_republisher.
 
     It serves the service republish_tfs and the action tf2_web_republisher, which ROSLIB.TFClient uses.
     """

@@ -66,18 +66,18 @@ class DelayWindow:
 
     def __init__(self, window: int = -1) -> None:
         self._delays: deque[float] = deque(maxlen=_bounded(window))
-        self._has_news = False
+        self._is_changed = False
 
     def add(self, now_s: float, stamp_s: float) -> None:
         """Count a message."""
         self._delays.append(now_s - stamp_s)
-        self._has_news = True
+        self._is_changed = True
 
     def report(self) -> Spread | None:
         """Return the spread, or None if no message has come since the last report."""
-        if not self._has_news:
+        if not self._is_changed:
             return None
-        self._has_news = False
+        self._is_changed = False
         return _spread(self._delays, len(self._delays))
 
 

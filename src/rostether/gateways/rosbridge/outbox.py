@@ -49,7 +49,7 @@ class Outbox(Generic[ReceiverT]):
         self._statuses = 0
         self._answers: deque[tuple[Frame, bool]] = deque()
         self._topics = TopicQueues[ReceiverT, tuple[Batch, int]](max_topic_bytes, _count_drop)
-        self._news = asyncio.Event()
+        self._wakeup = asyncio.Event()
 
     def answer(self, frame: Frame, *, is_status: bool = False) -> None:
         """Queue an answer."""
@@ -57,7 +57,7 @@ class Outbox(Generic[ReceiverT]):
             if self._statuses >= MAX_STATUSES:
                 return
             self._statuses += 1
-        self._news.set()
+        self._wakeup.set()
         if self._control_bytes + len(frame) > self._max_control_bytes and self._control_bytes:
             self.is_overflowing = True
             return
@@ -67,7 +67,7 @@ class Outbox(Generic[ReceiverT]):
     def put(self, receiver: ReceiverT, batch: Batch, index: int, max_messages: int) -> None:
         """Queue a topic's message; its oldest beyond `max_messages` are dropped."""
         self._topics.add(receiver, (batch, index), [batch.payloads[index]], max_messages=max_messages)
-        self._news.set()
+        self._wakeup.set()
 
     def discard(self, receiver: ReceiverT) -> None:
         """Discard the waiting messages of a topic."""
@@ -76,8 +76,8 @@ class Outbox(Generic[ReceiverT]):
     async def wait(self) -> None:
         """Wait until there may be something to send."""
         if not (self._answers or self._topics or self.is_overflowing):
-            self._news.clear()
-            await self._news.wait()
+            self._wakeup.clear()
+            await self._wakeup.wait()
 
     def next(self) -> Frame | Due[ReceiverT] | None:
         """Return the next message to send; None if there is none, or if the client must be disconnected."""

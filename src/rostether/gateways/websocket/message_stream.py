@@ -20,12 +20,12 @@ class MessageStream:
         self._messages: deque[str | bytes] = deque()
         self._is_closed = False
         self._is_paused = False
-        self._news = asyncio.Event()
+        self._wakeup = asyncio.Event()
 
     def received(self, message: str | bytes) -> None:
         """Queue a message."""
         self._messages.append(message)
-        self._news.set()
+        self._wakeup.set()
         if len(self._messages) >= MAX_WAITING and not self._is_paused:
             self._is_paused = True
             self._connection.pause_reading()
@@ -39,15 +39,15 @@ class MessageStream:
     def closed(self) -> None:
         """End the stream after the received messages."""
         self._is_closed = True
-        self._news.set()
+        self._wakeup.set()
 
     async def receive(self) -> str | bytes | None:
         """Return the next message, None after the last."""
         while not self._messages:
             if self._is_closed:
                 return None
-            self._news.clear()
-            await self._news.wait()
+            self._wakeup.clear()
+            await self._wakeup.wait()
         message = self._messages.popleft()
         if self._is_paused and not self._messages:
             self._is_paused = False

@@ -61,7 +61,7 @@ class ZenohSession(SharedSession):
         self.listens_on: tuple[str, ...] = ()
         self.connects_to: tuple[str, ...] = ()
         self._is_closed = False
-        self._news: Handover[tuple[str, bool]] = Handover(self.graph.apply_tokens, limit=MAX_WAITING_NEWS)
+        self._wakeup: Handover[tuple[str, bool]] = Handover(self.graph.apply_tokens, limit=MAX_WAITING_NEWS)
         self._watch: zenoh.Subscriber[None] | None = None
         self._tasks: list[asyncio.Task[None]] = []
 
@@ -118,7 +118,7 @@ class ZenohSession(SharedSession):
         for task in self._tasks:
             task.cancel()
         await asyncio.gather(*(graph.close("the session ended") for graph in list(self.nodes)))
-        self._news.close()
+        self._wakeup.close()
         await asyncio.to_thread(self._end)
 
     def _end(self) -> None:
@@ -192,7 +192,7 @@ class ZenohSession(SharedSession):
         # The session's own tokens are ignored here: zenoh reports them as removed to a client that loses its
         # router.
         if f"/{self.session_id}/" not in key:
-            self._news.put((key, sample.kind == zenoh.SampleKind.PUT))
+            self._wakeup.put((key, sample.kind == zenoh.SampleKind.PUT))
 
 
 async def _replaces_router(environment: Ros2Environment, reach: Reach) -> bool:

@@ -59,41 +59,41 @@ def slow(late_ms: int = 100) -> Finding:
 
 def test_a_finding_is_reported_once_while_it_lasts() -> None:
     ledger = FindingLedger()
-    assert ledger.news([slow()], 0.0) == [slow()]
+    assert ledger.due([slow()], 0.0) == [slow()]
     for second in range(1, 600):
-        assert ledger.news([slow(second)], float(second)) == []
+        assert ledger.due([slow(second)], float(second)) == []
 
 
 def test_it_is_reported_again_when_it_comes_back_after_a_minute() -> None:
     ledger = FindingLedger()
-    ledger.news([slow()], 0.0)
-    assert ledger.news([slow()], FORGET_AFTER_S - 1) == []
-    assert ledger.news([slow()], 2 * FORGET_AFTER_S) == [slow()]
+    ledger.due([slow()], 0.0)
+    assert ledger.due([slow()], FORGET_AFTER_S - 1) == []
+    assert ledger.due([slow()], 2 * FORGET_AFTER_S) == [slow()]
 
 
 def test_it_is_reported_again_when_it_gets_worse() -> None:
     ledger = FindingLedger()
     worse = error(Code.SLOW_LOOP, "late by 9 s", "spin more often")
-    ledger.news([slow()], 0.0)
-    assert ledger.news([worse], 1.0) == [worse]
+    ledger.due([slow()], 0.0)
+    assert ledger.due([worse], 1.0) == [worse]
 
 
 def test_findings_of_several_subjects_are_all_reported() -> None:
     ledger = FindingLedger()
     both = [error(Code.BUFFER_TOO_SMALL, topic, "", topic) for topic in ("a", "b")]
-    assert ledger.news(both[:1], 0.0) == both[:1]
-    assert ledger.news(both, 1.0) == both[1:]
+    assert ledger.due(both[:1], 0.0) == both[:1]
+    assert ledger.due(both, 1.0) == both[1:]
 
 
 def test_a_board_that_makes_up_names_fills_no_memory() -> None:
     ledger = FindingLedger()
     for number in range(2 * MAX_KEYS):
-        ledger.news([error(Code.NOT_BRIDGED, "", "", str(number))], 0.0)
+        ledger.due([error(Code.NOT_BRIDGED, "", "", str(number))], 0.0)
     assert len(ledger._reported) == MAX_KEYS
 
 
-def test_what_was_gone_for_certain_is_news_again() -> None:
+def test_a_finding_that_was_gone_for_certain_is_reported_again() -> None:
     ledger = FindingLedger()
-    ledger.news([slow()], 0.0)
+    ledger.due([slow()], 0.0)
     ledger.forget(Code.SLOW_LOOP)
-    assert ledger.news([slow()], 1.0) == [slow()]
+    assert ledger.due([slow()], 1.0) == [slow()]

@@ -39,7 +39,7 @@ class ProtocolClient:
     def __init__(self, connection: ClientConnection) -> None:
         self.connection = connection
         self.received: list[dict[str, Any]] = []
-        self._news = asyncio.Event()
+        self._wakeup = asyncio.Event()
         self._reading = asyncio.ensure_future(self._read())
 
     async def say(self, op: str, **fields: Any) -> None:
@@ -73,8 +73,8 @@ class ProtocolClient:
             while (found := find()) is None:
                 if self._reading.done():
                     raise AssertionError(f"the connection has ended; heard {self.received}")
-                self._news.clear()
-                await self._news.wait()
+                self._wakeup.clear()
+                await self._wakeup.wait()
         return found
 
     async def channel(self, topic: str, *, after: int = 0) -> dict[str, Any]:
@@ -104,8 +104,8 @@ class ProtocolClient:
         with contextlib.suppress(ConnectionClosedError):
             async for message in self.connection:
                 self.received.append(json.loads(message) if isinstance(message, str) else _binary(message))
-                self._news.set()
-        self._news.set()
+                self._wakeup.set()
+        self._wakeup.set()
 
 
 @dataclass

@@ -1,4 +1,4 @@
-// The recording that is played: a time line to move along, pause, speed, and under which names.
+// Controls of the playback: time line, pause, speed, and the names of the topics.
 import { useSignal } from "@preact/signals";
 import type { Playing } from "../../connection/protocol.ts";
 import { formatDuration } from "../../shell/format.ts";
@@ -10,7 +10,7 @@ const RATES = [0.25, 0.5, 1, 2, 5];
 const t = texts.recording;
 
 export function Playback({ robot, playing }: { robot: Robot; playing: Playing }) {
-  // While the time line is moved, the robot's last report is older than the finger's position.
+  // While the time line is moved, the robot's last report is older than the position of the slider.
   const wanted = useSignal<number | undefined>(undefined);
   const { name, seconds, length, rate, paused, prefix } = playing;
   const play = (start: number, speed: number, prefixed: boolean) =>

@@ -20,7 +20,7 @@ function RecordingPanel({ context }: { context: PanelContext }) {
     if (isOffered && canCommand) robot.gateway.followRecordings();
   }, [isOffered, canCommand]);
   const chosen = useSignal<Format | undefined>(undefined);
-  // A graph of ROS 2 alone has no use for bags of ROS 1.
+  // A graph with only ROS 2 does not need bags of ROS 1.
   const preferred = robot.info.value?.metadata?.recording_format === "mcap" ? "mcap" : "bag";
   if (!isOffered)
     return (
