@@ -90,7 +90,7 @@ def _robot_finding(key: RobotKey, robot: Robot, found: Examination) -> FleetFind
 
 
 def _pair_findings(pairs: Sequence[tuple[RobotKey, RobotKey, bool]]) -> list[FleetFinding]:
-    """Return whether robots reach each other: a fault that the base station does not have itself."""
+    """Return whether robots reach each other, which the base station cannot measure itself."""
     if not pairs:
         return []
     unreachable = [

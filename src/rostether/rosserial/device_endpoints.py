@@ -1,7 +1,7 @@
 """The endpoints of a device, numbered and announced in the order of the established library.
 
-Subscribers count from 100, publishers from 100 + the maximum number of subscribers. A service uses one id of
-each kind: the device publishes one half and subscribes the other.
+The ids of subscribers start at 100, those of publishers at 100 + the maximum number of subscribers. A service
+uses one id of each kind: the device publishes one half and subscribes to the other.
 """
 
 from __future__ import annotations

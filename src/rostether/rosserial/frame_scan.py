@@ -178,7 +178,7 @@ class FrameScanner:
                 is_sound = sums.one_plus_sum(position + header_bytes, end) & 0xFF == target
                 good = [buffer[position + header_bytes : end - 1]] if is_sound else []
             elif following == header:
-                good = _cut_run(buffer, position, header, known)
+                good = _split_run(buffer, position, header, known)
                 end = position + len(good) * stride
                 following = buffer[end : end + header_bytes]
             else:
@@ -247,7 +247,7 @@ def _run_layout(header_bytes: int, stride: int) -> Struct:
     return Struct(f"{header_bytes}s{stride - header_bytes - 1}sB")
 
 
-def _cut_run(buffer: bytes, position: int, header: bytes, known: _Known) -> list[bytes]:
+def _split_run(buffer: bytes, position: int, header: bytes, known: _Known) -> list[bytes]:
     """Return the payloads of the valid frames, all with the same header, that begin at a position."""
     _, stride, sum_of, target = known
     run = memoryview(buffer)[position : len(buffer) - (len(buffer) - position) % stride]

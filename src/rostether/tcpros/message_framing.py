@@ -3,7 +3,7 @@
     uint32 length | payload | uint32 length | payload | ...     (little endian)
 
 Both directions work on whole chunks, because at 200,000 messages a second each step for a message is
-expensive: the prefixes of a batch of equal lengths are one `join`, and a chunk of equal lengths is cut by one
+expensive: the prefixes of a batch of equal lengths are one `join`, and a chunk of equal lengths is split by a
 comprehension after a check in C that all its prefixes are the same.
 """
 
@@ -86,7 +86,7 @@ class MessageDecoder:
         elif self._prefix:
             data = self._prefix + data
             self._prefix = b""
-        position = self._cut_run(data, payloads)
+        position = self._split_run(data, payloads)
         end = len(data)
         last = end - 4
         limit = self._max_message_bytes
@@ -105,7 +105,7 @@ class MessageDecoder:
         self._prefix = data[position:]
         return payloads
 
-    def _cut_run(self, data: bytes, payloads: list[bytes]) -> int:
+    def _split_run(self, data: bytes, payloads: list[bytes]) -> int:
         """Split the chunk in one step if all its messages have the same length; return its end."""
         end = len(data)
         if end < 4 * _MIN_RUN:

@@ -1,7 +1,7 @@
 // The robot's clock, seen from this page: the server answers with its time, as in NTP.
 import type { Stamp } from "../wire/decode.ts";
 
-// Old answers make room, so that a clock that drifts or is set is followed.
+// Old answers are dropped, so that the offset follows a clock that drifts or is set.
 const KEPT = 8;
 
 interface Sample {
@@ -17,7 +17,7 @@ export function pageTimeMs(sinceOriginMs = performance.now()): number {
 export class ClockOffset {
   private readonly samples: Sample[] = [];
 
-  /** Notes an answer: the page's time at the question and at the answer, and the robot's time in it. */
+  /** Notes an answer: the page's time at the request and at the answer, and the robot's time in it. */
   add(askedMs: number, answeredMs: number, robot: Stamp): void {
     const robotMs = robot.sec * 1000 + robot.nsec / 1e6;
     const roundTripMs = answeredMs - askedMs;

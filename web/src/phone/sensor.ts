@@ -37,7 +37,7 @@ export interface SensorOutput {
   hasRoom(): boolean;
   /** Publishes the fields other than the header, measured at a time of the page in milliseconds. */
   publish(fields: Record<string, unknown>, measuredMs: number): void;
-  /** Reports the error that ends the sensor later. */
+  /** Reports an error after the start; the sensor then ends. */
   fail(problem: Problem): void;
 }
 
@@ -50,7 +50,7 @@ export interface Sensor {
   start(output: SensorOutput): Promise<() => void>;
 }
 
-/** Lets a message pass if the last one is old enough; one early message in ten makes up for uneven events. */
+/** Lets a message pass if the last one is old enough; one early message in ten compensates for irregular events. */
 export function rateLimiter(hertz: number): (nowMs: number) => boolean {
   let nextMs = Number.NEGATIVE_INFINITY;
   const periodMs = hertz > 0 ? 1000 / hertz : 0;

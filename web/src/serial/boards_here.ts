@@ -75,7 +75,7 @@ effect(() => {
       if (isOver) void found.release();
       else lock = found;
     },
-    // Refused with an empty battery; the board stays connected while the user looks at the page.
+    // The browser refuses this when the battery is low; the board stays connected while the user looks at the page.
     () => undefined,
   );
   return () => {

@@ -27,9 +27,9 @@ if TYPE_CHECKING:
     from rostether.simulation.simavr.simulated_board import SimulatedBoard
     from rostether.simulation.simavr.simulation_node import NodeBoard
 
-_KNOWN_FROM_ITS_START = ("ready", "reset")
+_START_EVENTS = ("ready", "reset")
 # A change that the board's node requested is not reported.
-_ASKED_BY_NODE = frozenset(("pins", "servo"))
+_REQUESTED_BY_NODE = frozenset(("pins", "servo"))
 _WARNINGS = (
     "asleep",
     "bad_opcode",
@@ -53,7 +53,7 @@ async def simulated(
 ) -> AsyncIterator[list[Address]]:
     """Start the simulated boards among the links, and yield the links with serial ports in their place.
 
-    With `join`, each AVR board and OpenCR is also a node that shows its pins and takes commands.
+    With `join`, each AVR board and OpenCR is also a node that shows its pins and accepts commands.
 
     Raises BoardError, ConfigError for unknown boards, FirmwareError for sketches that cannot be built.
     """
@@ -185,7 +185,7 @@ async def _report_events(board: SimulatedBoard, link: SimAddress, reporter: Repo
     from rostether.simulation.simavr.board_events import show_event
 
     notices = Notices(reporter, "", asyncio.get_running_loop().time)
-    hidden = _ASKED_BY_NODE - {word.partition(" ")[0] for word in link.words}
+    hidden = _REQUESTED_BY_NODE - {word.partition(" ")[0] for word in link.words}
 
     def report(event: BoardEvent) -> None:
         text = f"{link}: {show_event(event).strip()}"
@@ -195,7 +195,7 @@ async def _report_events(board: SimulatedBoard, link: SimAddress, reporter: Repo
         else:
             notices.show(Level.INFO, text)
 
-    for event in [each for each in board.recent if each.name not in _KNOWN_FROM_ITS_START]:
+    for event in [each for each in board.recent if each.name not in _START_EVENTS]:
         report(event)
     async for event in board.events():
         if event.name not in hidden:

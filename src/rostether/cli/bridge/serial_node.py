@@ -44,7 +44,7 @@ PRIVATE_PARAMETERS = ("port", "baud", "tcp_port", "fork_server", "fix_pyserial_f
 
 
 class ChooseLink(Protocol):
-    """Makes a link address of a node's plain arguments and private parameters. Raises ConfigError."""
+    """Creates a link address from a node's arguments and private parameters. Raises ConfigError."""
 
     def __call__(
         self, rest: list[str], parameters: Mapping[str, object], *, node_name: str, namespace: str

@@ -296,7 +296,7 @@ def parse_value(name: str, text: str) -> TypedValue:
 
     try:
         value = load(text)
-        # YAML 1.1 takes 1e-3 for a text.
+        # YAML 1.1 reads 1e-3 as a string.
         if isinstance(value, str) and _EXPONENT.fullmatch(value):
             value = float(value)
         if isinstance(value, bool | int | float | list):
