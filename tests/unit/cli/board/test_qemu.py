@@ -65,8 +65,10 @@ def test_a_program_that_qemu_cannot_run_is_refused(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("name", ["program.elf", "program.HEX"])
-async def test_a_program_is_taken_as_it_is(name: str) -> None:
-    assert await find_program(Path(name), "uno") == Path(name)
+async def test_a_program_is_used_without_a_build(name: str, tmp_path: Path) -> None:
+    file = tmp_path / name
+    file.touch()
+    assert await find_program(file, "uno") == file
 
 
 async def test_a_sketch_that_does_not_exist() -> None:
