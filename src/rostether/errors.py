@@ -2,12 +2,12 @@
 
 RostetherError
 ├── InvalidNameError            a graph name, package name or type name that breaks the naming rules
-├── ConfigError                 an option, link address, environment variable or file that makes no sense
+├── ConfigError                 an option, link address, environment variable or file that is not valid
 ├── LaunchError                 a launch file that cannot be understood or started (file, line)
 ├── CodegenError                a client library that cannot be generated
 ├── FirmwareError               a sketch that cannot be built, measured or uploaded
 │   └── SketchError             the compiler or the linker rejects it; has their output
-├── RobotModelError             a robot description (URDF, xacro) that makes no sense
+├── RobotModelError             a robot description (URDF, xacro) that is not valid
 ├── BoardError                  a simulated board that cannot start, does not understand, or has ended
 ├── DefinitionError             a .msg or .srv text that cannot be read (file, line, column)
 │   └── UnknownTypeError        no known package has the message or service
@@ -54,7 +54,7 @@ class InvalidNameError(RostetherError, ValueError):
 
 
 class ConfigError(RostetherError):
-    """A setting makes no sense: option, link address, environment variable or file."""
+    """A setting is not valid: option, link address, environment variable or file."""
 
 
 class LaunchError(RostetherError):

@@ -130,7 +130,7 @@ def _checked(name: str, value: Any, nesting: int) -> ParamValue:
     if value is None:
         raise ConfigError(
             f"parameter {name} has no value (YAML reads it as null); indent the lines that belong to it, "
-            "or leave it out"
+            "or omit it"
         )
     raise ConfigError(f"parameter {name}: YAML reads {value} as a {type(value).__name__}; put it in quotes")
 

@@ -1,7 +1,7 @@
 """Finds the prototypes that an Arduino sketch omits: it may use functions before their definition.
 
 The IDE puts all prototypes before the first function. Here each one comes as late as possible: before the
-first statement that uses the function. So parameters may have types of the sketch, and a global object can
+first statement that uses the function. Thus parameters may have types of the sketch, and a global object can
 get a callback that is defined below it.
 """
 

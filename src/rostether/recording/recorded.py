@@ -155,7 +155,7 @@ class RecordingReader(Protocol):
 
     @property
     def unreadable(self) -> Mapping[str, str]:
-        """Topics with messages that cannot be converted, and why; `messages` leaves them out.
+        """Topics with messages that cannot be converted, and why; `messages` omits them.
 
         Messages that do not fit their type are found while reading; `counts` omits topics of unknown type.
         """

@@ -16,7 +16,7 @@ from rostether.rosserial.packets import Log, ParameterRequest
 
 
 def control_event(topic_id: int, payload: bytes) -> HostEvent:
-    """Return the event of one frame; FrameDiscarded if its id or its layout makes no sense."""
+    """Return the event of one frame; FrameDiscarded if its id or its layout is not valid."""
     reader = _READERS.get(topic_id)
     if reader is None:
         return FrameDiscarded(DiscardReason.UNEXPECTED, payload)

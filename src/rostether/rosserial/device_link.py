@@ -65,8 +65,8 @@ class DeviceLinkConfig:
 class DeviceLink:
     """The device's end of a line. Bytes, messages and `now_s` (any monotonic clock) in; events and bytes out.
 
-    Declare endpoints first; what is declared while configured is announced at once. After every call that may
-    have changed something, send `data_to_send()` and wait for `get_timer()`.
+    Declare endpoints first; those that are declared later are announced at once. After every call that may have
+    changed something, send `data_to_send()` and wait for `get_timer()`.
     """
 
     def __init__(self, config: DeviceLinkConfig | None = None) -> None:
@@ -204,10 +204,10 @@ class DeviceLink:
         return True
 
     def log(self, level: LogLevel, text: str) -> None:
-        """Queue a log line, cut to the size of the output buffer; it is sent even while unconfigured."""
+        """Queue a log line, truncated to the output buffer; it is sent even while unconfigured."""
         room = self._config.output_buffer_bytes - PUBLISHER_OVERHEAD_BYTES - LOG_OVERHEAD_BYTES
-        cut = text.encode("utf-8", "replace")[:room].decode("utf-8", "ignore")
-        self._queue_control(ids.LOG, Log(level, cut).encode())
+        truncated = text.encode("utf-8", "replace")[:room].decode("utf-8", "ignore")
+        self._queue_control(ids.LOG, Log(level, truncated).encode())
 
     def request_parameter(self, name: str, now_s: float, *, timeout_s: float = 1.0) -> None:
         """Request a parameter; ParameterReceived or ParameterTimedOut follows. One request at a time is sent.

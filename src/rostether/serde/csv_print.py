@@ -1,7 +1,7 @@
 """Messages as rows of numbers, as `rostopic echo -p` prints them.
 
 As in ROS Noetic, uint8[] and char[] of a message are omitted, and strings are not quoted.
-Lists of lists, which two slices in a field path select, are printed, while rostopic leaves them out.
+Lists of lists, which two slices in a field path select, are printed, while rostopic omits them.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-// The frame around the panels: header, navigation, the panel of the address.
+// The frame around the panels: header, navigation, and the panel that the address names.
 import { computed, useSignal } from "@preact/signals";
 import { useEffect, useMemo } from "preact/hooks";
 import { graphOf } from "../panels/graph_of.ts";

@@ -49,12 +49,12 @@ listen_option = add_option(
 
 def refuse_ros1_only(**given: object) -> None:
     """Raise UsageError for an option that was given and works on ROS 1 only."""
-    _refuse(given, "works on ROS 1 only; leave it out or add --ros1")
+    _refuse(given, "works on ROS 1 only; omit it or add --ros1")
 
 
 def refuse_ros2_only(**given: object) -> None:
     """Raise UsageError for an option that was given and works on ROS 2 only."""
-    _refuse(given, "works on ROS 2 only; leave it out or add --ros2")
+    _refuse(given, "works on ROS 2 only; omit it or add --ros2")
 
 
 def _refuse(given: dict[str, object], why: str) -> None:

@@ -20,7 +20,7 @@ from rostether.rostime import Time
 def echo_recording(path: Path, topic: str | None, options: EchoOptions) -> None:
     """Print the messages of a topic, or of all topics. Raises RecordingError, ConfigError."""
     if options.offset:
-        raise click.UsageError("--offset does not work with a recording; leave it out")
+        raise click.UsageError("--offset does not work with a recording; omit it")
     options.refuse_ros2_only()
     decoder = Decoder()
     with closing(open_recording(path)) as reader:

@@ -47,7 +47,7 @@ MAX_WRITE_BYTES = 64 << 10
 # The limit of different mistakes of one client in the log; further mistakes are only sent as statuses.
 MAX_LOGGED = 10
 
-# Enough for a message in an image in fragments; deeper nesting makes no sense.
+# Enough for a message in an image in fragments; deeper nesting has no use.
 MAX_DEPTH = 3
 
 # RFC 6455's code for a policy violation.

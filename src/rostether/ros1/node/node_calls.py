@@ -87,7 +87,7 @@ def unknown_node(name: str, known: Iterable[str]) -> UnknownNameError:
 
 @asynccontextmanager
 async def node_client(name: str, uri: str) -> AsyncIterator[XmlRpcClient]:
-    """Talk to a node. Raises GraphError when its URI makes no sense."""
+    """Open a client for calls to a node. Raises GraphError if its URI is not valid."""
     try:
         client = XmlRpcClient(uri, peer=f"node {name}", timeout_s=NODE_TIMEOUT_S)
     except ConfigError as error:

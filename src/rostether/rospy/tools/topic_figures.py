@@ -1,4 +1,4 @@
-"""rostopic's figures of a topic: the rate, delay and size of its messages."""
+"""rostopic's statistics of a topic: the rate, delay and size of its messages."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from typing import Any
 
 from rostether.rospy.client.ros_time import get_rostime
 
-# The number of messages for a figure, if no window is given.
+# The number of messages that are measured, if no window is given.
 MAX_WINDOW = 50_000
 
 
@@ -41,7 +41,7 @@ class ROSTopicHz:
         return list(self._steps[topic])
 
     def callback_hz(self, m: Any, topic: str | None = None) -> None:
-        """Note a message."""
+        """Record a message."""
         if self.filter_expr is not None and not self.filter_expr(m):
             return
         now = time.time() if self.use_wtime else get_rostime().to_sec()
@@ -85,7 +85,7 @@ class ROSTopicHz:
 
 
 class ROSTopicDelay:
-    """Measures how old messages are when they come, by their headers."""
+    """Measures the age of messages on arrival, from the stamps in their headers."""
 
     def __init__(self, window_size: int) -> None:
         self.window_size = MAX_WINDOW if window_size < 0 else window_size
@@ -94,7 +94,7 @@ class ROSTopicDelay:
         self._is_new = False
 
     def callback_delay(self, msg: Any) -> None:
-        """Note a message. Raises RuntimeError for one without a header."""
+        """Record a message. Raises RuntimeError for one without a header."""
         if not msg._has_header:
             raise RuntimeError("msg does not have header")
         with self.lock:
@@ -144,12 +144,12 @@ class ROSTopicBandwidth:
         return [size for _, size in self._arrivals]
 
     def callback(self, data: Any) -> None:
-        """Note a message."""
+        """Record a message."""
         with self.lock:
             self._arrivals.append((time.time(), len(data._buff)))
 
     def print_bw(self) -> None:
-        """Print it; nothing before the second message."""
+        """Print the bandwidth; nothing before the second message."""
         with self.lock:
             arrivals = list(self._arrivals)
         if len(arrivals) < 2:
