@@ -16,6 +16,7 @@ from typing import Any
 from rostether.bridge.board_node import BoardNode
 from rostether.bridge.endpoint.rescan import Rescan
 from rostether.bridge.findings.line_watch import NO_ANSWER_S
+from rostether.bridge.findings.medium import Medium
 from rostether.bridge.outbound.held_events import HeldEvents
 from rostether.bridge.outbound.outbox import Outbox
 from rostether.bridge.outbound.reading_pause import ReadingPause
@@ -81,9 +82,9 @@ class Session:
         self._parameters = ParameterRelay(
             self.link, node.graph, node.notices, node.settings, self.outbox.flush, node.device.access
         )
-        # UDP has neither a speed nor flow control.
-        may_lose = baud is None and not transport.can_pause
-        self.watch = node.health.connected(baud, self.link.statistics, self.received_at_s, may_lose=may_lose)
+        network = Medium.TCP if transport.can_pause else Medium.UDP
+        medium = Medium.SERIAL if transport.remote is None else network
+        self.watch = node.health.connected(baud, self.link.statistics, self.received_at_s, medium)
         self._stamps = Stamps(node.health.clock, node.graph.now)
         self._no_answer: asyncio.TimerHandle | None = None
         self._timer: asyncio.TimerHandle | None = None

@@ -33,6 +33,7 @@ class Condition:
     state: str = "init"
     text: str = ""
     is_connected: bool = False
+    has_publisher: bool = False
     was_connected: bool = False
     left_s: float = 0.0
     last_message_s: float | None = None
@@ -43,6 +44,7 @@ class Condition:
 
     def connect(self, is_connected: bool, now_s: float) -> None:
         """Record whether the sensor's topic has a publisher now."""
+        self.has_publisher = is_connected
         if self.is_connected and not is_connected:
             self.left_s = now_s
         if is_connected and not self.is_connected:
@@ -57,6 +59,9 @@ class Condition:
     def update_state(self, is_camera: bool, now_s: float) -> bool:
         """Update the state and its text; return whether either has changed."""
         before = self.state, self.text
+        # A message may arrive after the graph has reported the end of its publisher.
+        if self.is_connected and not self.has_publisher and self._is_silent(now_s):
+            self.connect(False, now_s)
         self.state = self._next_state(is_camera, now_s)
         self.text = self.reported_text if self.state == self.reported else ""
         if self.state != before[0]:
@@ -77,4 +82,7 @@ class Condition:
             return "ready"
         if self.last_message_s is None:
             return "init" if self.state in ("init", "disconnected", "lost") else "sleeping"
-        return "sleeping" if now_s - self.last_message_s >= SILENT_S else "ready"
+        return "sleeping" if self._is_silent(now_s) else "ready"
+
+    def _is_silent(self, now_s: float) -> bool:
+        return self.last_message_s is None or now_s - self.last_message_s >= SILENT_S

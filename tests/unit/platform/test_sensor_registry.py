@@ -57,6 +57,8 @@ def test_states_by_age(registry: SensorRegistry) -> None:
     assert registry.state(key) == ("lost", "", 130.0)
     registry.record_message(key, 131.0)
     assert state(registry, key, 131.0) == "ready"
+    # The message arrived after the report of the publisher's end.
+    assert state(registry, key, 134.0) == "disconnected"
 
 
 def test_a_camera_is_ready_without_pictures(registry: SensorRegistry) -> None:

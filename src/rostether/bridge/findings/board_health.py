@@ -9,6 +9,7 @@ from rostether.bridge.endpoint.table import EndpointTable
 from rostether.bridge.findings.endpoints import EndpointFindings
 from rostether.bridge.findings.finding import Code, Finding, Severity, warning
 from rostether.bridge.findings.line_watch import LineWatch
+from rostether.bridge.findings.medium import Medium
 from rostether.bridge.findings.required import RequiredTopics
 from rostether.bridge.findings.resets import Resets
 from rostether.bridge.reporter import Notices
@@ -60,9 +61,9 @@ class BoardHealth:
         )
 
     def connected(
-        self, baud: int | None, statistics: LinkStatistics, now_s: float, *, may_lose: bool = False
+        self, baud: int | None, statistics: LinkStatistics, now_s: float, medium: Medium = Medium.SERIAL
     ) -> LineWatch:
-        """Start to watch a connection; `may_lose`: over datagrams."""
+        """Start to watch a connection."""
         was_alive = self.watch is not None and self.watch.was_alive
         if self._was_closed:
             self._resets = Resets()
@@ -73,9 +74,8 @@ class BoardHealth:
         self.connected_at_s = now_s
         self.clock.forget()
         self.required.forget()
-        self.watch = LineWatch(
-            baud, self._resets, statistics, now_s, may_lose=may_lose, on_radio=self.radio is not None
-        )
+        medium = medium if self.radio is None else Medium.RADIO
+        self.watch = LineWatch(baud, self._resets, statistics, now_s, medium=medium)
         return self.watch
 
     def disconnected(self, error: TransportError | None, *, is_program: bool = False) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import deque
 
 from rostether.bridge.findings.finding import Code, Finding, warning
+from rostether.bridge.findings.medium import Medium
 from rostether.rosserial.events import DiscardReason, FrameDiscarded
 
 # Long enough for a percentage on a board that sends once a second, short enough to follow a cable.
@@ -17,18 +18,20 @@ RESET_DAMAGES = 2
 # One in 500: users do not notice less, and radio links are never better.
 MIN_SHARE = 0.002
 
-CABLE_ADVICE = (
+_CABLE_ADVICE = (
     "use a shorter or shielded cable away from motors, check the ground wire, choose a lower baud rate, and "
     "keep every interrupt of the sketch shorter than the time of one byte"
 )
-DATAGRAM_ADVICE = (
-    "the network loses datagrams: improve the Wi-Fi signal, send messages that fit a datagram (1400 bytes), "
-    "or use TCP"
-)
-RADIO_ADVICE = (
-    "move the radios closer together, set all of them to another channel, or send messages that fit a packet "
-    "(92 bytes, DigiMesh 65)"
-)
+_ADVICE = {
+    Medium.UDP: (
+        "the network loses datagrams: improve the Wi-Fi signal, send messages that fit a datagram (1400 "
+        "bytes), or use TCP"
+    ),
+    Medium.RADIO: (
+        "move the radios closer together, set all of them to another channel, or send messages that fit a "
+        "packet (92 bytes, DigiMesh 65)"
+    ),
+}
 
 _CHECKS = frozenset({DiscardReason.LENGTH_CHECKSUM, DiscardReason.PAYLOAD_CHECKSUM, DiscardReason.PACKET})
 _REMAINS = frozenset({DiscardReason.NOISE, DiscardReason.VERSION, DiscardReason.UNFINISHED})
@@ -37,10 +40,11 @@ _MIN_REMAINS_BYTES = 8
 
 
 class Damage:
-    """The damaged frames of one connection; `advice` for its kind of line is the next step of the finding."""
+    """The damaged frames of one connection."""
 
-    def __init__(self, advice: str = CABLE_ADVICE) -> None:
-        self._advice = advice
+    def __init__(self, medium: Medium = Medium.SERIAL) -> None:
+        # Behind a TCP connection may be a converter with a serial line.
+        self._advice = _ADVICE.get(medium, _CABLE_ADVICE)
         self._count = 0
         self._last_s = float("-inf")
         self._samples: deque[tuple[float, int, int]] = deque()

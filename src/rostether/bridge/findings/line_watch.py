@@ -9,9 +9,10 @@ from collections.abc import Callable
 from typing import Any
 
 from rostether.bridge.findings.announcements import Announcements
-from rostether.bridge.findings.damage import CABLE_ADVICE, DATAGRAM_ADVICE, RADIO_ADVICE, Damage
+from rostether.bridge.findings.damage import Damage
 from rostether.bridge.findings.finding import Code, Finding, error, warning
 from rostether.bridge.findings.loop_speed import LoopSpeed
+from rostether.bridge.findings.medium import Medium
 from rostether.bridge.findings.noise import Noise, is_text, show
 from rostether.bridge.findings.oversize import Oversizes
 from rostether.bridge.findings.resets import MIN_STARTS, UNSETTLED_S, Resets, reset_loop
@@ -57,10 +58,7 @@ _SIGNS_OF_LIFE = (
 
 
 class LineWatch:
-    """One connection of one board; `baud` is the baud rate of a serial line, `resets` the board's.
-
-    `may_lose`: over datagrams, `on_radio`: over an XBee, which may lose packets and delays them.
-    """
+    """One connection of one board; `baud` is the baud rate of a serial line, `resets` the board's."""
 
     def __init__(
         self,
@@ -69,11 +67,10 @@ class LineWatch:
         statistics: LinkStatistics,
         now_s: float,
         *,
-        may_lose: bool = False,
-        on_radio: bool = False,
+        medium: Medium = Medium.SERIAL,
     ) -> None:
         self.noise = Noise()
-        self.loop_speed = LoopSpeed(may_lose=may_lose or on_radio)
+        self.loop_speed = LoopSpeed(may_lose=medium.may_lose)
         self.oversizes = Oversizes()
 
         # When the board last logged that a message did not fit its buffer.
@@ -82,8 +79,8 @@ class LineWatch:
         self._resets = resets
         self._statistics = statistics
         self._opened_s = self._found_s = now_s
-        self._may_lose = may_lose
-        self._damage = Damage(DATAGRAM_ADVICE if may_lose else RADIO_ADVICE if on_radio else CABLE_ADVICE)
+        self._medium = medium
+        self._damage = Damage(medium)
         self._announcements = Announcements()
         self._version: int | None = None
         self._alive_s: float | None = None
@@ -131,7 +128,7 @@ class LineWatch:
             damage = self._damage.find(self._statistics.frames_received, now_s, self._resets.count(now_s))
         resets = self._find_resets(now_s, damage)
         # A board that restarts also restarts its period, which makes its request late.
-        is_listener = self._is_listener and self._baud is not None
+        is_listener = self._is_listener and self._medium is Medium.SERIAL
         slow = None if resets else self.loop_speed.find(is_listener=is_listener)
         found = [
             self._find_absence(now_s),
@@ -189,10 +186,11 @@ class LineWatch:
         # The bytes before the first frame are the rest of a burst from before the port was opened.
         is_alive = self._alive_s is not None and now_s > self._alive_s and self._silence_s is None
         # A sketch cannot print between datagrams: text is the rest of a message.
-        may_print = is_alive and not self._may_lose
+        loses_datagrams = self._medium is Medium.UDP
+        may_print = is_alive and not loses_datagrams
         was_text = self.noise.handle_discarded(event, now_s, is_alive=may_print)
         self._announcements.discarded(event)
-        if self.was_alive and (self._may_lose or not was_text):
+        if self.was_alive and (loses_datagrams or not was_text):
             self._damage.count_discarded(event, now_s)
 
     def _find_absence(self, now_s: float) -> Finding | None:

@@ -4,6 +4,7 @@ import pytest
 
 from rostether.bridge.findings.finding import Code
 from rostether.bridge.findings.line_watch import LineWatch
+from rostether.bridge.findings.medium import Medium
 from rostether.bridge.findings.resets import Resets
 from rostether.rosserial.events import (
     DiscardReason,
@@ -37,17 +38,19 @@ def test_requests_that_waited_while_this_process_was_paused_are_not_late() -> No
 
 
 def test_a_network_that_delays_requests_is_not_a_slow_loop() -> None:
-    for baud in (57600, None):
-        watch = LineWatch(baud, Resets(), LinkStatistics(), 0.0)
+    for baud, medium in ((57600, Medium.SERIAL), (None, Medium.SERIAL), (None, Medium.TCP)):
+        watch = LineWatch(baud, Resets(), LinkStatistics(), 0.0, medium=medium)
         watch.handle_event(LED, 0.0)
         for number in range(4):
             watch.handle_event(TimeRequested(), number * 2.8)
-        assert [each.code for each in watch.find(2.0)] == ([Code.SLOW_LOOP] if baud else [])
+        assert [each.code for each in watch.find(2.0)] == (
+            [Code.SLOW_LOOP] if medium is Medium.SERIAL else []
+        )
 
 
 def test_the_rest_of_a_long_message_is_text_of_the_sketch_only_where_no_datagram_is_lost() -> None:
-    for may_lose, code in ((False, Code.TEXT_BETWEEN_FRAMES), (True, Code.FRAMES_DAMAGED)):
-        watch = LineWatch(None, Resets(), LinkStatistics(), 0.0, may_lose=may_lose)
+    for medium, code in ((Medium.TCP, Code.TEXT_BETWEEN_FRAMES), (Medium.UDP, Code.FRAMES_DAMAGED)):
+        watch = LineWatch(None, Resets(), LinkStatistics(), 0.0, medium=medium)
         watch.handle_event(ProtocolDetected(2), 0.0)
         watch.find(0.0)
         for number in range(1, 6):
@@ -56,17 +59,15 @@ def test_the_rest_of_a_long_message_is_text_of_the_sketch_only_where_no_datagram
 
 
 @pytest.mark.parametrize(
-    ("may_lose", "on_radio", "advice"),
+    ("medium", "advice"),
     [
-        (False, False, "shielded cable"),
-        (True, False, "loses datagrams"),
-        (False, True, "move the radios closer"),
+        (Medium.TCP, "shielded cable"),
+        (Medium.UDP, "loses datagrams"),
+        (Medium.RADIO, "move the radios closer"),
     ],
 )
-def test_the_advice_for_damaged_frames_is_that_of_the_line(
-    may_lose: bool, on_radio: bool, advice: str
-) -> None:
-    watch = LineWatch(None, Resets(), LinkStatistics(), 0.0, may_lose=may_lose, on_radio=on_radio)
+def test_the_advice_for_damaged_frames_is_that_of_the_line(medium: Medium, advice: str) -> None:
+    watch = LineWatch(None, Resets(), LinkStatistics(), 0.0, medium=medium)
     watch.handle_event(ProtocolDetected(2), 0.0)
     watch.find(0.0)
     for number in range(1, 6):
