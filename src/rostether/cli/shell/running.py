@@ -78,11 +78,11 @@ class _Ending:
         self._loop: asyncio.AbstractEventLoop | None = None
         self._loop_answered = False
         self._arrived_s = 0.0
-        self._handler_before = signal.getsignal(signal.SIGINT)
         self._codes = {signal.SIGINT: EXIT_INTERRUPTED, signal.SIGTERM: terminated_code}
         # Windows has no SIGHUP. A closed terminal ends a command as SIGTERM does, unless it runs under nohup.
         if hasattr(signal, "SIGHUP") and signal.getsignal(signal.SIGHUP) is not signal.SIG_IGN:
             self._codes[signal.SIGHUP] = terminated_code
+        self._handlers_before = {number: signal.getsignal(number) for number in self._codes}
 
     def watch_start(self) -> None:
         """Note a Ctrl-C before the command runs; asyncio's own handler could lose it to a clean-up."""
@@ -117,10 +117,19 @@ class _Ending:
         try:
             return await main
         finally:
-            # asyncio closes its socket for signals before it forgets it: a late Ctrl-C would be reported.
-            if isinstance(loop, asyncio.SelectorEventLoop):
-                with contextlib.suppress(ValueError):
-                    signal.set_wakeup_fd(-1)
+            self._keep_handlers(loop)
+
+    def _keep_handlers(self, loop: asyncio.AbstractEventLoop) -> None:
+        """Let signals wait until our handlers replace the loop's; a loop that closes leaves the default ones."""
+        if not hasattr(signal, "pthread_sigmask"):
+            return
+        mask = signal.pthread_sigmask(signal.SIG_BLOCK, self._codes)
+        try:
+            for number in self._codes:
+                if loop.remove_signal_handler(number):
+                    signal.signal(number, self._arrived)
+        finally:
+            signal.pthread_sigmask(signal.SIG_SETMASK, mask)
 
     def _arrived(self, number: int, _frame: object) -> None:
         code = self._codes[signal.Signals(number)]
@@ -150,12 +159,16 @@ class _Ending:
         self._loop_answered = True
 
     def stop(self) -> None:
-        """Stop checking whether the loop is busy, and handle Ctrl-C as before."""
+        """Stop checking whether the loop is busy, and handle signals as before."""
         if self.exit_code is not None and hasattr(signal, "setitimer"):
             signal.setitimer(signal.ITIMER_REAL, 0)
-        # ValueError in a thread, TypeError for a handler that Python did not set.
-        with contextlib.suppress(ValueError, TypeError):
-            signal.signal(signal.SIGINT, self._handler_before)
+        for number, handler in self._handlers_before.items():
+            # A second SIGTERM or SIGHUP must not change the exit code of a command that the first one ended.
+            if handler is signal.SIG_DFL and self.exit_code is not None:
+                continue
+            # ValueError in a thread, TypeError for a handler that Python did not set.
+            with contextlib.suppress(ValueError, TypeError):
+                signal.signal(number, handler)
 
 
 def _loop_factory(uvloop: bool | None) -> Callable[[], asyncio.AbstractEventLoop] | None:

@@ -172,6 +172,28 @@ def test_a_signal_interrupts_what_computes(
     assert (process.returncode, output, errors) == (code, "left\n", "")
 
 
+TERMINATED_TWICE = """
+import asyncio, os, signal, sys
+from rostether.cli.shell.failures import exit_code_of
+from rostether.cli.shell.running import run
+
+async def terminated():
+    os.kill(os.getpid(), signal.SIGTERM)
+    await asyncio.sleep(1000)
+
+code = exit_code_of(lambda: run(terminated(), uvloop={uvloop}))
+os.kill(os.getpid(), signal.SIGTERM)
+sys.exit(code)
+"""
+
+
+@pytest.mark.parametrize("uvloop", [False, None])
+def test_a_second_signal_after_the_command_ended_changes_nothing(uvloop: bool | None) -> None:
+    program = TERMINATED_TWICE.format(uvloop=uvloop)
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=60)
+    assert (done.returncode, done.stdout, done.stderr) == (143, "", "")
+
+
 def test_a_cancellation_before_our_handlers_are_there_is_an_interrupt() -> None:
     async def cancelled_by_asyncio() -> None:
         raise asyncio.CancelledError
