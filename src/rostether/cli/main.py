@@ -16,7 +16,7 @@ from rostether.cli.verb_table import VERBS, suggest
 
 _SPECIAL = re.compile(r"(__(?:name|ns|log|master|ip|hostname)):=(.*)", re.DOTALL)
 
-# They read these arguments themselves.
+# The commands that read their ROS arguments themselves.
 _WITH_OWN_ROS_ARGUMENTS = ("serial-node", "run")
 
 
@@ -37,10 +37,10 @@ def rostether() -> None:
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run the command line and return the exit code; never raises for anything a user did."""
+    """Run the command line and return the exit code; never raises for a user's mistake."""
     _prepare_output()
     if not sys.warnoptions:
-        # Python's remarks about an expression of a user, such as "1if m else 0".
+        # Python warns about some valid expressions of users, such as "1if m else 0".
         warnings.simplefilter("ignore", SyntaxWarning)
     plain, specials = split_special(sys.argv[1:] if arguments is None else arguments)
     code = exit_code_of(
@@ -66,9 +66,9 @@ def _flush_output(code: int) -> int:
         try:
             stream.flush()
         except OSError as error:
-            from rostether.cli.shell.output import forget
+            from rostether.cli.shell.output import discard_output
 
-            forget(stream)
+            discard_output(stream)
             # A closed pipe (`| head`) is no failure; a full disk is one, because output is lost.
             if code == EXIT_DONE and not isinstance(error, BrokenPipeError):
                 print_error(error_text(error))

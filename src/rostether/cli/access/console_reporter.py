@@ -6,7 +6,7 @@ import sys
 import time
 from collections.abc import Callable
 
-from rostether.cli.shell.output import forget
+from rostether.cli.shell.output import discard_output
 from rostether.graph.ports import Level
 
 
@@ -31,11 +31,11 @@ class ConsoleReporter:
         """Print one line."""
         if level < self._lowest:
             return
-        place = f"{node}: " if node and self._show_node else ""
+        prefix = f"{node}: " if node and self._show_node else ""
         stream = sys.stdout if level < Level.WARN else sys.stderr
         try:
-            stream.write(f"[{level.name}] [{self._clock():.6f}]: {place}{text}\n")
+            stream.write(f"[{level.name}] [{self._clock():.6f}]: {prefix}{text}\n")
             stream.flush()
         except OSError:
-            # The reader of the lines has ended (`| head`, a closed terminal); keep serving the boards.
-            forget(stream)
+            # The program that reads the lines has ended (`| head`, a closed terminal); keep serving boards.
+            discard_output(stream)

@@ -82,7 +82,7 @@ async def served_graphs(
 
 @asynccontextmanager
 async def native_session(graph: GraphOptions, msg_paths: Sequence[Path]) -> AsyncIterator[NativeSession]:
-    """Join the same ROS 2 graph with ROS 2's own types; boards have those of ROS 1."""
+    """Join the same ROS 2 graph with ROS 2's own types; the boards' session has ROS 1 types."""
     from rostether.ros2.actions.board_graph import NativeSession
     from rostether.ros2.types.native_registry import NativeRegistry
     from rostether.ros2.types.native_types import NativeTypes

@@ -10,7 +10,7 @@ from datetime import datetime
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from rostether.cli.bag.figures import MEGABYTE, size_text
+from rostether.cli.bag.formatting import MEGABYTE, size_text
 from rostether.cli.shell.option_group import COUNT, PATH, NumberRange, add_option, option_group
 from rostether.errors import ConfigError, GraphError, RecordingError
 from rostether.graph.ports import Level
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from rostether.recording.recorded import RecordingWriter
     from rostether.ros2.types.type_support import Ros2Types
 
-# As often as a board's node is tried.
+# The interval at which a board's node also retries.
 MAX_JOIN_RETRY_S = 1.0
 
 
@@ -80,7 +80,7 @@ async def bags_recorded(
 ) -> AsyncIterator[None]:
     """Record until the end of the block; a failure is reported and stops only the recording.
 
-    `types` are those of a graph with ROS 2 only: then a ROS 2 bag is recorded.
+    With `types`, the types of a graph that is ROS 2 alone, the recording is a ROS 2 bag.
     """
     if recording is None:
         yield
@@ -155,5 +155,5 @@ async def _joined(join: JoinGraph, reporter: Reporter) -> Graph:
 def _level_of(text: str) -> Level:
     if text.startswith("WARNING: "):
         return Level.WARN
-    # Otherwise each new topic would be a line among those of the boards.
+    # A line for each new topic would hide those of the boards.
     return Level.DEBUG if text.startswith("Subscribing to ") else Level.INFO

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from rostether.cli.bag.figures import time_text
+from rostether.cli.bag.formatting import time_text
 from rostether.cli.bag.record import DURATION
 from rostether.cli.shell.option_group import PATH, add_option
 from rostether.cli.shell.output import warn, write_line
@@ -35,7 +35,7 @@ _SHOWN_TOPICS = 10
 @add_option("-o --output target FILE", "The .bag, .mcap or .db3 file, or folder.", required=True, type=PATH)
 @add_option(
     "--from start TIME",
-    "The local time, e.g. 14:02, 14:02:30 or 2026-11-23 14:02; without a date, the last one recorded; "
+    "The local time, e.g. 14:02, 14:02:30 or 2026-11-23 14:02; without a date, the latest one recorded; "
     "+01:00 or Z after it names the time zone.",
     required=True,
 )

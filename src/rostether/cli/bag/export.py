@@ -13,7 +13,7 @@ import click
 from rostether.cli.bag.recording_files import create_folder
 from rostether.cli.shell.failures import EXIT_DONE, EXIT_FAILED
 from rostether.cli.shell.option_group import PATH, argument, option, option_group
-from rostether.cli.shell.output import forget, warn, write_line
+from rostether.cli.shell.output import discard_output, warn, write_line
 from rostether.cli.shell.verbs import verb
 from rostether.errors import ConfigError
 
@@ -77,20 +77,20 @@ def export(options: ExportOptions) -> None:
         chosen = Export(
             reader, topics=options.topics, fields=options.fields, type_name=type_name, report=warn
         )
-        place = _Place(options, chosen)
+        files = _TableFiles(options, chosen)
         try:
-            chosen.write(place.create)
+            chosen.write(files.create)
         except BrokenPipeError:
-            forget(sys.stdout)
+            discard_output(sys.stdout)
             raise click.exceptions.Exit(EXIT_DONE) from None
         except BaseException:
-            place.remove()
+            files.remove()
             raise
-    place.report(chosen.tables)
+    files.report(chosen.tables)
 
 
-class _Place:
-    """The folder and the format of the tables."""
+class _TableFiles:
+    """The files of the tables, in the requested format."""
 
     def __init__(self, options: ExportOptions, chosen: Export) -> None:
         output = options.output
@@ -112,7 +112,7 @@ class _Place:
         ending = self._file.suffix.removeprefix(".") if self._file is not None else None
         self._format = options.format_name or ending or "csv"
         if output is None:
-            # The name alone is that of a ROS 2 bag's folder.
+            # The file metadata.yaml stands for the folder of its ROS 2 bag.
             whole = options.recording.resolve()
             name = whole.parent.name if whole.name == "metadata.yaml" else whole.name.removesuffix(".active")
             self._folder = Path(f"{Path(name).with_suffix('')}_{self._format}")

@@ -14,7 +14,7 @@ import click
 import yaml
 
 from rostether.bounded_yaml import YamlError, load
-from rostether.cli.bag.figures import duration_text, size_text, time_text
+from rostether.cli.bag.formatting import duration_text, size_text, time_text
 from rostether.cli.shell.option_group import PATH, add_flag, add_option
 from rostether.cli.shell.output import json_option, paint_keys, warn, write_json, write_line
 from rostether.cli.shell.verbs import verb

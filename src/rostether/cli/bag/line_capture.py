@@ -8,7 +8,7 @@ from contextlib import asynccontextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from rostether.cli.bag.figures import MEGABYTE, size_text
+from rostether.cli.bag.formatting import MEGABYTE, size_text
 from rostether.cli.shell.option_group import NumberRange, add_option
 from rostether.graph.ports import Level
 
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 record_limit_option = add_option(
     "--record-limit record_limit_mb MB",
-    "Stop recording lines, not serving, when the file has that size (100).",
+    "Stop recording, but keep serving, when the file reaches this size (100).",
     type=NumberRange(min=0.01),
     default=100,
 )

@@ -7,7 +7,7 @@ import shutil
 import sys
 from typing import TYPE_CHECKING
 
-from rostether.cli.bag.figures import size_text
+from rostether.cli.bag.formatting import size_text
 
 if TYPE_CHECKING:
     from rostether.recording.recorder import Recorder
@@ -23,13 +23,13 @@ def show(line: str) -> None:
 
 
 class ProgressLine:
-    """The line with rates and sizes, on a terminal."""
+    """The line of a recording, with rates and sizes; `is_shown` only on a terminal."""
 
     def __init__(self, *, is_shown: bool) -> None:
         self._is_shown = is_shown
 
-    async def keep(self, recorder: Recorder) -> None:
-        """Write it every second."""
+    async def refresh(self, recorder: Recorder) -> None:
+        """Write the line every second until cancelled."""
         loop = asyncio.get_running_loop()
         began_s = before_s = loop.time()
         before = (0, 0)

@@ -17,7 +17,7 @@ from rostether.cli.access.completions import complete_topics
 from rostether.cli.access.graph_options import GraphOptions, graph_options
 from rostether.cli.access.options import msg_path_option
 from rostether.cli.access.ros1_access import read_environment, resolve
-from rostether.cli.bag.figures import MEGABYTE, size_text
+from rostether.cli.bag.formatting import MEGABYTE, size_text
 from rostether.cli.bag.progress import ProgressLine
 from rostether.cli.bag.recording_files import (
     NewFiles,
@@ -226,7 +226,7 @@ async def _record(
             if options.bz2 or options.lz4
             else None,
         )
-        showing = asyncio.create_task(line.keep(recorder))
+        showing = asyncio.create_task(line.refresh(recorder))
         try:
             await _until_ended(graph.raw.wait_closed(), recorder)
         finally:

@@ -199,8 +199,8 @@ async def recording_graph(
 ) -> AsyncIterator[RecordingGraph]:
     """Join as a node during the block. Raises GraphError, ConfigError.
 
-    On ROS 2 alone, messages come and go natively, in ROS 2's own fields, if `is_native`; `origins` are types
-    of recordings, which need not be known here.
+    If `is_native`, messages on ROS 2 alone have ROS 2's own fields. `origins` are the types in recordings:
+    their definitions need not be installed.
     """
     from rostether.mechanisms.anonymous import anonymous_name
 
@@ -229,7 +229,7 @@ async def recording_graph(
 
 
 def recording_types(origins: Iterable[Ros2Origin], msg_paths: tuple[Path, ...] = ()) -> Ros2Types:
-    """Return the types of ROS 2 here and in recordings, in their own fields; unknown ones stay CDR."""
+    """Return the installed and the recorded ROS 2 types, with their own fields; unknown types stay CDR."""
     from rostether.msgdef.registry import Registry
     from rostether.msgdef.ros2.definitions import Ros2Definitions
     from rostether.recording.ros2_types import RecordedDefinitions

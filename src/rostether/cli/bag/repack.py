@@ -8,7 +8,7 @@ from pathlib import Path
 
 import click
 
-from rostether.cli.bag.figures import size_text
+from rostether.cli.bag.formatting import size_text
 from rostether.cli.bag.recording_files import create_folder
 from rostether.cli.shell.option_group import PATH, add_flag, argument, flag, option, option_group
 from rostether.cli.shell.output import write_line
@@ -17,8 +17,8 @@ from rostether.errors import ConfigError
 
 
 @dataclass(frozen=True, slots=True)
-class PlaceOptions:
-    """The files to rewrite, and where."""
+class RepackOptions:
+    """The files to rewrite, and the folder of the new ones."""
 
     files: tuple[Path, ...] = argument(nargs=-1, required=True, metavar="FILE...", type=PATH)
     output_dir: Path | None = option(
@@ -28,7 +28,7 @@ class PlaceOptions:
     quiet: bool = flag("-q --quiet", "Print only errors.")
 
 
-def new_place(path: Path, options: PlaceOptions) -> tuple[Path, Path | None]:
+def new_paths(path: Path, options: RepackOptions) -> tuple[Path, Path | None]:
     """Return the path of the new recording, and that of the old one if it is moved. Raises ConfigError."""
     name, output_dir = path.name.removesuffix(".active"), options.output_dir
     if output_dir is not None:
@@ -53,8 +53,8 @@ def new_place(path: Path, options: PlaceOptions) -> tuple[Path, Path | None]:
 )
 @add_flag("-j --bz2", "Use bz2 (the default for .bag files).")
 @add_flag("--lz4", "Use LZ4: larger, but much faster to read.")
-@option_group("options", PlaceOptions)
-def bag_compress(options: PlaceOptions, bz2: bool, lz4: bool) -> None:
+@option_group("options", RepackOptions)
+def bag_compress(options: RepackOptions, bz2: bool, lz4: bool) -> None:
     """Compress recordings with bz2 or LZ4. The original file is kept as NAME.orig.bag."""
     if bz2 and lz4:
         raise click.UsageError("give --bz2 or --lz4, not both")
@@ -70,19 +70,19 @@ def bag_compress(options: PlaceOptions, bz2: bool, lz4: bool) -> None:
     rostether bag decompress drive.bag
     """,
 )
-@option_group("options", PlaceOptions)
-def bag_decompress(options: PlaceOptions) -> None:
+@option_group("options", RepackOptions)
+def bag_decompress(options: RepackOptions) -> None:
     """Decompress recordings. The original file is kept as NAME.orig.bag."""
     for path in options.files:
         _repack(path, "none", options)
 
 
-def _repack(path: Path, compression: str, options: PlaceOptions) -> None:
+def _repack(path: Path, compression: str, options: RepackOptions) -> None:
     from rostether.recording.reindexing import repack
 
     # Also refuses a file that is not a recording, before a folder is created.
     before = _size_bytes(path)
-    output, backup = new_place(path, options)
+    output, backup = new_paths(path, options)
     count = repack(path, output, compression, keep_original=backup)
     if not options.quiet:
         sizes = f"{size_text(before)} before, {size_text(_size_bytes(output))} now"
@@ -103,8 +103,8 @@ def _size_bytes(path: Path) -> int:
     rostether bag reindex --output-dir repaired *.bag
     """,
 )
-@option_group("options", PlaceOptions)
-def bag_reindex(options: PlaceOptions) -> None:
+@option_group("options", RepackOptions)
+def bag_reindex(options: RepackOptions) -> None:
     """Repair recordings that are truncated or damaged: keep every complete message.
 
     The original file is kept as NAME.orig.bag. NAME.bag.active becomes NAME.bag. Complete recordings are not
@@ -113,7 +113,7 @@ def bag_reindex(options: PlaceOptions) -> None:
     from rostether.recording.reindexing import reindex
 
     for path in options.files:
-        output, backup = new_place(path, options)
+        output, backup = new_paths(path, options)
         repaired = reindex(path, output, keep_original=backup)
         if not options.quiet:
             what = f"{repaired.message_count} messages"

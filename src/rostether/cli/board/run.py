@@ -60,11 +60,11 @@ class BoardOptions:
         "--fault", "Simulate a bad serial line: flip, drop, delay.", metavar="flip=0.01,seed=3"
     )
     network: str | None = option(
-        "--network HOST:PORT", "Connect all TCP connections of the sketch to this address."
+        "--network HOST:PORT", "Redirect all TCP connections of the sketch to this address."
     )
     w5100: str | None = option(
         "--w5100",
-        "The loopback address of the Ethernet shield, and when it stops receiving a group.",
+        "The loopback address of the Ethernet shield; datagrams until its multicast reception stalls.",
         metavar="address=127.0.0.2,stall_after=500",
     )
     wheels: str | None = option(
@@ -89,7 +89,7 @@ class BoardOptions:
 
     @property
     def words(self) -> tuple[str, ...]:
-        """The state around the board as commands of the simulator."""
+        """The inputs and devices of the board at its start, as commands of the simulator."""
         words = [f"{word} {value}" for word in _REPEATED_WORDS for value in getattr(self, word)]
         words += [f"{word} {value}" for word in _SINGLE_WORDS if (value := getattr(self, word)) is not None]
         return (*words, "autoreset on") if self.autoreset else tuple(words)

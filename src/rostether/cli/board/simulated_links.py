@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from rostether.simulation.simavr.simulation_node import NodeBoard
 
 _START_EVENTS = ("ready", "reset")
-# A change that the board's node requested is not reported.
+# Events that the board's node requests; they are not reported.
 _REQUESTED_BY_NODE = frozenset(("pins", "servo"))
 _WARNINGS = (
     "asleep",
@@ -74,20 +74,20 @@ async def simulated(
             shown: NodeBoard | None = None
             if link.board in MACHINES:
                 qemu = await _start_qemu(link, reporter, stack)
-                place, report = qemu.address, _report_end(qemu, link, reporter)
+                address, report = qemu.address, _report_end(qemu, link, reporter)
             elif link.board == OPENCR:
                 opencr = await _start_opencr(link, reporter, stack, msg_paths)
-                place, report = opencr.address, _report_end(opencr, link, reporter)
+                address, report = opencr.address, _report_end(opencr, link, reporter)
                 shown = OpenCrNodeBoard(opencr)
             else:
                 board, size = await _start_avr(link, reporter, stack, msg_paths)
-                place, report = board.address, _report_events(board, link, reporter)
+                address, report = board.address, _report_events(board, link, reporter)
                 shown, pauses = board, board.pauses
             if join is not None and shown is not None:
                 joining = partial(join, f"{name}_simulation", namespace=f"/{(link.ns or '').strip('/')}")
                 reports.append(asyncio.create_task(_run_node(shown, link, joining, reporter)))
             reports.append(asyncio.get_running_loop().create_task(report))
-            opened.append(SerialAddress(place, name=name, ns=link.ns, program=size, pauses=pauses))
+            opened.append(SerialAddress(address, name=name, ns=link.ns, program=size, pauses=pauses))
         # The reports end first: a board that is ended on purpose has nothing to report.
         stack.push_async_callback(_end, reports)
         yield opened

@@ -22,12 +22,16 @@ if TYPE_CHECKING:
 
 
 def check_mdns(*, is_wanted: bool | None) -> bool:
-    """Return whether to announce: None if zeroconf is installed. Raises ConfigError if it is missing."""
+    """Return whether to announce listeners by mDNS.
+
+    With `is_wanted` None, they are announced if zeroconf is installed. Raises ConfigError if they must be
+    announced and it is missing.
+    """
     if is_wanted is False:
         return False
     is_there = find_spec("zeroconf") is not None
     if is_wanted and not is_there:
-        raise ConfigError(f"--mdns needs zeroconf; run: {install_command('mdns')}; or leave --mdns out")
+        raise ConfigError(f"--mdns needs zeroconf; run: {install_command('mdns')}; or omit --mdns")
     return is_there
 
 

@@ -71,8 +71,8 @@ def doctor(
 ) -> int:
     """Diagnose why a board does not connect, and show what to do next.
 
-    PORT is a serial port or any other link address (default: the boards on USB, else those of a bridge that
-    runs). No other program may use the port at the same time. The exit code is 0 if the board is healthy, 1
+    PORT is a serial port or any other link address (default: the boards on USB, else those of a running
+    bridge). No other program may use the port at the same time. The exit code is 0 if the board is healthy, 1
     if there is a problem.
     """
     if fleet:
@@ -149,7 +149,7 @@ def _explain_no_board(ports: Sequence[SerialPort]) -> None:
 
 
 async def _examine_served(as_json: bool) -> bool | None:
-    """Report the boards of a bridge that runs; return whether they are healthy, None if there are none."""
+    """Report the boards of a running bridge; return whether they are healthy, None if there are none."""
     from rostether.bridge.health.reported_boards import reported_boards
     from rostether.cli.access.graph_options import GraphOptions
     from rostether.cli.access.ros1_access import joined, read_environment

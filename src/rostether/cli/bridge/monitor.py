@@ -62,7 +62,7 @@ def monitor(once: bool, as_json: bool, graph: GraphOptions) -> int:
 
 
 async def _monitor(once: bool, as_json: bool, graph: GraphOptions) -> int:
-    async with joined_either(graph, purpose="monitor") as (node, place):
+    async with joined_either(graph, purpose="monitor") as (node, graph_name):
         if once:
             return await _print_once(node, as_json)
         if as_json:
@@ -70,7 +70,7 @@ async def _monitor(once: bool, as_json: bool, graph: GraphOptions) -> int:
             return EXIT_DONE
         seen = BoardsSeen(asyncio.get_running_loop().time)
         async with task_beside(listen(node, seen.add_status)) as listening:
-            await _show_live(seen, place, listening)
+            await _show_live(seen, graph_name, listening)
     return EXIT_DONE
 
 
@@ -92,7 +92,7 @@ async def _print_once(node: TypedGraph, as_json: bool) -> int:
     return EXIT_DONE
 
 
-async def _show_live(seen: BoardsSeen, place: str, listening: asyncio.Task[object]) -> None:
+async def _show_live(seen: BoardsSeen, graph_name: str, listening: asyncio.Task[object]) -> None:
     from rich.console import Console
     from rich.live import Live
 
@@ -100,21 +100,21 @@ async def _show_live(seen: BoardsSeen, place: str, listening: asyncio.Task[objec
     with Live(console=console, auto_refresh=False) as live:
         while not listening.done():
             boards = seen.boards()
-            live.update(_picture(boards, place, console.width, console.height), refresh=True)
+            live.update(_picture(boards, graph_name, console.width, console.height), refresh=True)
             # The end of the subscription also ends the display, at once.
             with contextlib.suppress(TimeoutError):
                 await asyncio.wait_for(asyncio.shield(listening), REFRESH_S)
 
 
-def _picture(boards: Sequence[BoardStatus], place: str, width: int, height: int) -> Text:
+def _picture(boards: Sequence[BoardStatus], graph_name: str, width: int, height: int) -> Text:
     from rich.text import Text
 
     if not boards:
-        return Text(f"{place}: {NOTHING}; press Ctrl-C to stop")
+        return Text(f"{graph_name}: {NOTHING}; press Ctrl-C to stop")
     text = Text(no_wrap=True, overflow="crop", end="")
     count = counted(len(boards), "board")
     for line in table(boards, width, height - 3):
         for piece, style in line.pieces:
             text.append(piece, style)
         text.append("\n")
-    return text.append(f"{count} on {place}; press Ctrl-C to stop"[:width], "dim")
+    return text.append(f"{count} on {graph_name}; press Ctrl-C to stop"[:width], "dim")

@@ -87,11 +87,11 @@ class RelayOptions:
 @verb(
     "relay",
     """
-    rostether relay /chatter /odom                       both ways, over the ROS 2 that is here
+    rostether relay /chatter /odom                       both ways, with the installed ROS 2
     rostether relay --ros2 zenoh --to-ros2 "/sensors/*" --to-ros1 /cmd_vel
     rostether relay /tf /tf_static --service /enable --service /plan=nav_msgs/GetPlan
     rostether relay --action /move_base --msg-path ~/my_msgs
-    rostether relay --to-ros1 /clock                     a topic that both have must be named
+    rostether relay --to-ros1 /clock                     a topic of both graphs must be named
     """,
 )
 @option_group("options", RelayOptions)

@@ -36,9 +36,9 @@ async def _examine(middleware: Middleware) -> AsyncIterator[_Finding]:
         async for finding in _routers(Ros2Environment.read()):
             yield finding
     elif left := find_left_over():
-        # Before it joins, which they can delay too.
+        # Checked first, because leftover files can also delay the join below.
         text = (
-            f"killed programs have left {len(left)} parts, such as {left[0]}. If programs hang at their "
+            f"killed programs have left {len(left)} files, such as {left[0]}. If programs hang at their "
             "start, stop all ROS 2 programs and run `rm -f /dev/shm/*fastdds* /dev/shm/*fastrtps*`"
         )
         yield _Finding(True, f"shared memory of Fast DDS in {SHARED_MEMORY}", text)
@@ -56,7 +56,7 @@ async def _examine(middleware: Middleware) -> AsyncIterator[_Finding]:
 
 async def _routers(environment: Ros2Environment) -> AsyncIterator[_Finding]:
     """Try the router of this machine, and every endpoint that the configuration files name."""
-    # As in every tool, zenoh may be missing; `ros2_access` reports that.
+    # zenoh may be missing; `ros2_access` reports that.
     try:
         from rostether.ros2.zenoh.access_check import find_denied_topics
         from rostether.ros2.zenoh.configuration import (
@@ -95,7 +95,7 @@ async def _routers(environment: Ros2Environment) -> AsyncIterator[_Finding]:
             if denied is None:
                 fault = NO_SESSION
             elif denied:
-                fault = f"its access control does not carry {', '.join(denied)} for this machine"
+                fault = f"its access control denies {', '.join(denied)} to this machine"
             yield _Finding(not fault, f"{endpoint} in {path}", fault or "answers")
         listening = endpoints_of(configuration, "listen")
         if listening:

@@ -3,9 +3,9 @@
 serial_node             ~port /dev/ttyACM0, ~baud 57600
 socket_node             ~port 11411, ~listen
 udp_socket_node         ~server_port 11411, ~listen; the boards' addresses are learned, not set by ~client_*
-message_info_service    for programs that ask: our bridge has no need of it
+message_info_service    for other programs; rostether's bridge does not need it
 
-~listen, which is ours, is the address for boards on the network.
+~listen is an addition: the address to listen at, for boards on the network.
 """
 
 from __future__ import annotations

@@ -190,13 +190,13 @@ def choose_link(rest: list[str], parameters: Mapping[str, object], *, node_name:
     if not known and not isinstance(wanted, str | int):
         # As in ROS, a value is read as YAML: `tcp:` is a mapping.
         raise ConfigError(f"port must be a serial port or tcp, not {wanted!r}; write _port:=tcp or a path")
-    place = known[0] if known else str(wanted)
+    target = known[0] if known else str(wanted)
     base_name = node_name.removeprefix(namespace.rstrip("/") + "/")
     options = f"name={base_name}" + (f"&ns={namespace}" if namespace != "/" else "")
-    if place == "tcp":
+    if target == "tcp":
         port = whole(known[1] if len(known) == 2 else parameters.get("tcp_port", DEFAULT_PORT), "tcp_port")
         return f"tcp://:{port}?{options}"
-    path, _, given = place.partition("?")
+    path, _, given = target.partition("?")
     baud = known[1] if len(known) == 2 else parameters.get("baud")
     if baud is not None:
         number = whole(baud, "baud")

@@ -50,7 +50,7 @@ def read_links(text: str, hosts: Sequence[str] = (LOOPBACK,), allowed: tuple[str
 
 
 def read_web_boards(links: list[Address], *, is_served: bool, is_refused: bool) -> WebBoards | None:
-    """Return the boards that pages of the dashboard connect, None without; add their link if none is typed.
+    """Return the boards that pages of the dashboard connect, None if there can be none; add a missing link.
 
     Raises ConfigError for a link that cannot be served.
     """
@@ -58,7 +58,9 @@ def read_web_boards(links: list[Address], *, is_served: bool, is_refused: bool) 
     if len(typed) > 1:
         raise ConfigError("web: is given twice; give it once")
     if typed and is_refused:
-        raise ConfigError("web: serves boards of pages, --no-web-boards refuses them; give one of them")
+        raise ConfigError(
+            "web: serves the boards that pages connect, --no-web-boards refuses them; give one of them"
+        )
     if typed and not is_served:
         raise ConfigError("web: needs --dashboard, whose page connects the boards")
     if not is_served or is_refused:

@@ -18,8 +18,8 @@ from rostether.cli.dashboard.served import Dashboard, served_dashboard
 from rostether.cli.dashboard.settings import DashboardSettings
 from rostether.cli.dashboard.view import PANELS, read_view
 from rostether.cli.gateway.gateways import Report, serve_gateway
-from rostether.cli.gateway.node import read_gateway_words
-from rostether.cli.gateway.options import DEFAULT_PLACE, GatewayOptions, viewer_access_options
+from rostether.cli.gateway.node import read_gateway_arguments
+from rostether.cli.gateway.options import DEFAULT_ADDRESS, GatewayOptions, viewer_access_options
 from rostether.cli.shell.option_group import EXISTING_FILE, flag, option, option_group
 from rostether.cli.shell.verbs import verb
 
@@ -87,13 +87,13 @@ def dashboard(
     Its node is dashboard, on other ports dashboard_PORT; __name:=, __ns:= and from:=to work as for any ROS
     node.
     """
-    place, node = read_gateway_words(words, graph.arguments)
-    if place != DEFAULT_PLACE:
-        raise click.UsageError(f"{place!r} is not NAME:=OTHER; --port and --listen choose where to listen")
+    address, node = read_gateway_arguments(words, graph.arguments)
+    if address != DEFAULT_ADDRESS:
+        raise click.UsageError(f"{address!r} is not NAME:=OTHER; --port and --listen choose where to listen")
     if options.shown and options.panel is None:
         raise click.UsageError("--show needs --panel")
     settings = DashboardSettings(
-        place=_place(options.listen, options.port),
+        address=_listen_address(options.listen, options.port),
         access=replace(gateways, allow=graph.allow),
         node=node,
         has_page=not options.no_page,
@@ -113,7 +113,7 @@ def dashboard(
     serve_gateway(graph, msg_paths, opened)
 
 
-def _place(listen: str | None, port: int | None) -> str:
-    host = listen or DEFAULT_PLACE
+def _listen_address(listen: str | None, port: int | None) -> str:
+    host = listen or DEFAULT_ADDRESS
     host = f"[{host}]" if ":" in host and not host.startswith("[") else host
     return host if port is None else f"{host}:{port}"

@@ -20,8 +20,8 @@ from rostether.cli.access.served_graphs import ServedGraphs
 from rostether.cli.dashboard.view import View
 from rostether.cli.gateway.foxglove import gateway_on, with_ros1_types
 from rostether.cli.gateway.gateways import Report, joined_as, report_reach
-from rostether.cli.gateway.node import NodeWords
-from rostether.cli.gateway.options import DEFAULT_PLACE, Encryption, read_encryption, read_place
+from rostether.cli.gateway.node import NodeNaming
+from rostether.cli.gateway.options import DEFAULT_ADDRESS, Encryption, read_encryption, read_listen_address
 from rostether.cli.shell.output import write_line
 from rostether.dashboard.authority_page import PAGE_FILE, authority_files
 from rostether.errors import TransportOpenError
@@ -68,8 +68,8 @@ async def served_dashboard(
     """Serve the dashboard until the end of the block. Raises ConfigError, GraphError."""
     from rostether.gateways.foxglove.settings import DEFAULT_PORT
 
-    host, port = read_place(settings.place, 0)
-    is_typed = settings.place != host and settings.place.strip("[]") != host
+    host, port = read_listen_address(settings.address, 0)
+    is_typed = settings.address != host and settings.address.strip("[]") != host
     async with AsyncExitStack() as stack:
         for tries_left in reversed(range(1 if is_typed else _PORT_TRIES)):
             if not is_typed:
@@ -135,13 +135,13 @@ async def _served_at(
         },
     )
     graph = await joined_as(on, settings.node, settings.node.name_for(NODE, port, DEFAULT_PORT), report)
-    teleop = NodeWords().name_for(TELEOP_NODE, port, DEFAULT_PORT)
+    teleop = NodeNaming().name_for(TELEOP_NODE, port, DEFAULT_PORT)
     # By its name, pages know which commands are their own.
     teleop_node = f"{graph.node_name.rpartition('/')[0]}/{teleop}"
     served = replace(served, metadata={**served.metadata, "teleop_node": teleop_node})
 
     async def join_teleop() -> Graph:
-        return await joined_as(on, NodeWords(namespace=settings.node.namespace), teleop, report)
+        return await joined_as(on, NodeNaming(namespace=settings.node.namespace), teleop, report)
 
     async with (
         closed_at_end(graph),
@@ -156,7 +156,7 @@ async def _served_at(
             report(Level.INFO, f"Dashboard: {url}")
             if access.view_token:
                 view_url = page_url(host, gateway.port, access.view_token, is_encrypted=bool(access.tls))
-                report(Level.INFO, f"Dashboard, to look only: {view_url}")
+                report(Level.INFO, f"Dashboard, view only: {view_url}")
             if encryption.authority is not None:
                 report(
                     Level.INFO,
@@ -174,7 +174,7 @@ async def _served_at(
 
 def page_url(host: str, port: int, token: str = "", *, is_encrypted: bool = False) -> str:
     """Return the address to open in a browser; the token is in the fragment, which browsers do not send."""
-    if host == DEFAULT_PLACE:
+    if host == DEFAULT_ADDRESS:
         host = LOOPBACK
     elif host in _EVERYWHERE:
         # Phones often cannot resolve this machine's name, but can use its address.
@@ -205,7 +205,7 @@ def _load_site(
 
 def _free_port(host: str, wanted: int) -> int:
     """Return the requested port, else the next free one, else 0 for any."""
-    name = LOOPBACK if host == DEFAULT_PLACE else host
+    name = LOOPBACK if host == DEFAULT_ADDRESS else host
     for port in range(wanted, wanted + _NEXT_PORTS):
         try:
             with socket.create_server((name, port), family=_family(name)):

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-from rostether.cli.gateway.node import NodeWords
-from rostether.cli.gateway.options import DEFAULT_PLACE, GatewayOptions
+from rostether.cli.gateway.node import NodeNaming
+from rostether.cli.gateway.options import DEFAULT_ADDRESS, GatewayOptions
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -19,14 +19,14 @@ if TYPE_CHECKING:
 class DashboardSettings:
     """Where the dashboard is served, and who may use it.
 
-    `place` is [HOST:]PORT; without a port, the next free one from 8765 is used. Without `has_page` only the
+    `address` is [HOST:]PORT; without a port, the next free one from 8765 is used. Without `has_page` only the
     gateway is served. `views` are panels whose addresses are printed too. `wider` is the command, with
     {port}, to let other machines connect. `boards` are serial ports of the devices that show the page.
     """
 
-    place: str = DEFAULT_PLACE
+    address: str = DEFAULT_ADDRESS
     access: GatewayOptions = field(default_factory=GatewayOptions)
-    node: NodeWords = field(default_factory=NodeWords)
+    node: NodeNaming = field(default_factory=NodeNaming)
     has_page: bool = True
     recordings: Path | None = None
     tiles: Path | None = None

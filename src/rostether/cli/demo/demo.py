@@ -21,7 +21,7 @@ from rostether.cli.access.ros1_access import joining_ros1, read_environment, typ
 from rostether.cli.access.served_graphs import ServedGraphs
 from rostether.cli.bridge.options import read_devices
 from rostether.cli.bridge.serving import serving
-from rostether.cli.dashboard.beside import dashboard_beside
+from rostether.cli.dashboard.optional import optional_dashboard
 from rostether.cli.dashboard.settings import DashboardSettings
 from rostether.cli.demo.boards import PYTHON, UNO, demo_board
 from rostether.cli.demo.graphs import demo_master, demo_ros2, prepare_board
@@ -139,7 +139,7 @@ async def _demo(environment: RosEnvironment, options: DemoOptions, devices: Devi
         )
         await stack.enter_async_context(serving(supervisor, [board.link, WebAddress()], reporter))
         dashboard = await stack.enter_async_context(
-            dashboard_beside(
+            optional_dashboard(
                 DashboardSettings(wider="`rostether dashboard --listen 0.0.0.0`", boards=boards)
                 if not options.no_page
                 else None,

@@ -68,7 +68,7 @@ async def demo_ros2(stack: AsyncExitStack, reporter: Reporter, *, joins: bool) -
         except RostetherError as error:
             reporter.line(Level.WARN, f"Not on ROS 2: {error}")
             return None
-        # Without its own router it would be in a graph that runs already.
+        # Without its own router, the demo would be in a graph that already runs.
         if not joins and not access.is_router:
             reporter.line(Level.INFO, "Not on ROS 2: another graph runs here; --join joins it")
             return None

@@ -46,10 +46,10 @@ _INDENT = "  "
 
 @dataclass(frozen=True, slots=True)
 class _Shown:
-    """How values of a type are shown: as text and, with a figure, as a curve on a scale."""
+    """How values of a type are shown: as text and, with `number`, as a curve on a scale."""
 
     text: Callable[[Any], str]
-    figure: Callable[[Any], float] | None = None
+    number: Callable[[Any], float] | None = None
     scale: tuple[float, float] | None = None
 
 
@@ -86,11 +86,11 @@ class DemoFacts:
 
     def next_steps(self) -> list[str]:
         """Return the commands for a second terminal."""
-        us = command_to_type()
+        command = command_to_type()
         is_usual = parse_rpc_uri(self.master_uri).port == DEFAULT_MASTER_PORT
         steps = [] if is_usual else [f"export ROS_MASTER_URI={self.master_uri.rstrip('/')}"]
-        steps += [f"{us} topic echo /ultrasound", f"{us} topic pub -1 /toggle_led std_msgs/Empty"]
-        return [*steps, f"{us} topic echo --ros2 zenoh /ultrasound"] if self.is_in_ros2 else steps
+        steps += [f"{command} topic echo /ultrasound", f"{command} topic pub -1 /toggle_led std_msgs/Empty"]
+        return [*steps, f"{command} topic echo --ros2 zenoh /ultrasound"] if self.is_in_ros2 else steps
 
 
 class RecentLines:
@@ -136,11 +136,11 @@ class DemoView:
             history.append((now_s, endpoint.message_count))
             while now_s - history[0][0] > RATE_WINDOW_S and len(history) > 2:
                 history.popleft()
-            figure = _SHOWN[endpoint.type].figure if endpoint.type in _SHOWN else None
+            number = _SHOWN[endpoint.type].number if endpoint.type in _SHOWN else None
             message = self._message(endpoint)
-            if figure is not None and message is not None:
+            if number is not None and message is not None:
                 curve = self._curves.setdefault(endpoint.name, deque(maxlen=MAX_CURVE_VALUES))
-                curve.append(figure(message))
+                curve.append(number(message))
 
     def line(self) -> str:
         """Return everything in one line, for logs and pipes."""

@@ -59,12 +59,12 @@ async def _build(
     built = await build(sketch, board_name, options)
     elf = ElfFile.read(built.elf)
     await refuse_too_large(built, elf)
-    places = save_outputs(built, folder) if folder is not None else (built.elf, built.image)
+    paths = save_outputs(built, folder) if folder is not None else (built.elf, built.image)
     if as_json:
-        write_json(_record(built, elf, places))
+        write_json(_record(built, elf, paths))
         return
     write_line(f"{built.sketch.name} for {built.board.title}: {describe_sizes(built, elf)}")
-    write_line(f"  {_shown(places[1])}")
+    write_line(f"  {_shown(paths[1])}")
 
 
 async def refuse_too_large(built: BuiltFirmware, elf: ElfFile) -> None:
@@ -97,12 +97,12 @@ def _shown(path: Path) -> str:
     return str(path) if relative.startswith("..") else relative
 
 
-def _record(built: BuiltFirmware, elf: ElfFile, places: tuple[Path, Path]) -> dict[str, object]:
+def _record(built: BuiltFirmware, elf: ElfFile, paths: tuple[Path, Path]) -> dict[str, object]:
     return {
         "sketch": built.sketch.name,
         "board": built.board.fqbn,
-        "elf": str(places[0]),
-        "image": str(places[1]),
+        "elf": str(paths[0]),
+        "image": str(paths[1]),
         "flash_bytes": elf.flash_bytes,
         "flash_limit_bytes": built.board.flash_bytes or None,
         "ram_bytes": elf.ram_bytes,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import os
 from collections.abc import AsyncIterator, Mapping, Sequence
 from contextlib import AbstractAsyncContextManager, asynccontextmanager
@@ -26,14 +27,20 @@ from rostether.cli.gateway.gateways import (
     serve_gateway,
 )
 from rostether.cli.gateway.node import (
-    NodeWords,
+    NodeNaming,
     certificate_files,
     flag,
     private_parameters,
-    read_gateway_words,
+    read_gateway_arguments,
     whole_number,
 )
-from rostether.cli.gateway.options import client_options, read_encryption, read_place, viewer_access_options
+from rostether.cli.gateway.options import (
+    DEFAULT_ADDRESS,
+    client_options,
+    read_encryption,
+    read_listen_address,
+    viewer_access_options,
+)
 from rostether.cli.role.node import RoleVerb, node_environment, node_words, run_role
 from rostether.cli.shell.verbs import verb
 from rostether.errors import ConfigError
@@ -78,8 +85,8 @@ def foxglove(
     Its node is foxglove_bridge, on other ports foxglove_bridge_PORT; __name:=, __ns:= and from:=to work as
     for any ROS node.
     """
-    place, node = read_gateway_words(words, graph.arguments)
-    settings = read_settings(place, replace(gateways, allow=graph.allow))
+    address, node = read_gateway_arguments(words, graph.arguments)
+    settings = read_settings(address, replace(gateways, allow=graph.allow))
 
     def open_gateway(graphs: ServedGraphs, report: Report) -> AbstractAsyncContextManager[FoxgloveGateway]:
         on = with_ros1_types(graphs, msg_paths)
@@ -109,24 +116,24 @@ def foxglove_bridge(arguments: tuple[str, ...], gateways: GatewayOptions) -> Non
 
 
 @asynccontextmanager
-async def served_foxglove(
+async def foxglove_gateway(
     options: GatewayOptions, graphs: ServedGraphs, msg_paths: Sequence[Path], report: Report
-) -> AsyncIterator[None]:
-    """Serve Foxglove if `serve --foxglove` requests it. Raises ConfigError."""
-    if options.foxglove is None:
-        yield
-        return
-    settings = read_settings(options.foxglove, options)
+) -> AsyncIterator[FoxgloveGateway]:
+    """Serve Foxglove at `options.foxglove` until the end of the block.
+
+    Raises ConfigError, TransportOpenError if the port is not free, GraphError if another node has the name.
+    """
+    settings = await asyncio.to_thread(read_settings, options.foxglove or DEFAULT_ADDRESS, options)
     on = with_ros1_types(graphs, msg_paths)
-    async with _gateway(settings, NodeWords(), on, report, "--foxglove 0.0.0.0:{port}"):
-        yield
+    async with _gateway(settings, NodeNaming(), on, report, "--foxglove 0.0.0.0:{port}") as gateway:
+        yield gateway
 
 
-def read_settings(place: str, options: GatewayOptions) -> FoxgloveSettings:
+def read_settings(address: str, options: GatewayOptions) -> FoxgloveSettings:
     """Return the typed options as settings. Raises ConfigError."""
     from rostether.gateways.foxglove.settings import DEFAULT_PORT, FoxgloveSettings
 
-    host, port = read_place(place, DEFAULT_PORT)
+    host, port = read_listen_address(address, DEFAULT_PORT)
     encryption = read_encryption(options.tls, host)
     return FoxgloveSettings(
         host,
@@ -195,7 +202,7 @@ def with_ros1_types(graphs: ServedGraphs, msg_paths: Sequence[Path]) -> GatewayG
 
 @asynccontextmanager
 async def _gateway(
-    settings: FoxgloveSettings, node: NodeWords, on: GatewayGraph, report: Report, wider: str
+    settings: FoxgloveSettings, node: NodeNaming, on: GatewayGraph, report: Report, wider: str
 ) -> AsyncIterator[FoxgloveGateway]:
     from rostether.gateways.foxglove.settings import DEFAULT_PORT
 

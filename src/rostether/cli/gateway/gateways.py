@@ -13,7 +13,7 @@ from rostether.cli.access.console_reporter import ConsoleReporter
 from rostether.cli.access.graph_options import GraphOptions
 from rostether.cli.access.ros1_access import master_client, read_environment, type_store
 from rostether.cli.access.served_graphs import ServedGraphs, native_session, served_graphs
-from rostether.cli.gateway.node import IsLive, NodeWords, asking_ros1, check_free
+from rostether.cli.gateway.node import IsLive, NodeNaming, asking_ros1, check_free
 from rostether.cli.shell.running import run
 from rostether.graph.ports import JoinGraph, Level
 from rostether.mechanisms.waiting import wait_for_master
@@ -85,7 +85,7 @@ def ros1_gateway_graph(join: JoinGraph, store: TypeStore, environment: RosEnviro
     )
 
 
-async def joined_as(on: GatewayGraph, words: NodeWords, name: str, report: Report) -> Graph:
+async def joined_as(on: GatewayGraph, naming: NodeNaming, name: str, report: Report) -> Graph:
     """Join as soon as there is a master. Raises GraphError if another node has the name."""
 
     async def join(
@@ -94,7 +94,7 @@ async def joined_as(on: GatewayGraph, words: NodeWords, name: str, report: Repor
         await check_free(node_name, namespace, on.is_live)
         return await on.join(node_name, namespace=namespace, remappings=remappings)
 
-    in_its_namespace = partial(join, namespace=words.namespace, remappings=words.remappings)
+    in_its_namespace = partial(join, namespace=naming.namespace, remappings=naming.remappings)
     return await join_with_retries(in_its_namespace, name, report)
 
 

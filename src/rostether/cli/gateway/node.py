@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 import click
 
-from rostether.cli.gateway.options import DEFAULT_PLACE
+from rostether.cli.gateway.options import DEFAULT_ADDRESS
 from rostether.errors import ConfigError, GraphError, UnknownNameError
 from rostether.names.graph_name import canonical, join, validate_name
 from rostether.names.remap import parse_arguments
@@ -29,8 +29,8 @@ _NOTHING = (None, "", "None")
 
 
 @dataclass(frozen=True, slots=True)
-class NodeWords:
-    """The settings of a gateway's node on a command line; the name defaults to the gateway's."""
+class NodeNaming:
+    """The name, namespace and remappings of a gateway's node; an empty name means the gateway's own."""
 
     name: str = ""
     namespace: str = "/"
@@ -44,8 +44,8 @@ class NodeWords:
         return own_name if port in (0, default_port) else f"{own_name}_{port}"
 
 
-def read_gateway_words(words: Sequence[str], special: Mapping[str, str]) -> tuple[str, NodeWords]:
-    """Return the place to listen on and the settings of the node.
+def read_gateway_arguments(words: Sequence[str], special: Mapping[str, str]) -> tuple[str, NodeNaming]:
+    """Return the address to listen at, [HOST:]PORT, and the naming of the node.
 
     Raises click.UsageError, ConfigError, InvalidNameError.
     """
@@ -56,14 +56,14 @@ def read_gateway_words(words: Sequence[str], special: Mapping[str, str]) -> tupl
             f"_{name}:= works only for the node in launch files; use the options and HOST:PORT here"
         )
     if len(arguments.rest) > 1:
-        raise click.UsageError(f"give only one place to listen on, not {' and '.join(arguments.rest)}")
+        raise click.UsageError(f"give only one [HOST:]PORT, not {' and '.join(arguments.rest)}")
     name = special.get("__name", "")
     namespace = canonical("/" + special.get("__ns", ""))
     if name:
         validate_name(name)
     validate_name(namespace)
-    place = arguments.rest[0] if arguments.rest else DEFAULT_PLACE
-    return place, NodeWords(name, namespace, arguments.remappings)
+    address = arguments.rest[0] if arguments.rest else DEFAULT_ADDRESS
+    return address, NodeNaming(name, namespace, arguments.remappings)
 
 
 def asking_ros1(environment: RosEnvironment) -> IsLive:

@@ -5,17 +5,18 @@ from __future__ import annotations
 import os
 import re
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 from rostether.cli.shell.option_group import Decorator, OptionalValueOption, add_option, option_group
 from rostether.errors import ConfigError
 from rostether.ports.config_paths import certificates_folder
 
-DEFAULT_PLACE = "localhost"
+DEFAULT_ADDRESS = "localhost"
 TOKEN_VARIABLE = "ROSTETHER_TOKEN"  # noqa: S105 - the name of a variable
 VIEW_TOKEN_VARIABLE = "ROSTETHER_VIEW_TOKEN"  # noqa: S105 - the name of a variable
 
-_PLACE = re.compile(
+_ADDRESS = re.compile(
     r"(?:[\w.-]+:|\[[\da-fA-F:.]+\]:)?\d{1,5}|localhost|\d{1,3}(?:\.\d{1,3}){3}|\[[\da-fA-F:.]+\]"
 )
 _MAX_PORT = 65535
@@ -28,36 +29,47 @@ AUTO = "auto"
 
 @dataclass(frozen=True, slots=True)
 class GatewayOptions:
-    """The typed options: the place of each requested gateway (None: not requested), and who may use it.
+    """The typed options: the address of each requested gateway (None: not requested), and who may use it.
 
-    `wider` is the command, with {port}, that admits other machines.
+    Raises ConfigError for an origin that is not one, and for a view token without a different token.
     """
 
     rosbridge: str | None = None
     token: str = ""
     origins: tuple[str, ...] = ()
     allow: tuple[str, ...] = ()
-    wider: str = "--rosbridge 0.0.0.0:{port}"
     foxglove: str | None = None
     view_token: str = ""
     tls: str = ""
 
+    def __post_init__(self) -> None:
+        for origin in self.origins:
+            if not _ORIGIN.fullmatch(origin):
+                raise ConfigError(
+                    f"--origin: {origin!r} is not an origin; write it like https://panel.example or "
+                    f"http://192.168.1.7:8000"
+                )
+        if self.view_token and not self.token:
+            raise ConfigError("--view-token needs --token: without one, every client may do everything")
+        if self.view_token and self.view_token == self.token:
+            raise ConfigError("--view-token and --token must differ")
 
-def is_place(word: str) -> bool:
+
+def is_listen_address(word: str) -> bool:
     """Return whether a word is [HOST:]PORT or an IP address: the value of the option before it."""
-    return _PLACE.fullmatch(word) is not None
+    return _ADDRESS.fullmatch(word) is not None
 
 
-def read_place(text: str, default_port: int) -> tuple[str, int]:
+def read_listen_address(text: str, default_port: int) -> tuple[str, int]:
     """Return the host and port of `HOST:PORT`, `PORT` or `HOST`. Raises ConfigError."""
     host, colon, port = text.rpartition(":")
     if text.isdecimal():
-        host, port = DEFAULT_PLACE, text
+        host, port = DEFAULT_ADDRESS, text
     elif not colon or text.endswith("]") or (text.count(":") > 1 and not text.startswith("[")):
         host, port = text, str(default_port)
     if not port.isdecimal() or len(port) > 20 or not 0 <= int(port) <= _MAX_PORT:
         raise ConfigError(
-            f"{text!r} is not a place to listen on; write HOST:PORT, e.g. 0.0.0.0:{default_port}"
+            f"{text!r} is not an address to listen at; write HOST:PORT, e.g. 0.0.0.0:{default_port}"
         )
     return host.strip("[]"), int(port)
 
@@ -96,50 +108,29 @@ _VIEW_OPTIONS = (
 )
 
 
-def _place_option(spelling: str, text: str) -> Decorator:
+def _address_option(spelling: str, text: str) -> Decorator:
     return add_option(
         f"{spelling} [HOST:PORT]",
         text,
         cls=OptionalValueOption,
-        alone=DEFAULT_PLACE,
-        is_value=is_place,
+        alone=DEFAULT_ADDRESS,
+        is_value=is_listen_address,
         heading=_HEADING,
     )
 
 
-dashboard_option = _place_option("--dashboard", "Serve the dashboard, a page for browsers (127.0.0.1:8765).")
-_PLACE_OPTIONS = (
-    _place_option("--rosbridge", "Serve web pages with roslibjs, as rosbridge does (localhost:9090)."),
-    _place_option("--foxglove", "Serve Foxglove, as foxglove_bridge does (localhost:8765)."),
+dashboard_option = _address_option(
+    "--dashboard", "Serve the dashboard, a page for browsers (127.0.0.1:8765)."
+)
+_ADDRESS_OPTIONS = (
+    _address_option("--rosbridge", "Serve web pages with roslibjs, as rosbridge does (localhost:9090)."),
+    _address_option("--foxglove", "Serve Foxglove, as foxglove_bridge does (localhost:8765)."),
 )
 
 
-def _checked(
-    *,
-    token: str = "",
-    origins: tuple[str, ...] = (),
-    rosbridge: str | None = None,
-    foxglove: str | None = None,
-    view_token: str = "",
-    tls: str = "",
-) -> GatewayOptions:
-    for origin in origins:
-        if not _ORIGIN.fullmatch(origin):
-            raise ConfigError(
-                f"--origin: {origin!r} is not an origin; write it like https://panel.example or "
-                f"http://192.168.1.7:8000"
-            )
-    if view_token and not token:
-        raise ConfigError("--view-token needs --token: without one, every client may do everything")
-    if view_token and view_token == token:
-        raise ConfigError("--view-token and --token must differ")
-    return GatewayOptions(
-        rosbridge=rosbridge, token=token, origins=origins, foxglove=foxglove, view_token=view_token, tls=tls
-    )
-
-
 def _client_group(*options: Decorator) -> Decorator:
-    return option_group("gateways", _checked, options, heading=_HEADING)
+    # --allow is an option of the graph.
+    return option_group("gateways", partial(GatewayOptions, allow=()), options, heading=_HEADING)
 
 
 # Adds --token and --origin, for nodes with parameters for TLS; the verb gets a GatewayOptions as `gateways`.
@@ -149,7 +140,7 @@ access_options = _client_group(*_ACCESS_OPTIONS)
 # Also adds --view-token, for gateways with view-only clients.
 viewer_access_options = _client_group(*_ACCESS_OPTIONS, *_VIEW_OPTIONS)
 # Adds an option for each gateway as well.
-gateway_options = _client_group(*_PLACE_OPTIONS, *_ACCESS_OPTIONS, *_VIEW_OPTIONS)
+gateway_options = _client_group(*_ADDRESS_OPTIONS, *_ACCESS_OPTIONS, *_VIEW_OPTIONS)
 
 
 @dataclass(frozen=True, slots=True)

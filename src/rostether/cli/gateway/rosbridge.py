@@ -27,21 +27,21 @@ from rostether.cli.gateway.gateways import (
     serve_gateway,
 )
 from rostether.cli.gateway.node import (
-    NodeWords,
+    NodeNaming,
     certificate_files,
     flag,
     private_parameters,
-    read_gateway_words,
+    read_gateway_arguments,
     whole_number,
 )
 from rostether.cli.gateway.options import (
-    DEFAULT_PLACE,
+    DEFAULT_ADDRESS,
     TOKEN_VARIABLE,
     GatewayOptions,
     access_options,
     client_options,
     read_encryption,
-    read_place,
+    read_listen_address,
 )
 from rostether.cli.role.node import RoleVerb, node_environment, node_words, run_role
 from rostether.cli.shell.verbs import verb
@@ -89,10 +89,8 @@ def rosbridge(
     work as for any ROS node.
     """
     check_rosbridge()
-    place, node = read_gateway_words(words, graph.arguments)
-    options = replace(
-        gateways, allow=graph.allow, rosbridge=place, wider="`rostether rosbridge 0.0.0.0:{port}`"
-    )
+    address, node = read_gateway_arguments(words, graph.arguments)
+    options = replace(gateways, allow=graph.allow, rosbridge=address)
     serve_gateway(graph, msg_paths, partial(_opened, graph, options, node, msg_paths))
 
 
@@ -100,32 +98,36 @@ def rosbridge(
 async def _opened(
     graph_options: GraphOptions,
     options: GatewayOptions,
-    node: NodeWords,
+    node: NodeNaming,
     msg_paths: tuple[Path, ...],
     graphs: ServedGraphs,
     report: Report,
 ) -> AsyncIterator[RosbridgeServer]:
     async with (
         gateway_graph(graphs, graph_options, msg_paths) as graph,
-        rosbridge_gateway(options, graph, report, node) as server,
+        rosbridge_gateway(options, graph, report, node, "`rostether rosbridge 0.0.0.0:{port}`") as server,
     ):
         yield server
 
 
 @asynccontextmanager
 async def rosbridge_gateway(
-    options: GatewayOptions, on: GatewayGraph, report: Report, words: NodeWords | None = None
+    options: GatewayOptions,
+    on: GatewayGraph,
+    report: Report,
+    naming: NodeNaming | None = None,
+    wider: str = "--rosbridge 0.0.0.0:{port}",
 ) -> AsyncIterator[RosbridgeServer]:
-    """Run rosbridge at `options.rosbridge` as long as the block lasts.
+    """Serve rosbridge at `options.rosbridge` until the end of the block.
 
-    Raises ConfigError if a package is missing, TransportOpenError if the port is not free, GraphError if
-    another node has the name.
+    `wider` is the command, with {port}, that admits other machines. Raises ConfigError if a package is
+    missing, TransportOpenError if the port is not free, GraphError if another node has the name.
     """
     check_rosbridge()
     from rostether.gateways.rosbridge.settings import DEFAULT_PORT, RosbridgeSettings
 
-    words = words or NodeWords()
-    host, port = read_place(options.rosbridge or DEFAULT_PLACE, DEFAULT_PORT)
+    naming = naming or NodeNaming()
+    host, port = read_listen_address(options.rosbridge or DEFAULT_ADDRESS, DEFAULT_PORT)
     encryption = await asyncio.to_thread(read_encryption, options.tls, host)
     settings = RosbridgeSettings(
         host,
@@ -136,8 +138,8 @@ async def rosbridge_gateway(
         certificate=encryption.certificate,
         key=encryption.key,
     )
-    graph = await joined_as(on, words, words.name_for(ROSBRIDGE_NODE, port, DEFAULT_PORT), report)
-    async with closed_at_end(graph), rosbridge_server(graph, on, settings, report, options.wider) as server:
+    graph = await joined_as(on, naming, naming.name_for(ROSBRIDGE_NODE, port, DEFAULT_PORT), report)
+    async with closed_at_end(graph), rosbridge_server(graph, on, settings, report, wider) as server:
         yield server
 
 
@@ -145,12 +147,7 @@ async def rosbridge_gateway(
 async def rosbridge_server(
     graph: Graph, on: GatewayGraph, settings: RosbridgeSettings, report: Report, wider: str
 ) -> AsyncIterator[RosbridgeServer]:
-    """Run a rosbridge server on a node, and report its address.
-
-    Raises the same errors as `rosbridge_gateway`.
-
-    `wider` is the command, with {port}, that admits other machines.
-    """
+    """Run a rosbridge server on a node, and report its address; see `rosbridge_gateway`."""
     from rostether.gateways.rosbridge.rosapi.rosapi import Rosapi, offering_rosapi
     from rostether.gateways.rosbridge.server import RosbridgeServer
     from rostether.gateways.rosbridge.values import Style

@@ -12,7 +12,7 @@ import click
 
 from rostether.cli.access.graph_options import GraphOptions, graph_options
 from rostether.cli.gateway.options import (
-    DEFAULT_PLACE,
+    DEFAULT_ADDRESS,
     GatewayOptions,
     dashboard_option,
     viewer_access_options,
@@ -94,8 +94,8 @@ def launch(
     if not options.no_summary:
         _print(summary_lines(loaded.plan))
     views = tuple(loaded.views)
-    place = DEFAULT_PLACE if dashboard is None and views else dashboard
-    settings = DashboardSettings(place, gateways, views=views) if place is not None else None
+    address = DEFAULT_ADDRESS if dashboard is None and views else dashboard
+    settings = DashboardSettings(address, gateways, views=views) if address is not None else None
     master = MasterSettings(
         environment, is_chosen=graph.master is not None, port=options.port, waits=options.wait
     )

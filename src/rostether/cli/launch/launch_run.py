@@ -9,8 +9,8 @@ import click
 
 from rostether.cli.access.ros1_access import joining_ros1, no_master
 from rostether.cli.access.served_graphs import ServedGraphs, master_answers, used_master, wait_for_answer
-from rostether.cli.dashboard.beside import dashboard_beside
 from rostether.cli.dashboard.browser import has_browser, open_browser
+from rostether.cli.dashboard.optional import optional_dashboard
 from rostether.cli.dashboard.settings import DashboardSettings
 from rostether.cli.launch.launch_options import LaunchOptions
 from rostether.cli.launch.loaded_launch import LoadedLaunch
@@ -48,7 +48,7 @@ async def run_launch(
         write_line(used.line)
         graphs = ServedGraphs(joining_ros1(used.environment), used.environment, ())
         try:
-            async with dashboard_beside(dashboard, graphs, loaded.package_folders, _report) as served:
+            async with optional_dashboard(dashboard, graphs, loaded.package_folders, _report) as served:
                 if served is not None and has_browser(os.environ):
                     for url in served.view_urls:
                         await open_browser(url)

@@ -27,7 +27,7 @@ VERBS = verb_entries(
         "list": ("pkg:list_packages", "List packages and their folders."),
         "find": ("pkg:find", "Print a package's folder."),
         "list-names": ("pkg:list_names", "List the names of packages."),
-        "depends1": ("pkg:depends1", "List the dependencies that a package names."),
+        "depends1": ("pkg:depends1", "List the direct dependencies of a package."),
         "version": ("pkg:version", "Print a package's version, like rosversion."),
         "init-workspace": (
             "pkg_make:init",
@@ -146,7 +146,7 @@ def find(name: str) -> None:
 @verb("depends1", "rostether pkg depends1 mearm_model")
 @click.argument("name", metavar="PACKAGE")
 def depends1(name: str) -> None:
-    """List the packages that a package names in its package.xml."""
+    """List the direct dependencies in a package's package.xml."""
     from rostether.packages.workspace import read_contents
 
     for each in sorted(read_contents(folder_of(name)).description.dependencies):

@@ -55,8 +55,8 @@ def machine(environment: RosEnvironment, name: str | None) -> None:
         for host in sorted(set(hosts.values())):
             write_line(host)
         return
-    places = hosts_of_machine(name, hosts.values())
-    found = [node_name for node_name, host in hosts.items() if host in places]
+    names = hosts_of_machine(name, hosts.values())
+    found = [node_name for node_name, host in hosts.items() if host in names]
     for each in found:
         write_line(each)
     if not found:
@@ -77,7 +77,7 @@ async def _list(
                 try:
                     listed.append((name, await client.lookup_node(name) if with_uris else ""))
                 except UnknownNameError:
-                    # It left a moment ago.
+                    # The node has just unregistered.
                     listed.append((name, ""))
     return listed
 

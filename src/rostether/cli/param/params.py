@@ -68,8 +68,8 @@ class Params(Protocol):
     def describe(self, node: str, names: tuple[str, ...], *, as_json: bool) -> None:
         """Print type, limits and description of a node's parameters."""
 
-    def dump(self, file: Path | None, namespace: str, *, verbose: bool) -> None:
-        """Write parameters as YAML."""
+    def dump(self, file: Path | None, namespace: str, /, *, verbose: bool) -> None:
+        """Write parameters as YAML; ROS 2 takes the node instead of the file."""
 
-    def load(self, file: Path, namespace: str, *, verbose: bool) -> None:
-        """Set the parameters of a YAML file."""
+    def load(self, file: Path, namespace: str, /, *, verbose: bool) -> None:
+        """Set the parameters of a YAML file; ROS 2 takes the node and the file."""

@@ -91,12 +91,12 @@ class Ros1Params:
             )
 
     def describe(self, node: str, names: tuple[str, ...], *, as_json: bool) -> None:
-        """Refuse: parameters of ROS 1 have no description."""
+        """Raise UsageError: parameters of ROS 1 have no description."""
         raise click.UsageError(
             "ROS 1 parameters have no description; use --ros2 for the parameters of a ROS 2 node"
         )
 
-    def dump(self, file: Path | None, namespace: str, *, verbose: bool) -> None:
+    def dump(self, file: Path | None, namespace: str, /, *, verbose: bool) -> None:
         """Write parameters to a YAML file; without a file, or with -, to stdout."""
         from rostether.mechanisms.whole_file import write_whole
         from rostether.param_yaml import dump
@@ -109,7 +109,7 @@ class Ros1Params:
         else:
             write_whole(file, text.encode())
 
-    def load(self, file: Path, namespace: str, *, verbose: bool) -> None:
+    def load(self, file: Path, namespace: str, /, *, verbose: bool) -> None:
         """Set the parameters of a YAML file (- is stdin), in a namespace if one is given."""
         from rostether.param_yaml import parse_documents
 
@@ -133,7 +133,7 @@ async def _fetch(environment: RosEnvironment, name: str) -> tuple[str, Any]:
 
 
 def _plain(value: Any) -> Any:
-    """Return a value as JSON can hold it; bytes stay: `write_json` encodes them."""
+    """Return a value with types that JSON has; bytes stay: `write_json` encodes them."""
     if isinstance(value, dict):
         return {key: _plain(each) for key, each in value.items()}
     if isinstance(value, list):
@@ -184,7 +184,7 @@ def _warn_of_illegal(names: list[str]) -> None:
         try:
             validate_name(name)
         except InvalidNameError as error:
-            warn(f"warning: {error}; it is set, but roscpp nodes refuse such names")
+            warn(f"warning: {error}; it is set, but roscpp nodes reject such names")
             return
 
 
@@ -203,7 +203,7 @@ def param_name(name: str, environment: RosEnvironment) -> str:
 async def not_set(client: MasterClient, name: str) -> UnknownNameError:
     """Return the error for a parameter that is not set, with the nearest one that is."""
     known = _with_namespaces(await client.param_names())
-    hint = did_you_mean(name, known) or "`rostether param list` shows the set ones"
+    hint = did_you_mean(name, known) or "`rostether param list` lists those that are set"
     return UnknownNameError(f"parameter {name} is not set; {hint}")
 
 

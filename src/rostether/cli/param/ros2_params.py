@@ -212,14 +212,14 @@ class Ros2Params:
             for line in lines:
                 write_line(escape_line(line))
 
-    def dump(self, file: Path | None, namespace: str, *, verbose: bool) -> None:
-        """Print all parameters of the node `file` as a file for `--params-file` and `param load`."""
+    def dump(self, node: Path | None, namespace: str, /, *, verbose: bool) -> None:
+        """Print all parameters of a node as a file for `--params-file` and `param load`."""
         import yaml
 
         refuse_ros1_only(namespace=namespace, verbose=verbose)
-        if file is None:
-            raise click.UsageError("give the node of the parameters")
-        owner = full_node_name(str(file))
+        if node is None:
+            raise click.UsageError("give the node whose parameters to print")
+        owner = full_node_name(str(node))
 
         async def ask(client: ParameterClient) -> dict[str, TypedValue]:
             names = await client.names(owner)
@@ -227,25 +227,25 @@ class Ros2Params:
 
         tree: dict[str, Any] = {}
         for name, value in _asked_of(self._graph, owner, ask).items():
-            place = tree
+            branch = tree
             *above, last = name.split(".")
             for part in above:
-                place = place.setdefault(part, {})
-            place[last] = list(value.value) if isinstance(value.value, bytes) else value.value
+                branch = branch.setdefault(part, {})
+            branch[last] = list(value.value) if isinstance(value.value, bytes) else value.value
         write_line(yaml.safe_dump({owner: {"ros__parameters": tree}}, default_flow_style=False))
 
-    def load(self, file: Path, namespace: str, *, verbose: bool) -> None:
-        """Set the parameters that the file `namespace` has for the node `file`. Raises ConfigError."""
+    def load(self, node: Path, file: str, /, *, verbose: bool) -> None:
+        """Set the parameters that a file has for a node. Raises ConfigError."""
         from rostether.ros2.parameters.parameter_file import read_parameter_files
 
         refuse_ros1_only(verbose=verbose)
-        if not namespace:
-            raise click.UsageError("type NODE FILE")
-        owner = full_node_name(str(file))
-        values = read_parameter_files([Path(namespace)]).for_node(owner)
+        if not file:
+            raise click.UsageError("give NODE FILE")
+        owner = full_node_name(str(node))
+        values = read_parameter_files([Path(file)]).for_node(owner)
         if not values:
             raise ConfigError(
-                f"{namespace} has no parameters for {owner}: write them below {owner}: ros__parameters:"
+                f"{file} has no parameters for {owner}: write them below {owner}: ros__parameters:"
             )
 
         async def ask(client: ParameterClient) -> int:

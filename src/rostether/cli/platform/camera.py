@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from rostether.platform.sensors.cascade import CascadeDetector
     from rostether.platform.sensors.picture_sources import PictureSource
 
-# Larger than the pictures of cameras that robots have.
+# In pixels; the cameras of robots have smaller pictures.
 _MAX_SIDE = 8192
 
 
@@ -59,7 +59,7 @@ async def _camera(is_ros1: bool, graph: TypedGraph, _: Arguments) -> None:
     first = await _first_parameters(graph, parameters) if is_ros1 else {}
     source = await _source(parameters, bool(first.get("vflip")), bool(first.get("hflip")))
     description = await read_description(parameters, SensorKind("camera", "CAMERA", MESSAGE_TYPE, 10.0))
-    # One version of that node spells it so.
+    # Some versions of that node misspell the parameter.
     first_file = first.get("classifier") or first.get("clasifier") or ""
     file = await parameters.text(str(first_file), "classifier")
     detector = await asyncio.to_thread(_detector, file) if file else None

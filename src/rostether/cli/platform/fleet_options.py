@@ -35,7 +35,7 @@ _OPTIONS = (
     ),
     add_option(
         "--ttl",
-        "How many networks a datagram crosses.",
+        "The time to live of datagrams: how many networks they cross.",
         type=click.IntRange(0, 255),
         default=1,
         show_default=True,

@@ -52,7 +52,7 @@ class Answers:
     given: Path | None = option("--from", "A robot.toml, instead of questions.", type=EXISTING_FILE)
 
 
-def _place_options(function: Function) -> Function:
+def _target_options(function: Function) -> Function:
     root = add_option(
         "--root",
         "Write below this folder, such as a mounted image, and start nothing.",
@@ -78,7 +78,7 @@ def _place_options(function: Function) -> Function:
 @option_group("answers", Answers)
 @add_flag("--gui", "Open the dashboard when a user logs in.")
 @add_flag("--dry-run", "Show what would be written.")
-@_place_options
+@_target_options
 def install(answers: Answers, gui: bool, dry_run: bool, for_user: bool | None, root: Path | None) -> None:
     """Start a robot's parts at boot: write a robot.toml and a systemd unit.
 
@@ -124,7 +124,7 @@ def _enable_below(root: Path, installation: Installation) -> None:
 
 
 @verb("uninstall", "rostether uninstall")
-@_place_options
+@_target_options
 def uninstall(for_user: bool | None, root: Path | None) -> None:
     """Stop the robot's parts, and remove the files of `rostether install`, including the robot.toml."""
     installation = _installation(for_user)
@@ -151,7 +151,7 @@ def uninstall(for_user: bool | None, root: Path | None) -> None:
 
 
 @verb("status", "rostether status")
-@_place_options
+@_target_options
 def status(for_user: bool | None, root: Path | None) -> None:
     """Show what starts at boot, and whether it runs."""
     from rostether.cli.platform.robot_check import check_robot, read_robot
@@ -242,7 +242,7 @@ def _ask_interface() -> str:
 
     found = interface_addresses()
     listed = ", ".join(f"{name} ({address})" for name, address in found.items()) or "none has an address now"
-    answer = _ask(f"Network interface of the fleet: {listed}; any for none in particular", "any")
+    answer = _ask(f"Network interface of the fleet: {listed}; any: chosen by the system", "any")
     return "" if answer == "any" else answer
 
 
@@ -263,11 +263,11 @@ def _written(installation: Installation) -> list[Path]:
 
 def _write(files: Mapping[Path, str], root: Path | None) -> None:
     for path, content in files.items():
-        place = path_below(root, path)
+        target = path_below(root, path)
         try:
-            place.parent.mkdir(parents=True, exist_ok=True)
-            place.write_text(content, encoding="utf-8")
+            target.parent.mkdir(parents=True, exist_ok=True)
+            target.write_text(content, encoding="utf-8")
         except OSError as error:
-            hint = "; type sudo first, or add --user" if isinstance(error, PermissionError) else ""
-            raise ConfigError(f"cannot write {place}: {error.strerror}{hint}") from None
-        write_line(f"wrote {place}")
+            hint = "; run it with sudo, or add --user" if isinstance(error, PermissionError) else ""
+            raise ConfigError(f"cannot write {target}: {error.strerror}{hint}") from None
+        write_line(f"wrote {target}")

@@ -46,8 +46,8 @@ def numbers(name: str, value: Any) -> Iterator[tuple[str, float]]:
     elif isinstance(value, Time | Duration):
         yield name, value.secs + value.nsecs / 1e9
     elif isinstance(value, bytes | list):
-        for place, each in enumerate(value[: MAX_CURVES + 1]):
-            yield from numbers(f"{name}[{place}]", each)
+        for index, each in enumerate(value[: MAX_CURVES + 1]):
+            yield from numbers(f"{name}[{index}]", each)
     elif isinstance(value, Message):
         for field, _ in value._fields:
             if field != _LEFT_OUT:

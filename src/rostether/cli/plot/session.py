@@ -101,7 +101,7 @@ class PlotSession:
         loop = asyncio.get_running_loop()
         names = [name for group in groups for name in group]
         self._curves.expect(*names)
-        tasks = [loop.create_task(_first_problem(follow(group))) for group in groups]
+        tasks = [loop.create_task(_first_error(follow(group))) for group in groups]
         try:
             with contextlib.suppress(TimeoutError):
                 async with asyncio.timeout(self._options.duration_s):
@@ -124,7 +124,7 @@ class PlotSession:
             from rostether.pictures.plot import Labels, draw_plot
 
             since_s = self._last_s - self._options.window_s if self._options.window_s else 0.0
-            curves = self._placed(self._curves.curves(since_s))
+            curves = self._with_scales(self._curves.curves(since_s))
             labels = Labels(self._options.title or "", self._begin_unix_s, self._options.is_clock)
             save(file, encode(draw_plot(curves, labels), picture_format(file)))
             write_line(
@@ -136,20 +136,20 @@ class PlotSession:
             for line in as_plain(self._lines(*shutil.get_terminal_size((80, 24)))):
                 write_line(line)
 
-    def _placed(self, curves: Sequence[Curve]) -> list[Curve]:
+    def _with_scales(self, curves: Sequence[Curve]) -> list[Curve]:
         """Return the curves with their units, each on the requested scale, or on that of its unit."""
         with_units = [replace(each, unit=self._unit(each.name)) for each in curves]
         first = next((each.unit for each in with_units if each.unit), "")
         return [
             replace(
                 each,
-                is_right=_is_of(each.name, self._right) if self._right else each.unit not in ("", first),
+                is_right=_belongs_to(each.name, self._right) if self._right else each.unit not in ("", first),
             )
             for each in with_units
         ]
 
     def _unit(self, name: str) -> str:
-        topic = max((each for each in self._types if _is_of(name, [each])), key=len, default=None)
+        topic = max((each for each in self._types if _belongs_to(name, [each])), key=len, default=None)
         if topic is None:
             return ""
         registry, codec = self._types[topic]
@@ -168,7 +168,7 @@ class PlotSession:
         end_s = max(self._last_s, window_s)
         across = Axis(end_s - window_s, end_s)
         begin_s = self._begin_unix_s if self._options.is_clock else None
-        curves = self._placed(self._curves.curves(across.low))
+        curves = self._with_scales(self._curves.curves(across.low))
         return plot_lines(curves, columns, rows - 1, across, begin_s)
 
     async def _show_live(self, tasks: Sequence[asyncio.Task[None]]) -> None:
@@ -190,12 +190,12 @@ class PlotSession:
                     return
 
 
-def _is_of(name: str, fields: Iterable[str]) -> bool:
+def _belongs_to(name: str, fields: Iterable[str]) -> bool:
     """Return whether a curve belongs to one of the topics or fields."""
     return any(name == each or name.startswith((f"{each}/", f"{each}[")) for each in fields)
 
 
-async def _first_problem(work: Coroutine[Any, Any, None]) -> None:
+async def _first_error(work: Coroutine[Any, Any, None]) -> None:
     """Run a task group, and raise its first error instead of an exception group."""
     try:
         await work

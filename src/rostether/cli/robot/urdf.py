@@ -53,10 +53,10 @@ def check(file: Path, mappings: tuple[str, ...]) -> None:
     write_line(f"robot name is: {escape_line(model.name)}")
     write_line("---------- Successfully Parsed XML ---------------")
     write_line(f"root Link: {escape_line(model.root)} has {len(model.joints_below(model.root))} child(ren)")
-    waiting = [(1, place, joint) for place, joint in _numbered_backward(model, model.root)]
+    waiting = [(1, index, joint) for index, joint in _numbered_backward(model, model.root)]
     while waiting:
-        depth, place, joint = waiting.pop()
-        write_line(f"{'    ' * min(depth, MAX_INDENTED)}child({place}):  {escape_line(joint.child)}")
+        depth, index, joint = waiting.pop()
+        write_line(f"{'    ' * min(depth, MAX_INDENTED)}child({index}):  {escape_line(joint.child)}")
         waiting += [(depth + 1, below, each) for below, each in _numbered_backward(model, joint.child)]
     for problem in model.problems:
         warn(f"skipped: {escape_line(problem)}")
@@ -100,8 +100,8 @@ def _tree_lines(model: RobotModel) -> Iterator[str]:
 
     def push(link: str, lead: str) -> None:
         joints = model.joints_below(link)
-        for place, joint in reversed(list(enumerate(joints))):
-            waiting.append((*branch(lead, is_last=place == len(joints) - 1), joint))
+        for index, joint in reversed(list(enumerate(joints))):
+            waiting.append((*branch(lead, is_last=index == len(joints) - 1), joint))
 
     push(model.root, "")
     while waiting:

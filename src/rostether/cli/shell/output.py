@@ -51,11 +51,11 @@ def write_line(text: str = "", paint: Paint | None = None) -> None:
         sys.stdout.write(shown + "\n")
         sys.stdout.flush()
     except BrokenPipeError:
-        forget(sys.stdout)
+        discard_output(sys.stdout)
         raise click.exceptions.Exit(EXIT_DONE) from None
 
 
-def forget(stream: TextIO) -> None:
+def discard_output(stream: TextIO) -> None:
     """Discard all further output to a stream; the interpreter flushes it again at exit."""
     devnull = os.open(os.devnull, os.O_WRONLY)
     os.dup2(devnull, stream.fileno())

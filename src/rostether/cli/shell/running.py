@@ -87,7 +87,7 @@ class _Ending:
     def watch_start(self) -> None:
         """Note a Ctrl-C before the command runs; asyncio's own handler could lose it to a clean-up."""
         # Windows has no SIGALRM; there, asyncio handles Ctrl-C.
-        handler = self._arrived if hasattr(signal, "SIGALRM") else signal.default_int_handler
+        handler = self._handle_signal if hasattr(signal, "SIGALRM") else signal.default_int_handler
         # A thread must not set handlers.
         with contextlib.suppress(ValueError):
             signal.signal(signal.SIGINT, handler)
@@ -110,7 +110,7 @@ class _Ending:
             for number in self._codes:
                 loop.add_signal_handler(number, cancel)
                 # Python calls this handler during a computation, before the loop calls its own.
-                signal.signal(number, self._arrived)
+                signal.signal(number, self._handle_signal)
         if self.exit_code is not None:
             main.close()
             raise asyncio.CancelledError
@@ -120,18 +120,18 @@ class _Ending:
             self._keep_handlers(loop)
 
     def _keep_handlers(self, loop: asyncio.AbstractEventLoop) -> None:
-        """Let signals wait until our handlers replace the loop's; a loop that closes leaves the default ones."""
+        """Block signals until our handlers replace those of the loop, which would leave the default ones."""
         if not hasattr(signal, "pthread_sigmask"):
             return
         mask = signal.pthread_sigmask(signal.SIG_BLOCK, self._codes)
         try:
             for number in self._codes:
                 if loop.remove_signal_handler(number):
-                    signal.signal(number, self._arrived)
+                    signal.signal(number, self._handle_signal)
         finally:
             signal.pthread_sigmask(signal.SIG_SETMASK, mask)
 
-    def _arrived(self, number: int, _frame: object) -> None:
+    def _handle_signal(self, number: int, _frame: object) -> None:
         code = self._codes[signal.Signals(number)]
         now_s = time.monotonic()
         if self.exit_code is not None:

@@ -23,7 +23,7 @@ class _Pub(Verb):
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
         end = args.index("--") if "--" in args else len(args)
-        first = next((place for place, each in enumerate(args[:end]) if _NEGATIVE.fullmatch(each)), None)
+        first = next((index for index, each in enumerate(args[:end]) if _NEGATIVE.fullmatch(each)), None)
         # A number follows the topic and the type; before them it would be the value of an option.
         if first is not None and sum(not each.startswith("-") for each in args[:first]) >= 2:
             flags = [each for each in args[first:end] if each in self._flags(ctx)]

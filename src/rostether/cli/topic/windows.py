@@ -131,8 +131,8 @@ def format_bandwidth(bandwidth: Bandwidth) -> str:
 
 def format_ros2_bandwidth(bandwidth: Bandwidth) -> str:
     """Return the two lines of `ros2 topic bw`, all in the unit that suits the average."""
-    divisor, unit, places = _unit(bandwidth)
-    average, mean, low, high = (f"{each / divisor:.{places}f} {unit}" for each in _amounts(bandwidth))
+    divisor, unit, digits = _unit(bandwidth)
+    average, mean, low, high = (f"{each / divisor:.{digits}f} {unit}" for each in _amounts(bandwidth))
     return f"{average}/s from {bandwidth.window} messages\n\tMessage size mean: {mean} min: {low} max: {high}"
 
 

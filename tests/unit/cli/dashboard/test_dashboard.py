@@ -105,7 +105,7 @@ async def test_pages_may_look_or_drive_by_their_token() -> None:
     try:
         async with started("dashboard", "-p", "0", *tokens, "--master", master.uri) as alone:
             url, _ = await fetched(alone)
-            await alone.wait_for("Dashboard, to look only: http://127.0.0.1:")
+            await alone.wait_for("Dashboard, view only: http://127.0.0.1:")
             rights = {}
             for token in ("full", "look"):
                 uri = f"{url.replace('http:', 'ws:')}/?token={token}"

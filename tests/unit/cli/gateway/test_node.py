@@ -8,30 +8,36 @@ import pytest
 import rostether
 from interop.ros1_peers import free_port
 from programs import started
-from rostether.cli.gateway.node import NodeWords, certificate_files, flag, read_gateway_words, whole_number
+from rostether.cli.gateway.node import (
+    NodeNaming,
+    certificate_files,
+    flag,
+    read_gateway_arguments,
+    whole_number,
+)
 from rostether.errors import ConfigError
 from rostether.ros1.master.server import MasterServer
 
 
 def test_a_port_of_its_own_is_in_the_name() -> None:
-    assert NodeWords().name_for("bridge", 9090, 9090) == "bridge"
-    assert NodeWords().name_for("bridge", 0, 9090) == "bridge"
-    assert NodeWords().name_for("bridge", 9091, 9090) == "bridge_9091"
-    assert NodeWords(name="mine").name_for("bridge", 9091, 9090) == "mine"
+    assert NodeNaming().name_for("bridge", 9090, 9090) == "bridge"
+    assert NodeNaming().name_for("bridge", 0, 9090) == "bridge"
+    assert NodeNaming().name_for("bridge", 9091, 9090) == "bridge_9091"
+    assert NodeNaming(name="mine").name_for("bridge", 9091, 9090) == "mine"
 
 
-def test_words_of_a_gateway() -> None:
-    assert read_gateway_words([], {}) == ("localhost", NodeWords())
-    place, words = read_gateway_words(["/a:=/b", "0.0.0.0:9091"], {"__name": "panel"})
-    assert place == "0.0.0.0:9091"
-    assert words.remappings == {"/a": "/b"}
-    assert words.name == "panel"
-    with pytest.raises(click.UsageError, match="one place to listen on, not 9091 and 9092"):
-        read_gateway_words(["9091", "9092"], {})
+def test_gateway_arguments() -> None:
+    assert read_gateway_arguments([], {}) == ("localhost", NodeNaming())
+    address, naming = read_gateway_arguments(["/a:=/b", "0.0.0.0:9091"], {"__name": "panel"})
+    assert address == "0.0.0.0:9091"
+    assert naming.remappings == {"/a": "/b"}
+    assert naming.name == "panel"
+    with pytest.raises(click.UsageError, match=r"only one \[HOST:\]PORT, not 9091 and 9092"):
+        read_gateway_arguments(["9091", "9092"], {})
     with pytest.raises(click.UsageError, match="_port:= works only for the node in launch files"):
-        read_gateway_words(["_port:=9091"], {})
+        read_gateway_arguments(["_port:=9091"], {})
     with pytest.raises(ConfigError):
-        read_gateway_words(["a:=b c"], {})
+        read_gateway_arguments(["a:=b c"], {})
 
 
 async def test_a_second_gateway_ends_no_other_and_a_killed_one_is_replaced() -> None:

@@ -9,7 +9,7 @@ from websockets.typing import Origin, Subprotocol
 
 from interop.ros1_peers import free_port
 from programs import started
-from rostether.cli.gateway.options import Encryption, is_place, read_encryption, read_place
+from rostether.cli.gateway.options import Encryption, is_listen_address, read_encryption, read_listen_address
 from rostether.cli.shell.option_group import insert_value
 from rostether.errors import ConfigError
 from rostether.ros1.master.server import MasterServer
@@ -33,12 +33,12 @@ from unit.cli.command_shell import Shell
         (["--", "--rosbridge"], ["--", "--rosbridge"]),
     ],
 )
-def test_a_place_behind_the_option_is_taken_and_nothing_else(typed: list[str], read: list[str]) -> None:
-    assert insert_value(typed, "--rosbridge", "localhost", is_place) == read
+def test_only_an_address_is_the_value_of_the_option(typed: list[str], read: list[str]) -> None:
+    assert insert_value(typed, "--rosbridge", "localhost", is_listen_address) == read
 
 
 @pytest.mark.parametrize(
-    ("text", "place"),
+    ("text", "address"),
     [
         ("localhost", ("localhost", 9090)),
         ("9091", ("localhost", 9091)),
@@ -50,16 +50,16 @@ def test_a_place_behind_the_option_is_taken_and_nothing_else(typed: list[str], r
         ("robot.local:80", ("robot.local", 80)),
     ],
 )
-def test_places(text: str, place: tuple[str, int]) -> None:
-    assert read_place(text, 9090) == place
+def test_listen_addresses(text: str, address: tuple[str, int]) -> None:
+    assert read_listen_address(text, 9090) == address
 
 
 @pytest.mark.parametrize("text", ["localhost:many", "99999", "host:99999", "host:"])
-def test_what_is_not_a_place(text: str) -> None:
+def test_wrong_listen_addresses(text: str) -> None:
     with pytest.raises(
-        ConfigError, match=r"is not a place to listen on; write HOST:PORT, e.g. 0\.0\.0\.0:9090"
+        ConfigError, match=r"is not an address to listen at; write HOST:PORT, e.g. 0\.0\.0\.0:9090"
     ):
-        read_place(text, 9090)
+        read_listen_address(text, 9090)
 
 
 @pytest.mark.parametrize("command", ["rosbridge", "foxglove"])

@@ -14,7 +14,7 @@ import pytest
 from contract.graphs import snapshot_when
 from interop.ros1_peers import free_port
 from programs import started
-from rostether.cli.bag.figures import MEGABYTE
+from rostether.cli.bag.formatting import MEGABYTE
 from rostether.joining import join
 from rostether.ros1.master.server import MasterServer
 from rostether.transports.capture import Capture, Chunk

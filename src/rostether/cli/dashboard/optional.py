@@ -1,6 +1,6 @@
-"""Serves the dashboard of another command.
+"""Serves the dashboard if a command requests it.
 
-Nothing of the dashboard is imported without it, because most bridges start without one.
+The modules of the dashboard are imported only then, because most bridges start without one.
 """
 
 from __future__ import annotations
@@ -19,10 +19,10 @@ if TYPE_CHECKING:
 
 
 @asynccontextmanager
-async def dashboard_beside(
+async def optional_dashboard(
     settings: DashboardSettings | None, graphs: ServedGraphs, msg_paths: Sequence[Path], report: Report
 ) -> AsyncIterator[Dashboard | None]:
-    """Serve the dashboard if it is requested. Raises the same errors as `served_dashboard`."""
+    """Serve the dashboard unless `settings` is None. Raises the same errors as `served_dashboard`."""
     if settings is None:
         yield None
         return
