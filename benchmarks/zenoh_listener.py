@@ -13,7 +13,7 @@ import time
 
 import zenoh
 
-from rostether.ros2.zenoh.thread_state import stay_known
+from rostether.ros2.zenoh.thread_state import keep_thread_state
 
 ATTACHMENT_BYTES = 33
 IDLE_S = 3.0
@@ -55,7 +55,7 @@ def main(zenoh_port: str, topic: str, count: str) -> None:
 
     def take(sample: zenoh.Sample) -> None:
         nonlocal total, first_s, last_s
-        stay_known()
+        keep_thread_state()
         attachment = sample.attachment
         if attachment is None or len(attachment) != ATTACHMENT_BYTES or not sample.payload.to_bytes():
             return

@@ -243,7 +243,7 @@ async def test_relays_of_two_robots_carry_from_one_master_to_the_other(world: Wo
         for each in (*flow.inboxes, inbox):
             await arrives_once(each, sent)
         # For the second robot the first one's relay is an ordinary node.
-        assert "carries it" not in other.text
+        assert "relays it" not in other.text
     finally:
         await far.close()
         await second.close()
@@ -277,7 +277,7 @@ async def test_a_killed_relay_is_followed(world: World) -> None:
     await serve_across()
     waiting = await world.relay("/*", "--service", "/pull", "--service", "/push")
     await world.until_nodes("relay", at_least=2)
-    await waiting.wait_for("carries it")
+    await waiting.wait_for("relays it")
     successor.process.kill()
     await successor.finish()
     await serve_across()

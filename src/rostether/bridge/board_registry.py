@@ -73,7 +73,7 @@ class BoardRegistry:
         while True:
             name = numbered(node_name, number)
             if name in self._dismissed:
-                raise SessionError(f"another node has the name {name}; start again to serve its board")
+                raise SessionError(f"another node has the name {name}; restart rostether to serve its board")
             board = self._boards.get(name)
             if board is None:
                 board = self._boards[name] = Board(name)

@@ -74,7 +74,7 @@ class BoardObjects:
             self._collect()
         if self._boards > FEW_BOARDS:
             gc.freeze()
-        give_back_memory()
+        release_memory()
 
     def _collect(self) -> None:
         self._left = 0
@@ -82,7 +82,7 @@ class BoardObjects:
         gc.collect()
 
 
-def give_back_memory() -> None:
+def release_memory() -> None:
     """Return unused pages to the system, in about 10 ms for 100 MB; without glibc, do nothing."""
     # Not at import: few processes need it.
     import ctypes

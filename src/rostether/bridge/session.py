@@ -101,7 +101,7 @@ class Session:
             TopicWithdrawn: self._withdrawn,
             ServiceAnnounced: self._service_announced,
             ServiceWithdrawn: self._withdrawn,
-            MessagesReceived: lambda event: self._carry(event.topic_id, event.payloads),
+            MessagesReceived: lambda event: self._deliver(event.topic_id, event.payloads),
             AnnouncementRefused: self._setup.refused,
             NegotiationSettled: self._settled,
             TimeRequested: self._time_requested,
@@ -221,7 +221,7 @@ class Session:
         except Exception as error:  # noqa: BLE001 - as in data_received
             self._fail(error)
 
-    def _carry(self, topic_id: int, payloads: list[bytes]) -> None:
+    def _deliver(self, topic_id: int, payloads: list[bytes]) -> None:
         receive = self.receivers.get(topic_id)
         if receive is not None:
             receive(payloads)
@@ -232,7 +232,7 @@ class Session:
 
     def _handle(self, event: HostEvent) -> None:
         if type(event) is MessagesReceived:
-            self._carry(event.topic_id, event.payloads)
+            self._deliver(event.topic_id, event.payloads)
             return
         self.watch.handle_event(event, self._loop.time())
         if not self._held.hold_back(event):

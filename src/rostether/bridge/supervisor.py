@@ -19,7 +19,7 @@ from rostether.bridge.health.health_round import HealthRound
 from rostether.bridge.identity import hardware_id, identify_peer, node_name
 from rostether.bridge.peer_entry import BOARD_ENTRY
 from rostether.bridge.ports.discovery import Discovery
-from rostether.bridge.ports.link_keeper import LinkKeeper, OpenTransport, identify_address, way_back
+from rostether.bridge.ports.link_keeper import LinkKeeper, OpenTransport, identify_address, return_condition
 from rostether.bridge.ports.machine_ports import THIS_MACHINE, MachinePorts
 from rostether.bridge.ports.open_attempts import OpenAttempts
 from rostether.bridge.process_memory import BoardObjects
@@ -305,11 +305,11 @@ class Supervisor:
         session = board.session
         if board.is_kept or NAME_TAKEN in reason:
             self._boards.dismiss(board)
-            return_way = "you restart rostether"
+            condition = "you restart rostether"
         else:
             self._boards.end(board)
-            return_way = way_back(address)
-        text = f"{reason}; its board is not served until {return_way}"
+            condition = return_condition(address)
+        text = f"{reason}; its board is not served until {condition}"
         self._reporter.line(Level.ERROR, text, node=node.graph.node_name)
         if session is not None:
             await session.stop()

@@ -77,7 +77,7 @@ class Relay:
         self._gone: set[str] = set()
         self._left_out: dict[str, str] = {}
         self._has_changed = asyncio.Event()
-        self._carrying: dict[RelayItem, asyncio.Task[None]] = {}
+        self._relaying: dict[RelayItem, asyncio.Task[None]] = {}
         self._ending: dict[RelayItem, asyncio.Task[None]] = {}
         self._relays: dict[RelayItem, TopicRelay | ServiceRelay | ActionRelay] = {}
 
@@ -101,7 +101,7 @@ class Relay:
             for ended in done:
                 await ended
         finally:
-            tasks += [*self._carrying.values(), *self._ending.values()]
+            tasks += [*self._relaying.values(), *self._ending.values()]
             for task in tasks:
                 task.cancel()
             await asyncio.gather(*tasks, return_exceptions=True)
@@ -172,13 +172,13 @@ class Relay:
                 self._left_out = left_out
 
     def _arrange(self, items: set[RelayItem]) -> None:
-        for item in self._carrying.keys() - items:
-            task = self._ending[item] = self._carrying.pop(item)
+        for item in self._relaying.keys() - items:
+            task = self._ending[item] = self._relaying.pop(item)
             task.add_done_callback(partial(self._forget, item))
             task.cancel()
         # A relay that is wanted again while it ends starts again after its end.
-        for item in sorted(items - self._carrying.keys() - self._ending.keys(), key=lambda each: each.text):
-            self._carrying[item] = asyncio.get_running_loop().create_task(self._carry(item))
+        for item in sorted(items - self._relaying.keys() - self._ending.keys(), key=lambda each: each.text):
+            self._relaying[item] = asyncio.get_running_loop().create_task(self._relay_item(item))
 
     def _forget(self, item: RelayItem, _: object) -> None:
         del self._ending[item]
@@ -194,9 +194,9 @@ class Relay:
             *self._services(second, first),
             *self._actions(),
         ):
-            carrier = self._carrier(item.target.graph.node_name, there)
-            if carrier:
-                left_out[item.text] = f"the relay {carrier} carries it"
+            other = self._other_relay(item.target.graph.node_name, there)
+            if other:
+                left_out[item.text] = f"the relay {other} already relays it"
             else:
                 yield item
 
@@ -209,7 +209,7 @@ class Relay:
         for name, topic in self._snapshots[source.name].topics.items():
             if is_mark(name) or own.issuperset(topic.publishers):
                 continue
-            if self._filter.carries_topic(name, direction):
+            if self._filter.relays_topic(name, direction):
                 yield (
                     RelayItem(Kind.TOPIC, name, source, target),
                     there[name].publishers if name in there else (),
@@ -240,20 +240,20 @@ class Relay:
             for name, entry in entries[number].items():
                 there = entries[1 - number].get(name)
                 servers = () if there is None else there.servers
-                is_wanted = self._filter.carries_action(name) and not own.issuperset(entry.servers)
+                is_wanted = self._filter.relays_action(name) and not own.issuperset(entry.servers)
                 # If both graphs have an action, each keeps its own.
                 if is_wanted and relays.issuperset(servers):
                     yield RelayItem(Kind.ACTION, name, source, target, entry.type), servers
 
-    def _carrier(self, own_name: str, nodes: Iterable[str]) -> str:
-        """Return the relay among nodes that carries a topic already, or an empty string."""
+    def _other_relay(self, own_name: str, nodes: Iterable[str]) -> str:
+        """Return the other relay among `nodes` that keeps the item, or an empty string."""
         relays = self._marked.relays
         others = sorted((relays[name], name) for name in nodes if name in relays)
         if not others or (own_name in nodes and self._mark < others[0][0]):
             return ""
         return others[0][1]
 
-    async def _carry(self, item: RelayItem) -> None:
+    async def _relay_item(self, item: RelayItem) -> None:
         reported = ""
         while True:
             # Older relays have priority; this task is cancelled if one of them relays the topic.

@@ -43,7 +43,7 @@ class Topics:
     direction: Direction = Direction.BOTH
 
     def covers(self, name: str, direction: Direction) -> bool:
-        """Return whether a topic is carried in a direction."""
+        """Return whether a topic is relayed in a direction."""
         if self.direction not in (Direction.BOTH, direction):
             return False
         if name in PRIVATE_TOPICS or "/_action/" in name:
@@ -59,7 +59,7 @@ class Services:
     type: str = ""
 
     def covers(self, name: str) -> bool:
-        """Return whether the relay carries a service to the graph that does not have it."""
+        """Return whether a service is relayed to the graph that does not have it."""
         if any(fnmatchcase(name, private) for private in PRIVATE_SERVICES):
             return name == self.pattern
         return fnmatchcase(name, self.pattern)
@@ -67,21 +67,21 @@ class Services:
 
 @dataclass(frozen=True, slots=True)
 class RelayFilter:
-    """Everything that a relay carries; `actions` are patterns."""
+    """Everything that a relay relays; `actions` are patterns."""
 
     topics: tuple[Topics, ...] = ()
     services: tuple[Services, ...] = ()
     actions: tuple[str, ...] = ()
 
-    def carries_topic(self, name: str, direction: Direction) -> bool:
-        """Return whether a topic is carried in a direction; those of a carried action are not."""
+    def relays_topic(self, name: str, direction: Direction) -> bool:
+        """Return whether a topic is relayed in a direction; those of a relayed action are not."""
         action, _, part = name.rpartition("/")
-        if part in ACTION_TOPICS and self.carries_action(action):
+        if part in ACTION_TOPICS and self.relays_action(action):
             return False
         return any(each.covers(name, direction) for each in self.topics)
 
-    def carries_action(self, name: str) -> bool:
-        """Return whether an action is carried to the graph that does not have it."""
+    def relays_action(self, name: str) -> bool:
+        """Return whether an action is relayed to the graph that does not have it."""
         return any(fnmatchcase(name, pattern) for pattern in self.actions)
 
     def service(self, name: str) -> Services | None:

@@ -134,11 +134,11 @@ class XbeeAddress(_Named):
 
 @dataclass(frozen=True, slots=True)
 class SimAddress(_Named):
-    """A sketch or ELF file to run on a simulated board; `words` are the board's first commands."""
+    """A sketch or ELF file to run on a simulated board; `commands` are the board's first commands."""
 
     program: str
     board: str = "uno"
-    words: tuple[str, ...] = ()
+    commands: tuple[str, ...] = ()
     uart: int | None = None
     seed: int = 0
 

@@ -31,7 +31,7 @@ from rostether.transports.address import (
 )
 from rostether.transports.address_advice import MAX_PORT, WINDOWS_PORT, address_advice, is_number
 from rostether.transports.allow_list import check_networks
-from rostether.transports.sim_words import SIM_WORDS, sim_words
+from rostether.transports.sim_options import COMMAND_OPTIONS, sim_commands
 from rostether.transports.tls import TlsFiles
 from rostether.transports.xbee.radio_address import parse_radio_address
 
@@ -49,7 +49,7 @@ _KNOWN_OPTIONS = {
     "udp": ("connect", "bind", "allow"),
     "pty": (),
     "xbee": ("baud", "peers"),
-    "sim": ("board", "baud", "uart", "seed", *SIM_WORDS),
+    "sim": ("board", "baud", "uart", "seed", *COMMAND_OPTIONS),
     "web": (),
 }
 _SCHEME = re.compile(r"([A-Za-z][A-Za-z0-9+.-]+):(.*)", re.DOTALL)
@@ -93,8 +93,9 @@ def parse_address(text: str) -> Address:
         case _:
             # Checked as in a serial port's address, and ignored: a simulated line follows the sketch.
             reader.baud()
-            path, board, words = _require_path(text, place), options.get("board", "uno"), sim_words(options)
-            return SimAddress(path, board, words, reader.uart(), reader.seed(), name=name, ns=ns)
+            path, board = _require_path(text, place), options.get("board", "uno")
+            commands = sim_commands(options)
+            return SimAddress(path, board, commands, reader.uart(), reader.seed(), name=name, ns=ns)
 
 
 class _Options:

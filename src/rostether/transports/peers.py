@@ -247,7 +247,7 @@ class PeerTable(Generic[PeerKey]):
             sent_bytes = 0
             if self.entry is not None:
                 candidate = self._candidates.pop(key, None) or _Candidate()
-                if not self._has_spoken(key, candidate, data, self.entry):
+                if not self._has_sent_frame(key, candidate, data, self.entry):
                     return
                 data, sent_bytes = bytes(candidate.data), candidate.sent_bytes
             if len(self._peers) >= self._max_peers:
@@ -259,7 +259,7 @@ class PeerTable(Generic[PeerKey]):
             peer.allowance_bytes -= sent_bytes
         peer.deliver(data)
 
-    def _has_spoken(self, key: PeerKey, candidate: _Candidate, data: bytes, entry: PeerEntry) -> bool:
+    def _has_sent_frame(self, key: PeerKey, candidate: _Candidate, data: bytes, entry: PeerEntry) -> bool:
         """Return whether a sender has sent a frame; ask it for one until then."""
         candidate.data += data
         del candidate.data[:-_CANDIDATE_BYTES]

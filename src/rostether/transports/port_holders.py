@@ -29,7 +29,7 @@ def find_holders(path: str) -> list[Holder]:
     holders = []
     for pid in _pids():
         links = _open_files(pid)
-        if target in links.values() and not _made_terminal(pid, links, target):
+        if target in links.values() and not _created_terminal(pid, links, target):
             holders.append(Holder(pid, _name_of(pid)))
     return holders
 
@@ -74,7 +74,7 @@ def _open_files(pid: int) -> dict[str, str]:
     return links
 
 
-def _made_terminal(pid: int, links: dict[str, str], target: str) -> bool:
+def _created_terminal(pid: int, links: dict[str, str], target: str) -> bool:
     """Return whether a process has the other end of a pseudo-terminal: a simulator that created it."""
     if not target.startswith(_PTS):
         return False

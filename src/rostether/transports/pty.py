@@ -28,7 +28,7 @@ _OPENER_POLL_S = 0.05
 # The kernel drops unread bytes when our side closes, and moves bytes to the reader in steps: all bytes are
 # read when two checks in a row find none waiting.
 _UNREAD_POLL_S = 0.01
-_UNREAD_LOOKS = 2
+_UNREAD_CHECKS = 2
 # Linux delivers at most 4 KiB, or a flip buffer of 16 KiB, at once; larger buffers only need memory.
 _READ_BYTES = 16 * 1024
 # The same limit as asyncio's sockets.
@@ -87,7 +87,7 @@ class PtyTransport:
         self._closing = False
         self._ended = asyncio.Event()
         self._flush_limit: asyncio.TimerHandle | None = None
-        self._look_for_opener()
+        self._check_for_opener()
 
     @property
     def peer(self) -> str:
@@ -226,16 +226,16 @@ class PtyTransport:
             return
         self._resume_writing()
         _discard_unread(self._terminal)
-        self._look_for_opener()
+        self._check_for_opener()
 
-    def _look_for_opener(self) -> None:
+    def _check_for_opener(self) -> None:
         # Unread bytes mean that a program was connected between two checks.
         self._opened = not self._is_hung_up() or self._has_input()
         if self._opened:
             self._timer = None
             self._apply_reading()
         else:
-            self._timer = self._loop.call_later(_OPENER_POLL_S, self._look_for_opener)
+            self._timer = self._loop.call_later(_OPENER_POLL_S, self._check_for_opener)
 
     def _is_hung_up(self) -> bool:
         return any(event & select.POLLHUP for _, event in self._poll.poll(0))
@@ -243,10 +243,10 @@ class PtyTransport:
     def _has_input(self) -> bool:
         return any(event & select.POLLIN for _, event in self._poll.poll(0))
 
-    def _end_when_read(self, looks_left: int = _UNREAD_LOOKS) -> None:
-        looks_left = _UNREAD_LOOKS if _count_unread(self._terminal) else looks_left - 1
-        if looks_left:
-            self._timer = self._loop.call_later(_UNREAD_POLL_S, self._end_when_read, looks_left)
+    def _end_when_read(self, checks_left: int = _UNREAD_CHECKS) -> None:
+        checks_left = _UNREAD_CHECKS if _count_unread(self._terminal) else checks_left - 1
+        if checks_left:
+            self._timer = self._loop.call_later(_UNREAD_POLL_S, self._end_when_read, checks_left)
         else:
             self._end()
 

@@ -1,4 +1,4 @@
-"""TLS for TCP links: its files, and their contexts of Python's ssl."""
+"""TLS for TCP links: reads the certificate files into contexts of Python's ssl."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 _LOG = logging.getLogger(__name__)
 
-# Small boards take 2 s for their part of a handshake; a peer that does not answer takes a connection.
+# Small boards take 2 s for their part of a handshake; a peer that does not answer uses up a connection.
 HANDSHAKE_LIMIT_S = 5.0
 # A certificate with all its authorities; a device file has no end.
 _MAX_FILE_BYTES = 1024 * 1024

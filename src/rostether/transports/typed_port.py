@@ -33,7 +33,7 @@ def check_typed_port(address: Address, list_ports: Callable[[], Sequence[_Port]]
     except OSError:
         if WINDOWS_PORT.fullmatch(path):
             raise ConfigError(
-                f"{path} is a port's name on Windows; here it is {_there(list_ports())}"
+                f"{path} is a port's name on Windows; here it is {_plugged_in(list_ports())}"
             ) from None
         if (meant := meant_port(path)) is not None:
             raise ConfigError(f"no serial port {path}; did you mean {meant}?") from None
@@ -47,7 +47,7 @@ def check_typed_port(address: Address, list_ports: Callable[[], Sequence[_Port]]
         if path.endswith(".ino") or any(Path(path).glob("*.ino")):
             raise ConfigError(f"{path} is a sketch, not a serial port; {sketch_advice(path)}")
         kind = "folder" if stat.S_ISDIR(mode) else "file"
-        raise ConfigError(f"{path} is a {kind}, not a serial port; write {_there(list_ports())}")
+        raise ConfigError(f"{path} is a {kind}, not a serial port; write {_plugged_in(list_ports())}")
 
 
 def meant_port(path: str) -> str | None:
@@ -65,7 +65,7 @@ def _meant(path: str) -> str | None:
     return f"{meant} (with a zero)" if "O" in match[3].upper() else meant
 
 
-def _there(ports: Sequence[_Port]) -> str:
+def _plugged_in(ports: Sequence[_Port]) -> str:
     # Every PC has the ports of the mainboard, which have no board.
     plugged_in = [each.path for each in ports if not each.path.startswith("/dev/ttyS")]
     return " or ".join(plugged_in[:3]) or "/dev/ttyACM0 or /dev/ttyUSB0 (none is plugged in now)"

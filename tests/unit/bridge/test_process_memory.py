@@ -9,7 +9,7 @@ from collections.abc import Iterator
 import pytest
 
 from rostether.bridge import process_memory
-from rostether.bridge.process_memory import FEW_BOARDS, BoardObjects, give_back_memory
+from rostether.bridge.process_memory import FEW_BOARDS, BoardObjects, release_memory
 from unit.bridge.line_boards import Bridge, TcpBoard
 from waiting import until
 
@@ -102,7 +102,7 @@ async def test_what_nodes_leave_behind_is_collected_and_given_back_once(
 ) -> None:
     released: list[int] = []
     monkeypatch.setattr(process_memory, "RELEASE_AFTER_S", 0.0)
-    monkeypatch.setattr(process_memory, "give_back_memory", lambda: released.append(1))
+    monkeypatch.setattr(process_memory, "release_memory", lambda: released.append(1))
     objects = BoardObjects()
     circles = [_Circle() for _ in range(2 * FEW_BOARDS)]
     alive = [weakref.ref(circle) for circle in circles]
@@ -125,9 +125,9 @@ async def test_what_nodes_leave_behind_is_collected_and_given_back_once(
 
 
 def test_memory_is_given_back() -> None:
-    give_back_memory()
+    release_memory()
 
 
 def test_another_c_library_is_left_alone(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(ctypes, "CDLL", lambda _: object())
-    give_back_memory()
+    release_memory()

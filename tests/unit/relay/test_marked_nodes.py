@@ -70,7 +70,7 @@ async def test_what_another_relay_carries_is_left_to_it(world: World) -> None:
     served = await others[1].advertise_service("/switch", SET_BOOL, agreeing)
     async with world.relaying(Topics("/*"), services=(Services("/*"),)) as relay:
         for what in ("/chat", "service /switch"):
-            reason = "the relay /other_relay carries it"
+            reason = "the relay /other_relay already relays it"
             line = f"not relaying {what} from one to two: {reason}"
             await until(lambda: line in world.lines)  # noqa: B023 - awaited at once
         assert not relay.relays
@@ -103,7 +103,7 @@ async def test_a_younger_relay_waits_for_older_ones(world: World, monkeypatch: p
         await asyncio.sleep(0.01)
         assert not relay.relays
         await others[1].advertise("/chat", STRING)
-        await until(lambda: any("/older carries it" in line for line in world.lines))
+        await until(lambda: any("/older already relays it" in line for line in world.lines))
         await asyncio.sleep(0.6)
         assert not relay.relays
         # One that the older relay does not choose.
@@ -123,7 +123,7 @@ async def test_a_killed_relay_is_forgotten(world: World) -> None:
         return is_gone
 
     async with world.relaying(services=(Services("/*"),), forget_if_gone=forget) as relay:
-        await until(lambda: any("carries it" in line for line in world.lines))
+        await until(lambda: any("relays it" in line for line in world.lines))
         assert not relay.relays
         is_gone = True
         # Its registrations in both graphs are still listed.

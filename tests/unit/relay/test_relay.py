@@ -260,7 +260,7 @@ async def test_a_node_shutdown_ends_the_relay(world: World) -> None:
     ],
 )
 def test_choosing_topics(topics: Topics, name: str, direction: Direction, *, carried: bool) -> None:
-    assert RelayFilter((topics,)).carries_topic(name, direction) is carried
+    assert RelayFilter((topics,)).relays_topic(name, direction) is carried
 
 
 def test_choosing_services() -> None:

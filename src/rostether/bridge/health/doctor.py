@@ -172,7 +172,7 @@ class Doctor:
                 async with asyncio.timeout(wait_s):
                     transport = await connected
             except TimeoutError:
-                return Diagnosis(str(address), (_nobody(address, listener.address, wait_s),))
+                return Diagnosis(str(address), (_no_board_connected(address, listener.address, wait_s),))
             return self._diagnosis(address, await self._watch(transport, None))
 
     async def _why_not_listening(self, address: Address, failure: RostetherError) -> Finding:
@@ -244,7 +244,7 @@ def _judge_search(address: SerialAddress, watched: Watched, found: NoBoard) -> F
     )
 
 
-def _nobody(address: Address, place: str, wait_s: float) -> Finding:
+def _no_board_connected(address: Address, place: str, wait_s: float) -> Finding:
     is_local = "127.0.0.1" in place or "[::1]" in place
     step = (
         "boards on the network cannot reach loopback; give an address of this machine, for example "

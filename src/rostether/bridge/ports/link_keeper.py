@@ -60,7 +60,7 @@ class LinkKeeper:
         self._reporter = reporter
         self._devices = devices if devices is not None else DeviceBook()
         self._finder: PortFinder | None = None
-        self._terminal_made_ns: int | None = None
+        self._terminal_created_ns: int | None = None
         if isinstance(address, SerialAddress) and _comes_and_goes(address):
             self._finder = PortFinder(address.path, list_ports, asyncio.get_running_loop().time)
 
@@ -95,7 +95,7 @@ class LinkKeeper:
             except TransportError as error:
                 await attempts.wait_after(str(error))
                 continue
-            self._terminal_made_ns = None if path is None else _terminal_made_ns(path)
+            self._terminal_created_ns = None if path is None else _terminal_created_ns(path)
             baud = f" at {address.baud} baud" if isinstance(address, SerialAddress) else ""
             self._reporter.line(Level.INFO, f"Connecting to {path or address}{baud}")
             return address, identity, transport
@@ -109,7 +109,7 @@ class LinkKeeper:
             path = self._finder.find()
             if path is None:
                 reason = f"{self._address} does not exist; waiting until it is plugged in"
-            elif self._terminal_made_ns not in (None, _terminal_made_ns(path)):
+            elif self._terminal_created_ns not in (None, _terminal_created_ns(path)):
                 reason = (
                     f"{self._address} is now the terminal of another program and stays closed; "
                     "restart rostether with the new address of the board"
@@ -134,7 +134,7 @@ class LinkKeeper:
         return with_settings(address, self._devices.settings_for(address.name, identity)), identity
 
 
-def way_back(address: Address) -> str:
+def return_condition(address: Address) -> str:
     """Return when a board is served again after its node was shut down, in the words after "until"."""
     if address.listens:
         return "it reconnects"
@@ -158,11 +158,11 @@ def with_settings(address: SerialAddress, device: DeviceSettings) -> SerialAddre
 
 
 def _comes_and_goes(address: Address) -> bool:
-    """Return whether a link's port exists; a Windows port is not a path and shows this only when opened."""
+    """Return whether a link's port is a file that appears and disappears with its device; not on Windows."""
     return isinstance(address, SerialAddress) and "/" in address.path
 
 
-def _terminal_made_ns(path: str) -> int | None:
+def _terminal_created_ns(path: str) -> int | None:
     """Return when a pseudo-terminal was created; None for other ports, and for a link that its program moves.
 
     The system gives the number of a closed pseudo-terminal to the next program that makes one.

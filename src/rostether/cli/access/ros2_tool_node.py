@@ -175,9 +175,9 @@ async def warn_without_router(*, is_error: bool = False) -> None:
     Raises GraphError with the advice if `is_error`.
     """
     from rostether.ros2.environment import Ros2Environment
-    from rostether.ros2.zenoh.configuration import ROUTER_ENDPOINT, is_router_there, names_its_own_place
+    from rostether.ros2.zenoh.configuration import ROUTER_ENDPOINT, configures_endpoints, is_router_there
 
-    if not names_its_own_place(Ros2Environment.read()) and not await is_router_there():
+    if not configures_endpoints(Ros2Environment.read()) and not await is_router_there():
         advice = (
             f"no zenoh router answers at {ROUTER_ENDPOINT}, so nodes cannot be found; start one with "
             f"`rostether core --ros2 zenoh`, `rostether serve --ros2 zenoh`, or ROS 2's rmw_zenohd"

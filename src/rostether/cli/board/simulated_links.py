@@ -109,7 +109,7 @@ async def _start_avr(
         size = await asyncio.to_thread(measure_program, program, link.board)
         board = await stack.enter_async_context(
             await SimulatedBoard.start(
-                program, board=link.board, commands=link.words, uart=link.uart, seed=link.seed
+                program, board=link.board, commands=link.commands, uart=link.uart, seed=link.seed
             )
         )
     note = f" ({board.note})" if board.note else ""
@@ -129,10 +129,10 @@ async def _run_node(
             typed = TypedGraph(graph, type_store())
             if link.board == OPENCR:
                 # Its robot always has wheels.
-                words = ("wheels", *link.words)
+                words = ("wheels", *link.commands)
                 node = SimulationNode(board, typed, words, max_volts=PIN_FULL_SCALE_V, has_servo_pins=False)
             else:
-                node = SimulationNode(board, typed, link.words)
+                node = SimulationNode(board, typed, link.commands)
             await node.run()
     except GraphError as error:
         reporter.line(Level.WARN, f"{link}: the dashboard cannot show its pins: {error}")
@@ -140,7 +140,7 @@ async def _run_node(
 
 async def _start_qemu(link: SimAddress, reporter: Reporter, stack: AsyncExitStack) -> QemuBoard:
     """Start a Cortex-M that ends with the exit stack."""
-    has_words = bool(link.words or link.uart is not None or link.seed)
+    has_words = bool(link.commands or link.uart is not None or link.seed)
     board = await stack.enter_async_context(
         await start_in_qemu(Path(link.program), link.board, has_words=has_words)
     )
@@ -157,7 +157,7 @@ async def _start_opencr(
     has_other_options = bool(link.uart is not None or link.seed)
     board = await stack.enter_async_context(
         await start_opencr(
-            Path(link.program), link.words, msg_paths=msg_paths, has_other_options=has_other_options
+            Path(link.program), link.commands, msg_paths=msg_paths, has_other_options=has_other_options
         )
     )
     board.on_event = lambda event: reporter.line(Level.INFO, f"{link}: {show_event(event).strip()}")
@@ -185,7 +185,7 @@ async def _report_events(board: SimulatedBoard, link: SimAddress, reporter: Repo
     from rostether.simulation.simavr.board_events import show_event
 
     notices = Notices(reporter, "", asyncio.get_running_loop().time)
-    hidden = _REQUESTED_BY_NODE - {word.partition(" ")[0] for word in link.words}
+    hidden = _REQUESTED_BY_NODE - {word.partition(" ")[0] for word in link.commands}
 
     def report(event: BoardEvent) -> None:
         text = f"{link}: {show_event(event).strip()}"

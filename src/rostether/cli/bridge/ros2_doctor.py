@@ -62,7 +62,7 @@ async def _routers(environment: Ros2Environment) -> AsyncIterator[_Finding]:
         from rostether.ros2.zenoh.configuration import (
             ROUTER_ENDPOINT,
             Reach,
-            names_its_own_place,
+            configures_endpoints,
             peer_configuration,
             router_configuration,
         )
@@ -75,7 +75,7 @@ async def _routers(environment: Ros2Environment) -> AsyncIterator[_Finding]:
         )
     except ModuleNotFoundError:
         return
-    if not names_its_own_place(environment):
+    if not configures_endpoints(environment):
         fault = await find_fault(ROUTER_ENDPOINT, {})
         advice = f"{fault} Start one with `rostether core --ros2 zenoh`, or use ROS 2's own"
         yield _Finding(

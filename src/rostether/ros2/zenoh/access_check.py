@@ -15,7 +15,7 @@ from contextlib import ExitStack
 
 import zenoh
 
-from rostether.ros2.zenoh.thread_state import stay_known
+from rostether.ros2.zenoh.thread_state import keep_thread_state
 from rostether.ros2.zenoh.tokens import Kind, Token, all_tokens, data_key, parse_token
 
 # The number of topics to probe; rules usually cover groups of topics.
@@ -56,7 +56,7 @@ def _find(
     ends: Iterable[Token] | None,
     ended: threading.Event,
 ) -> list[str] | None:
-    stay_known()
+    keep_thread_state()
     with ExitStack() as stack:
         try:
             sender, receiver = (
@@ -93,7 +93,7 @@ def _missing(
     missing = set(keys)
 
     def on_sample(sample: zenoh.Sample) -> None:
-        stay_known()
+        keep_thread_state()
         missing.discard(str(sample.key_expr))
 
     for key in keys:

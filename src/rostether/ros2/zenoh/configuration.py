@@ -110,8 +110,8 @@ def router_configuration(environment: Ros2Environment, reach: Reach) -> zenoh.Co
     return _override(_from_settings(settings), environment, reach)
 
 
-def names_its_own_place(environment: Ros2Environment) -> bool:
-    """Return whether the user's own configuration names the endpoints."""
+def configures_endpoints(environment: Ros2Environment) -> bool:
+    """Return whether the user's own configuration sets the mode or the endpoints of a session."""
     return environment.zenoh_session_config is not None or any(
         path in ("mode", "connect") or path.startswith("connect/endpoints")
         for path, _ in environment.zenoh_overrides

@@ -3,7 +3,7 @@
 States and transitions:
 
     is_idle      the owner puts by itself       -- a batch that was not put to its end -->    busy
-                                                -- a put that held it up long, or two -->     wary
+                                                -- one put blocks it for long, or two do -->  wary
     busy         a thread puts what waits       -- nothing waits any more -->                 is_idle or wary
     wary         as busy, for the link may      -- a minute without such a put -->            is_idle
                  be full again at any time

@@ -21,7 +21,7 @@ from rostether.ros2.qos import SERVICES_QOS
 from rostether.ros2.types.type_support import ServiceSupport
 from rostether.ros2.zenoh.attachment import Attachment, parse_attachment
 from rostether.ros2.zenoh.entities import NodeEntities
-from rostether.ros2.zenoh.thread_state import stay_known
+from rostether.ros2.zenoh.thread_state import keep_thread_state
 from rostether.ros2.zenoh.tokens import Kind, data_key
 
 # The limit of pending calls; a board answers one after the other, so more calls would wait too long.
@@ -80,7 +80,7 @@ class ServiceServer:
         self._on_close(self)
 
     def _put(self, query: zenoh.Query) -> None:
-        stay_known()
+        keep_thread_state()
         self._queue.put(query)
 
     def _handle_queries(self, queries: list[zenoh.Query]) -> None:

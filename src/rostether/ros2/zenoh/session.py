@@ -22,8 +22,8 @@ from rostether.ros2.zenoh.configuration import (
     ROUTER_ENDPOINT,
     Reach,
     RouterChoice,
+    configures_endpoints,
     is_router_there,
-    names_its_own_place,
     peer_configuration,
     router_configuration,
 )
@@ -32,7 +32,7 @@ from rostether.ros2.zenoh.opening import open_session
 from rostether.ros2.zenoh.reachability import NO_SESSION, endpoints_of, find_faults, tls_of
 from rostether.ros2.zenoh.router_watch import watch_router
 from rostether.ros2.zenoh.shared_session import SharedSession
-from rostether.ros2.zenoh.thread_state import stay_known
+from rostether.ros2.zenoh.thread_state import keep_thread_state
 from rostether.ros2.zenoh.tokens import all_tokens
 
 # Changes of the graph between two iterations of the event loop: twice the limit of tokens.
@@ -187,7 +187,7 @@ class ZenohSession(SharedSession):
             _log.warning("no zenoh router answers at %s yet, still trying: %s", endpoint, fault)
 
     def _handle_token(self, sample: zenoh.Sample) -> None:
-        stay_known()
+        keep_thread_state()
         key = str(sample.key_expr)
         # The session's own tokens are ignored here: zenoh reports them as removed to a client that loses its
         # router.
@@ -198,6 +198,6 @@ class ZenohSession(SharedSession):
 async def _replaces_router(environment: Ros2Environment, reach: Reach) -> bool:
     if reach.router is not RouterChoice.AUTO:
         return reach.router is RouterChoice.ALWAYS
-    if reach.connect or names_its_own_place(environment):
+    if reach.connect or configures_endpoints(environment):
         return False
     return not await is_router_there(ROUTER_ENDPOINT)

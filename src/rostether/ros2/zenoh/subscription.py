@@ -21,10 +21,10 @@ from rostether.ros2.qos import DEFAULT_QOS, Qos
 from rostether.ros2.types.type_support import ANY_HASH, MessageSupport
 from rostether.ros2.zenoh.attachment import gid_of, parse_attachment
 from rostether.ros2.zenoh.entities import NodeEntities
-from rostether.ros2.zenoh.learnt_types import Describe, LearntTypes
+from rostether.ros2.zenoh.learned_types import Describe, LearnedTypes
 from rostether.ros2.zenoh.mismatches import Mismatches
 from rostether.ros2.zenoh.shared_session import LiveToken
-from rostether.ros2.zenoh.thread_state import stay_known
+from rostether.ros2.zenoh.thread_state import keep_thread_state
 from rostether.ros2.zenoh.tokens import Kind, Token, data_key
 
 # The number of past messages requested from a latched publisher: one, as in ROS 1.
@@ -68,7 +68,7 @@ class Subscription:
         self._skip_nodes = skip_nodes
         # The type of the first publisher, if a subscription of any type takes only one.
         self._accepts_one_type = one_type
-        self._learnt_type: MessageSupport | None = None
+        self._learned_type: MessageSupport | None = None
         # The sender of a sample is looked up only if some nodes are excluded.
         self._node_names: dict[bytes, str] = {}
         self._what = f"on_messages of {topic}"
@@ -88,7 +88,7 @@ class Subscription:
         self._queue: Handover[tuple[str, bytes, Received]] = Handover(
             self._handle_samples, limit=DEFAULT_QUEUE_BYTES
         )
-        self._learnt = LearntTypes(
+        self._learned = LearnedTypes(
             topic,
             node.session.types,
             describe=receiver.describe,
@@ -128,7 +128,7 @@ class Subscription:
     def resume(self) -> None:
         """Pass messages on again."""
         self._is_paused = False
-        if not self._learnt.is_waiting:
+        if not self._learned.is_waiting:
             self._queue.resume()
 
     async def close(self) -> None:
@@ -136,7 +136,7 @@ class Subscription:
         if self._is_closed:
             return
         self._is_closed = True
-        self._learnt.close()
+        self._learned.close()
         self._queue.close()
         self._node.session.graph.unlisten(Kind.PUBLISHER, self.topic, self._update_publishers)
         self._publishers = set()
@@ -147,14 +147,14 @@ class Subscription:
 
     def _put(self, sample: zenoh.Sample) -> None:
         # Called in a zenoh thread, or in this one during a publication.
-        stay_known()
+        keep_thread_state()
         assert self._support is not None
         data = sample.payload.to_bytes()
         received = convert_if_large(self._support.converter.from_cdr, data)
         self._queue.put(("", b"", received), len(data))
 
     def _put_of_any(self, sample: zenoh.Sample) -> None:
-        stay_known()
+        keep_thread_state()
         gid = b""
         if not self._accepts_all and sample.attachment is not None:
             attachment = parse_attachment(sample.attachment.to_bytes())
@@ -167,7 +167,7 @@ class Subscription:
         if support is None:
             key = str(sample.key_expr)
             _, type_name, type_hash = key.rsplit("/", 2)
-            support = self._learnt.get(type_name, type_hash)
+            support = self._learned.get(type_name, type_hash)
         received = data if support is None else convert_if_large(support.converter.from_cdr, data)
         self._queue.put((key, gid, received), len(data))
 
@@ -199,8 +199,8 @@ class Subscription:
             self._node_names = {gid_of(end.format()): end.node_name for end in ends}
         if self._mismatches is not None:
             self._mismatches.report(ends)
-        if not any(self._is_of_learnt_type(end) for end in ends):
-            self._learnt_type = None
+        if not any(self._is_of_learned_type(end) for end in ends):
+            self._learned_type = None
         known, self._publishers = self._publishers, set()
         for end in sorted(ends, key=lambda end: end.format()):
             support = self._of_token(end)
@@ -214,7 +214,7 @@ class Subscription:
         if self._support is None:
             self._declare_token(support)
         if self._accepts_one_type and node_name not in self._skip_nodes:
-            self._learnt_type = support
+            self._learned_type = support
         if self._receiver.on_connection is not None and not self._is_closed:
             fields = connection_fields(
                 self.topic,
@@ -227,25 +227,25 @@ class Subscription:
 
     def _of_token(self, end: Token) -> MessageSupport | None:
         if self._support is None:
-            return self._only_learnt(self._learnt.find(end.type, end.type_hash, end.node_name))
+            return self._only_learned(self._learned.find(end.type, end.type_hash, end.node_name))
         is_ours = end.type == dds_name(self._support.name) and end.type_hash == self._support.type_hash
         return self._support if is_ours else None
 
-    def _is_of_learnt_type(self, end: Token) -> bool:
-        support = self._learnt_type
+    def _is_of_learned_type(self, end: Token) -> bool:
+        support = self._learned_type
         return (
             support is not None
-            and self._learnt.find(end.type, end.type_hash, end.node_name) is support
+            and self._learned.find(end.type, end.type_hash, end.node_name) is support
             and end.node_name not in self._skip_nodes
         )
 
-    def _only_learnt(self, support: MessageSupport | None) -> MessageSupport | None:
-        return support if self._learnt_type in (None, support) else None
+    def _only_learned(self, support: MessageSupport | None) -> MessageSupport | None:
+        return support if self._learned_type in (None, support) else None
 
     def _of_key(self, key: str) -> MessageSupport | None:
         _, type_name, type_hash = key.rsplit("/", 2)
-        is_new = not self._learnt.has(type_name, type_hash)
-        support = self._only_learnt(self._learnt.find(type_name, type_hash))
+        is_new = not self._learned.has(type_name, type_hash)
+        support = self._only_learned(self._learned.find(type_name, type_hash))
         if is_new and support is not None:
             # A publisher without a token.
             self._connect(support, "", DEFAULT_QOS)
@@ -254,7 +254,7 @@ class Subscription:
     def _learn(self) -> None:
         """Continue with the types that a node has described."""
         self._update_publishers()
-        if not self._is_paused and not self._learnt.is_waiting:
+        if not self._is_paused and not self._learned.is_waiting:
             self._queue.resume()
 
     def _declare_token(self, support: MessageSupport) -> None:

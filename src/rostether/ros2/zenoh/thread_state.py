@@ -8,7 +8,7 @@ import threading
 _kept = threading.local()
 
 
-def stay_known() -> None:
+def keep_thread_state() -> None:
     """Keep the calling thread's state; call it at the start of a callback that zenoh calls often."""
     # Thread-local data ends with the state, so a new state has none.
     if not hasattr(_kept, "is_kept"):

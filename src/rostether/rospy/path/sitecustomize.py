@@ -1,7 +1,7 @@
 """Python reads this at start, where `run` and `launch` have put its folder on PYTHONPATH.
 
 It puts the folder with our `rospy` at the very end of the path, and nothing at all where a real rospy is
-installed. A sitecustomize of the system's or the user's is run as well.
+installed. A sitecustomize.py of the system or of the user also runs.
 """
 
 import importlib.machinery

@@ -21,7 +21,7 @@ class MasterException(Exception):  # noqa: N818 - the names are rosgraph's
 
 
 class MasterFailure(MasterException):
-    """The master failed to do it."""
+    """The master could not execute the call."""
 
 
 class MasterError(MasterException):

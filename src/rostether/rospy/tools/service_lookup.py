@@ -23,7 +23,7 @@ _OWN_NAME = "/rosservice"
 
 
 class ROSServiceException(Exception):  # noqa: N818 - the names are rosservice's
-    """Root of rosservice's errors."""
+    """The base of rosservice's errors."""
 
 
 class ROSServiceIOException(ROSServiceException):

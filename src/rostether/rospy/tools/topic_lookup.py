@@ -21,7 +21,7 @@ Evaluate = Callable[[Any], Any]
 
 
 class ROSTopicException(Exception):  # noqa: N818 - the names are rostopic's
-    """Root of rostopic's errors."""
+    """The base of rostopic's errors."""
 
 
 class ROSTopicIOException(ROSTopicException):

@@ -15,7 +15,7 @@ async def test_a_missing_router_is_an_error_for_lists(
         return False
 
     monkeypatch.setattr(configuration, "is_router_there", no_router)
-    monkeypatch.setattr(configuration, "names_its_own_place", lambda _: False)
+    monkeypatch.setattr(configuration, "configures_endpoints", lambda _: False)
     if is_error:
         with pytest.raises(GraphError, match="no zenoh router answers"):
             await warn_without_router(is_error=True)

@@ -12,8 +12,8 @@ from rostether.ros2.environment import Ros2Environment
 from rostether.ros2.zenoh.configuration import (
     Reach,
     RouterChoice,
+    configures_endpoints,
     is_router_there,
-    names_its_own_place,
     peer_configuration,
     router_configuration,
 )
@@ -92,11 +92,11 @@ def test_what_zenoh_does_not_accept_is_refused_in_one_line(tmp_path: Path) -> No
 
 
 def test_a_users_own_place_is_known() -> None:
-    assert not names_its_own_place(Ros2Environment())
-    assert not names_its_own_place(Ros2Environment(zenoh_overrides=(("scouting/delay", "1"),)))
-    assert names_its_own_place(Ros2Environment(zenoh_overrides=(("connect/endpoints", "[]"),)))
-    assert names_its_own_place(Ros2Environment(zenoh_overrides=(("mode", '"peer"'),)))
-    assert names_its_own_place(Ros2Environment(zenoh_session_config=Path("x")))
+    assert not configures_endpoints(Ros2Environment())
+    assert not configures_endpoints(Ros2Environment(zenoh_overrides=(("scouting/delay", "1"),)))
+    assert configures_endpoints(Ros2Environment(zenoh_overrides=(("connect/endpoints", "[]"),)))
+    assert configures_endpoints(Ros2Environment(zenoh_overrides=(("mode", '"peer"'),)))
+    assert configures_endpoints(Ros2Environment(zenoh_session_config=Path("x")))
 
 
 async def test_a_router_is_looked_for() -> None:

@@ -7,7 +7,7 @@ from typing import cast
 import zenoh
 
 from contract.zenoh_graphs import open_router, open_session
-from rostether.ros2.zenoh.thread_state import stay_known
+from rostether.ros2.zenoh.thread_state import keep_thread_state
 from waiting import until
 
 
@@ -18,7 +18,7 @@ async def test_a_thread_of_zenohs_keeps_its_state_between_callbacks() -> None:
     local = threading.local()
 
     def take(_: object) -> None:
-        stay_known()
+        keep_thread_state()
         seen.append((threading.get_ident(), hasattr(local, "was_here")))
         local.was_here = True
 
@@ -41,10 +41,10 @@ async def test_a_thread_of_zenohs_keeps_its_state_between_callbacks() -> None:
 def test_it_harms_no_thread_of_pythons_own() -> None:
     def run() -> None:
         for _ in range(3):
-            stay_known()
+            keep_thread_state()
 
     thread = threading.Thread(target=run)
     thread.start()
     thread.join()
-    stay_known()
+    keep_thread_state()
     assert ctypes.pythonapi.PyGILState_Check() == 1

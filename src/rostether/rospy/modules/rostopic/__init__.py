@@ -1,7 +1,6 @@
-"""rostopic: topics, their types and figures."""
+"""rostopic: topics, their types and statistics."""
 
 # ruff: noqa: F401
-from rostether.rospy.tools.topic_figures import ROSTopicBandwidth, ROSTopicDelay, ROSTopicHz
 from rostether.rospy.tools.topic_lookup import (
     ROSTopicException,
     ROSTopicIOException,
@@ -13,3 +12,4 @@ from rostether.rospy.tools.topic_lookup import (
     msgevalgen,
     publish_message,
 )
+from rostether.rospy.tools.topic_statistics import ROSTopicBandwidth, ROSTopicDelay, ROSTopicHz
