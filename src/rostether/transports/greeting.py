@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from rostether.errors import (
@@ -18,10 +19,10 @@ from rostether.transports.sockets import explain_reason
 from rostether.transports.stream import StreamTransport
 from rostether.transports.tls import (
     SPEAKS_NO_TLS,
+    ListenerTls,
     TlsFiles,
     clear_handshake,
     connector_context,
-    listener_context,
     show_ssl_reason,
 )
 
@@ -61,9 +62,12 @@ class Greeting:
         self._certificates = {der: path for path, der in boards.certificates.items()}
         self._listens = listens
         self._host = host
-        self._context: ssl.SSLContext | None = None
-        if tls is not None:
-            self._context = listener_context(tls, self._certificates) if listens else connector_context(tls)
+        self._context: Callable[[], ssl.SSLContext] | None = None
+        if tls is not None and listens:
+            self._context = ListenerTls(tls, self._certificates).context
+        elif tls is not None:
+            own = connector_context(tls)
+            self._context = lambda: own
 
     async def exchange(self, transport: StreamTransport) -> Proof:
         """Greet over a transport that was not started, and leave it so; return the peer's proof.
@@ -72,7 +76,7 @@ class Greeting:
         """
         if self._context is not None:
             try:
-                await transport.start_tls(self._context, listens=self._listens, host=self._host)
+                await transport.start_tls(self._context(), listens=self._listens, host=self._host)
             except OSError as error:
                 clear_handshake(error)
                 raise TransportClosedError(f"no TLS connection: {_explain_handshake(error)}") from None

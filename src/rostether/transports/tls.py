@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import logging
 import traceback
-from collections.abc import Iterable
+from collections.abc import Collection
 from contextlib import suppress
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -48,7 +48,7 @@ def clear_handshake(error: OSError) -> None:
     traceback.clear_frames(error.__traceback__)
 
 
-def listener_context(files: TlsFiles, certificates: Iterable[bytes] = ()) -> ssl.SSLContext:
+def listener_context(files: TlsFiles, certificates: Collection[bytes] = ()) -> ssl.SSLContext:
     """Return the context of a listener, which also accepts the `certificates` of single boards (DER).
 
     Raises ConfigError.
@@ -68,6 +68,49 @@ def listener_context(files: TlsFiles, certificates: Iterable[bytes] = ()) -> ssl
     if files.ca is not None:
         context.verify_mode = ssl.CERT_REQUIRED
     return context
+
+
+class ListenerTls:
+    """The TLS of a listener, which uses a certificate that was replaced without a restart.
+
+    Args:
+        files: The listener's files; programs that renew certificates replace them.
+        certificates: Also accepts these certificates of single boards (DER).
+
+    Raises ConfigError.
+    """
+
+    def __init__(self, files: TlsFiles, certificates: Collection[bytes] = ()) -> None:
+        self._files = files
+        self._certificates = certificates
+        self._versions = self._read_versions()
+        self._context = listener_context(files, certificates)
+        self._reported = ""
+
+    def context(self) -> ssl.SSLContext:
+        """Return the context for the next connection.
+
+        If the files have changed, it is a new one: OpenSSL drops an old key before it refuses a new one. If
+        they cannot be used, it is the previous one, and the reason is reported once.
+        """
+        versions = self._read_versions()
+        if versions == self._versions:
+            return self._context
+        self._versions = versions
+        try:
+            self._context = listener_context(self._files, self._certificates)
+        except ConfigError as error:
+            if (reason := str(error)) != self._reported:
+                self._reported = reason
+                _LOG.warning("%s; new connections still use the previous certificate", reason)
+        else:
+            self._reported = ""
+            _LOG.info("New connections use the changed certificate %s", self._files.cert)
+        return self._context
+
+    def _read_versions(self) -> list[tuple[int, ...] | None]:
+        """Return what differs after a change of a file, None for a missing one."""
+        return [_version(each) for each in (self._files.cert, self._files.key, self._files.ca)]
 
 
 def connector_context(files: TlsFiles) -> ssl.SSLContext:
@@ -145,6 +188,16 @@ def _read(path: Path) -> bytes:
             return file.read(_MAX_FILE_BYTES)
     except OSError as error:
         raise ConfigError(f"{path} cannot be read: {error.strerror}") from None
+
+
+def _version(file: str | None) -> tuple[int, ...] | None:
+    from pathlib import Path
+
+    try:
+        status = None if file is None else Path(file).expanduser().stat()
+    except OSError:
+        return None
+    return status and (status.st_dev, status.st_ino, status.st_size, status.st_mtime_ns, status.st_ctime_ns)
 
 
 def _load(context: ssl.SSLContext, files: TlsFiles) -> None:

@@ -142,6 +142,36 @@ async def test_tls_with_a_server_certificate(certificates: Path) -> None:
         await until(lambda: listener.connection_count == 0)
 
 
+async def test_new_connections_use_a_certificate_that_was_replaced(
+    certificates: Path, tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    certificate, key = tmp_path / "live.pem", tmp_path / "live.key"
+
+    def replace(name: str) -> None:
+        shutil.copy(certificates / f"{name}.key", key)
+        shutil.copy(certificates / f"{name}.pem", certificate)
+
+    replace("server")
+    async with listening(f"tls://:0?cert={certificate}&key={key}") as (_, arrivals, port):
+        await carry(arrivals, f"tls://:{port}?connect=yes&ca={certificates}/server.pem")
+        # The certificate is new, its key is still the old one; then the key is half-written.
+        shutil.copy(certificates / "board.pem", certificate)
+        faults = [f"{key} is not the key of the certificate {certificate}"]
+        for _ in range(2):
+            await carry(arrivals, f"tls://:{port}?connect=yes&ca={certificates}/server.pem")
+        key.write_text("")
+        faults.append(f"{key} contains no private key in PEM format; add it, or give its file")
+        for _ in range(2):
+            await carry(arrivals, f"tls://:{port}?connect=yes&ca={certificates}/server.pem")
+        assert caplog.messages == [
+            f"{each}; new connections still use the previous certificate" for each in faults
+        ]
+        replace("board")
+        await carry(arrivals, f"tls://:{port}?connect=yes&ca={certificates}/board.pem")
+        with pytest.raises(TransportOpenError, match="no TLS connection"):
+            await open_transport(f"tls://:{port}?connect=yes&ca={certificates}/server.pem")
+
+
 async def test_tls_with_client_certificates(certificates: Path) -> None:
     server = (
         f"tls://:0?cert={certificates}/server.pem&key={certificates}/server.key&ca={certificates}/board.pem"

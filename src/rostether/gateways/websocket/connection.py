@@ -40,6 +40,7 @@ if TYPE_CHECKING:
 
     from rostether.gateways.websocket.settings import ConnectionLimits, ServedProtocol
     from rostether.gateways.websocket.site import Site
+    from rostether.transports.tls import ListenerTls
 
 # A chunk of this size has at most 2,700 frames, which take less than 20 ms; one of `READ_BYTES` takes 150 ms.
 _MAX_READ_BYTES = 16 * 1024
@@ -75,7 +76,7 @@ class ConnectionServer(Protocol):
     limits: ConnectionLimits
     protocol: ServedProtocol
     site: Site | None
-    encryption: ssl.SSLContext | None
+    encryption: ListenerTls | None
 
     def admit(self, connection: Connection, transport: asyncio.Transport) -> bool:
         """Return whether a connection may stay, and count it."""
@@ -180,10 +181,10 @@ class Connection(asyncio.BufferedProtocol):
             self.abort()
             return
         self._set_timer(self._limits.handshake_s, self.abort)
-        if (context := self._server.encryption) is not None:
+        if (encryption := self._server.encryption) is not None:
             self._early = early = bytearray()
             transport.pause_reading()
-            self._encrypting = asyncio.ensure_future(self._encrypt(transport, early, context))
+            self._encrypting = asyncio.ensure_future(self._encrypt(transport, early, encryption.context()))
 
     def get_buffer(self, sizehint: int) -> memoryview:
         """Lend the event loop's read buffer until `buffer_updated`."""

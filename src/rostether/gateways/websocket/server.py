@@ -6,7 +6,6 @@ import asyncio
 import errno
 import os
 import socket
-import ssl
 from collections import Counter
 from collections.abc import Callable, Mapping
 from functools import partial
@@ -27,7 +26,7 @@ from rostether.gateways.websocket.settings import (
 from rostether.gateways.websocket.site import Site
 from rostether.transports.own_names import OwnNames
 from rostether.transports.sockets import close_servers, lengthen_backlog, system_bind_errors
-from rostether.transports.tls import load_own_certificate
+from rostether.transports.tls import ListenerTls, TlsFiles
 
 _LOOPBACK_HOSTS = ("127.0.0.1", "::1")
 _EVERYWHERE = ("", "0.0.0.0", "::")  # noqa: S104 - compared, not bound
@@ -67,7 +66,7 @@ class WebSocketServer:
         self.limits = limits
         self.protocol = protocol
         self.site = site
-        self.encryption: ssl.SSLContext | None = None
+        self.encryption: ListenerTls | None = None
         self._open_user = open_user
         self._routes = routes or {}
         own_names = OwnNames((settings.host, os.environ.get("ROS_HOSTNAME", "")))
@@ -115,7 +114,8 @@ class WebSocketServer:
         """Listen. Raises TransportOpenError, and ConfigError for an invalid certificate."""
         host, port = self._settings.host, self._settings.port
         hosts = _LOOPBACK_HOSTS if host == DEFAULT_HOST else (host or None,)
-        self.encryption = server_encryption(self._settings.certificate, self._settings.key)
+        if self._settings.certificate:
+            self.encryption = ListenerTls(TlsFiles(self._settings.certificate, self._settings.key or None))
         loop = asyncio.get_running_loop()
         for each in hosts:
             try:
@@ -242,15 +242,3 @@ class WebSocketServer:
                 f"{name}: {host} is not an address of this machine; 0.0.0.0:{port} listens on all of them"
             )
         return TransportOpenError(f"{name}: cannot listen on {host}:{port}: {error.strerror}")
-
-
-def server_encryption(certificate: str, key: str) -> ssl.SSLContext | None:
-    """Return the TLS context of a listener, None without a certificate; one file may contain both.
-
-    Raises ConfigError that names a file that cannot be used.
-    """
-    if not certificate:
-        return None
-    context = ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER)
-    load_own_certificate(context, certificate, key or None)
-    return context

@@ -15,7 +15,7 @@ from cryptography import x509
 from rostether.errors import ConfigError
 from rostether.gateways.websocket import own_authority
 from rostether.gateways.websocket.own_authority import OwnCertificate, own_certificate
-from rostether.gateways.websocket.server import server_encryption
+from rostether.transports.tls import TlsFiles, listener_context
 
 
 async def greeted(made: OwnCertificate, name: str) -> None:
@@ -24,7 +24,7 @@ async def greeted(made: OwnCertificate, name: str) -> None:
         lambda _, writer: writer.close(),
         "127.0.0.1",
         0,
-        ssl=server_encryption(str(made.certificate), str(made.key)),
+        ssl=listener_context(TlsFiles(str(made.certificate), str(made.key))),
     )
     trust = ssl.create_default_context(cafile=str(made.authority))
     try:
@@ -65,7 +65,7 @@ def test_files_of_a_program_that_was_killed_between_them_are_made_again(tmp_path
     made = own_certificate(tmp_path / "tls")
     (tmp_path / "other" / stale).replace(tmp_path / "tls" / stale)
     assert own_certificate(tmp_path / "tls") == made
-    assert server_encryption(str(made.certificate), str(made.key))
+    assert listener_context(TlsFiles(str(made.certificate), str(made.key)))
     authority = x509.load_pem_x509_certificate(made.authority.read_bytes())
     x509.load_pem_x509_certificate(made.certificate.read_bytes()).verify_directly_issued_by(authority)
 
@@ -131,7 +131,7 @@ def test_a_damaged_certificate_is_made_again_but_not_its_authority(tmp_path: Pat
     for file in (made.certificate, made.key):
         file.write_text("")
         assert own_certificate(tmp_path) == made
-        assert server_encryption(str(made.certificate), str(made.key))
+        assert listener_context(TlsFiles(str(made.certificate), str(made.key)))
     assert made.authority.read_bytes() == authority
     made.authority.write_text("nonsense")
     with pytest.raises(ConfigError, match=r"authority\.pem or authority\.key in .* is damaged; delete both"):
