@@ -69,7 +69,7 @@ class DatagramSender:
             except BlockingIOError:
                 return
             except OSError:
-                # No program listens at a unicast address.
+                # No program listens on a unicast address.
                 continue
             on_datagram(datagram, address)
 

@@ -35,13 +35,11 @@ def memory_pair(
     manipulator: Manipulator | None = None,
     *,
     can_pause: bool = True,
-    names: tuple[str, str] = ("first", "second"),
+    names: tuple[str, str] = ("memory first", "memory second"),
 ) -> tuple[MemoryTransport, MemoryTransport]:
     """Create two connected transports; with `can_pause=False`, a paused reader loses data beyond 64 KiB."""
-    first = MemoryTransport(f"memory {names[1]}", Direction.FIRST_TO_SECOND, manipulator, can_pause=can_pause)
-    second = MemoryTransport(
-        f"memory {names[0]}", Direction.SECOND_TO_FIRST, manipulator, can_pause=can_pause
-    )
+    first = MemoryTransport(names[1], Direction.FIRST_TO_SECOND, manipulator, can_pause=can_pause)
+    second = MemoryTransport(names[0], Direction.SECOND_TO_FIRST, manipulator, can_pause=can_pause)
     first.join(second)
     second.join(first)
     return first, second
@@ -128,7 +126,7 @@ class MemoryTransport:
         self._arrived.clear()
         self._arrived_bytes = 0
         self._end(None)
-        self._other._end(TransportClosedError(f"{self._other._peer} ended the connection; connect again"))
+        self._other._end(TransportClosedError(f"{self._other._peer} ended the connection"))
 
     async def wait_closed(self) -> None:
         """Wait until the pipe has ended."""

@@ -73,7 +73,7 @@ def test_the_device_sends_at_the_recorded_times(tmp_path: Path) -> None:
     host = run(played(capture_of(tmp_path, *LINES)))
     assert host.chunks == [(1.0, 1, b"\xaa"), (1.5, 1, b"\xbb"), (2.5, 2, b"\xcc"), (5.0, 3, b"\xdd")]
     assert [len(link.losses) for link in host.links] == [1, 1, 1]
-    assert set(host.peers) == {f"memory capture {tmp_path}/arm.jsonl"}
+    assert set(host.peers) == {f"capture {tmp_path}/arm.jsonl"}
 
 
 def test_four_times_as_fast(tmp_path: Path) -> None:

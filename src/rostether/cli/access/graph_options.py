@@ -156,7 +156,7 @@ _REACH_OPTIONS = (
     ),
     add_option(
         "--zenoh-listen ENDPOINT",
-        "With --ros2 zenoh, listen at this endpoint, e.g. tcp/0.0.0.0:7447; may be repeated.",
+        "With --ros2 zenoh, listen on this endpoint, e.g. tcp/0.0.0.0:7447; may be repeated.",
         multiple=True,
     ),
 )
@@ -164,7 +164,7 @@ _SERVING_OPTIONS = (
     add_option(
         "--zenoh-router",
         "With --ros2 zenoh, start the zenoh router of this machine: if there is none, never, or always. "
-        "The router listens at localhost:7447; with `always` and --zenoh-listen, only at those endpoints.",
+        "The router listens on localhost:7447; with `always` and --zenoh-listen, only at those endpoints.",
         type=click.Choice(["auto", "never", "always"]),
         default="auto",
         show_default=True,

@@ -43,7 +43,7 @@ def window_option(default: int | None) -> Callable[[Function], Function]:
 
 listen_option = add_option(
     "--listen ADDRESS",
-    "Listen at this address for other machines; 0.0.0.0 for all addresses (default: loopback only).",
+    "Listen on this address for other machines; 0.0.0.0 for all addresses (default: loopback only).",
 )
 
 

@@ -69,7 +69,7 @@ def core(
 ) -> None:
     """Run the ROS master, parameter server and log collector, like roscore.
 
-    With --ros2 zenoh, run the zenoh router of this machine, like rmw_zenohd. It listens at localhost:7447, or
+    With --ros2 zenoh, run the zenoh router of this machine, like rmw_zenohd. It listens on localhost:7447, or
     only at the --zenoh-listen endpoints.
     """
     # Without --ros2 this is the ROS 1 master, even if ROS 2 is sourced: ROS 2 has none.

@@ -100,5 +100,5 @@ async def _routers(environment: Ros2Environment) -> AsyncIterator[_Finding]:
         listening = endpoints_of(configuration, "listen")
         if listening:
             fault = find_listen_fault(configuration)
-            where = f"listens at {', '.join(listening)}"
+            where = f"listens on {', '.join(listening)}"
             yield _Finding(not fault, f"{path}", f"{where}, but {fault}" if fault else where)

@@ -5,7 +5,7 @@ socket_node             ~port 11411, ~listen
 udp_socket_node         ~server_port 11411, ~listen; the boards' addresses are learned, not set by ~client_*
 message_info_service    for other programs; rostether's bridge does not need it
 
-~listen is an addition: the address to listen at, for boards on the network.
+~listen is an addition: the address to listen on, for boards on the network.
 """
 
 from __future__ import annotations

@@ -45,7 +45,7 @@ class NodeNaming:
 
 
 def read_gateway_arguments(words: Sequence[str], special: Mapping[str, str]) -> tuple[str, NodeNaming]:
-    """Return the address to listen at, [HOST:]PORT, and the naming of the node.
+    """Return the address to listen on, [HOST:]PORT, and the naming of the node.
 
     Raises click.UsageError, ConfigError, InvalidNameError.
     """

@@ -69,7 +69,7 @@ def read_listen_address(text: str, default_port: int) -> tuple[str, int]:
         host, port = text, str(default_port)
     if not port.isdecimal() or len(port) > 20 or not 0 <= int(port) <= _MAX_PORT:
         raise ConfigError(
-            f"{text!r} is not an address to listen at; write HOST:PORT, e.g. 0.0.0.0:{default_port}"
+            f"{text!r} is not an address to listen on; write HOST:PORT, e.g. 0.0.0.0:{default_port}"
         )
     return host.strip("[]"), int(port)
 

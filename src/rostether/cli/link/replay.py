@@ -138,13 +138,14 @@ async def _replay(
             (listener,) = listeners
             await listener.play()
             await asyncio.sleep(AFTER_S)
-            messages = sum(each.message_count for board in supervisor.boards() for each in board.endpoints)
-            topics = sum(len(board.endpoints) for board in supervisor.boards())
+            endpoints = [each for board in supervisor.boards() for each in board.endpoints]
     if not listener.played_bytes:
         raise ConfigError(
             f"{capture.path} contains no bytes of a board; record it while the board is connected"
         )
-    write_line(f"played {listener.played_bytes} bytes: {topics} topics and services, {messages} messages")
+    kinds = "topic or service" if len(endpoints) == 1 else "topics and services"
+    messages = sum(each.message_count for each in endpoints)
+    write_line(f"played {listener.played_bytes} bytes: {len(endpoints)} {kinds}, {messages} messages")
 
 
 class _Settling:

@@ -57,7 +57,7 @@ def test_listen_addresses(text: str, address: tuple[str, int]) -> None:
 @pytest.mark.parametrize("text", ["localhost:many", "99999", "host:99999", "host:"])
 def test_wrong_listen_addresses(text: str) -> None:
     with pytest.raises(
-        ConfigError, match=r"is not an address to listen at; write HOST:PORT, e.g. 0\.0\.0\.0:9090"
+        ConfigError, match=r"is not an address to listen on; write HOST:PORT, e.g. 0\.0\.0\.0:9090"
     ):
         read_listen_address(text, 9090)
 

@@ -143,7 +143,7 @@ async def received_of(file: Path, *options: str) -> int:
                 await asyncio.sleep(0.01)
         async with started("link", "replay", str(file), *options, **environ) as play:
             text = await play.finish()
-        assert "1 topics and services, 1429 messages" in text
+        assert "1 topic or service, 1429 messages" in text
         seen = -1
         while seen < received:
             # What the ended command has sent may still be in the socket.
