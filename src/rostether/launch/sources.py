@@ -80,8 +80,8 @@ def in_package(package: str, name: str, folder: Path) -> Path | None:
         return folder / name if (folder / name).is_file() else None
     found = [each.path / name for each in walk(folder, below_packages=True) if name in each.files]
     if len(found) > 1:
-        places = ", ".join(str(each.relative_to(folder)) for each in found)
-        raise ConfigError(f"package {package} has several files named {name}; give one of {places}")
+        choices = ", ".join(str(each.relative_to(folder)) for each in found)
+        raise ConfigError(f"package {package} has several files named {name}; give one of {choices}")
     return found[0] if found else None
 
 

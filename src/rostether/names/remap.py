@@ -21,7 +21,7 @@ _REMAP_ARGUMENT = re.compile(r"[~/A-Za-z_][A-Za-z0-9_/]*:=.*", re.DOTALL)
 class Arguments:
     """The arguments of a command line: each remapping and parameter once, the last one counts.
 
-    `remappings` are as written (`names.resolve.resolve_remappings` qualifies them), `private_params` are
+    `remappings` are as written (`names.graph_name.resolve_remappings` qualifies them), `private_params` are
     YAML values under their names without the underscore, `special` has keys like `__name`, and `rest` is
     every other argument in order.
     """

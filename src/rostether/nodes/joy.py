@@ -12,7 +12,7 @@ from rostether.errors import ConfigError
 from rostether.graph.ports import Level
 from rostether.graph.typed_graph import TypedGraph
 from rostether.graph.typed_handles import TypedPublisher
-from rostether.nodes.joystick import EVENT, Joystick, When
+from rostether.nodes.joystick import EVENT, Joystick, PublishTiming
 
 DEFAULT_DEVICE = "/dev/input/js0"
 
@@ -66,7 +66,7 @@ async def publish_joystick(
             continue
         report(Level.INFO, f"Opened joystick: {settings.device}")
         try:
-            await _Reading(graph, publisher, settings, descriptor).run()
+            await _OpenJoystick(graph, publisher, settings, descriptor).run()
         finally:
             os.close(descriptor)
         report(Level.ERROR, f"the joystick at {settings.device} was disconnected; waiting for it")
@@ -74,7 +74,7 @@ async def publish_joystick(
         await asyncio.sleep(_RETRY_S)
 
 
-class _Reading:
+class _OpenJoystick:
     """One opened device, from opening to disconnection."""
 
     def __init__(
@@ -115,10 +115,10 @@ class _Reading:
         if not data:
             self._ended.set()
             return
-        when = self._joystick.feed(data)
-        if when is When.NOW:
+        timing = self._joystick.feed(data)
+        if timing is PublishTiming.NOW:
             self._publish()
-        elif when is When.SOON and not self._is_gathering:
+        elif timing is PublishTiming.SOON and not self._is_gathering:
             self._is_gathering = True
             self._start_timer(self._settings.coalesce_interval_s)
 

@@ -18,7 +18,7 @@ _FULL = 32767.0
 MAX_DEADZONE = 0.9
 
 
-class When(Enum):
+class PublishTiming(Enum):
     """When to publish after an event: never, after the coalesce interval, or at once."""
 
     NEVER = 0
@@ -48,26 +48,26 @@ class Joystick:
         deadzone = self.deadzone / _FULL if self.deadzone >= 1 else self.deadzone
         self.deadzone = min(max(deadzone, 0.0), MAX_DEADZONE)
 
-    def feed(self, data: bytes) -> When:
+    def feed(self, data: bytes) -> PublishTiming:
         """Handle bytes of the device, which may contain partial events; return when to publish."""
         data = self._rest + data
         end = len(data) - len(data) % EVENT.size
         self._rest = data[end:]
-        when = When.NEVER
+        timing = PublishTiming.NEVER
         for _, value, kind, number in EVENT.iter_unpack(data[:end]):
-            when = max(when, self._apply_event(value, kind, number), key=lambda each: each.value)
-        return when
+            timing = max(timing, self._apply_event(value, kind, number), key=lambda each: each.value)
+        return timing
 
     def release(self) -> None:
         """Move all axes to their resting positions, and release all buttons."""
         self.axes = list(self._released_axes)
         self.buttons = [0] * len(self.buttons)
 
-    def _apply_event(self, value: int, kind: int, number: int) -> When:
+    def _apply_event(self, value: int, kind: int, number: int) -> PublishTiming:
         is_initial = bool(kind & _INITIAL)
         if kind & ~_INITIAL == _BUTTON:
             self._press(number, is_pressed=value != 0)
-            return When.SOON if is_initial else When.NOW
+            return PublishTiming.SOON if is_initial else PublishTiming.NOW
         if kind & ~_INITIAL == _AXIS:
             missing = number + 1 - len(self.axes)
             self.axes += [0.0] * missing
@@ -76,8 +76,8 @@ class Joystick:
                 self.axes[number] = self._scaled(value)
             if self.default_trig_val and is_initial:
                 self._released_axes[number] = self.axes[number]
-            return When.SOON
-        return When.NEVER
+            return PublishTiming.SOON
+        return PublishTiming.NEVER
 
     def _press(self, number: int, *, is_pressed: bool) -> None:
         missing = number + 1 - len(self.buttons)

@@ -72,7 +72,7 @@ def programs(folder: Path) -> list[Path]:
 
 
 def _is_script(file: Path) -> bool:
-    """Distinguish a Python program from a module: copies of a checkout often mark all files executable."""
+    """Return whether a Python file is a program, not a module: checkouts may mark all files executable."""
     if file.name in ("setup.py", "__init__.py") or (file.parent / "__init__.py").exists():
         return False
     if not shebang(file) and not os.access(file, os.X_OK):

@@ -15,7 +15,7 @@ LOCK_FOLDERS = ("/run/lock", "/var/lock", "/run/lock/lockdev")
 _MAX_LOCK_BYTES = 64
 
 
-def find_user(path: str) -> str | None:
+def find_port_user(path: str) -> str | None:
     """Return the program that uses a port, None if unknown; searches /proc, which takes some time."""
     for holder in find_holders(path):
         return str(holder)

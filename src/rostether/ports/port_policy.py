@@ -44,8 +44,8 @@ def identify(port: SerialPort) -> BoardIdentity:
     )
 
 
-def choose(port: SerialPort, settings: DeviceSettings, discovery: DiscoverySettings) -> PortUse:
-    """Decide about a port; `settings` are those of its board."""
+def port_use(port: SerialPort, settings: DeviceSettings, discovery: DiscoverySettings) -> PortUse:
+    """Return how a port may be used; `settings` are those of its board."""
     identity = identify(port)
     if settings.match is not None:
         # Checked first, so that `ignore = ["all"]` does not exclude boards in the file.

@@ -17,9 +17,9 @@ class TomlTable:
     All getters raise ConfigError; so does the constructor for keys that are not in `known`.
     """
 
-    def __init__(self, file: str, place: str, content: object, *, known: Sequence[str] | None) -> None:
+    def __init__(self, file: str, key_path: str, content: object, *, known: Sequence[str] | None) -> None:
         self._file = file
-        self._place = place
+        self._key_path = key_path
         if not isinstance(content, dict):
             raise self.error(f"must be a table, not {_show(content)}")
         if len(content) > MAX_ENTRIES:
@@ -36,7 +36,10 @@ class TomlTable:
 
     def error(self, text: str, key: str | None = None) -> ConfigError:
         """Return the error to raise for a key, or for the table itself."""
-        return ConfigError(f"{self._file}:{self._at(key) if key is not None else self._place}: {text}")
+        return self._error_at(self._at(key) if key is not None else self._key_path, text)
+
+    def _error_at(self, key_path: str, text: str) -> ConfigError:
+        return ConfigError(f"{self._file}:{key_path}: {text}")
 
     def table(self, key: str, *, known: Sequence[str]) -> TomlTable:
         """Return a nested table, empty if it is missing."""
@@ -50,7 +53,7 @@ class TomlTable:
 
     def check_name(self, name: str) -> None:
         """Check that the table's own key is a node name."""
-        self._check_graph_name(name, self._place)
+        self._check_graph_name(name, self._key_path)
 
     def text(self, key: str, fits: Callable[[str], bool] = bool, hint: str = "a text") -> str | None:
         """Return a string that `fits`."""
@@ -109,16 +112,16 @@ class TomlTable:
         """Return a table of ROS names."""
         entries = self.table_of_any(key)
         return {
-            self._check_graph_name(name, place): self._check_graph_name(value, place)
-            for name, value, place in entries
+            self._check_graph_name(name, key_path): self._check_graph_name(value, key_path)
+            for name, value, key_path in entries
         }
 
     def names_to_numbers(self, key: str, lowest: int, highest: int) -> dict[str, int]:
         """Return a table of whole numbers by ROS name."""
         entries = self.table_of_any(key)
         return {
-            self._check_graph_name(name, place): self._whole(value, place, lowest, highest)
-            for name, value, place in entries
+            self._check_graph_name(name, key_path): self._whole(value, key_path, lowest, highest)
+            for name, value, key_path in entries
         }
 
     def table_of_any(self, key: str) -> Iterator[tuple[str, object, str]]:
@@ -129,7 +132,7 @@ class TomlTable:
 
     def _at(self, key: str) -> str:
         shown = key if key.replace("_", "").replace("-", "").isalnum() else repr(key)
-        return f"{self._place}.{shown}" if self._place else shown
+        return f"{self._key_path}.{shown}" if self._key_path else shown
 
     def _list(self, key: str) -> list[object]:
         value = self._content.get(key, [])
@@ -139,20 +142,20 @@ class TomlTable:
             raise self.error(f"has {len(value)} entries; at most {MAX_ENTRIES} are allowed", key)
         return value
 
-    def _whole(self, value: object, place: str, lowest: int, highest: int) -> int:
+    def _whole(self, value: object, key_path: str, lowest: int, highest: int) -> int:
         if isinstance(value, bool) or not isinstance(value, int) or not lowest <= value <= highest:
-            raise ConfigError(
-                f"{self._file}:{place}: write a whole number from {lowest} to {highest}, not {_show(value)}"
+            raise self._error_at(
+                key_path, f"write a whole number from {lowest} to {highest}, not {_show(value)}"
             )
         return value
 
-    def _check_graph_name(self, value: object, place: str) -> str:
+    def _check_graph_name(self, value: object, key_path: str) -> str:
         if not isinstance(value, str) or not value:
-            raise ConfigError(f"{self._file}:{place}: write a ROS name such as /arm/imu, not {_show(value)}")
+            raise self._error_at(key_path, f"write a ROS name such as /arm/imu, not {_show(value)}")
         try:
             return validate_name(value)
         except InvalidNameError as error:
-            raise ConfigError(f"{self._file}:{place}: {error}") from None
+            raise self._error_at(key_path, str(error)) from None
 
 
 def _is_name_pattern(text: str) -> bool:

@@ -16,13 +16,13 @@ from rostether.graph.message_stream import DEFAULT_QUEUE_MESSAGES
 from rostether.mechanisms.callback_thread import CallbackThread
 from rostether.serde.type_classes import Request, Response, Service, name_of_type
 from rostether.serde.values import Message
-from rostether.sync.waiting import LOOP, Member, Waiting, guarded, in_loop, threaded, waiting
+from rostether.sync.blocking import LOOP, Blocking, OpenContext, blocking, guarded, in_loop, threaded
 
 P = ParamSpec("P")
 M = TypeVar("M", bound=Message)
 
 
-class Publisher(Waiting[DevicePublisher[...]], Generic[P]):
+class Publisher(Blocking[DevicePublisher[...]], Generic[P]):
     """Sends messages of one topic to the host; made by `Device.publisher`. `P` are the type's fields."""
 
     _publish = in_loop(DevicePublisher.publish)
@@ -40,16 +40,16 @@ class Publisher(Waiting[DevicePublisher[...]], Generic[P]):
         return self._publish(*args, **fields)
 
     publish_many = in_loop(DevicePublisher.publish_many)
-    drained = waiting(DevicePublisher.drained)
+    drained = blocking(DevicePublisher.drained)
 
 
-class ServiceClient(Waiting[DeviceServiceClient[Response]]):
+class ServiceClient(Blocking[DeviceServiceClient[Response]]):
     """Calls a service of ROS through the host; made by `Device.service_client`."""
 
-    call = waiting(DeviceServiceClient[Response].call)
+    call = blocking(DeviceServiceClient[Response].call)
 
 
-class Messages(Waiting[DeviceMessages[M]]):
+class Messages(Blocking[DeviceMessages[M]]):
     """The messages of a topic, to loop over; made by `Device.messages`."""
 
     @property
@@ -65,7 +65,7 @@ class Messages(Waiting[DeviceMessages[M]]):
         return LOOP.call(self.wrapped.__anext__())
 
 
-class Device(Member[device.Device], LogMethods):
+class Device(OpenContext[device.Device], LogMethods):
     """A rosserial device in Python; its line opens at once, and reopens after a loss.
 
     The arguments and methods are those of `rostether.Device`. Callbacks and handlers run in threads.
@@ -74,8 +74,8 @@ class Device(Member[device.Device], LogMethods):
     def __init__(self, link: str, **settings: Any) -> None:
         super().__init__(partial(device.Device, link, **settings))
 
-    get_param = waiting(device.Device.get_param)
-    wait_connected = waiting(device.Device.wait_connected)
+    get_param = blocking(device.Device.get_param)
+    wait_connected = blocking(device.Device.wait_connected)
     message = in_loop(device.Device.message)
     log = in_loop(device.Device.log)
     now = in_loop(device.Device.now)

@@ -16,6 +16,7 @@ from rostether.graph.typed_handles import MessageLike
 from rostether.mechanisms.callback_thread import CallbackThread
 from rostether.serde.type_classes import Request, Response, Service, name_of_type
 from rostether.serde.values import Message
+from rostether.sync.blocking import LOOP, OpenContext, blocking, guarded, in_loop, threaded
 from rostether.sync.graph_handles import (
     Messages,
     ParamWatch,
@@ -24,23 +25,22 @@ from rostether.sync.graph_handles import (
     ServiceServer,
     Subscriber,
 )
-from rostether.sync.waiting import LOOP, Member, guarded, in_loop, threaded, waiting
 
 P = ParamSpec("P")
 M = TypeVar("M", bound=Message)
 
 
-class Graph(Member[TypedGraph], LogMethods):
+class Graph(OpenContext[TypedGraph], LogMethods):
     """One node on a graph; made by `join`. Its methods are those of `rostether.join`'s graph."""
 
-    _wait_for_message = waiting(TypedGraph.wait_for_message)
-    get_param = waiting(TypedGraph.get_param)
-    set_param = waiting(TypedGraph.set_param)
-    delete_param = waiting(TypedGraph.delete_param)
-    has_param = waiting(TypedGraph.has_param)
-    search_param = waiting(TypedGraph.search_param)
-    list_params = waiting(TypedGraph.list_params)
-    snapshot = waiting(TypedGraph.snapshot)
+    _wait_for_message = blocking(TypedGraph.wait_for_message)
+    get_param = blocking(TypedGraph.get_param)
+    set_param = blocking(TypedGraph.set_param)
+    delete_param = blocking(TypedGraph.delete_param)
+    has_param = blocking(TypedGraph.has_param)
+    search_param = blocking(TypedGraph.search_param)
+    list_params = blocking(TypedGraph.list_params)
+    snapshot = blocking(TypedGraph.snapshot)
     log = in_loop(TypedGraph.log)
     message = in_loop(TypedGraph.message)
     now = in_loop(TypedGraph.now)
@@ -190,7 +190,7 @@ class Graph(Member[TypedGraph], LogMethods):
         return ParamWatch(LOOP.call(watch))
 
 
-def _waiting_join(make: Callable[P, AbstractAsyncContextManager[TypedGraph]]) -> Callable[P, Graph]:
+def _blocking_join(make: Callable[P, AbstractAsyncContextManager[TypedGraph]]) -> Callable[P, Graph]:
     @wraps(make)
     def join(*args: P.args, **kwargs: P.kwargs) -> Graph:
         return Graph(partial(make, *args, **kwargs))
@@ -198,4 +198,4 @@ def _waiting_join(make: Callable[P, AbstractAsyncContextManager[TypedGraph]]) ->
     return join
 
 
-join = _waiting_join(joining.join)
+join = _blocking_join(joining.join)

@@ -13,13 +13,13 @@ from rostether.graph.typed_handles import CallbackSubscriber, TypedPublisher, Ty
 from rostether.mechanisms.callback_thread import CallbackThread
 from rostether.serde.type_classes import Response
 from rostether.serde.values import Message
-from rostether.sync.waiting import LOOP, Waiting, in_loop, waiting
+from rostether.sync.blocking import LOOP, Blocking, blocking, in_loop
 
 P = ParamSpec("P")
 M = TypeVar("M", bound=Message)
 
 
-class Publisher(Waiting[TypedPublisher[...]], Generic[P]):
+class Publisher(Blocking[TypedPublisher[...]], Generic[P]):
     """Publishes messages of one type; made by `Graph.publisher`. `P` are the type's fields."""
 
     _publish = in_loop(TypedPublisher.publish)
@@ -35,9 +35,9 @@ class Publisher(Waiting[TypedPublisher[...]], Generic[P]):
         """
         return self._publish(*args, **fields)
 
-    drained = waiting(TypedPublisher.drained)
-    wait_for_subscriber = waiting(TypedPublisher.wait_for_subscriber)
-    close = waiting(TypedPublisher.close)
+    drained = blocking(TypedPublisher.drained)
+    wait_for_subscriber = blocking(TypedPublisher.wait_for_subscriber)
+    close = blocking(TypedPublisher.close)
 
     @property
     def topic(self) -> str:
@@ -50,7 +50,7 @@ class Publisher(Waiting[TypedPublisher[...]], Generic[P]):
         return self.wrapped.subscriber_count
 
 
-class Subscriber(Waiting[CallbackSubscriber]):
+class Subscriber(Blocking[CallbackSubscriber]):
     """Calls back in its own thread until it is closed; made by `Graph.subscriber`."""
 
     def __init__(self, wrapped: CallbackSubscriber, thread: CallbackThread[Message]) -> None:
@@ -68,22 +68,22 @@ class Subscriber(Waiting[CallbackSubscriber]):
         LOOP.call(self.wrapped.close())
 
 
-class ServiceServer(Waiting[ports.ServiceServer]):
+class ServiceServer(Blocking[ports.ServiceServer]):
     """A service that is offered until it is closed; made by `Graph.service_server`."""
 
-    close = waiting(ports.ServiceServer.close)
+    close = blocking(ports.ServiceServer.close)
 
 
-class ServiceClient(Waiting[TypedServiceClient[Response]]):
+class ServiceClient(Blocking[TypedServiceClient[Response]]):
     """Calls a service; made by `Graph.service_client`."""
 
-    call = waiting(TypedServiceClient[Response].call)
+    call = blocking(TypedServiceClient[Response].call)
 
 
-class ParamWatch(Waiting[ports.Watch]):
+class ParamWatch(Blocking[ports.Watch]):
     """Calls back in its own thread until it is closed; made by `Graph.watch_param`."""
 
-    close = waiting(ports.Watch.close)
+    close = blocking(ports.Watch.close)
 
 
 class Messages(Generic[M]):

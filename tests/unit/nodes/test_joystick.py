@@ -4,7 +4,7 @@ import struct
 
 import pytest
 
-from rostether.nodes.joystick import Joystick, When
+from rostether.nodes.joystick import Joystick, PublishTiming
 
 
 def event(kind: int, number: int, value: int) -> bytes:
@@ -13,22 +13,22 @@ def event(kind: int, number: int, value: int) -> bytes:
 
 def test_buttons_and_axes() -> None:
     joystick = Joystick(deadzone=0.0)
-    assert joystick.feed(event(0x81, 2, 0) + event(0x82, 1, -32767)) is When.SOON
+    assert joystick.feed(event(0x81, 2, 0) + event(0x82, 1, -32767)) is PublishTiming.SOON
     assert (joystick.buttons, joystick.axes) == ([0, 0, 0], [0.0, 0.0])
-    assert joystick.feed(event(1, 2, 1)) is When.NOW
+    assert joystick.feed(event(1, 2, 1)) is PublishTiming.NOW
     assert joystick.buttons == [0, 0, 1]
-    assert joystick.feed(event(2, 1, 32767)) is When.SOON
+    assert joystick.feed(event(2, 1, 32767)) is PublishTiming.SOON
     assert joystick.axes == [0.0, -1.0]
-    assert joystick.feed(event(2, 0, -16384)) is When.SOON
+    assert joystick.feed(event(2, 0, -16384)) is PublishTiming.SOON
     assert joystick.axes[0] == pytest.approx(0.50002, abs=1e-5)
-    assert joystick.feed(event(2, 0, 0) + event(1, 0, 1)) is When.NOW
+    assert joystick.feed(event(2, 0, 0) + event(1, 0, 1)) is PublishTiming.NOW
 
 
 def test_events_may_come_in_pieces() -> None:
     joystick = Joystick()
     whole = event(1, 0, 1)
-    assert joystick.feed(whole[:5]) is When.NEVER
-    assert joystick.feed(whole[5:]) is When.NOW
+    assert joystick.feed(whole[:5]) is PublishTiming.NEVER
+    assert joystick.feed(whole[5:]) is PublishTiming.NOW
     assert joystick.buttons == [1]
 
 
@@ -61,5 +61,5 @@ def test_sticky_buttons_toggle() -> None:
 
 def test_other_events_mean_nothing() -> None:
     joystick = Joystick()
-    assert joystick.feed(event(4, 9, 1)) is When.NEVER
+    assert joystick.feed(event(4, 9, 1)) is PublishTiming.NEVER
     assert (joystick.axes, joystick.buttons) == ([], [])

@@ -8,13 +8,13 @@ from pathlib import Path
 import pytest
 
 from rostether.ports import port_locks
-from rostether.ports.port_locks import find_user
+from rostether.ports.port_locks import find_port_user
 
 
 def test_our_own_use_is_none(tmp_path: Path) -> None:
     port = tmp_path / "ttyACM0"
     with port.open("w"):
-        assert find_user(str(port)) is None
+        assert find_port_user(str(port)) is None
 
 
 def test_a_program_without_any_lock_is_seen(tmp_path: Path) -> None:
@@ -26,9 +26,9 @@ def test_a_program_without_any_lock_is_seen(tmp_path: Path) -> None:
     ) as program:
         assert program.stdout is not None
         program.stdout.readline()
-        assert f"(PID {program.pid})" in (find_user(str(port)) or "")
+        assert f"(PID {program.pid})" in (find_port_user(str(port)) or "")
         program.kill()
-    assert find_user(str(port)) is None
+    assert find_port_user(str(port)) is None
 
 
 @pytest.mark.parametrize("form", ["{:>10}\n", "{}", "{:>10} minicom root\n"])
@@ -38,12 +38,12 @@ def test_a_lock_file_counts_while_its_program_runs(
     monkeypatch.setattr(port_locks, "LOCK_FOLDERS", (str(tmp_path),))
     lock = tmp_path / "LCK..ttyACM0"
     lock.write_text(form.format(os.getppid()))
-    assert f"PID {os.getppid()}" in (find_user("/dev/ttyACM0") or "")
-    assert find_user("/dev/ttyACM1") is None
+    assert f"PID {os.getppid()}" in (find_port_user("/dev/ttyACM0") or "")
+    assert find_port_user("/dev/ttyACM1") is None
     ended = subprocess.Popen([sys.executable, "-c", ""])
     ended.wait()
     lock.write_text(form.format(ended.pid))
-    assert find_user("/dev/ttyACM0") is None
+    assert find_port_user("/dev/ttyACM0") is None
 
 
 @pytest.mark.parametrize("content", [b"", b"rubbish", b"-1", b"99999999999999999999", b"\xff\xff\xff\xff"])
@@ -52,4 +52,4 @@ def test_a_lock_file_that_makes_no_sense_locks_nothing(
 ) -> None:
     monkeypatch.setattr(port_locks, "LOCK_FOLDERS", (str(tmp_path),))
     (tmp_path / "LCK..ttyACM0").write_bytes(content)
-    assert find_user("/dev/ttyACM0") is None
+    assert find_port_user("/dev/ttyACM0") is None

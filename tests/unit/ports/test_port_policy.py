@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from rostether.ports.port_policy import PortFinder, PortUse, choose, identify
+from rostether.ports.port_policy import PortFinder, PortUse, identify, port_use
 from rostether.ports.settings import NO_SETTINGS, DeviceMatch, DeviceSettings, DiscoverySettings
 from rostether.transports.serial_port import SerialPort
 
@@ -31,26 +31,26 @@ BUILT_IN = SerialPort("/dev/ttyS0", "serial port")
     ],
 )
 def test_without_a_word_of_the_user(port: SerialPort, choice: PortUse) -> None:
-    assert choose(port, NO_SETTINGS, DiscoverySettings()) is choice
+    assert port_use(port, NO_SETTINGS, DiscoverySettings()) is choice
 
 
 @pytest.mark.parametrize("entry", ["2c7c:0125", "2C7C:0125", "/dev/ttyUSB1", "/dev/ttyUSB*", "all"])
 def test_the_user_allows_a_port(entry: str) -> None:
-    assert choose(MODEM, NO_SETTINGS, DiscoverySettings(probe=(entry,))) is PortUse.EXPECT
-    assert choose(MODEM, NO_SETTINGS, DiscoverySettings(probe=(entry,), ignore=(entry,))) is PortUse.LEAVE
+    assert port_use(MODEM, NO_SETTINGS, DiscoverySettings(probe=(entry,))) is PortUse.EXPECT
+    assert port_use(MODEM, NO_SETTINGS, DiscoverySettings(probe=(entry,), ignore=(entry,))) is PortUse.LEAVE
 
 
 def test_all_means_ports_that_are_not_on_usb_too() -> None:
-    assert choose(BUILT_IN, NO_SETTINGS, DiscoverySettings(probe=("all",))) is PortUse.EXPECT
+    assert port_use(BUILT_IN, NO_SETTINGS, DiscoverySettings(probe=("all",))) is PortUse.EXPECT
 
 
 def test_a_board_in_the_users_file_is_allowed() -> None:
     match = DeviceMatch(usb_id="2c7c:0125")
-    assert choose(MODEM, DeviceSettings(match=match), DiscoverySettings()) is PortUse.EXPECT
-    assert choose(MODEM, DeviceSettings(match=match, baud=9600), DiscoverySettings()) is PortUse.SERVE
-    assert choose(MODEM, DeviceSettings(match=match), DiscoverySettings(ignore=("all",))) is PortUse.EXPECT
+    assert port_use(MODEM, DeviceSettings(match=match), DiscoverySettings()) is PortUse.EXPECT
+    assert port_use(MODEM, DeviceSettings(match=match, baud=9600), DiscoverySettings()) is PortUse.SERVE
+    assert port_use(MODEM, DeviceSettings(match=match), DiscoverySettings(ignore=("all",))) is PortUse.EXPECT
     # A speed for all boards does not say which ports have one.
-    assert choose(MODEM, DeviceSettings(baud=9600), DiscoverySettings()) is PortUse.OFFER
+    assert port_use(MODEM, DeviceSettings(baud=9600), DiscoverySettings()) is PortUse.OFFER
 
 
 def test_marks() -> None:

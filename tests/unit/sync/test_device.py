@@ -12,7 +12,7 @@ from rostether.msg.std_msgs import Bool
 from rostether.rosserial.events import TopicRole
 from rostether.serde.values import Message
 from rostether.srv.std_srvs import SetBool
-from rostether.sync.waiting import LOOP, Member
+from rostether.sync.blocking import LOOP, OpenContext
 from rostether.transports.opening import listen
 from unit.device.host import Host, Hosts
 
@@ -34,7 +34,7 @@ async def _hosts() -> Hosts:
 @pytest.fixture
 def line() -> Iterator[tuple[rostether.sync.Device, Host]]:
     hosts = LOOP.call(_hosts())
-    with Member(lambda: listening(hosts)) as address, rostether.sync.Device(address.wrapped) as device:
+    with OpenContext(lambda: listening(hosts)) as address, rostether.sync.Device(address.wrapped) as device:
         yield device, LOOP.call(hosts.next())
 
 

@@ -23,7 +23,7 @@ from rostether.msg.std_msgs import Int32
 from rostether.ros1.master.server import MasterServer
 from rostether.serde.values import Message
 from rostether.srv.std_srvs import SetBool, SetBoolRequest
-from rostether.sync.waiting import LOOP
+from rostether.sync.blocking import LOOP
 
 LIMIT_S = 60.0
 
@@ -219,4 +219,4 @@ def test_errors_show_the_program_s_frames_only(talker: rostether.sync.Graph) -> 
     with pytest.raises(ServiceUnavailableError) as raised:
         talker.call("/none", "std_srvs/SetBool", data=True)
     files = {Path(frame.path).name for frame in raised.traceback}
-    assert files <= {"test_graph.py", "graph.py", "waiting.py", "loop_thread.py"}
+    assert files <= {"test_graph.py", "graph.py", "blocking.py", "loop_thread.py"}

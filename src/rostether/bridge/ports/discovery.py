@@ -13,7 +13,7 @@ from rostether.bridge.reporter import Reporter
 from rostether.graph.ports import Level
 from rostether.ports.device_book import DeviceBook
 from rostether.ports.known_boards import KnownBoards
-from rostether.ports.port_policy import PortUse, choose, identify
+from rostether.ports.port_policy import PortUse, identify, port_use
 from rostether.ports.port_watch import PortWatch
 from rostether.ports.usb_boards import board_of
 from rostether.transports.serial_port import SerialPort
@@ -89,7 +89,7 @@ class Discovery:
 
     def _consider(self, port: SerialPort) -> None:
         settings = self._devices.settings_of(identify(port))
-        choice = choose(port, settings, self._devices.discovery)
+        choice = port_use(port, settings, self._devices.discovery)
         if choice is PortUse.LEAVE:
             return
         if choice is PortUse.OFFER:

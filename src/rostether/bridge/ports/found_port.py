@@ -112,7 +112,7 @@ class FoundPort:
             lambda reason: self._report(Level.WARN, reason),
         )
         while self._is_present(self.port):
-            user = await asyncio.to_thread(self._ports.find_user, self.port.path)
+            user = await asyncio.to_thread(self._ports.find_port_user, self.port.path)
             if user is None:
                 try:
                     return await self._ports.open_port(self._address(self._first_baud()))

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Protocol
 
 from rostether.bridge.ports.port_probe import TunableTransport
-from rostether.ports.port_locks import find_user
+from rostether.ports.port_locks import find_port_user
 from rostether.ports.port_watch import DEVICE_FOLDER, ListPorts
 from rostether.transports.address import SerialAddress
 from rostether.transports.opening import list_serial_ports
@@ -31,13 +31,13 @@ async def open_port(address: SerialAddress) -> TunableTransport:
 class MachinePorts:
     """`list_ports` returns the system's list, `folders` are watched for changes of it.
 
-    `find_user` names the other program that uses a port; it is called in a thread.
+    `find_port_user` names the other program that uses a port; it is called in a thread.
     """
 
     list_ports: ListPorts = list_serial_ports
     folders: Sequence[str] = (DEVICE_FOLDER,)
     open_port: OpenPort = open_port
-    find_user: Callable[[str], str | None] = find_user
+    find_port_user: Callable[[str], str | None] = find_port_user
 
 
 THIS_MACHINE = MachinePorts()

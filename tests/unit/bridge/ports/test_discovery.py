@@ -22,7 +22,7 @@ from rostether.graph.memory_network import MemoryNetwork
 from rostether.ports.device_book import DeviceBook
 from rostether.ports.devices_toml import parse_devices_toml
 from rostether.ports.known_boards import KnownBoards
-from rostether.ports.port_locks import find_user
+from rostether.ports.port_locks import find_port_user
 from rostether.transports.address_parser import parse_address
 from unit.bridge.doubles import RecordingReporter
 from unit.bridge.lateness import lateness
@@ -275,7 +275,7 @@ async def test_a_port_in_use_is_left_alone_reported_once_and_served_later(site: 
 
 async def test_a_program_that_really_has_the_port_open_is_not_disturbed(site: Site) -> None:
     machine = site.machine
-    machine.ports = replace(machine.ports, find_user=find_user)
+    machine.ports = replace(machine.ports, find_port_user=find_port_user)
     await site.start()
     path = machine.path("ttyACM0")
     code = f"import os, sys; os.open({path!r}, os.O_RDWR | os.O_NOCTTY); print(); sys.stdout.flush(); input()"

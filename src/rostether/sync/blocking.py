@@ -1,4 +1,4 @@
-"""Uses objects of the event loop from the program's threads."""
+"""Blocking methods for the program's threads, from objects of the event loop."""
 
 from __future__ import annotations
 
@@ -28,20 +28,20 @@ LOOP = LoopThread()
 CLOSE_TIMEOUT_S = 10.0
 
 
-class Waiting(Generic[Wrapped]):
+class Blocking(Generic[Wrapped]):
     """Provides the methods of `wrapped`, an object of the event loop, as blocking methods."""
 
     def __init__(self, wrapped: Wrapped) -> None:
         self.wrapped = wrapped
 
 
-def waiting(
+def blocking(
     method: Callable[Concatenate[Wrapped, P], Coroutine[Any, Any, T]],
-) -> Callable[Concatenate[Waiting[Wrapped], P], T]:
+) -> Callable[Concatenate[Blocking[Wrapped], P], T]:
     """Return a method that runs a coroutine method in the loop and waits for its result."""
 
     @wraps(method)
-    def call(self: Waiting[Wrapped], /, *args: P.args, **kwargs: P.kwargs) -> T:
+    def call(self: Blocking[Wrapped], /, *args: P.args, **kwargs: P.kwargs) -> T:
         # By name, because `method` may belong to a protocol.
         found: Callable[P, Coroutine[Any, Any, T]] = getattr(self.wrapped, method.__name__)
         return LOOP.call(found(*args, **kwargs))
@@ -77,11 +77,11 @@ def _refuse_async(what: str, function: Callable[..., object]) -> None:
         raise TypeError(f"the {what} is async; with rostether.sync, write a plain function")
 
 
-def in_loop(method: Callable[Concatenate[Wrapped, P], T]) -> Callable[Concatenate[Waiting[Wrapped], P], T]:
+def in_loop(method: Callable[Concatenate[Wrapped, P], T]) -> Callable[Concatenate[Blocking[Wrapped], P], T]:
     """Return a method that runs a plain method in the loop and waits for its result."""
 
     @wraps(method)
-    def call(self: Waiting[Wrapped], /, *args: P.args, **kwargs: P.kwargs) -> T:
+    def call(self: Blocking[Wrapped], /, *args: P.args, **kwargs: P.kwargs) -> T:
         async def run() -> T:
             return method(self.wrapped, *args, **kwargs)
 
@@ -90,7 +90,7 @@ def in_loop(method: Callable[Concatenate[Wrapped, P], T]) -> Callable[Concatenat
     return call
 
 
-class Member(Waiting[Wrapped]):
+class OpenContext(Blocking[Wrapped]):
     """An object that an asynchronous context keeps open until `close`, or the end of the program."""
 
     def __init__(self, make_context: Callable[[], AbstractAsyncContextManager[Wrapped]]) -> None:
