@@ -129,9 +129,9 @@ def _play(data: bytes) -> None:
                 link.answer_time(Time(1, 0), now_s)
             elif isinstance(event, ParameterRequested):
                 board.answer_parameter()
-        assert logs <= LOGS.saved + LOGS.per_s * now_s + 1, "more log lines than a board may bring"
+        assert logs <= LOGS.burst + LOGS.per_s * now_s + 1, "more log lines than a board may bring"
         allowed = control_rate.TIME_REQUESTS
-        assert times <= allowed.saved + allowed.per_s * now_s + 1, "more time requests than may be"
+        assert times <= allowed.burst + allowed.per_s * now_s + 1, "more time requests than may be"
         if was_settled and received == _TIME_FRAME and events and isinstance(events[-1], DeviceReset):
             board.check_reset()
         else:

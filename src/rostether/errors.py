@@ -8,7 +8,7 @@ RostetherError
 ├── FirmwareError               a sketch that cannot be built, measured or uploaded
 │   └── SketchError             the compiler or the linker rejects it; has their output
 ├── RobotModelError             a robot description (URDF, xacro) that is not valid
-├── BoardError                  a simulated board that cannot start, does not understand, or has ended
+├── BoardError                  a simulated board that cannot start, refuses a command, or has ended
 ├── DefinitionError             a .msg or .srv text that cannot be read (file, line, column)
 │   └── UnknownTypeError        no known package has the message or service
 ├── SerializationError          a value or bytes that do not fit a type
@@ -18,6 +18,7 @@ RostetherError
 ├── TransportError
 │   ├── TransportOpenError      a port, address or pseudo-terminal that cannot be opened
 │   ├── TransportClosedError    the pipe ended: unplugged, or closed by either side
+│   │   └── PeerClosedError     the peer closed the connection cleanly
 │   └── TransportTimeoutError   the peer did not answer in time
 ├── GraphError
 │   ├── MasterUnreachableError  no ROS master answers
@@ -33,6 +34,7 @@ RostetherError
 │   ├── UnconnectedFramesError  no path of transforms leads from one frame to the other
 │   └── ExtrapolationError      the requested time is outside the received transforms
 └── SessionError                the session of one board cannot continue
+    └── NodeEndedError          another program shut down the board's node
 """
 
 from __future__ import annotations
@@ -88,7 +90,7 @@ class RobotModelError(RostetherError):
 
 
 class BoardError(RostetherError):
-    """A simulated board cannot start, does not understand a word, or has ended."""
+    """A simulated board cannot start, refuses a command, or has ended."""
 
 
 class DefinitionError(RostetherError):
@@ -179,7 +181,7 @@ class RecordingError(RostetherError):
 
 
 class TransformError(RostetherError):
-    """Tf cannot compute the transform between two frames."""
+    """The transform between two frames cannot be computed."""
 
 
 class UnknownFrameError(TransformError, LookupError):

@@ -36,10 +36,10 @@ async def join(  # noqa: PLR0913 - each is an independent setting
     """Join a ROS graph as a node as long as the block lasts.
 
     Without a name the node gets a unique one. `master` and `namespace` override ROS_MASTER_URI
-    and ROS_NAMESPACE; `msg_paths` are folders with message definitions of your own. With `allow` only
-    machines in these networks (`192.168.1.0/24`) may connect to the node, and this one.
+    and ROS_NAMESPACE; `msg_paths` are folders with your own message definitions. With `allow`, only this
+    machine and machines in these networks (`192.168.1.0/24`) may connect to the node.
 
-    With `ros2` it is a node of a ROS 2 graph, over zenoh or an installed rclpy: ROS_DOMAIN_ID and the
+    With `ros2`, it is a node of a ROS 2 graph, over zenoh or an installed rclpy: ROS_DOMAIN_ID and the
     variables of that middleware select the graph. Messages then have the fields of ROS 2 (a stamp has `sec`
     and `nanosec`, and there is no `seq`), types may be spelled `std_msgs/msg/String`, and parameters belong
     to nodes.
@@ -49,7 +49,7 @@ async def join(  # noqa: PLR0913 - each is an independent setting
     """
     if ros2 is not None:
         if master is not None or allow:
-            raise ConfigError("master= and allow= work only with ROS 1; leave them out with ros2=")
+            raise ConfigError("master= and allow= work only with ROS 1; omit them with ros2=")
         async with _joined_ros2(ros2, node_name, namespace, remappings, msg_paths, environ, numpy) as typed:
             yield typed
         return

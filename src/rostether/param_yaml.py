@@ -95,7 +95,7 @@ def leaves(name: str, value: Any, nesting: int = 0) -> Iterator[tuple[str, Param
     """Yield each parameter that a value loaded from YAML sets, with its full name.
 
     A mapping changes what it names and leaves the rest of the tree; a key with a leading slash is a full
-    name. Raises ConfigError for a value that no parameter can have, with a form that works.
+    name. Raises ConfigError, which names a valid form, for a value that no parameter can have.
     """
     if not isinstance(value, dict):
         yield name, _checked(name, value, nesting)
@@ -136,12 +136,12 @@ def _checked(name: str, value: Any, nesting: int) -> ParamValue:
 
 
 def looks_like_number(value: object) -> bool:
-    """Return whether YAML read a number as text: `1e-3` lacks its dot."""
+    """Return whether a text looks like a number that YAML reads as text, such as `1e-3`, which has no dot."""
     return isinstance(value, str) and _NEARLY_FLOAT.fullmatch(value) is not None
 
 
 def dump(value: Any) -> str:
-    """Return a value or tree in YAML, as a document; after a lone plain scalar follows `...`."""
+    """Return a value or tree as a YAML document, which ends with `...` if it is a single plain scalar."""
     text: str = yaml.dump(value, Dumper=_Dumper)
     return text
 

@@ -23,6 +23,6 @@ void setup() {
 }
 
 void loop() {
-  nh.spinOnce();  // runs toggle() for every message that came in
+  nh.spinOnce();  // runs toggle() for each received message
   delay(1);
 }

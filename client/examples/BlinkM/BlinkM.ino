@@ -1,4 +1,4 @@
-// BlinkM: the color of a BlinkM, an RGB light on I2C, by the topic "blinkm". Its messages are texts:
+// BlinkM: sets the color of a BlinkM, an RGB light on I2C, from texts on the topic "blinkm":
 //   r, g, b, y (yellow), c (cyan), m (magenta), w (white), o (off)     fades to that color
 //   S before it, as in "Sr"                                            changes at once
 //

@@ -1,4 +1,4 @@
-// Clapper: detects that you clap twice, and publishes it on the topic "clap".
+// Clapper: publishes on the topic "clap" when you clap twice.
 //
 // Wiring:  a piezo disc between A0 and GND, a resistor of 1 megaohm beside it.
 // Try it:  rostether serve /dev/ttyACM0          rostether topic echo /clap
@@ -7,7 +7,7 @@
 #include <std_msgs/Empty.h>
 
 const int MICROPHONE = A0;
-const int LOUD = 200;                      // of 1023; more for a noisy room
+const int LOUD = 200;                      // 0 to 1023; increase it in a noisy room
 const unsigned long ECHO_MS = 100;         // the echo of a clap lasts this long
 const unsigned long LONGEST_PAUSE_MS = 600;  // between the two claps
 

@@ -1,4 +1,4 @@
-// IrRanger: the distance that a Sharp GP2Y0A41SK0F sees, 4 to 30 cm, 20 times a second on the topic "range_data".
+// IrRanger: the distance that a Sharp GP2Y0A41SK0F measures, 4 to 30 cm, 20 times a second on the topic "range_data".
 //
 // Wiring:  sensor red - 5V, black - GND, yellow - A0.
 // Try it:  rostether serve /dev/ttyACM0          rostether topic echo /range_data
@@ -16,7 +16,7 @@ sensor_msgs::Range range_msg;
 ros::Publisher pub_range("range_data", &range_msg);
 unsigned long measured_ms;
 
-// Meters. The nearer, the more volts; drawn over 1 / (distance + 0.42 cm) the data sheet's curve is a straight line:
+// Meters. The voltage falls with the distance; plotted over 1 / (distance + 0.42 cm), the data sheet's curve is a line:
 //   volts = 12.2 / (centimeters + 0.42)
 float measureRange() {
   const float volts = analogRead(SENSOR) * (5.0 / 1024);

@@ -1,5 +1,5 @@
-// LedByte: four LEDs, each shows one bit of the number that comes on the topic "led_out": 5 lights the first and
-// the third.
+// LedByte: four LEDs show the bits of the number that is received on the topic "led_out": 5 lights the first and the
+// third.
 //
 // Wiring:  none on an OpenCR, its LEDs USER1 to USER4 are on the board. On others an LED with a resistor of 1 kiloohm
 //          from each of the pins 4, 5, 6, 7 to GND.

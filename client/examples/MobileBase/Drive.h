@@ -4,7 +4,7 @@
 
 #include <Arduino.h>
 
-// Remove the slashes when the wheels have encoders: left A on pin 2, right A on pin 3. Without
+// Uncomment this line if the wheels have encoders: left A on pin 2, right A on pin 3. Without
 // encoders, the robot assumes that its motors turn exactly as fast as commanded.
 // #define ENCODERS
 
@@ -80,7 +80,7 @@ void turnWheel(Wheel& wheel, float dt) {
   wheel.speed = (wheel.angle - before) / dt;
 }
 
-// Call it often, with the seconds since the last time.
+// Call it often; `dt` is the time since the last call, in seconds.
 void drive(float dt) {
   if (millis() - commanded_ms > COMMAND_LIFE_MS) left.target = right.target = 0;
   turnWheel(left, dt);

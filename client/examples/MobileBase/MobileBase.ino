@@ -1,4 +1,4 @@
-// MobileBase: what the board of a TurtleBot3 Burger does, for any robot with two driven wheels.
+// MobileBase: the tasks of a TurtleBot3 Burger's board, for any robot with two driven wheels.
 //
 //   in   cmd_vel       geometry_msgs/Twist        drive; without a new one it stops after half a second
 //        motor_power   std_msgs/Bool              false: the wheels stop

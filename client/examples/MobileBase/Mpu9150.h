@@ -15,7 +15,7 @@ class Mpu9150 {
   Vector3 angular_velocity;  // rad/s
   Vector3 magnetic_field;    // tesla
 
-  // False when no sensor answers. Keep it still meanwhile: the gyroscope's current values become its zero.
+  // Returns false if no sensor answers. Keep the sensor still: the gyroscope's current values become its zero.
   bool begin() {
     Wire.begin();
     Wire.setClock(400000);

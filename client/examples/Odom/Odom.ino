@@ -1,4 +1,4 @@
-// Odom: a calculated robot that drives in a circle. Publishes its pose as the transform odom -> base_link.
+// Odom: a simulated robot that drives in a circle. Publishes its pose as the transform odom -> base_link.
 //
 // Wiring: none. A real robot would read speed and turn rate from its wheels' encoders.
 // Try it:  rostether serve /dev/ttyACM0          rostether topic echo /tf

@@ -29,7 +29,7 @@ void setup() {
   nh.advertise(pub_name);
   while (!nh.connected()) nh.spinOnce();  // parameters come from the host
 
-  // Each waits at most a second for its answer. Without one, it returns false and the value stays.
+  // Each call waits at most a second for the answer. Without an answer, it returns false, and the value is unchanged.
   if (!nh.getParam("~gains", gains, 3)) nh.loginfo("~gains is not set: 1.0, 0.0, 0.1");
   nh.getParam("~period_ms", &period_ms);
   nh.getParam("~enabled", &enabled);

@@ -1,4 +1,4 @@
-// ServoControl: turns a hobby servo to the angle, in degrees from 0 to 180, that comes on the topic "servo".
+// ServoControl: turns a hobby servo to the angle, in degrees from 0 to 180, that it receives on the topic "servo".
 //
 // Wiring:  servo red - 5V (a separate supply for more than one small servo), brown - GND, orange - pin 9.
 // Try it:  rostether serve /dev/ttyACM0          rostether topic pub -1 /servo std_msgs/UInt16 45

@@ -1,4 +1,4 @@
-// TimeTF: the host's time, and a coordinate frame. Publishes that base_link is now one meter in front of odom.
+// TimeTF: the host's time, and a coordinate frame. Publishes a transform: base_link is one meter in front of odom.
 //
 // Wiring: none.
 // Try it:  rostether serve /dev/ttyACM0          rostether topic echo /tf

@@ -10,7 +10,7 @@ class Remote {
 
   void begin() { SerialBT2.begin(57600); }
 
-  // True if a packet came.
+  // Whether a packet was received.
   bool update() {
     bool has_come = false;
     while (SerialBT2.available() > 0) has_come = push(static_cast<uint8_t>(SerialBT2.read())) || has_come;

@@ -93,7 +93,7 @@ class Wheels {
     bus_.syncWrite(dynamixel::GOAL_VELOCITY, 4, IDS, speeds, 2);
   }
 
-  // Reads both servos, and adds the distance since the last time. False if they do not answer.
+  // Reads both servos, and adds the distance since the last call. Returns false if they do not answer.
   bool measure() {
     uint8_t bytes[2 * BLOCK_BYTES];
     has_failed = !note(bus_.syncRead(dynamixel::TORQUE_ENABLE, BLOCK_BYTES, IDS, bytes, 2));
@@ -129,7 +129,7 @@ class Wheels {
     return static_cast<int32_t>(constrain(round(units), -LIMIT, LIMIT));
   }
 
-  // Ends with the torque: a servo without it is prepared again.
+  // The torque is last: a servo without torque is prepared again.
   void prepare(uint8_t id) {
     uint8_t mode;
     if (!note(bus_.read(id, dynamixel::OPERATING_MODE, &mode, 1))) return;

@@ -4,7 +4,7 @@
 //   pin 34 1                    a level, from the simulation at an input, to the simulation at an output
 //   adc 17 512                  a voltage, 0 to 1023
 //   sonar 583                   how long an echo lasts, in microseconds; 0: none
-//   feel RATE[3] ACCELERATION[3] FIELD[3]     what the IMU feels: rad/s, m/s^2, tesla
+//   feel RATE[3] ACCELERATION[3] FIELD[3]     what the IMU measures: rad/s, m/s^2, tesla
 //   tone 440 250                to the simulation: a tone in hertz and milliseconds (0: until the next)
 //
 // The program ends when the simulation closes the pins.

@@ -21,5 +21,5 @@ nh.initNode()
 nh.subscribe(ros.Subscriber("toggle_led", Empty, toggle))
 
 while True:
-    nh.spinOnce()  # calls toggle() for every message that came in
+    nh.spinOnce()  # calls toggle() for each received message
     time.sleep_ms(1)

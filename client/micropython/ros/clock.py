@@ -10,7 +10,7 @@ _MAX_HOLD_S = 10
 class Clock:
     """Never goes back: after an earlier answer it stops until the host has caught up.
 
-    Only a host whose clock was set back by more than 10 s is followed back.
+    It follows the host back only if the host's clock was set back by more than 10 s.
     """
 
     def __init__(self, now_ms):
@@ -36,7 +36,7 @@ class Clock:
         return Time(self._returned_sec, self._returned_nsec)
 
     def follow(self, sec, nsec, now_ms, age_ms):
-        """Take over the host's time of `age_ms` before now."""
+        """Set the clock by the host's time `age_ms` ago."""
         self._sec = sec
         self._nsec = nsec + age_ms * 1000000
         self._ms = now_ms

@@ -25,13 +25,13 @@ _SYNC_PERIOD_MS = 2200
 _MAX_UNANSWERED = 4
 # A gap of this length within a frame means that the rest was lost: longer than the pauses of a Wi-Fi network.
 _GAP_MS = 500
-# A host that looks for boards sends wrong version bytes, and so does noise; one answer to a burst is enough.
+# A host that searches for boards sends wrong version bytes, and so does noise; a burst needs one answer.
 _ANSWER_PAUSE_MS = 20
 # The time for which received bytes are handled at once; a line that never pauses must not stop the program.
 _SPIN_TIMEOUT_MS = 1000
 # A transmitter that accepts no byte for this long is not connected: at 9600 baud one byte takes 1 ms.
 _STALL_MS = 100
-# Callbacks that wait in a spinOnce of their own, within such callbacks: more would fill a board's stack.
+# The limit of nested callbacks that wait in a spinOnce; more would fill a board's stack.
 _MAX_DEPTH = 3
 
 # The pending answers to the host, one bit each.
@@ -43,12 +43,13 @@ _ANSWER_DUE = 4
 class NodeHandle:
     """A node on some hardware, by default the board's USB port.
 
-    `input_size` is the longest message that can come in, `output_size` the longest that can go out, in bytes.
+    `input_size` is the longest message that it can receive, `output_size` the longest that it can send, in
+    bytes.
 
-    A hardware has `read(view, at)`, which reads what is there into a memoryview from `at` on, without
-    waiting, and returns the number of bytes; and `write(view)`, which returns how many bytes were accepted.
-    One that connects again by itself has `relinked()`: whether the link was lost or made since the last call.
-    One with `interrupt()` gets a call for a Ctrl-C between two frames.
+    The hardware has `read(view, at)`, which reads the available bytes into a memoryview from `at` on, without
+    waiting, and returns their number; and `write(view)`, which returns how many bytes were accepted. Hardware
+    that reconnects by itself has `relinked()`: whether the link was lost or made since the last call. If it
+    has `interrupt()`, that is called for a Ctrl-C between two frames.
     """
 
     def __init__(self, hardware=None, input_size=512, output_size=512):
@@ -86,7 +87,7 @@ class NodeHandle:
         return self._hardware
 
     def connected(self):
-        """Return whether a host is there and has this node's topics."""
+        """Return whether a host is connected and knows this node's topics."""
         return self._connected
 
     def dropped(self):
@@ -195,7 +196,7 @@ class NodeHandle:
             window.forget()
             self._contact_again()
         elif not window.empty() and ticks_diff(now_ms, self._received_ms) >= _GAP_MS:
-            # The rest of the frame does not come.
+            # The rest of the frame was lost.
             window.drop()
         if self._interrupt and window.interrupted:
             window.interrupted = False
@@ -203,7 +204,7 @@ class NodeHandle:
         return self._keep_in_touch(now_ms)
 
     def spin_while(self, condition, timeout_ms):
-        """Spin as long as `condition()` holds, at most `timeout_ms`."""
+        """Spin while `condition()` is true, at most `timeout_ms`."""
         began_ms = ticks_ms()
         while condition() and ticks_diff(ticks_ms(), began_ms) < timeout_ms:
             self.spinOnce()
@@ -213,9 +214,9 @@ class NodeHandle:
     def send(self, topic_id, message):
         """For publishers and services: send a message.
 
-        Returns its bytes, 0 without a host, -1 if it is too long or the line is stuck.
+        Returns its bytes, 0 without a host, -1 if it is too long or the line did not accept it.
         """
-        # After a reset the host's answer may wait in the line. A callback's message is too old for that.
+        # After a reset, the host's answer may be waiting. A callback runs because of an earlier message.
         if not self._connected and self._depth == 0:
             self.spinOnce()
         if not self._connected:
@@ -350,7 +351,7 @@ class NodeHandle:
         return end + 1 if self._transmit(writer.view[: end + 1]) else -1
 
     def _transmit(self, data):
-        """Hand bytes to the line, and read on while its transmitter is full. False once it is stuck."""
+        """Write bytes, and read while the transmitter is full. False if the line accepts no more bytes."""
         write = self._hardware.write
         began_ms = ticks_ms()
         while True:

@@ -12,8 +12,9 @@ class Publisher(Endpoint):
         self._nh.announce(ID_PUBLISHER, self.id, self.topic, self._class)
 
     def publish(self, message):
-        """Send a message; return its bytes, 0 if no host is there, -1 if it is too long or the line is stuck.
+        """Send a message; return its bytes.
 
+        0 without a host, -1 if it is too long or the line did not accept it.
         Raises TypeError for a message of another class.
         """
         if not isinstance(message, self._class):

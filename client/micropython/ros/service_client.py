@@ -20,7 +20,7 @@ class ServiceClient(Endpoint):
         self._nh.announce(ID_SERVICE_CLIENT + 1, self.id, self.topic, self._class.Response)
 
     def call(self, request, timeout_ms=10000):
-        """Return the response; None if no host is there, a call is active, or `timeout_ms` have passed."""
+        """Return the response; None without a host, during another call, or after `timeout_ms`."""
         if not self.begin(request):
             return None
         try:
@@ -40,7 +40,7 @@ class ServiceClient(Endpoint):
         return True
 
     def is_waiting(self):
-        """Return whether the response may still come."""
+        """Return whether the response may still arrive."""
         return self._waits and self._response is None and self._nh.connected()
 
     def end(self):

@@ -2,7 +2,7 @@
 
 from ros.ticks import ticks_diff, ticks_ms
 
-# A host that was restarted is seen within a second.
+# A restarted host is found within a second.
 _PAUSE_MS = 500
 # A host on a local network answers sooner; the program waits meanwhile.
 _CONNECT_S = 2

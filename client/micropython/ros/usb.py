@@ -12,7 +12,7 @@ def usb_hardware():
     from ros.uart import Uart
 
     port = usb_cdc.data or usb_cdc.console
-    # Otherwise a write waits until a host reads, without end.
+    # Otherwise, a write blocks until a host reads.
     port.write_timeout = 0
     return Uart(port)
 

@@ -11,7 +11,7 @@
 //   16-19   sequence: 1 for the first frame of the epoch        the same
 //   20-21   time to live in milliseconds, from receipt          20-23: frames received from this sender
 //   22-23   length of the payload                               24-27: frames of it that were lost
-//   24-27   kind: begin of the MD5 sum of the payload's type    28: refusal; 29: signal in dBm; 30-31: length of the rest
+//   24-27   kind: start of the MD5 sum of the payload's type    28: refusal; 29: signal in dBm; 30-31: length of the rest
 //   28-     payload                                             32-37: the obeyed sender's IPv4 address and port; 38-45: its epoch
 //   last 8  SipHash-2-4 of all bytes before it, under the fleet's key
 #ifndef ROS_COMMAND_RECEIVER_H_

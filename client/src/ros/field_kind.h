@@ -14,7 +14,7 @@ class Message;
 #error "ros_lib needs a little-endian processor"
 #endif
 
-struct BlockKind {};    // bytes as they lie in memory
+struct BlockKind {};    // bytes as they are in memory
 struct Float64Kind {};  // a double of four bytes, eight on the wire
 struct StringKind {};   // char pointer
 struct MessageKind {};  // its own fields

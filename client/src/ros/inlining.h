@@ -3,7 +3,7 @@
 #define ROS_INLINING_H_
 
 #define ROS_NOINLINE __attribute__((noinline))
-// A separate function that accesses its object only through `this`. GCC may insert the address of an only object;
+// A separate function that accesses its object only through `this`. GCC may insert the address of a single object;
 // then each access needs four bytes of code on an AVR instead of two.
 #if defined(__GNUC__) && !defined(__clang__)
 #define ROS_APART __attribute__((noinline, noclone))

@@ -198,14 +198,14 @@ class NodeHandleBase_ : public FrameWriter {
   // For drivers: ends the spinOnce in progress, so that the message's data stays valid until the next one.
   void pauseReading() { window_.hold(); }
 
-  // An endpoint for one exchange, on an id that it chooses. It is after the other endpoints in the list: of two on
-  // one id, the older is answered first.
-  class Visit {
+  // Adds an endpoint for the lifetime of this object; it keeps the id that it has. It is the last endpoint in the list:
+  // of two on one id, the older is answered first.
+  class Temporary {
    public:
-    Visit(NodeHandleBase_& node, Endpoint& endpoint) : node_(node), endpoint_(endpoint) { *node.linkTo(nullptr) = &endpoint; }
-    ~Visit() { *node_.linkTo(&endpoint_) = endpoint_.next_; }
-    Visit(const Visit&) = delete;
-    Visit& operator=(const Visit&) = delete;
+    Temporary(NodeHandleBase_& node, Endpoint& endpoint) : node_(node), endpoint_(endpoint) { *node.linkTo(nullptr) = &endpoint; }
+    ~Temporary() { *node_.linkTo(&endpoint_) = endpoint_.next_; }
+    Temporary(const Temporary&) = delete;
+    Temporary& operator=(const Temporary&) = delete;
 
    private:
     NodeHandleBase_& node_;

@@ -57,7 +57,7 @@ class ParameterRequest : public Endpoint {
   }
 
   bool ask(NodeHandleBase_& node, unsigned int timeout_ms) {
-    const NodeHandleBase_::Visit visit(node, *this);
+    const NodeHandleBase_::Temporary temporary(node, *this);
     node.begin(ID_PARAMETER_REQUEST, static_cast<uint16_t>(4 + strlen(topic_)));
     node.string(topic_);
     node.finish();

@@ -1,7 +1,7 @@
 // SipHash-2-4 (Aumasson and Bernstein, 2012): a tag of 8 bytes that only holders of the key can make.
 //
-// In assembly for AVRs, which have no short instructions to add and rotate words of 64 bits: a compiler makes twice
-// as much code.
+// AVRs have no short instructions to add and rotate words of 64 bits, so this is assembly: a compiler makes twice as
+// much code.
 #ifndef ROS_SIPHASH_H_
 #define ROS_SIPHASH_H_
 

@@ -19,7 +19,7 @@ from rostether.codegen.python_message import message_module, service_module
 from rostether.codegen.python_names import MODULES, class_name, package_name
 from rostether.codegen.reserved_words import LIBRARY_NAMESPACE
 from rostether.codegen.type_index import TypeIndex
-from rostether.codegen.wanted_types import WantedTypes, add_parts, all_types, types_of_packages
+from rostether.codegen.wanted_types import WantedTypes, add_field_types, all_types, types_of_packages
 from rostether.errors import CodegenError, RostetherError
 from rostether.msgdef.registry import Registry
 from rostether.msgdef.resolve_types import dependencies
@@ -97,7 +97,7 @@ def _wanted(index: TypeIndex, program: Path | None, packages: Collection[str] | 
         of_program = types_of_program(index, program)
         wanted.names |= of_program.names
         wanted.missing += of_program.missing
-        add_parts(index, wanted)
+        add_field_types(index, wanted)
     return wanted
 
 

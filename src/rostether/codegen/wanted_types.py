@@ -52,7 +52,7 @@ def types_of_packages(index: TypeIndex, packages: Iterable[str]) -> WantedTypes:
         if not names:
             raise UnknownTypeError(reason)
         wanted.names |= names
-    add_parts(index, wanted)
+    add_field_types(index, wanted)
     return wanted
 
 
@@ -75,11 +75,11 @@ def types_of_sketch(
             wanted.names.add(name)
         else:
             _explain_include(index, include, match[1], match[2], wanted)
-    add_parts(index, wanted)
+    add_field_types(index, wanted)
     return wanted
 
 
-def add_parts(index: TypeIndex, wanted: WantedTypes) -> None:
+def add_field_types(index: TypeIndex, wanted: WantedTypes) -> None:
     """Add the types of the fields of all wanted messages."""
     for name in sorted(wanted.names):
         # A broken definition is reported when its header is written.

@@ -249,7 +249,7 @@ class Budget:
 
 
 def _collisions(count: int) -> int:
-    """Return the steps for a set whose numbers all have one hash; each look at another is a small step."""
+    """Return the steps for a set whose numbers all have one hash; each comparison is a small step."""
     return count * count >> 5
 
 

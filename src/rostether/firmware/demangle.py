@@ -20,7 +20,7 @@ async def demangle(names: Iterable[str]) -> dict[str, str]:
     # c++filt does not convert variables whose names end in a clone's number.
     readable = originals = [_CLONE.sub("", name) for name in wanted]
     if program is not None and wanted:
-        ended = await run_program([program], given="\n".join(originals).encode(), merge=False)
+        ended = await run_program([program], input_data="\n".join(originals).encode(), merge=False)
         lines = ended.output.decode("utf-8", "replace").splitlines()
         readable = lines if len(lines) == len(wanted) else originals
     return dict(zip(wanted, readable, strict=True))

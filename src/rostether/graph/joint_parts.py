@@ -113,7 +113,7 @@ class JointParts(Generic[PartT]):
         fault = trial.result()
         if fault is not None:
             self._warn(graph, fault)
-            if _is_passing(fault):
+            if _is_temporary(fault):
                 self._run(self._keep_trying(graph))
 
     async def _keep_trying(self, graph: Graph) -> None:
@@ -123,12 +123,12 @@ class JointParts(Generic[PartT]):
             fault = await self._try(graph)
             if fault is None:
                 return
-            if not _is_passing(fault):
+            if not _is_temporary(fault):
                 self._warn(graph, fault)
                 return
 
     def _warn(self, graph: Graph, fault: RostetherError) -> None:
-        yet = " yet" if _is_passing(fault) else ""
+        yet = " yet" if _is_temporary(fault) else ""
         _log.warning("%s: %s is not in every graph%s: %s", graph.node_name, self._what, yet, fault)
 
     def _run(self, work: Coroutine[object, object, ResultT]) -> asyncio.Task[ResultT]:
@@ -146,8 +146,8 @@ def retry_backoff() -> Backoff:
 
 def _rank(fault: RostetherError) -> int:
     """Return the order of reports: own errors first, then failures worth a retry."""
-    return 0 if isinstance(fault, TypeMismatchError) else 1 if _is_passing(fault) else 2
+    return 0 if isinstance(fault, TypeMismatchError) else 1 if _is_temporary(fault) else 2
 
 
-def _is_passing(fault: RostetherError) -> bool:
+def _is_temporary(fault: RostetherError) -> bool:
     return isinstance(fault, GraphError) and not isinstance(fault, TypeMismatchError | AccessDeniedError)

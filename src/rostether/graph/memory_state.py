@@ -57,7 +57,7 @@ class MemoryState:
         self.notify()
 
     def add_service(self, server: MemoryServiceServer) -> None:
-        """Offer a service; who offers it last has it, as with a ROS 1 master."""
+        """Offer a service; a later offer replaces an earlier one, as with a ROS 1 master."""
         self._services[server.service] = server
         self.notify()
 
@@ -78,7 +78,7 @@ class MemoryState:
         self.notify()
 
     def service(self, name: str) -> MemoryServiceServer:
-        """Return who offers a service. Raises UnknownNameError."""
+        """Return the server of a service. Raises UnknownNameError."""
         try:
             return self._services[name]
         except KeyError:
@@ -107,7 +107,7 @@ class MemoryState:
         self._change_events.discard(event)
 
     def notify(self) -> None:
-        """Wake who watches the graph."""
+        """Set the events of `watch_changes`."""
         for event in self._change_events:
             event.set()
 

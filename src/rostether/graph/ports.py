@@ -25,7 +25,7 @@ OnMessages: TypeAlias = Callable[[Sequence[bytes]], None]
 OnConnection: TypeAlias = Callable[[Mapping[str, str]], OnMessages | None]
 ServiceHandler: TypeAlias = Callable[[bytes], Awaitable[bytes]]
 
-# In the reason that `Graph.wait_closed` returns when another node has the name now; rosmaster's words.
+# In the reason that `Graph.wait_closed` returns when another node has the name now, as rosmaster writes it.
 NAME_TAKEN = "new node registered with same name"
 
 
@@ -122,7 +122,7 @@ class Publisher(Protocol):
         """
 
     async def drained(self, timeout_s: float) -> None:
-        """Wait until all backlogs are low, at most `timeout_s`: one pause of the source."""
+        """Wait until all backlogs are low, at most `timeout_s`. Each call counts as one pause."""
 
     async def close(self) -> None:
         """Unadvertise. Idempotent."""

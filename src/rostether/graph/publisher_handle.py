@@ -70,7 +70,7 @@ class PublisherHandle(Generic[PublicationT]):
         return self._is_closed or self.publication.publish(payloads)
 
     async def drained(self, timeout_s: float) -> None:
-        """Wait until all backlogs are low, at most `timeout_s`: one pause of the source."""
+        """Wait until all backlogs are low, at most `timeout_s`. Each call counts as one pause."""
         await self.publication.drained(timeout_s)
 
     async def close(self) -> None:

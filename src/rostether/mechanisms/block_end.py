@@ -20,7 +20,7 @@ T = TypeVar("T", bound=Closable)
 
 @asynccontextmanager
 async def closed_at_end(opened: T) -> AsyncIterator[T]:
-    """Close at the end of the block, as contextlib.closing does with a `close` that is not asynchronous."""
+    """Close `opened` at the end of the block: contextlib.closing for an asynchronous `close`."""
     try:
         yield opened
     finally:

@@ -24,18 +24,18 @@ class Ended(NamedTuple):
 async def run_program(
     command: Sequence[str],
     *,
-    given: bytes | None = None,
+    input_data: bytes | None = None,
     environ: Mapping[str, str] | None = None,
     merge: bool = True,
 ) -> Ended:
-    """Run a program with `given` as its input; `merge` puts its error output into its output.
+    """Run a program with `input_data` as its input; `merge` puts its error output into its output.
 
     Raises OSError if it cannot be started.
     """
     starting = asyncio.ensure_future(
         asyncio.create_subprocess_exec(
             *command,
-            stdin=asyncio.subprocess.DEVNULL if given is None else asyncio.subprocess.PIPE,
+            stdin=asyncio.subprocess.DEVNULL if input_data is None else asyncio.subprocess.PIPE,
             stdout=asyncio.subprocess.PIPE,
             stderr=asyncio.subprocess.STDOUT if merge else asyncio.subprocess.PIPE,
             env=environ,
@@ -45,7 +45,7 @@ async def run_program(
     )
     try:
         process = await asyncio.shield(starting)
-        output, errors = await process.communicate(given)
+        output, errors = await process.communicate(input_data)
     except asyncio.CancelledError:
         await asyncio.shield(_end(starting))
         raise

@@ -1,4 +1,4 @@
-"""Work that ends by itself, or with something else."""
+"""Runs work until it is done, or until something else ends it."""
 
 from __future__ import annotations
 

@@ -36,7 +36,7 @@ def write_whole(path: Path, content: bytes, *, durable: bool = False) -> None:
         # On a full disk, an incomplete file would take the last free space.
         with suppress(OSError):
             fresh.unlink()
-        # Not that of the new file; a failed write has none.
+        # The error names the new file, or no file if a write failed.
         error.filename = str(path)
         raise
     if durable and hasattr(os, "O_DIRECTORY"):

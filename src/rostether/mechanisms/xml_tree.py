@@ -102,7 +102,7 @@ class _Builder:
         except (ValueError, LookupError) as error:
             if error is self._refusal:
                 raise
-            # Python looks encodings up that the parser does not know.
+            # Python looks up encodings that the parser does not know.
             raise self._make_error(f"not XML: its encoding is unknown ({error}); use UTF-8", 0) from None
         assert self._root is not None
         return self._root

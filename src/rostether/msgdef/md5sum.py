@@ -1,6 +1,6 @@
 """The md5sum of a type, which two ends of a ROS 1 connection compare.
 
-Its input are the constants as written, in order, then the fields, with each message type replaced by its own
+Its input is the constants as written, in order, then the fields, with each message type replaced by its own
 md5sum (without array brackets); comments, blanks and package names do not count.
 """
 

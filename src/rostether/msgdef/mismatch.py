@@ -253,10 +253,10 @@ def _field_differences(ours: Iterable[Field], theirs: Iterable[Field]) -> Iterab
         if name not in their_types:
             yield f"lacks '{type_} {name}'"
         elif str(their_types[name]) != str(type_):
-            yield f"has '{their_types[name]} {name}' for '{type_} {name}'"
+            yield f"has '{their_types[name]} {name}' instead of '{type_} {name}'"
     for name, type_ in their_types.items():
         if name not in our_types:
-            yield f"has '{type_} {name}' more"
+            yield f"also has '{type_} {name}'"
 
 
 def _constant_differences(ours: Iterable[Constant], theirs: Iterable[Constant]) -> Iterable[str]:
@@ -266,10 +266,10 @@ def _constant_differences(ours: Iterable[Constant], theirs: Iterable[Constant]) 
         if name not in their_texts:
             yield f"lacks the constant '{text}'"
         elif their_texts[name] != text:
-            yield f"has '{their_texts[name]}' for '{text}'"
+            yield f"has '{their_texts[name]}' instead of '{text}'"
     for name, text in their_texts.items():
         if name not in our_texts:
-            yield f"has the constant '{text}' more"
+            yield f"also has the constant '{text}'"
 
 
 def _order_difference(ours: MessageSpec, theirs: MessageSpec) -> str:

@@ -29,7 +29,7 @@ from rostether.packages.package_xml import is_package_name
 
 # Peers' definitions must not fill memory; a large system has about a hundred types.
 MAX_LEARNED_TYPES = 4096
-# Bundled for the examples; owners of the robot have its package too, perhaps with changes.
+# Bundled for the examples. Users with this robot also have the package itself, perhaps with changes.
 ROBOTS_OWN_PACKAGES = frozenset({"turtlebot3_msgs"})
 
 # Boards announce names; those in use are below 60.

@@ -54,7 +54,7 @@ def dependencies(spec: SpecT, lookup: Callable[[str], SpecT]) -> list[SpecT]:
     """Return all messages below `spec`, each once, in the order of first use, depth first.
 
     `lookup` maps a full name to its definition. Raises UnknownTypeError naming the field that needs the
-    missing type, DefinitionError for a type that holds itself, nests too deep or is too large.
+    missing type, DefinitionError for a type that contains itself, nests too deep or is too large.
     """
     walk: _Walk[SpecT] = _Walk(lookup)
     walk.visit(spec, (spec.full_name,))

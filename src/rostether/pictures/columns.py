@@ -20,7 +20,7 @@ def column_choices(keys: Sequence[str], edges: Sequence[Ends]) -> Iterator[dict[
 
     In the first choice, every vertex is to the right of its farthest source; edges that close a cycle are
     reversed. In the second, it is to the right of its nearest source. Each further choice folds these into
-    one column less.
+    one column fewer.
     """
     yield _longest_paths(keys, _without_cycles(keys, edges))
     depths = _shortest_paths(keys, edges)

@@ -45,9 +45,9 @@ class Roscore:
         port: int = DEFAULT_MASTER_PORT,
         respawn_pause_s: float = _RESPAWN_PAUSE_S,
     ) -> Roscore:
-        """Start where the environment lets us listen; port 0 takes a free one.
+        """Start on the environment's addresses; port 0 means a free one.
 
-        Raises GraphError if the port is in use, ConfigError when an address is not this machine's or its
+        Raises GraphError if the port is in use, ConfigError if an address is not of this machine or its
         own host name is unknown.
         """
         master = await MasterServer.start(

@@ -70,7 +70,7 @@ class HandshakeProtocol(asyncio.Protocol):
         )
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
-        """Send our header first if it was us who connected."""
+        """Send our header first on an outgoing connection."""
         # uvloop's transports are not subclasses of asyncio's.
         self._transport = cast(asyncio.Transport, transport)
         peer = transport.get_extra_info("peername")
@@ -107,7 +107,7 @@ class HandshakeProtocol(asyncio.Protocol):
             successor.data_received(self._decoder.rest)
 
     def connection_lost(self, exc: Exception | None) -> None:
-        """The peer closed the connection before its header was complete."""
+        """Fail, because the header is not complete."""
         self._fail(
             exc
             or RemoteProtocolError("the peer closed the connection before its connection header was complete")
@@ -135,9 +135,9 @@ class HandshakeProtocol(asyncio.Protocol):
 
 
 async def connect(host: str, port: int, request: Mapping[str, str], accept: Accept) -> asyncio.Protocol:
-    """Connect, exchange headers and return the protocol `accept` made.
+    """Connect, exchange headers and return the protocol that `accept` has created.
 
-    Raises TransportOpenError, TransportTimeoutError, RemoteProtocolError and what `accept` raises.
+    Raises TransportOpenError, TransportTimeoutError, RemoteProtocolError, and the errors of `accept`.
     """
     loop = asyncio.get_running_loop()
     handshake: HandshakeProtocol | None = None
@@ -171,7 +171,7 @@ class ConnectionRecord:
 
     @property
     def description(self) -> str:
-        """The text rosnode takes apart to show a connection."""
+        """The text that rosnode parses to show a connection."""
         local = self._transport.get_extra_info("sockname") or ("?", 0)
         remote = self._transport.get_extra_info("peername") or ("?", 0)
         opened: socket.socket | None = self._transport.get_extra_info("socket")

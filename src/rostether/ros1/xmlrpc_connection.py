@@ -20,7 +20,7 @@ class ServerConnection(asyncio.Protocol):
     served first: `schedule` calls `resume` soon.
 
     While an answer is computed, or the client does not take what was written, at most one more chunk is read
-    (to notice that the client has disconnected): what a client can make us hold is bounded.
+    (to notice that the client has disconnected). This bounds the memory for each client.
     """
 
     def __init__(

@@ -37,8 +37,8 @@ class XmlRpcServer:
     """Serves `dispatch` on `port` (0: a free one) of every address in `hosts`.
 
     `uri` is the URI to advertise, made of `advertised_host` and the port. Requests to names that are neither
-    the machine's nor among `own_names` are refused. Besides the methods given, `system.multicall` and
-    `system.listMethods` are there.
+    the machine's nor among `own_names` are refused. The server adds the methods `system.multicall`
+    and `system.listMethods`.
     """
 
     def __init__(
@@ -72,7 +72,10 @@ class XmlRpcServer:
         return format_uri(self._advertised_host, self.port)
 
     async def start(self) -> None:
-        """Begin to listen. Raises GraphError if the port is in use, ConfigError for a foreign address."""
+        """Begin to listen.
+
+        Raises GraphError if the port is in use, ConfigError for another machine's address.
+        """
         for attempt in range(_BIND_ATTEMPTS):
             self._is_closed = False
             try:
@@ -175,7 +178,7 @@ class XmlRpcServer:
             asyncio.get_running_loop().call_soon(self._serve_waiting)
 
     def _make_room(self) -> None:
-        """End the connections that have left their answers unread for longest, while all hold too much."""
+        """End the connections whose answers are unread for longest, until the others fit the limit."""
         unsent_bytes = sum(connection.unsent_bytes for connection in self._connections)
         for connection in sorted(self._connections, key=lambda each: each.last_active_s):
             if unsent_bytes <= _LARGEST_AT_ONCE * self._limits.body_bytes:

@@ -22,7 +22,7 @@ from rostether.rosserial.topic_id import (
 )
 from rostether.rosserial.topic_table import EndpointKey, TopicTable, key_of
 
-# The pause between two requests because of one id: an answer takes less, but a message may come every 10 ms.
+# The pause between two requests because of one id. An answer takes less; messages may come every 10 ms.
 FIRST_PAUSE_S = 1.0
 
 # The pause grows to this for a device that never announces an id that it uses.
@@ -49,7 +49,7 @@ class Announcements:
     def handle_packet(
         self, kind: int, payload: bytes, now_s: float
     ) -> tuple[TopicInfo | None, list[HostEvent]]:
-        """Handle a packet on reserved id `kind`; return what the device has, None if that is not known."""
+        """Handle a packet on reserved id `kind`; return the announcement, None if it is dropped."""
         info = TopicInfo.read(payload)
         if info is None:
             return None, [FrameDiscarded(DiscardReason.PACKET, payload, kind)]

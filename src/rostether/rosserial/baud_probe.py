@@ -42,7 +42,7 @@ PATIENT_DWELL_S = 0.9
 # A GPS receiver sends once a second.
 LISTEN_S = 1.2
 
-# For the same reason; text counts after two such periods with text.
+# For the same reason; a port sends text if two such periods at one rate have text.
 SURVEY_DWELL_S = 1.1
 
 # Bytes before this pause were a boot message.
@@ -100,7 +100,7 @@ class BaudProbe:
     """Probes one open port. Set the line to `baud` whenever that changes, send `data_to_send()`.
 
     With `listens_first`, nothing is sent before the line has been silent, and never to a device that sends
-    other data. `known_baud` is where the board answered last time.
+    other data. `known_baud` is the rate at which the board answered last time.
     """
 
     def __init__(

@@ -1,18 +1,18 @@
 """Estimates the offset and the rate of a board's clock, from the time answers it received and the stamps it
 sends.
 
-A board's time request does not show its clock (the established library leaves the value zero), but what it
-stamps does. Each time answer sets its clock; until the next one the clock runs freely:
+A board's time request does not show its clock (the established library leaves the value zero), but its stamps
+do. Each time answer sets its clock; until the next one the clock runs freely:
 
     host time - stamp     an answer                    an answer
          |   .  ' .   .  ' |  '  .   .  '   .  .  '      |
          |.'._.-'--'--'    |_.-'--'--'--'--'            what lies above the lower edge is delay: rejected
          +-----------------+-----------------------------+---> time
 
-A stamp is as late as the message was in progress, never early, so the lower edge is the clock: its height is
-the offset, worst at the end, its slope the drift. Both ends of an interval are compared, and the median over
-many of them rejects the intervals that a busy line distorts. Stamps that are not near the host's time
-(zero, or time since boot) show nothing and are omitted.
+A stamp is late by the delay of its message, and never early. So the lower edge shows the clock: its height is
+the offset, which is largest at the end, and its slope is the drift. Both ends of an interval are compared,
+and the median over many of them rejects the intervals that a busy line distorts. Stamps that are not near the
+host's time (zero, or time since boot) show nothing and are omitted.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from rostether.mechanisms.median import median
 # A stamp further off is not the synchronized clock's: answers come every 2.5 s.
 SOUND_S = 5.0
 
-# Stamps from before the answer may still be in progress for this long.
+# Stamps from before the answer may still arrive for this long.
 FRESH_S = 0.1
 
 # Without an answer for longer a board unconfigures itself; an interval is cut here.

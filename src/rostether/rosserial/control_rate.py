@@ -13,10 +13,10 @@ from rostether.rosserial import topic_id as ids
 
 
 class Allowance(NamedTuple):
-    """A rate per second, and the burst (`saved`) that is allowed after a pause."""
+    """A rate per second, and the burst that is allowed after a pause."""
 
     per_s: float
-    saved: int
+    burst: int
 
 
 # A negotiation of the largest device, 256 halves, takes some rounds; 115200 baud can transfer 150/s.
@@ -56,12 +56,12 @@ class ControlRate:
 class _Bucket:
     def __init__(self, allowance: Allowance) -> None:
         self._allowance = allowance
-        self._room = float(allowance.saved)
+        self._room = float(allowance.burst)
         self._seen_s = 0.0
 
     def admit(self, count: int, now_s: float) -> int:
-        per_s, saved = self._allowance
-        self._room = min(self._room + (now_s - self._seen_s) * per_s, float(saved))
+        per_s, burst = self._allowance
+        self._room = min(self._room + (now_s - self._seen_s) * per_s, float(burst))
         self._seen_s = now_s
         admitted = min(count, int(self._room))
         self._room -= admitted

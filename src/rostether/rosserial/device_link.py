@@ -38,7 +38,7 @@ from rostether.rosserial.packets import (
 from rostether.rosserial.time_sync import OUR_REQUEST_PERIOD_S, SYNC_LOST_S, DeviceClock
 from rostether.rostime import Time
 
-# Bytes that the output buffer also holds, in both versions (established library).
+# The output buffer must also hold these bytes of a frame, in both versions (established library).
 PUBLISHER_OVERHEAD_BYTES = 8
 
 # An unfinished frame must not hide a probe; the established library waits 20 ms, networks need more.

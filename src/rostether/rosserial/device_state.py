@@ -2,11 +2,11 @@
 
     state          input            next           what happens
     UNCONFIGURED   TOPIC_REQUEST    CONFIGURED     ask for the time, announce every endpoint
-    UNCONFIGURED   WRONG_VERSION    UNCONFIGURED   ask for the time: the host learns that we wait to be asked
+    UNCONFIGURED   WRONG_VERSION    UNCONFIGURED   ask for the time: the host must request the topics
     CONFIGURED     TOPIC_REQUEST    CONFIGURED     ask for the time, announce every endpoint
     CONFIGURED     TIME_DUE         CONFIGURED     ask for the time
     CONFIGURED     TIME_LOST        UNCONFIGURED   no answer for 11 s
-    CONFIGURED     STOP             UNCONFIGURED   the host goes away
+    CONFIGURED     STOP             UNCONFIGURED   the host leaves
 
 While unconfigured nothing is sent on user ids; logs, parameter requests and time answers work in both states.
 """

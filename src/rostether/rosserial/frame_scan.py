@@ -227,7 +227,7 @@ class FrameScanner:
 
     def _remember(self, header: bytes, topic_id: int, length: int, base: int) -> _Known | DiscardReason:
         """Check the length of a valid header; `base` is the header's part of the payload checksum."""
-        if length > self._most(topic_id) or length > self._max_payload_bytes:
+        if length > self._max_length(topic_id) or length > self._max_payload_bytes:
             return DiscardReason.TOO_LONG
         if len(self._known) >= MAX_KNOWN_HEADERS:
             self._known.clear()
@@ -235,15 +235,15 @@ class FrameScanner:
         self._known[header] = known
         return known
 
-    def _most(self, topic_id: int) -> int:
+    def _max_length(self, topic_id: int) -> int:
         """Return the longest payload that a frame on this id may have."""
-        most = self._refused_above.get(topic_id)
-        return self._refused_above.get(None, self._max_payload_bytes) if most is None else most
+        limit = self._refused_above.get(topic_id)
+        return self._refused_above.get(None, self._max_payload_bytes) if limit is None else limit
 
 
 @lru_cache(maxsize=MAX_KNOWN_HEADERS)
 def _run_layout(header_bytes: int, stride: int) -> Struct:
-    """Return a struct that cuts a run of frames; not kept for every header: most in noise occur once."""
+    """Return a struct that splits a run of frames. `_Known` has none: most headers in noise occur once."""
     return Struct(f"{header_bytes}s{stride - header_bytes - 1}sB")
 
 

@@ -1,6 +1,6 @@
 """The host's end of a rosserial line: received bytes become events, and requests become bytes to send.
 
-The link itself has no states of its own; it joins machines that have:
+The link combines state machines, and has no states of its own:
 
     ProtocolDetector, FrameDecoder   bytes to frames
     Negotiation                      when to request topics, when all are known
@@ -9,7 +9,8 @@ The link itself has no states of its own; it joins machines that have:
     ControlRate                      how many control frames it may send
     HostOutput                       frames to send, and frames that must wait
 
-Frames beyond its buffer, or with an id not announced since its last reset, can crash a device: none is sent.
+Frames that are larger than a device's buffer, or whose id it has not announced since its last reset, can
+crash the device. They are not sent.
 """
 
 from __future__ import annotations
@@ -160,24 +161,24 @@ class HostLink:
         Raises LocalProtocolError if the device has not announced a subscriber with this id since its last
         reset, or if the payload does not fit the device's buffer.
         """
-        return self._output.messages(topic_id, (payload,))
+        return self._output.encode_messages(topic_id, (payload,))
 
     def encode_messages(self, topic_id: int, payloads: Sequence[bytes]) -> bytes:
         """Return the frames of several payloads, joined; all or nothing.
 
         Raises the same errors as encode_message.
         """
-        return self._output.messages(topic_id, payloads)
+        return self._output.encode_messages(topic_id, payloads)
 
     def answer_time(self, time: Time, now_s: float) -> None:
         """Answer TimeRequested with the time at `now_s`; the answer waits during a call of the board."""
-        self._output.time(time, now_s)
+        self._output.queue_time(time, now_s)
 
     def answer_parameter(
         self, ints: Sequence[int] = (), floats: Sequence[float] = (), strings: Sequence[str] = ()
     ) -> None:
         """Answer ParameterRequested. Raises LocalProtocolError if it does not fit the device's buffer."""
-        self._output.parameter(ParameterResponse(tuple(ints), tuple(floats), tuple(strings)))
+        self._output.queue_parameter(ParameterResponse(tuple(ints), tuple(floats), tuple(strings)))
 
     def service_call_started(self, now_s: float) -> None:
         """Hold back time answers: the board itself waits for a service response."""
@@ -190,7 +191,7 @@ class HostLink:
     def stop(self) -> None:
         """Queue the frame that asks the device to stop sending; from then on the link does nothing."""
         self._is_stopped = True
-        self._output.stop()
+        self._output.queue_stop()
 
     def _listen(self) -> ProtocolDetector:
         return ProtocolDetector(
@@ -318,7 +319,7 @@ class HostLink:
 
     def _judge(self, verdict: Verdict | None, now_s: float, events: list[HostEvent]) -> None:
         if verdict is Verdict.PROBE:
-            self._output.probe()
+            self._output.queue_probe()
         elif verdict is Verdict.ASK:
             self._negotiation.ask(now_s)
         elif verdict is Verdict.RESET:
@@ -347,5 +348,5 @@ class HostLink:
             self._line.use_limits(self._limits)
         version = self._negotiation.pop_request()
         if version is not None:
-            self._output.topic_request(version, now_s, is_guess=self._negotiation.version is None)
+            self._output.queue_topic_request(version, now_s, is_guess=self._negotiation.version is None)
         self._output.pump(now_s)

@@ -11,7 +11,7 @@ from rostether.rosserial.packets import TopicInfo
 
 @dataclass(frozen=True, slots=True)
 class HostLinkConfig:
-    """Limits of a host link; the defaults suit every board known."""
+    """Limits of a host link; the defaults suit all known boards."""
 
     # The maximum of a frame: Linux devices send images in one frame.
     max_payload_bytes: int = MAX_PAYLOAD_BYTES

@@ -24,7 +24,7 @@ OTHER_VERSION_GUARD = b"\x00"
 # For a device without endpoints: the established library's buffers on an ATmega328P, the smallest in use.
 DEFAULT_INPUT_BUFFER_BYTES = 280
 
-# Unsent frames: a few hundred bytes a minute are normal, so the driver has stopped at this limit.
+# The limit of unsent frames: a few hundred bytes a minute are normal, so a driver with more no longer sends.
 MAX_WAITING_BYTES = 1 << 16
 
 
@@ -51,7 +51,7 @@ class HostOutput:
         self._waiting_bytes = 0
         return data
 
-    def messages(self, topic_id: int, payloads: Sequence[bytes]) -> bytes:
+    def encode_messages(self, topic_id: int, payloads: Sequence[bytes]) -> bytes:
         """Return the frames of messages; raises LocalProtocolError if one may not be sent or does not fit."""
         limit = self._table.send_limits.get(topic_id)
         if limit is None:
@@ -69,7 +69,7 @@ class HostOutput:
             self._unread.sent(len(data))
         return data
 
-    def parameter(self, response: ParameterResponse) -> None:
+    def queue_parameter(self, response: ParameterResponse) -> None:
         """Queue the answer to a parameter request; raises LocalProtocolError if it does not fit: even an
         empty one takes 12 bytes."""
         payload = response.encode()
@@ -77,27 +77,28 @@ class HostOutput:
         limit = DEFAULT_INPUT_BUFFER_BYTES if limit is None else limit
         if len(payload) > limit:
             raise LocalProtocolError(
-                f"the answer needs {len(payload)} bytes, but the device's buffer has {limit}"
+                f"the answer needs {len(payload)} bytes, but the device's buffer has {limit};"
+                " shorten the parameter, or build the sketch with a larger buffer"
             )
         self._queue_frame(ids.PARAMETER, payload)
 
-    def time(self, time: Time, now_s: float) -> None:
+    def queue_time(self, time: Time, now_s: float) -> None:
         """Queue a time answer, or hold it back."""
         self._time = time, now_s
         self.pump(now_s)
 
-    def topic_request(self, version: int, now_s: float, *, is_guess: bool) -> None:
+    def queue_topic_request(self, version: int, now_s: float, *, is_guess: bool) -> None:
         """Queue a topic request, or hold it back. `is_guess`: the device may speak the other version."""
         self._request = version, is_guess
         self.pump(now_s)
 
-    def probe(self) -> None:
+    def queue_probe(self) -> None:
         """Queue a probe; not in version 1, because its devices do not answer a wrong version byte."""
         if self.version == 2:
             self._unread.sent(len(PROBE))
             self._queue(PROBE)
 
-    def stop(self) -> None:
+    def queue_stop(self) -> None:
         """Queue the stop frame, and nothing else."""
         self._waiting.clear()
         self._time = self._request = None

@@ -19,8 +19,8 @@ OUR_REQUEST_PERIOD_S = 2.2
 # Without an answer for this time, a device becomes unconfigured (established library: 5 * 2.2 s).
 SYNC_LOST_S = 11.0
 
-# A device follows the host's clock back only over more than this: longer than any round trip, and as in the
-# C++ client.
+# A device sets its clock back only by more than this: longer than any round trip, and the same as in the C++
+# client.
 MAX_HOLD_S = 10.0
 
 # With 2.5 s between requests, a held answer comes 7.5 s after the last: well before the board gives up.
@@ -31,7 +31,7 @@ class DeviceClock:
     """A device's clock: time since boot until the host answers, then the host's time.
 
     It never goes back by less than MAX_HOLD_S: if the host's clock stops, as a paused simulation's does, the
-    device's clock stands still from the next answer until the host has caught up.
+    device's clock stops from the next answer until the host has caught up.
     """
 
     def __init__(self, boot_s: float) -> None:
@@ -51,7 +51,7 @@ class DeviceClock:
         return round_trip_s
 
     def time(self, now_s: float) -> Time:
-        """Return the time, `now_s` on the clock used throughout."""
+        """Return the time at `now_s`."""
         time_ns = round(now_s * 1e9) + self._offset_ns
         if not 0 < self._latest_ns - time_ns < MAX_HOLD_S * 1e9:
             self._latest_ns = time_ns

@@ -49,7 +49,7 @@ class Codec:
         message = Conform(self.tree, self._classes, now).message(value)
         try:
             return self._encode(message)
-        except ENCODE_ERRORS as error:  # pragma: no cover - `conform` refuses what it can know
+        except ENCODE_ERRORS as error:  # pragma: no cover - `conform` refuses nearly all
             raise SerializationError(f"{self.tree.name} cannot be encoded: {error}") from error
 
     def encode_given(

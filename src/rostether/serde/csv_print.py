@@ -70,6 +70,6 @@ def _shown_fields(message: Message, style: EchoStyle) -> Iterator[tuple[str, Any
 
 
 def _has_header(message: Message) -> bool:
-    """Return whether the first header is named `header`: then it is the message's own."""
+    """Return whether the first std_msgs/Header field is named `header`, as `has_header` in genmsg."""
     names = [name for name, field_type in message._fields if field_type == _HEADER_TYPE]
     return names[:1] == ["header"]

@@ -26,14 +26,14 @@ from rostether.serde.values import Message, MessageClasses
 
 Decode = Callable[[bytes], Message]
 
-# The limit of variables of inline structs in one function; further ones become functions. Otherwise, a type
-# that contains another type twice, which contains one twice ..., would double the source at each level.
+# The limit of variables of inline structs in one function; further structs get their own functions.
+# Otherwise, the source would grow exponentially if each type contains the next one twice.
 _MAX_VARIABLES: Final = 512
 
 # The longest fixed array whose elements become variables; for longer ones, another unpacking is cheaper.
 _MAX_UNROLLED_LENGTH: Final = 64
 
-# More numbers take longer than a millisecond; other threads can run between the steps.
+# The limit of numbers unpacked at once: more take longer than a millisecond, and other threads have to wait.
 _MANY_NUMBERS: Final = 1 << 16
 
 _UNPACK_U32: Final = struct.Struct("<I").unpack_from
@@ -61,7 +61,7 @@ def compile_decoder(tree: Struct, classes: MessageClasses) -> Decode:
 
 
 class _DecoderSource:
-    """Collects the functions of nested types, and the names that all source refers to."""
+    """Collects the functions of nested types, and the names that the source refers to."""
 
     def __init__(self, classes: MessageClasses) -> None:
         self.functions: list[str] = []

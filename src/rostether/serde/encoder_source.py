@@ -7,8 +7,8 @@ For std_msgs/Header the result is:
         v1 = m.frame_id.encode('utf-8', 'surrogateescape')
         return b''.join((pack_0(m.seq, v0.secs, v0.nsecs, len(v1)), v1))
 
-`struct` checks the range of every number. Wrong values that it would accept (a string as a bool, an array of
-the wrong length) are checked in the source. After an error, `conform` finds the reason.
+`struct` checks the range of every number. The source checks what `struct` would accept (a string as a bool,
+an array of the wrong length). After an error, `conform` finds the reason.
 """
 
 from __future__ import annotations
@@ -23,8 +23,8 @@ from rostether.serde.values import Message, MessageClasses
 
 Encode = Callable[[Message], bytes]
 
-# The limit of fields of inline structs in one function; further ones become functions. Otherwise, a type that
-# contains another type twice, which contains one twice ..., would double the source at each level.
+# The limit of fields of inline structs in one function; further structs get their own functions. Otherwise,
+# the source would grow exponentially if each type contains the next one twice.
 _MAX_FIELDS: Final = 512
 
 # The errors of encoding a value that does not fit.
@@ -44,7 +44,7 @@ def compile_encoder(tree: Struct, classes: MessageClasses) -> Encode:
 
 
 class _EncoderSource:
-    """Collects the functions of nested types, and the names that all source refers to."""
+    """Collects the functions of nested types, and the names that the source refers to."""
 
     def __init__(self) -> None:
         self.functions: list[str] = []
@@ -195,7 +195,7 @@ def to_bytes(values: object) -> bytes:
     if isinstance(values, bytes | bytearray | memoryview | Sequence) and not isinstance(values, str):
         return bytes(values)
     if hasattr(values, "__array__"):
-        # A picture has rows and columns.
+        # The array of an image may have several dimensions.
         is_bytes = getattr(values, "dtype", None) == "uint8"
         return values.tobytes() if is_bytes else bytes(list(values))  # type: ignore[attr-defined, call-overload]
     raise TypeError("a uint8[] needs bytes or a list of integers")

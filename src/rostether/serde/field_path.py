@@ -81,6 +81,7 @@ def _inside(member: Member, index: int | slice | None, *, last: bool) -> Struct 
 
 def _read_index(part: str, rest: str) -> int | slice:
     """Read `3]` or `1:10:2]`."""
+    name = part.partition("[")[0]
     texts = rest.removesuffix("]").split(":")
     try:
         if not rest.endswith("]") or len(texts) > _MAX_SLICE_PARTS:
@@ -91,7 +92,5 @@ def _read_index(part: str, rest: str) -> int | slice:
         if chosen.step == 0:
             raise ValueError(part)
     except ValueError:
-        raise ConfigError(
-            f"{part!r} selects no elements; write {part.partition('[')[0]}[3] or [2:10:2]"
-        ) from None
+        raise ConfigError(f"{part!r} selects no elements; write {name}[3] or {name}[2:10:2]") from None
     return chosen

@@ -48,7 +48,7 @@ UNITS: Final = {
     "sensor_msgs/JointState effort": "Nm",
 }
 
-# The units in definitions: `[m]`, `[rad/s]`, `(in m/s^2)`.
+# Units in the comments of definitions: `[m]`, `[rad/s]`, `(in m/s^2)`.
 _BRACKETS = re.compile(r"[\[(](?:in )?([a-zA-Z°µ%][a-zA-Z0-9°µ%/^*²]{0,8})[\])]")
 _KNOWN = re.compile(
     r"m|mm|cm|km|s|ms|us|µs|ns|rad|deg|°|°C|C|K|V|mV|A|mA|Ah|W|N|Nm|N\*m|Pa|hPa|kPa|T|Hz|%|g|kg|lx|lux|rpm"

@@ -1,7 +1,6 @@
 """Pieces of generated Python source for encoders and decoders.
 
-The only text from a definition that reaches source is a field's name, here, and `MessageClasses.of` has
-checked that it is one.
+The only text from a definition in generated source is a field's name, which `MessageClasses.of` has checked.
 """
 
 from __future__ import annotations

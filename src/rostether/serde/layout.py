@@ -23,10 +23,10 @@ class Layout:
 
     __slots__ = ("_tree", "accepts", "accepts_all", "fixed_size_bytes")
 
-    # Return whether a payload is exactly one message: all of it, and nothing more.
+    # Return whether a payload is exactly one message.
     accepts: Callable[[bytes], bool]
 
-    # Return whether every payload of a batch is exactly one message; an empty batch is.
+    # Return whether every payload of a batch is exactly one message; True for an empty batch.
     accepts_all: Callable[[Sequence[bytes]], bool]
 
     def __init__(self, tree: Struct) -> None:

@@ -24,8 +24,8 @@ from rostether.serde.type_tree import Array, Node, Struct, Text
 Accepts = Callable[[bytes], bool]
 AcceptsAll = Callable[[Sequence[bytes]], bool]
 
-# The longest function with nested structs inline, in lines. Further structs get their own functions, so that
-# types that contain another type twice do not double the source at each level.
+# The longest function with nested structs inline, in lines; further structs get their own functions.
+# Otherwise, the source would grow exponentially if each type contains the next one twice.
 _MAX_LINES: Final = 256
 
 # The errors of reading a length beyond the end; wrong lengths may even exceed the range of an offset.

@@ -11,7 +11,7 @@ from rostether.serde.values import Message, MessageClasses
 
 
 class NumpyMessage(Message):
-    """A message with numpy arrays; they compare as a whole."""
+    """A message with numpy arrays; `==` compares whole arrays."""
 
     __slots__ = ()
 

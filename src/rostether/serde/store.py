@@ -10,7 +10,7 @@ from rostether.serde.values import MessageClasses
 
 
 class TypeStore:
-    """Layouts and codecs by type name; halves of services are `package/NameRequest` and `NameResponse`.
+    """Layouts and codecs by type name; a service has the types `package/NameRequest` and `NameResponse`.
 
     A type keeps the definition of its first use.
     """

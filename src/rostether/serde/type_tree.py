@@ -154,7 +154,9 @@ class TypeTrees:
     def _resolve(self, name: str, spec: MessageSpec, within: tuple[str, ...]) -> Struct:
         if name in within:
             cycle = " -> ".join((*within[within.index(name) :], name))
-            raise DefinitionError(f"{name} contains itself ({cycle}), so its messages would be endless")
+            raise DefinitionError(
+                f"{name} contains itself ({cycle}), so its messages would be infinitely long"
+            )
         if len(within) >= MAX_DEPTH:
             raise DefinitionError(f"{within[0]} nests types more than {MAX_DEPTH} levels deep; flatten it")
         within = (*within, name)

@@ -121,13 +121,18 @@ class MessageClasses:
 
     def _shared(self, tree: Struct) -> type[Message]:
         """Return the class that other stores use for an equal definition, so that `isinstance` holds."""
-        key = (type(self), tree.name, tree.constants, tuple(self._kind(member) for member in tree.members))
+        key = (
+            type(self),
+            tree.name,
+            tree.constants,
+            tuple(self._member_key(member) for member in tree.members),
+        )
         message_class = _SHARED.get(key)
         if message_class is None:
             message_class = _SHARED[key] = self._make(tree)
         return message_class
 
-    def _kind(self, member: Member) -> Hashable:
+    def _member_key(self, member: Member) -> Hashable:
         element = member.node.element if isinstance(member.node, Array) else member.node
         return member.name, member.type, self.of(element) if isinstance(element, Struct) else None
 

@@ -1,7 +1,8 @@
 """Messages as users type them: the YAML arguments of `rostopic pub` and `rosservice call`.
 
-One argument that is a mapping names fields, the rest are zero; otherwise each argument is the value of one
-field, in order, and none may be missing. Inside, a list instead of a message gives all its fields.
+A single argument that is a mapping gives fields by name; the other fields are zero. Otherwise, each argument
+is the value of one field, in order, and none may be missing. A nested message may be a list of all its
+fields.
 
     "{linear: {x: 0.2}}"     "data: hi"     1     "[0.2, 0, 0]" "[0, 0, 1]"     auto "[1, 2]" (a Header, ...)
 

@@ -12,7 +12,7 @@ from rostether.mechanisms.program import run_program
 
 async def test_output_input_and_exit_code() -> None:
     code = "import sys; print(sys.stdin.read().upper()); print('bad', file=sys.stderr); sys.exit(3)"
-    ended = await run_program([sys.executable, "-c", code], given=b"word", merge=False)
+    ended = await run_program([sys.executable, "-c", code], input_data=b"word", merge=False)
     assert ended == (3, b"WORD\n", b"bad\n")
     merged = await run_program([sys.executable, "-c", "print(input)"], environ={"PATH": ""})
     assert merged.code == 0

@@ -46,14 +46,14 @@ def md5sum(text: str, registry: Registry) -> str:
             "",
             "lacks 'float32 min_range', lacks 'float32 max_range'",
         ),
-        ("float32 range", "float64 range", "has 'float64 range' for 'float32 range'"),
+        ("float32 range", "float64 range", "has 'float64 range' instead of 'float32 range'"),
         (
             "uint8 radiation_type",
             "int8 radiation_type",
-            "has 'int8 radiation_type' for 'uint8 radiation_type'",
+            "has 'int8 radiation_type' instead of 'uint8 radiation_type'",
         ),
         ("uint8 INFRARED=1\n", "", "lacks the constant 'uint8 INFRARED=1'"),
-        ("float32 range\n", "float32[] range\n", "has 'float32[] range' for 'float32 range'"),
+        ("float32 range\n", "float32[] range\n", "has 'float32[] range' instead of 'float32 range'"),
         (
             "float32 min_range\nfloat32 max_range",
             "float32 max_range\nfloat32 min_range",
@@ -90,7 +90,7 @@ def test_the_md5sum_of_another_type_is_recognized() -> None:
 
 def test_an_earlier_version_that_we_bring_along_is_recognized() -> None:
     line = explain_mismatch(Registry(), "turtlebot3_msgs/SensorState", "d537ed7b8d95065b6c83830430b93911")
-    assert "it belongs to turtlebot3_msgs 0.1.4, which has 'uint8 cliff' for 'float32 cliff'" in line
+    assert "it belongs to turtlebot3_msgs 0.1.4, which has 'uint8 cliff' instead of 'float32 cliff'" in line
 
 
 def test_a_change_in_a_nested_message_is_found(tmp_path: Path) -> None:
@@ -141,12 +141,15 @@ def spec(text: str) -> MessageSpec:
     [
         (OURS + "# prose", ""),
         (OURS.replace("float32 max\n", ""), "lacks 'float32 max'"),
-        (OURS.replace("float32 range", "float64 range"), "has 'float64 range' for 'float32 range'"),
-        (OURS.replace("float32 range", "float32[] range"), "has 'float32[] range' for 'float32 range'"),
-        (OURS + "int8 more", "has 'int8 more' more"),
+        (OURS.replace("float32 range", "float64 range"), "has 'float64 range' instead of 'float32 range'"),
+        (
+            OURS.replace("float32 range", "float32[] range"),
+            "has 'float32[] range' instead of 'float32 range'",
+        ),
+        (OURS + "int8 more", "also has 'int8 more'"),
         (OURS.replace("uint8 A=1", ""), "lacks the constant 'uint8 A=1'"),
-        (OURS.replace("A=1", "A=2"), "has 'uint8 A=2' for 'uint8 A=1'"),
-        (OURS + "uint8 B=2", "has the constant 'uint8 B=2' more"),
+        (OURS.replace("A=1", "A=2"), "has 'uint8 A=2' instead of 'uint8 A=1'"),
+        (OURS + "uint8 B=2", "also has the constant 'uint8 B=2'"),
         (OURS.replace("Header header\n", ""), "lacks 'std_msgs/Header header'"),
         (
             "Header header\nfloat32 max\nfloat32 range\nuint8 A=1",
@@ -163,7 +166,7 @@ def test_the_order_of_constants_counts() -> None:
 
 
 def test_the_written_length_counts() -> None:
-    assert difference(spec("int8[5] a"), spec("int8[05] a")) == "has 'int8[05] a' for 'int8[5] a'"
+    assert difference(spec("int8[5] a"), spec("int8[05] a")) == "has 'int8[05] a' instead of 'int8[5] a'"
 
 
 def test_many_differences_are_counted() -> None:

@@ -75,7 +75,7 @@ def test_too_many_and_too_often_are_not_taken() -> None:
         None,
         [FrameDiscarded(DiscardReason.TOO_MANY, other.encode())],
     )
-    for number in range(CHANGES.saved - 2):
+    for number in range(CHANGES.burst - 2):
         known.handle_packet(ids.PUBLISHER, replace(CHATTER, topic_name=f"n{number}").encode(), 0.0)
     assert known.handle_packet(ids.PUBLISHER, other.encode(), 0.0) == (None, [ControlFlood(ids.PUBLISHER, 1)])
 

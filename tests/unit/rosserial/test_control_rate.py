@@ -28,7 +28,7 @@ def announcement(number: int) -> bytes:
 class TestControlRate:
     def test_saves_up_so_many_and_no_more(self) -> None:
         rate = ControlRate()
-        assert rate.admit(ids.LOG, 10_000, 1e9) == LOGS.saved
+        assert rate.admit(ids.LOG, 10_000, 1e9) == LOGS.burst
         assert rate.admit(ids.LOG, 10_000, 1e9) == 0
         assert rate.admit(ids.LOG, 10_000, 1e9 + 0.5) == LOGS.per_s / 2
 
@@ -48,9 +48,9 @@ class TestControlRate:
 class TestFloods:
     def test_log_lines_beyond_the_rate_are_counted(self) -> None:
         link, now_s = settled_link()
-        flood = frame(ids.LOG, Log(LogLevel.INFO, "again").encode()) * (LOGS.saved + 100)
+        flood = frame(ids.LOG, Log(LogLevel.INFO, "again").encode()) * (LOGS.burst + 100)
         events = link.receive_data(flood, now_s)
-        assert len(only(events, LogReceived)) == LOGS.saved
+        assert len(only(events, LogReceived)) == LOGS.burst
         assert only(events, ControlFlood) == [ControlFlood(ids.LOG, 100)]
 
     def test_time_requests_are_answered_at_a_bounded_rate(self) -> None:
@@ -59,24 +59,24 @@ class TestFloods:
         for _ in range(100):
             now_s += 0.01
             asked += len(only(link.receive_data(TIME * 50, now_s), TimeRequested))
-        assert TIME_REQUESTS.per_s <= asked <= TIME_REQUESTS.saved + 2 * TIME_REQUESTS.per_s
+        assert TIME_REQUESTS.per_s <= asked <= TIME_REQUESTS.burst + 2 * TIME_REQUESTS.per_s
 
     def test_an_announcement_that_changes_all_the_time_is_left_as_it_is(self) -> None:
         link, now_s = settled_link()
-        events = link.receive_data(b"".join(map(announcement, range(CHANGES.saved + 50))), now_s)
-        assert len(only(events, TopicAnnounced)) == CHANGES.saved
-        assert len(only(events, TopicWithdrawn)) <= CHANGES.saved
+        events = link.receive_data(b"".join(map(announcement, range(CHANGES.burst + 50))), now_s)
+        assert len(only(events, TopicAnnounced)) == CHANGES.burst
+        assert len(only(events, TopicWithdrawn)) <= CHANGES.burst
         assert only(events, ControlFlood) == [ControlFlood(ids.PUBLISHER, 50)]
 
     def test_announcements_that_change_nothing_do_not_use_up_changes(self) -> None:
         link, now_s = settled_link()
-        link.receive_data(announcement(0) * (CHANGES.saved + 50), now_s)
+        link.receive_data(announcement(0) * (CHANGES.burst + 50), now_s)
         assert only(link.receive_data(announcement(1), now_s), TopicAnnounced)
 
     def test_messages_flow_on(self) -> None:
         link, now_s = settled_link()
         link.receive_data(announcement(0), now_s)
-        flood = frame(ids.LOG, Log(LogLevel.INFO, "again").encode()) * (2 * LOGS.saved)
+        flood = frame(ids.LOG, Log(LogLevel.INFO, "again").encode()) * (2 * LOGS.burst)
         events = link.receive_data(flood + frame(126, b"\0\0\0\0") * 3, now_s)
         messages = [event for event in events if isinstance(event, MessagesReceived)]
         assert [event.payloads for event in messages] == [[b"\0\0\0\0"] * 3]

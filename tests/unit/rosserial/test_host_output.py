@@ -18,26 +18,26 @@ def output(version: int | None = 2) -> HostOutput:
 def test_only_a_guess_of_version_1_is_guarded() -> None:
     one = output(None)
     request = frame(ids.TOPIC_REQUEST, b"", 1)
-    one.topic_request(1, 0.0, is_guess=True)
+    one.queue_topic_request(1, 0.0, is_guess=True)
     assert one.pop_ready() == b"\0" + request + b"\0"
-    one.topic_request(1, 0.0, is_guess=False)
+    one.queue_topic_request(1, 0.0, is_guess=False)
     assert one.pop_ready() == request
-    one.topic_request(2, 0.0, is_guess=True)
+    one.queue_topic_request(2, 0.0, is_guess=True)
     assert one.pop_ready() == frame(ids.TOPIC_REQUEST, b"")
 
 
 def test_probes_are_for_version_2() -> None:
     for version, expected in ((None, b""), (1, b""), (2, PROBE)):
         one = output(version)
-        one.probe()
+        one.queue_probe()
         assert one.pop_ready() == expected
 
 
 def test_a_time_answer_that_is_not_taken_is_replaced_while_held() -> None:
     one = output()
     one.call_started()
-    one.time(Time(1, 0), 0.0)
-    one.time(Time(4, 0), 3.0)
+    one.queue_time(Time(1, 0), 0.0)
+    one.queue_time(Time(4, 0), 3.0)
     one.call_finished(3.5)
     assert one.pop_ready() == frame(ids.TIME, b"\x04\0\0\0\x00\x65\xcd\x1d")
 
@@ -45,7 +45,7 @@ def test_a_time_answer_that_is_not_taken_is_replaced_while_held() -> None:
 def test_a_reset_lets_go_what_a_dead_call_holds() -> None:
     one = output()
     one.call_started()
-    one.topic_request(2, 0.0, is_guess=False)
+    one.queue_topic_request(2, 0.0, is_guess=False)
     assert one.pop_ready() == b""
     one.device_reset()
     one.pump(0.1)
@@ -55,15 +55,15 @@ def test_a_reset_lets_go_what_a_dead_call_holds() -> None:
 def test_unread_frames_do_not_fill_memory() -> None:
     one = output()
     for _ in range(10000):
-        one.parameter(ParameterResponse())
+        one.queue_parameter(ParameterResponse())
     assert len(one.pop_ready()) <= MAX_WAITING_BYTES
 
 
 def test_stop_sends_nothing_else() -> None:
     one = output()
     one.call_started()
-    one.time(Time(1, 0), 0.0)
-    one.probe()
-    one.stop()
+    one.queue_time(Time(1, 0), 0.0)
+    one.queue_probe()
+    one.queue_stop()
     assert one.pop_ready() == frame(ids.TX_STOP, b"")
     assert one.get_timer() is None

@@ -1,7 +1,7 @@
 """The ROS 2 form of a type that exists only as a ROS 1 text, as in a manual port.
 
 `time` and `duration` become messages of builtin_interfaces, `std_msgs/Header` is that of ROS 2 without seq,
-and field names get small letters (`frameId` -> `frame_id`). The rest, such as the type's name, is unchanged.
+and field names become lowercase (`frameId` -> `frame_id`). The rest, such as the type's name, is unchanged.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Reads ROS 2 .msg, .srv and .action texts: `type name [default]` or `type NAME=value` a line, then `#`.
+"""Reads ROS 2 .msg, .srv and .action texts: lines of `type name [default]` or `type NAME=value`.
 
 Accepts and refuses the same texts as rosidl, with two exceptions: indented declarations are accepted, and
 types that its code generators would refuse (`time`, half a service as a field) are refused here.
@@ -155,7 +155,8 @@ def _parse_field(line: SourceLine, type_text: str, rest: str, package: str) -> R
     name, _, default_text = rest.partition(" ")
     if not is_field_name(name):
         line.fail(
-            f"{quote(name)} is not a field name: a small letter, then small letters, digits and single '_'",
+            f"{quote(name)} is not a field name: a lowercase letter, then lowercase letters, digits and"
+            " single '_'",
             name,
         )
     default_text = default_text.strip()
@@ -199,11 +200,12 @@ def _full_name(line: SourceLine, text: str, package: str) -> str:
     owner, slash, name = text.rpartition("/")
     if slash and not is_package_name(owner):
         line.fail(
-            f"{quote(text)} is not 'package/Name'; packages are small letters, digits and single '_'", text
+            f"{quote(text)} is not 'package/Name'; packages are lowercase letters, digits, single '_'", text
         )
     if not is_type_name(name):
         line.fail(
-            f"{quote(name)} is not a built-in type or a message name (a capital, then letters and digits)",
+            f"{quote(name)} is not a built-in type or a message name (an uppercase letter, then letters"
+            " and digits)",
             text,
         )
     return f"{owner or package}/msg/{name}"
@@ -227,7 +229,8 @@ def _parse_constant(line: SourceLine, type_text: str, rest: str) -> Ros2Constant
     name, value_text = name.rstrip(), value_text.strip()
     if not is_constant_name(name):
         line.fail(
-            f"{quote(name)} is not a constant's name: a capital, then capitals, digits and single '_'",
+            f"{quote(name)} is not a constant's name: an uppercase letter, then uppercase letters, digits and"
+            " single '_'",
             name or "=",
         )
     value: ConstantValue

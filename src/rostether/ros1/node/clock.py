@@ -23,7 +23,7 @@ class Clock:
         self._simulated: Time | None = None
 
     def simulate(self) -> None:
-        """From now on, use the time from `take_messages`; it is zero before the first."""
+        """From now on, use the time from `handle_messages`; it is zero before the first."""
         self._simulated = Time()
 
     @property

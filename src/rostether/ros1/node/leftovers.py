@@ -60,7 +60,7 @@ class Leftovers:
 
 
 async def unregister_node(master_uri: str, name: str, uri: str) -> None:
-    """Remove all registrations that a node has under an URI. Raises GraphError."""
+    """Remove all registrations that a node has under a URI. Raises GraphError."""
     # Registrations belong to a node: the master removes them only in its name.
     async with closed_at_end(MasterClient(master_uri, name)) as master:
         publishers, subscribers, services = await master.system_state()

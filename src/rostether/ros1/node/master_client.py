@@ -67,7 +67,9 @@ class MasterClient:
             publishers, subscribers, services = answer
             return dict(publishers), dict(subscribers), dict(services)
         except (TypeError, ValueError):
-            raise GraphError(f"the ROS master at {self.uri} answered getSystemState with nonsense") from None
+            raise GraphError(
+                f"the ROS master at {self.uri} sent an invalid answer to getSystemState"
+            ) from None
 
     async def topic_types(self) -> dict[str, str]:
         """Return the known types of topics."""
@@ -75,7 +77,9 @@ class MasterClient:
         try:
             return dict(answer)
         except (TypeError, ValueError):
-            raise GraphError(f"the ROS master at {self.uri} answered getTopicTypes with nonsense") from None
+            raise GraphError(
+                f"the ROS master at {self.uri} sent an invalid answer to getTopicTypes"
+            ) from None
 
     async def get_param(self, name: str) -> XmlRpcValue:
         """Return a value or tree. Raises UnknownNameError."""

@@ -36,7 +36,7 @@ class Registrations:
 
 @dataclass(frozen=True, slots=True)
 class Connection:
-    """One connection of a node. `peer` is a node's name, `peer_uri` its address where it gave that instead.
+    """One connection of a node. `peer` is a node's name, `peer_uri` its address if the node reports that.
 
     `sockets` is (local port, remote address, descriptor), or None if the node does not report it.
     """
@@ -72,7 +72,7 @@ async def registrations(master: MasterClient, name: str) -> Registrations:
 
 
 async def find_node(master: MasterClient, name: str) -> str:
-    """Return a node's URI. Raises UnknownNameError with the nearest name there is."""
+    """Return a node's URI. Raises UnknownNameError with the most similar name."""
     try:
         return await master.lookup_node(name)
     except UnknownNameError:
@@ -105,7 +105,7 @@ async def ask(client: XmlRpcClient, method: str, *arguments: object) -> Any:
 
 
 async def ping(name: str, uri: str, clock: Callable[[], float] = time.perf_counter) -> float:
-    """Return after how many seconds a node answered. Raises GraphError; its cause is the OSError, if any."""
+    """Return a node's response time in seconds. Raises GraphError; its cause is the OSError, if any."""
     async with node_client(name, uri) as client:
         start_s = clock()
         await ask(client, "getPid")

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 
 async def look_up(client: MasterClient, service: str) -> str:
-    """Return a service's URI. Raises UnknownNameError with the nearest existing name."""
+    """Return a service's URI. Raises UnknownNameError with the most similar name."""
     try:
         return await client.lookup_service(service)
     except UnknownNameError:

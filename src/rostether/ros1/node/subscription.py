@@ -77,8 +77,8 @@ class Subscription:
     def add_publishers(self, uris: Sequence[str]) -> None:
         """Connect to new publishers.
 
-        What the answer to a registration omits is not gone: it may be older than the last update, or
-        from a master that has just restarted and knows few of us.
+        A publisher that is not in `uris` stays connected: the answer to a registration may be older than the
+        last update, or come from a master that has just restarted and knows few publishers.
         """
         for uri in uris:
             if uri not in self._links and uri != self._skipped_uri and not self._is_closed:
@@ -134,7 +134,7 @@ class Subscription:
         record = ConnectionRecord(transport, peer=uri, topic=self.topic, direction="i")
         on_messages = self._report_connection(fields)
         if self._skip_nodes != ():
-            on_messages = self._leaving_out(node_name, on_messages)
+            on_messages = self._without_node(node_name, on_messages)
         connection = PublisherConnection(
             transport, record, on_messages, self._limits.message_bytes, node_name=node_name
         )
@@ -164,7 +164,7 @@ class Subscription:
         if not self._is_closed:
             call_contained(self._what, self._on_messages, payloads)
 
-    def _leaving_out(self, node_name: str, on_messages: OnMessages) -> OnMessages:
+    def _without_node(self, node_name: str, on_messages: OnMessages) -> OnMessages:
         # A publisher that is omitted stays connected: it would be asked repeatedly.
         def deliver_wanted(payloads: Sequence[bytes]) -> None:
             if node_name not in self._skip_nodes:

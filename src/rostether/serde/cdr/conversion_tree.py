@@ -41,9 +41,9 @@ class Translation:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Plain:
-    """A number, or a stamp (two of four bytes).
+    """A number, or a stamp (two numbers of four bytes).
 
-    `translation` is given if values of one byte change: their values in ROS 2, and back in ROS 1.
+    `translation` is given for numbers of one byte whose values differ between ROS 1 and ROS 2.
     """
 
     size_bytes: int
@@ -84,7 +84,7 @@ class Text:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Array:
-    """An array of `length` elements; if it is None, of any length up to `bound`."""
+    """An array of `length` elements; None means any length up to `bound`."""
 
     element: Plain | Text | Record
     length: int | None

@@ -67,14 +67,14 @@ class CdrConverter:
             raise SerializationError(
                 f"the payload starts with {cdr[:2].hex(' ')}, but ROS 2 sends plain CDR: 00 01 or 00 00"
             )
-        turned = cdr[:2] == _BIG_ENDIAN
-        walker = PayloadWalker(cdr, Side.ROS2, turned=turned)
+        is_big_endian = cdr[:2] == _BIG_ENDIAN
+        walker = PayloadWalker(cdr, Side.ROS2, is_big_endian=is_big_endian)
         try:
             if self._has_fields:
                 walker.over(self._tree)
         except (Misfit, *ERRORS) as reason:
             raise SerializationError(f"{self.ros2_name}: the CDR of {len(cdr)} bytes {reason}") from None
-        if not turned:
+        if not is_big_endian:
             raise SerializationError(f"{self.ros2_name}: the CDR of {len(cdr)} bytes does not fit")
         return self.from_cdr(LITTLE_ENDIAN + bytes(walker.payload[len(LITTLE_ENDIAN) :]))
 
@@ -84,7 +84,7 @@ class CdrConverter:
 
 
 def compile_message(ros1: Struct, ros2: Ros2Message, lookup: Lookup) -> CdrConverter:
-    """Return the converter of a pair of types; `lookup` gives the ROS 2 messages below by `package/msg/Name`.
+    """Return the converter of a pair of types; `lookup` returns nested ROS 2 messages by `package/msg/Name`.
 
     Raises TypeMismatchError if their fields do not fit, and the errors of `lookup`.
     """
@@ -98,14 +98,14 @@ class Misfit(Exception):  # noqa: N818
 class PayloadWalker:
     """Walks over a payload field by field; `at` is its position in bytes.
 
-    With `turned`, the payload is big-endian CDR, and the walk changes every number to little endian.
+    With `is_big_endian`, the payload is big-endian CDR, and the walk changes every number to little endian.
     """
 
-    def __init__(self, payload: bytes, side: Side, *, turned: bool = False) -> None:
+    def __init__(self, payload: bytes, side: Side, *, is_big_endian: bool = False) -> None:
         self.payload = bytearray(payload)
         self.at = ENCAPSULATION_BYTES if side is Side.ROS2 else 0
         self._side = side
-        self._turned = turned
+        self._is_big_endian = is_big_endian
 
     def over(self, node: Node, path: str = "") -> None:
         """Walk over one value. Raises Misfit."""
@@ -164,7 +164,7 @@ class PayloadWalker:
             self.at += (ENCAPSULATION_BYTES - self.at) % alignment
         start = self.at
         self._skip(size, path)
-        if self._turned:
+        if self._is_big_endian:
             for at in range(start, self.at, alignment):
                 self.payload[at : at + alignment] = self.payload[at : at + alignment][::-1]
 

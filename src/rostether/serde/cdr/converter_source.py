@@ -12,9 +12,9 @@
         except errors:
             return refuse(b)
 
-Source never contains a name from a definition, only numbers, so that no definition can inject code. Pieces
-are joined after all lengths were checked, and loops never have more elements than the payload has bytes for:
-an announced length alone allocates nothing.
+The source never contains a name from a definition, only numbers, so that no definition can inject code.
+Pieces are joined after all lengths were checked, and loops never have more elements than the payload has
+bytes for: an announced length alone allocates nothing.
 """
 
 from __future__ import annotations
@@ -43,7 +43,8 @@ LITTLE_ENDIAN: Final = b"\0\1\0\0"
 # The exceptions of reading bytes with another layout.
 ERRORS: Final = (struct.error, OverflowError, IndexError)
 
-# The zeros up to the next aligned index, by the index modulo the alignment; `nul...` end a text as well.
+# The zeros up to the next aligned index, by the index modulo the alignment; `nul...` start with the NUL that
+# ends a string.
 _PADS: Final = {
     f"{name}{alignment}": tuple(
         nul + bytes(((4 if alignment == 8 else 0) - index) % alignment) for index in range(alignment)
@@ -56,7 +57,7 @@ _PADS: Final = {
 def compile_conversion(tree: Record, target: Side, refuse: Callable[[bytes], bytes]) -> Convert:
     """Return a conversion of one payload to a side; `refuse` gets payloads that do not fit, or other CDR.
 
-    Raises DefinitionError for a type of thousands of arrays.
+    Raises DefinitionError for a type with thousands of arrays.
     """
     source = _Source(target)
     cdr = target is Side.ROS2
@@ -96,7 +97,7 @@ def compile_conversion(tree: Record, target: Side, refuse: Callable[[bytes], byt
 
 
 class _Source:
-    """Collects the functions of nested types, and the names that all source refers to."""
+    """Collects the functions of nested types, and the names that the source refers to."""
 
     def __init__(self, target: Side) -> None:
         self.target = target
@@ -136,7 +137,7 @@ class _Source:
         return name
 
     def walker(self, node: Node) -> str:
-        """Return the name of `walk_n(b, o) -> o`, which reads over a value."""
+        """Return the name of `walk_n(b, o) -> o`, which skips a value."""
         if ("walk", id(node)) in self._named:
             return self._named["walk", id(node)]
         name = self._name("walk", node)

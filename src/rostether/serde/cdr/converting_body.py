@@ -38,7 +38,7 @@ class ConvertingBody(ReadingBody):
             self.convert_inline(node)
 
     def convert_inline(self, node: Node) -> None:
-        """Convert one value here."""
+        """Convert one value in this function."""
         self.parts += node.block is not None or not isinstance(node, Record)
         if node.block is not None:
             self._copy(node.block.size_bytes, node.block.alignment)

@@ -32,7 +32,7 @@ from rostether.serde.type_tree import MAX_DEPTH, MAX_FIXED_BYTES
 
 Lookup = Callable[[str], Ros2Message]
 
-# A bool is 0 or 1 in CDR, and other bytes are refused there; ROS 1 lets any byte pass.
+# A bool is 0 or 1 in CDR, and other bytes are refused there; ROS 1 accepts any byte.
 _BOOLS: Final = Translation(*[bytes([0]) + bytes([1]) * 255] * 2)
 
 _NUMBERS: Final[dict[str, str]] = {
@@ -61,7 +61,7 @@ _DUMMY: Final = Slot("", DUMMY_NAME, Plain(1, 1), ((1, b"\0"),))
 
 
 def match_fields(ros1: type_tree.Struct, ros2: Ros2Message, lookup: Lookup) -> Record:
-    """Return the two types as one tree; `lookup` gives the ROS 2 messages below, by `package/msg/Name`.
+    """Return the two types as one tree; `lookup` returns nested ROS 2 messages by `package/msg/Name`.
 
     Raises TypeMismatchError if they do not fit, and the errors of `lookup`.
     """
@@ -119,11 +119,11 @@ class _FieldMatcher:
 
     def _node(self, ros1: type_tree.Node, ros2: Ros2Type, path: str) -> Node:
         if isinstance(ros1, type_tree.Array) != ros2.is_array:
-            self._refuse(f"'{path}' is {_described(ros1)} in ROS 1 and {ros2} in ROS 2")
+            self._refuse(f"'{path}' is {ros1.name} in ROS 1 and {ros2} in ROS 2")
         if not isinstance(ros1, type_tree.Array):
             return self._element(ros1, ros2, path)
         if ros1.length != ros2.length:
-            self._refuse(f"'{path}' is {_described(ros1)} in ROS 1 and {ros2} in ROS 2")
+            self._refuse(f"'{path}' is {ros1.name} in ROS 1 and {ros2} in ROS 2")
         return Array(self._element(ros1.element, ros2, f"{path}[]"), ros1.length, ros2.bound)
 
     def _element(
@@ -169,7 +169,7 @@ class _FieldMatcher:
                 slots.append(Slot("", field.name, node, tuple(_default(node, field.type, field.default))))
             element = Record(message.full_name, (), tuple(slots) or (_DUMMY,))
         else:
-            self._refuse(f"only ROS 2 has '{path}', a {ros2.base}, which ROS 1 does not have")
+            self._refuse(f"only ROS 2 has '{path}', and ROS 1 has no {ros2.base}")
         node = Array(element, ros2.length, ros2.bound) if ros2.is_array else element
         if node.least_bytes(Side.ROS2) > MAX_FIXED_BYTES:
             self._refuse(f"'{path}' needs more than {MAX_FIXED_BYTES} bytes in ROS 2")
@@ -227,10 +227,6 @@ def _default(node: Node, ros2: Ros2Type, default: DefaultValue | None) -> list[t
 
 def _spelling(name: str) -> str:
     return name.lower().replace("_", "")
-
-
-def _described(node: type_tree.Node) -> str:
-    return node.name
 
 
 def _listed(names: list[str]) -> str:

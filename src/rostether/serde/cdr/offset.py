@@ -4,15 +4,18 @@ from __future__ import annotations
 
 import struct
 from math import gcd
+from typing import Final
 
-UNIT_BYTES = 4
+# ROS 2 middlewares write each UTF-16 unit of a wstring with four bytes.
+UNIT_BYTES: Final = 4
 
 
 class Offset:
     """An expression of an index into a payload.
 
-    With `aligned`, the payload is CDR: its alignment counts from index 4, and of the expression the remainder
-    `residue` by `modulus` (1, 2, 4 or 8) is known. Without, nothing is aligned.
+    With `aligned`, the payload is CDR, whose alignment counts from index 4. What is known of the position:
+    counted from there, its remainder modulo `modulus` (1, 2, 4 or 8) is `residue`. Otherwise, nothing is
+    aligned.
     """
 
     __slots__ = ("aligned", "modulus", "offset", "residue", "start")
@@ -25,7 +28,7 @@ class Offset:
         self.residue = residue
 
     def text(self, ahead: int = 0) -> str:
-        """Return the expression, or that of a place ahead."""
+        """Return the expression of the position, or of one `ahead` bytes further."""
         offset = self.offset + ahead
         if not self.start:
             return str(offset)
@@ -37,7 +40,7 @@ class Offset:
         self.residue = (self.residue + size) % self.modulus
 
     def move(self, start: str, step: int = 1) -> None:
-        """Go to the position in an expression, a multiple of `step` bytes further."""
+        """Go to the position that an expression gives, a multiple of `step` bytes further."""
         self.start, self.offset = start, 0
         self.modulus = gcd(self.modulus, step)
         self.residue %= self.modulus
@@ -50,28 +53,27 @@ class Offset:
 
     def align(self, variable: str, alignment: int) -> str:
         """Go to the next aligned position, which is stored in a variable; return the line for that."""
-        line = f"{variable} = ({self.text(3)} & -8) + 4" if alignment == 8 else ""
-        line = line or f"{variable} = {self.text(alignment - 1)} & -{alignment}"
+        end = f"({self.text(3)} & -8) + 4" if alignment == 8 else f"{self.text(alignment - 1)} & -{alignment}"
         self.start, self.offset = variable, 0
         self.modulus, self.residue = alignment, 0
-        return line
+        return f"{variable} = {end}"
 
     def copy(self) -> Offset:
-        """Return a copy, to return to this position."""
+        """Return a copy."""
         return Offset(
             self.start, self.offset, aligned=self.aligned, modulus=self.modulus, residue=self.residue
         )
 
 
 def widen(text: bytes) -> bytes:
-    """Return the units of a UTF-8 text, as after their count in CDR."""
+    """Return a UTF-8 text as the UTF-16 units of a wstring in CDR, without their count."""
     encoded = text.decode("utf-8", "replace").encode("utf-16-le")
     count = len(encoded) // 2
     return struct.pack(f"<{count}I", *struct.unpack(f"<{count}H", encoded))
 
 
 def narrow(units: bytes) -> bytes:
-    """Return units of CDR as a UTF-8 text. Raises struct.error if one has more than 16 bits."""
+    """Return the UTF-16 units of a wstring in CDR as a UTF-8 text. Raises struct.error above 16 bits."""
     count = len(units) // UNIT_BYTES
     encoded = struct.pack(f"<{count}H", *struct.unpack_from(f"<{count}I", units))
     return encoded.decode("utf-16-le", "replace").encode()

@@ -1,4 +1,4 @@
-"""Generated code that reads over values of one side: lengths, alignment, fields that the other lacks."""
+"""Generated code that skips values of one side, such as fields that the other side does not have."""
 
 from __future__ import annotations
 
@@ -8,9 +8,8 @@ from rostether.serde.cdr.conversion_tree import Array, Node, Plain, Record, Side
 from rostether.serde.cdr.offset import UNIT_BYTES, Offset
 from rostether.serde.type_tree import MAX_EMPTY_ELEMENTS
 
-# The limit of numbers, strings and arrays of inline records in one function; further ones become separate
-# functions, so that a type that contains another type twice, which contains one twice ..., does not double
-# the source at each level.
+# The limit of numbers, strings and arrays of inline records in one function; further records get separate
+# functions. Otherwise, the source would grow exponentially if each type contains the next one twice.
 MAX_PARTS: Final = 256
 
 
@@ -21,7 +20,7 @@ class Functions(Protocol):
         """Return the name of `convert_n(b, o, c, out) -> (o, c)`, the ends of its input and output."""
 
     def walker(self, node: Node) -> str:
-        """Return the name of `walk_n(b, o) -> o`, which reads over a value."""
+        """Return the name of `walk_n(b, o) -> o`, which skips a value."""
 
     def table(self, translation: Translation) -> str:
         """Return the name of a translation's table."""
@@ -51,7 +50,7 @@ class ReadingBody:
             self.skip_inline(node)
 
     def skip_inline(self, node: Node) -> None:
-        """Read over one value here."""
+        """Skip one value in this function."""
         offset = self.source_at
         size = node.ros1_size_bytes if self.to_cdr else None
         self.parts += not isinstance(node, Record)
@@ -135,7 +134,7 @@ class ReadingBody:
         offset.modulus = min(alignment, 4)
 
     def line(self, prefix: str, expression: str) -> str:
-        """Add a line that keeps an expression; returns its variable."""
+        """Add a line that assigns an expression to a new variable; return the variable."""
         variable = self.variable(prefix)
         self.lines.append(f"{variable} = {expression}")
         return variable

@@ -123,7 +123,7 @@ class SimulatedBoard:
         await self._process.send_command(line)
 
     async def ask(self, line: str, answer: str) -> BoardEvent:
-        """Send a command that is answered with an event."""
+        """Send a command whose answer is an event; return the event."""
         answers: list[BoardEvent] = []
         with self._listening(lambda event: answers.append(event) if event.name == answer else None):
             await self.send_command(line)

@@ -49,7 +49,7 @@ class NodeBoard(Protocol):
         """Execute one of its commands."""
 
     async def ask(self, line: str, answer: str) -> BoardEvent:
-        """Execute a word that is answered with an event."""
+        """Execute a command whose answer is an event."""
 
     def events(self) -> AsyncIterator[BoardEvent]:
         """Yield its events until it has ended."""
