@@ -192,7 +192,7 @@ class Session:
 
     def call_started(self) -> None:
         """Record that the board waits for a response."""
-        self.link.service_call_started(self._loop.time())
+        self.link.service_call_started()
 
     def call_finished(self) -> None:
         """Record that the response was sent or cancelled."""

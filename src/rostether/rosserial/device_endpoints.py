@@ -36,28 +36,28 @@ class DeviceEndpoints:
 
     def add_publisher(self, topic: str, message_type: str, md5sum: str) -> int:
         """Declare a topic that the device publishes; return its id."""
-        return self._add_sender(ids.PUBLISHER, topic, message_type, md5sum)
+        return self._add(ids.PUBLISHER, topic, message_type, md5sum)
 
     def add_subscriber(self, topic: str, message_type: str, md5sum: str) -> int:
         """Declare a topic that the device subscribes to; return its id."""
-        return self._add_listener(ids.SUBSCRIBER, topic, message_type, md5sum)
+        return self._add(ids.SUBSCRIBER, topic, message_type, md5sum)
 
     def add_service_server(
         self, service: str, service_type: str, request_md5sum: str, response_md5sum: str
     ) -> ServiceIds:
         """Declare a service the device serves."""
-        self._demand_room_for_both()
-        response_id = self._add_sender(ids.SERVICE_SERVER_RESPONSE, service, service_type, response_md5sum)
-        request_id = self._add_listener(ids.SERVICE_SERVER_REQUEST, service, service_type, request_md5sum)
+        self._require_room_for_both()
+        response_id = self._add(ids.SERVICE_SERVER_RESPONSE, service, service_type, response_md5sum)
+        request_id = self._add(ids.SERVICE_SERVER_REQUEST, service, service_type, request_md5sum)
         return ServiceIds(request_id, response_id)
 
     def add_service_client(
         self, service: str, service_type: str, request_md5sum: str, response_md5sum: str
     ) -> ServiceIds:
         """Declare a service the device calls."""
-        self._demand_room_for_both()
-        request_id = self._add_sender(ids.SERVICE_CLIENT_REQUEST, service, service_type, request_md5sum)
-        response_id = self._add_listener(ids.SERVICE_CLIENT_RESPONSE, service, service_type, response_md5sum)
+        self._require_room_for_both()
+        request_id = self._add(ids.SERVICE_CLIENT_REQUEST, service, service_type, request_md5sum)
+        response_id = self._add(ids.SERVICE_CLIENT_RESPONSE, service, service_type, response_md5sum)
         return ServiceIds(request_id, response_id)
 
     def is_sender(self, topic_id: int) -> bool:
@@ -73,34 +73,23 @@ class DeviceEndpoints:
         yield from self._senders.values()
         yield from self._listeners.values()
 
-    def _add_sender(self, kind: int, name: str, message_type: str, md5sum: str) -> int:
-        if len(self._senders) >= self._max_publishers:
+    def _add(self, kind: int, name: str, message_type: str, md5sum: str) -> int:
+        if kind in ids.DEVICE_SENDS_ON:
+            declared, most, noun = self._senders, self._max_publishers, "publishers"
+            first_id, buffer_bytes = ids.FIRST_USER_ID + self._max_subscribers, self._output_buffer_bytes
+        else:
+            declared, most, noun = self._listeners, self._max_subscribers, "subscribers"
+            first_id, buffer_bytes = ids.FIRST_USER_ID, self._input_buffer_bytes
+        if len(declared) >= most:
+            raise LocalProtocolError(f"no room for {name}: all {most} {noun} are declared")
+        info = TopicInfo(first_id + len(declared), name, message_type, md5sum, buffer_bytes)
+        if TopicInfo.decode(info.encode()) != info:
             raise LocalProtocolError(
-                f"no room for {name}: all {self._max_publishers} publishers are declared"
+                f"a host would reject {info}; give a valid name, package/Type and its md5sum"
             )
-        topic_id = ids.FIRST_USER_ID + self._max_subscribers + len(self._senders)
-        info = _checked(TopicInfo(topic_id, name, message_type, md5sum, self._output_buffer_bytes))
-        self._senders[topic_id] = kind, info
-        return topic_id
+        declared[info.topic_id] = kind, info
+        return info.topic_id
 
-    def _add_listener(self, kind: int, name: str, message_type: str, md5sum: str) -> int:
-        if len(self._listeners) >= self._max_subscribers:
-            raise LocalProtocolError(
-                f"no room for {name}: all {self._max_subscribers} subscribers are declared"
-            )
-        topic_id = ids.FIRST_USER_ID + len(self._listeners)
-        info = _checked(TopicInfo(topic_id, name, message_type, md5sum, self._input_buffer_bytes))
-        self._listeners[topic_id] = kind, info
-        return topic_id
-
-    def _demand_room_for_both(self) -> None:
+    def _require_room_for_both(self) -> None:
         if len(self._senders) >= self._max_publishers or len(self._listeners) >= self._max_subscribers:
             raise LocalProtocolError("no room for a service, which needs one publisher and one subscriber")
-
-
-def _checked(info: TopicInfo) -> TopicInfo:
-    if TopicInfo.decode(info.encode()) != info:
-        raise LocalProtocolError(
-            f"a host would reject {info}; give a valid name, package/Type and its md5sum"
-        )
-    return info

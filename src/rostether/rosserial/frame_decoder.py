@@ -180,8 +180,7 @@ class FrameDecoder:
         """Return the frames inside a false payload; the bytes around them were reported before."""
         if self._start not in payload:
             return []
-        scan = self._scan(payload, Patience.NONE, now_s)
-        return _frames(scan)
+        return _frames(self._scan(payload, Patience.NONE, now_s))
 
     def _scan(self, buffer: bytes, patience: Patience, now_s: float) -> Scan:
         """Split a buffer into frames, within the cost that this line may cause."""

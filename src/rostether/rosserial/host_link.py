@@ -180,7 +180,7 @@ class HostLink:
         """Answer ParameterRequested. Raises LocalProtocolError if it does not fit the device's buffer."""
         self._output.queue_parameter(ParameterResponse(tuple(ints), tuple(floats), tuple(strings)))
 
-    def service_call_started(self, now_s: float) -> None:
+    def service_call_started(self) -> None:
         """Hold back time answers: the board itself waits for a service response."""
         self._output.call_started()
 

@@ -14,7 +14,14 @@ from rostether.rosserial.packets import Log, ParameterRequest, TopicInfo
 # A decoder groups the frames of one chunk by topic; no two frames end within the size of the smallest.
 _STEP_BYTES = 7
 
-_KINDS = ("publisher", "subscriber", "service server", "service server", "service client", "service client")
+_KINDS = (
+    "publisher",
+    "subscriber",
+    "service server response",
+    "service server request",
+    "service client request",
+    "service client response",
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -90,10 +97,8 @@ class LineLog:
             return "an invalid announcement"
         if info.fault() is None:
             self._topics[info.topic_id] = info.topic_name
-        half = {ids.SERVICE_SERVER_RESPONSE: " response", ids.SERVICE_SERVER_REQUEST: " request"}
-        half |= {ids.SERVICE_CLIENT_REQUEST: " request", ids.SERVICE_CLIENT_RESPONSE: " response"}
         return (
-            f"{_KINDS[topic_id]}{half.get(topic_id, '')} {info.topic_name!r} "
+            f"{_KINDS[topic_id]} {info.topic_name!r} "
             f"[{escape_line(info.message_type)}] id {info.topic_id}, {info.buffer_size} bytes, "
             f"md5 {escape_line(info.md5sum)}"
         )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from rostether.rosserial.events import DiscardReason
+from rostether.rosserial.events import DAMAGE, DiscardReason
 
 
 @dataclass(slots=True)
@@ -24,14 +24,7 @@ class LinkStatistics:
     @property
     def damaged_frames(self) -> int:
         """The number of apparent frames that failed a check."""
-        return sum(
-            self.discarded.get(reason, 0)
-            for reason in (
-                DiscardReason.LENGTH_CHECKSUM,
-                DiscardReason.PAYLOAD_CHECKSUM,
-                DiscardReason.PACKET,
-            )
-        )
+        return sum(self.discarded.get(reason, 0) for reason in DAMAGE)
 
     def count_discarded(self, reason: DiscardReason, size: int) -> None:
         """Count one stretch of discarded bytes."""

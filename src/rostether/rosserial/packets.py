@@ -91,14 +91,13 @@ class TopicInfo:
         """Return the impossible value and the change that the sketch needs, None if all are possible."""
         if not FIRST_USER_ID <= self.topic_id <= LAST_ID:
             return (
-                f"its topic id is {self.topic_id}, but ids below {FIRST_USER_ID} are reserved; use a larger "
-                f"one"
+                f"its topic id is {self.topic_id}, but ids below {FIRST_USER_ID} are reserved;"
+                " use a larger one"
             )
         if not _is_name(self.topic_name):
             return (
-                f"a name must start with a letter and have only letters, digits, _ and /; "
-                f"{_better_name(self)}"
-                " in the sketch"
+                "a name must start with a letter and have only letters, digits, _ and /;"
+                f" {_better_name(self)} in the sketch"
             )
         if not _TYPE.match(self.message_type):
             return f"a type must be package/Type; {_better_type(self.message_type)} in the sketch"

@@ -73,17 +73,9 @@ class TopicTable:
         # Ids that the device sends on.
         self.senders: set[int] = set()
 
-    def __len__(self) -> int:
-        return len(self._endpoints)
-
     def keys(self) -> frozenset[EndpointKey]:
         """Return the keys of all endpoints."""
         return frozenset(self._endpoints)
-
-    def info(self, key: EndpointKey) -> TopicInfo | None:
-        """Return the announcement of an endpoint, None for an unknown one."""
-        endpoint = self._endpoints.get(key)
-        return endpoint.info if endpoint else None
 
     @property
     def topic_count(self) -> int:

@@ -133,7 +133,7 @@ class TestServices:
 
     def test_time_waits_for_the_boards_own_call(self) -> None:
         link, now_s = settled_link()
-        link.service_call_started(now_s)
+        link.service_call_started()
         link.answer_time(Time(1700000000, 0), now_s)
         assert link.data_to_send() == b""
         response = link.encode_message(100, b"")
@@ -145,7 +145,7 @@ class TestServices:
 
     def test_but_not_for_ever(self) -> None:
         link, now_s = settled_link()
-        link.service_call_started(now_s)
+        link.service_call_started()
         link.answer_time(Time(1700000000, 0), now_s)
         end_s = now_s + HOLD_LIMIT_S + 0.01
         sent = b""
@@ -160,7 +160,7 @@ class TestServices:
 
     def test_topic_requests_wait_for_the_boards_own_call_too(self) -> None:
         link, now_s = settled_link()
-        link.service_call_started(now_s)
+        link.service_call_started()
         link.receive_data(frame(126, b""), now_s)
         assert link.data_to_send() == b""
         link.service_call_finished(now_s + 0.1)

@@ -107,7 +107,7 @@ class TestNegotiation:
             line.host.start(line.now_s)
             line.flush()
             host = line.host
-            assert line.run_until(lambda host=host: len(host._table) == 10, 2.0), seed  # type: ignore[misc]
+            assert line.run_until(lambda host=host: len(host._table.keys()) == 10, 2.0), seed  # type: ignore[misc]
 
     def test_a_slow_line_is_given_the_time_its_burst_takes(self) -> None:
         device = DeviceLink()
