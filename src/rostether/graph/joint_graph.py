@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import AsyncGenerator, AsyncIterator, Awaitable, Callable, Container, Sequence
-from typing import TypeAlias, TypeVar, Unpack
+from typing import Any, TypeVar, Unpack
 
 from rostether.errors import (
     DefinitionError,
@@ -19,6 +19,7 @@ from rostether.errors import (
     ServiceUnavailableError,
     UnknownNameError,
 )
+from rostether.graph.joint_handle import JointHandle
 from rostether.graph.joint_handles import (
     JointPublisher,
     JointServiceClient,
@@ -39,10 +40,7 @@ from rostether.graph.ports import (
 from rostether.msgdef.interface import MessageType, ServiceType
 from rostether.rostime import Time
 
-_Handle: TypeAlias = JointPublisher | JointSubscriber | JointServiceServer | JointServiceClient | JointWatch
-HandleT = TypeVar(
-    "HandleT", JointPublisher, JointSubscriber, JointServiceServer, JointServiceClient, JointWatch
-)
+HandleT = TypeVar("HandleT", bound=JointHandle[Any])
 ResultT = TypeVar("ResultT")
 
 
@@ -61,7 +59,7 @@ class JointGraph:
         self.node_name = self._first.node_name
         self._joint_nodes = joint_nodes
         self._relays = relays
-        self._handles: list[_Handle] = []
+        self._handles: list[JointHandle[Any]] = []
         self._joined = asyncio.Event()
         self._closed = asyncio.Event()
         self._reason = ""
@@ -85,7 +83,7 @@ class JointGraph:
         self._graphs.insert(position, graph)
         self._watching.add(asyncio.ensure_future(self._watch_closed(graph)))
         self._joined.set()
-        await asyncio.gather(*(handle.parts.add(graph) for handle in self._open_handles()))
+        await asyncio.gather(*(handle.add(graph) for handle in self._open_handles()))
 
     def resolve(self, name: str) -> str:
         """Return the fully qualified, remapped form of a name. Raises InvalidNameError."""
@@ -133,12 +131,13 @@ class JointGraph:
     ) -> bytes:
         """Call a service in the first graph that has it."""
 
-        def call(graph: Graph) -> Awaitable[bytes]:
-            return graph.call_service(service, service_type, request, timeout_s=timeout_s)
-
         # Unknown types and illegal names too: another graph may accept them.
         return await self._first_of(
-            call, ServiceUnavailableError, MasterUnreachableError, DefinitionError, InvalidNameError
+            lambda graph: graph.call_service(service, service_type, request, timeout_s=timeout_s),
+            ServiceUnavailableError,
+            MasterUnreachableError,
+            DefinitionError,
+            InvalidNameError,
         )
 
     async def list_client(self, service: str, service_type: ServiceType) -> JointServiceClient:
@@ -153,18 +152,14 @@ class JointGraph:
         """Set a parameter in the first graph that has it, else in the first that accepts it."""
         having = [graph for graph in self._graphs if await _answers(graph.has_param(name))]
 
-        async def set_it(graph: Graph) -> None:
-            await graph.set_param(name, value)
-
-        await self._first_of(set_it, RostetherError, graphs=having or self._graphs)
+        await self._first_of(
+            lambda graph: graph.set_param(name, value), RostetherError, graphs=having or self._graphs
+        )
 
     async def delete_param(self, name: str) -> None:
         """Delete a parameter in the first graph that has it. Raises UnknownNameError."""
 
-        async def delete(graph: Graph) -> None:
-            await graph.delete_param(name)
-
-        await self._first_of(delete, RostetherError)
+        await self._first_of(lambda graph: graph.delete_param(name), RostetherError)
 
     async def has_param(self, name: str) -> bool:
         """Return whether a parameter is set in any graph."""
@@ -226,14 +221,14 @@ class JointGraph:
         # Before it opens: a graph that joins in the meantime must find it.
         self._handles = [*self._open_handles(), handle]
         try:
-            await handle.parts.open(tuple(self._graphs))
+            await handle.open(tuple(self._graphs))
         except BaseException:
-            handle.parts.stop()
+            handle.stop()
             raise
         return handle
 
-    def _open_handles(self) -> list[_Handle]:
-        return [handle for handle in self._handles if not handle.parts.is_closed]
+    def _open_handles(self) -> list[JointHandle[Any]]:
+        return [handle for handle in self._handles if not handle.is_closed]
 
     async def _first_of(
         self,
@@ -278,7 +273,7 @@ class JointGraph:
             task.cancel()
         await asyncio.gather(*self._watching, *self._background, return_exceptions=True)
         for handle in self._open_handles():
-            handle.parts.stop()
+            handle.stop()
         results = await asyncio.gather(*(graph.close() for graph in self._graphs), return_exceptions=True)
         self._closed.set()
         for result in results:

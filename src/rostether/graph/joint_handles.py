@@ -6,7 +6,7 @@ import asyncio
 from collections.abc import Callable, Container, Sequence
 
 from rostether.graph.callbacks import call_contained
-from rostether.graph.joint_parts import JointParts
+from rostether.graph.joint_handle import JointHandle
 from rostether.graph.ports import (
     Graph,
     ListsClients,
@@ -23,7 +23,7 @@ from rostether.graph.ports import (
 from rostether.msgdef.interface import MessageType, ServiceType
 
 
-class JointPublisher:
+class JointPublisher(JointHandle[Publisher]):
     """A `graph.ports.Publisher` in several graphs."""
 
     def __init__(
@@ -31,7 +31,7 @@ class JointPublisher:
     ) -> None:
         self.topic = topic
         self.type = message_type
-        self.parts: JointParts[Publisher] = JointParts(topic, self._open)
+        super().__init__(topic)
         self._latch = latch
         self._latched: bytes | None = None
         self._queue_bytes = queue_bytes
@@ -39,29 +39,25 @@ class JointPublisher:
     @property
     def subscriber_count(self) -> int:
         """How many subscribers are connected now, in all graphs."""
-        return sum(part.subscriber_count for part in self.parts.by_graph.values())
+        return sum(part.subscriber_count for part in self.parts.values())
 
     @property
     def dropped_count(self) -> int:
         """How many messages slow subscribers have lost so far, in all graphs."""
-        return sum(part.dropped_count for part in self.parts.by_graph.values())
+        return sum(part.dropped_count for part in self.parts.values())
 
     def publish_raw(self, payloads: Sequence[bytes]) -> bool:
         """Queue the payloads in every graph; False when a subscriber in one of them is behind."""
-        if self._latch and payloads and not self.parts.is_closed:
+        if self._latch and payloads and not self.is_closed:
             self._latched = payloads[-1]
         is_open = True
-        for part in self.parts.by_graph.values():
+        for part in self.parts.values():
             is_open = part.publish_raw(payloads) and is_open
         return is_open
 
     async def drained(self, timeout_s: float) -> None:
         """Wait until no subscriber is above its high-water mark in any graph."""
-        await asyncio.gather(*(part.drained(timeout_s) for part in self.parts.by_graph.values()))
-
-    async def close(self) -> None:
-        """Unadvertise everywhere. Idempotent."""
-        await self.parts.close()
+        await asyncio.gather(*(part.drained(timeout_s) for part in self.parts.values()))
 
     async def _open(self, graph: Graph) -> Publisher:
         publisher = await graph.advertise(
@@ -72,7 +68,7 @@ class JointPublisher:
         return publisher
 
 
-class JointSubscriber:
+class JointSubscriber(JointHandle[Subscriber]):
     """A `graph.ports.Subscriber` in several graphs.
 
     Messages of nodes in several graphs come from the first graph only. Messages of relays between the graphs
@@ -91,7 +87,7 @@ class JointSubscriber:
         relays: Container[str],
     ) -> None:
         self.topic = topic
-        self.parts: JointParts[Subscriber] = JointParts(topic, self._open)
+        super().__init__(topic)
         self._type = message_type
         self._on_messages = on_messages
         self._first = first
@@ -103,23 +99,19 @@ class JointSubscriber:
     @property
     def publisher_count(self) -> int:
         """How many publishers are connected now, in all graphs."""
-        return sum(part.publisher_count for part in self.parts.by_graph.values())
+        return sum(part.publisher_count for part in self.parts.values())
 
     def pause(self) -> None:
         """Stop reading in every graph."""
         self._is_paused = True
-        for part in self.parts.by_graph.values():
+        for part in self.parts.values():
             part.pause()
 
     def resume(self) -> None:
         """Read again."""
         self._is_paused = False
-        for part in self.parts.by_graph.values():
+        for part in self.parts.values():
             part.resume()
-
-    async def close(self) -> None:
-        """Unsubscribe everywhere. Idempotent; no callback runs after it returns."""
-        await self.parts.close()
 
     async def _open(self, graph: Graph) -> Subscriber:
         is_first = graph is self._first
@@ -143,34 +135,26 @@ class _AnyOf:
         return any(name in each for each in self._containers)
 
 
-class JointServiceServer:
+class JointServiceServer(JointHandle[ServiceServer]):
     """A `graph.ports.ServiceServer` in several graphs."""
 
     def __init__(self, service: str, service_type: ServiceType, handler: ServiceHandler) -> None:
         self.service = service
-        self.parts: JointParts[ServiceServer] = JointParts(f"service {service}", self._open)
+        super().__init__(f"service {service}")
         self._type = service_type
         self._handler = handler
-
-    async def close(self) -> None:
-        """Unadvertise everywhere. Idempotent."""
-        await self.parts.close()
 
     async def _open(self, graph: Graph) -> ServiceServer:
         return await graph.advertise_service(self.service, self._type, self._handler)
 
 
-class JointServiceClient:
+class JointServiceClient(JointHandle[ServiceClient]):
     """A `graph.ports.ServiceClient` in those of several graphs that list clients."""
 
     def __init__(self, service: str, service_type: ServiceType) -> None:
-        self.parts: JointParts[ServiceClient] = JointParts(f"client of {service}", self._open)
+        super().__init__(f"client of {service}")
         self._service = service
         self._type = service_type
-
-    async def close(self) -> None:
-        """Remove it from all lists. Idempotent."""
-        await self.parts.close()
 
     async def _open(self, graph: Graph) -> ServiceClient:
         if isinstance(graph, ListsClients):
@@ -185,13 +169,13 @@ class _UnlistedClient:
         """Do nothing: it was not listed."""
 
 
-class JointWatch:
+class JointWatch(JointHandle[Watch]):
     """A `graph.ports.Watch` in several graphs: reports the value of the first graph that has one."""
 
     def __init__(
         self, name: str, on_change: Callable[[ParamValue], None], order: Callable[[], Sequence[Graph]]
     ) -> None:
-        self.parts: JointParts[Watch] = JointParts(f"parameter {name}", self._open)
+        super().__init__(f"parameter {name}")
         self._name = name
         self._on_change = on_change
         self._order = order
@@ -203,10 +187,6 @@ class JointWatch:
         self._reported = [self._value()]
         call_contained(f"on_change of parameter {self._name}", self._on_change, self._reported[0])
 
-    async def close(self) -> None:
-        """Stop watching. Idempotent."""
-        await self.parts.close()
-
     async def _open(self, graph: Graph) -> Watch:
         def on_value(value: ParamValue) -> None:
             self._values[graph] = value
@@ -216,7 +196,7 @@ class JointWatch:
 
     def _report_value(self) -> None:
         value = self._value()
-        if self._reported and not self.parts.is_closed:
+        if self._reported and not self.is_closed:
             latest = self._reported[0]
             if value != latest or type(value) is not type(latest):
                 self._reported = [value]

@@ -12,8 +12,8 @@ from functools import partial
 
 from rostether.errors import GraphError, RostetherError
 from rostether.graph.joint_graph import JointGraph
+from rostether.graph.joint_handle import retry_backoff
 from rostether.graph.joint_marks import MARK_TYPE, MarkedNodes, new_joint_mark, replace_names
-from rostether.graph.joint_parts import retry_backoff
 from rostether.graph.ports import Graph, JoinGraph, Level
 
 # The shortest pause between two checks of the graphs: many boards that connect together cost one check.

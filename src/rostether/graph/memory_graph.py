@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import AsyncIterator, Awaitable, Callable, Mapping
-from typing import Protocol, Unpack
+from collections.abc import AsyncIterator, Callable, Mapping
+from typing import Unpack
 
 from rostether.errors import GraphError, ServiceUnavailableError, UnknownNameError
 from rostether.graph.log_message import LOG_TYPE, ROSOUT, LogRecord, encode_log
@@ -15,12 +15,9 @@ from rostether.graph.memory_topics import MemoryPublisher, MemorySubscriber
 from rostether.graph.node_membership import NodeMembership
 from rostether.graph.ports import Level, OnMessages, ParamValue, ServiceHandler, Snapshot, SubscribeOptions
 from rostether.graph.publisher_handle import check_same_type
+from rostether.mechanisms.block_end import Closable
 from rostether.msgdef.interface import MessageType, ServiceType
 from rostether.rostime import Time
-
-
-class _Closable(Protocol):
-    def close(self) -> Awaitable[None]: ...
 
 
 class MemoryGraph(NodeMembership):
@@ -32,7 +29,7 @@ class MemoryGraph(NodeMembership):
         super().__init__(node_name, namespace, remappings)
         self._state = state
         # Everything that ends with the node.
-        self._handles: dict[_Closable, None] = {}
+        self._handles: dict[Closable, None] = {}
         self._log_sequence = 0
         self._rosout = self._add_publisher(ROSOUT, LOG_TYPE, latch=True)
 
@@ -57,16 +54,12 @@ class MemoryGraph(NodeMembership):
         """Subscribe to a topic."""
         self._check_open()
 
-        def ended(subscriber: MemorySubscriber) -> None:
-            self._handles.pop(subscriber, None)
-            self._state.remove_subscriber(subscriber)
-
         subscriber = MemorySubscriber(
             self.resolve(topic),
             message_type,
             self.node_name,
             on_messages,
-            on_close=ended,
+            on_close=self._release,
             options=options,
         )
         self._handles[subscriber] = None
@@ -79,14 +72,10 @@ class MemoryGraph(NodeMembership):
         """Offer a service."""
         self._check_open()
 
-        def ended(server: MemoryServiceServer) -> None:
-            self._handles.pop(server, None)
-            self._state.remove_service(server)
-
         name = self.resolve(service)
         if any(isinstance(each, MemoryServiceServer) and each.service == name for each in self._handles):
             raise GraphError(f"this node already offers the service {name}; choose another name")
-        server = MemoryServiceServer(name, service_type, self.node_name, handler, ended)
+        server = MemoryServiceServer(name, service_type, self.node_name, handler, self._release)
         self._handles[server] = None
         self._state.add_service(server)
         return server
@@ -116,11 +105,7 @@ class MemoryGraph(NodeMembership):
 
     async def has_param(self, name: str) -> bool:
         """Return whether a parameter is set."""
-        try:
-            self._state.parameters.get(self.resolve(name))
-        except UnknownNameError:
-            return False
-        return True
+        return self._state.parameters.get_or_none(self.resolve(name)) is not None
 
     async def search_param(self, name: str) -> str | None:
         """Find the nearest parameter of that name, upward from the node itself, as rospy does."""
@@ -183,6 +168,10 @@ class MemoryGraph(NodeMembership):
         finally:
             self._state.unwatch_changes(event)
 
+    def _release(self, endpoint: MemoryPublisher | MemorySubscriber | MemoryServiceServer) -> None:
+        self._handles.pop(endpoint, None)
+        self._state.remove(endpoint)
+
     async def _end(self) -> None:
         await asyncio.gather(*(handle.close() for handle in list(self._handles)))
         self._state.leave(self)
@@ -190,12 +179,8 @@ class MemoryGraph(NodeMembership):
     def _add_publisher(
         self, topic: str, message_type: MessageType, *, latch: bool, queue_bytes: int | None = None
     ) -> MemoryPublisher:
-        def ended(publisher: MemoryPublisher) -> None:
-            self._handles.pop(publisher, None)
-            self._state.remove_publisher(publisher)
-
         publisher = MemoryPublisher(
-            topic, message_type, self.node_name, latch=latch, queue_bytes=queue_bytes, on_close=ended
+            topic, message_type, self.node_name, latch=latch, queue_bytes=queue_bytes, on_close=self._release
         )
         self._handles[publisher] = None
         self._state.add_publisher(publisher)

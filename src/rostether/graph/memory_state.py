@@ -61,20 +61,14 @@ class MemoryState:
         self._services[server.service] = server
         self.notify()
 
-    def remove_publisher(self, publisher: MemoryPublisher) -> None:
-        """Forget a publisher."""
-        self._publishers.remove(publisher)
-        self.notify()
-
-    def remove_subscriber(self, subscriber: MemorySubscriber) -> None:
-        """Forget a subscriber."""
-        self._subscribers.remove(subscriber)
-        self.notify()
-
-    def remove_service(self, server: MemoryServiceServer) -> None:
-        """Forget a service."""
-        if self._services.get(server.service) is server:
-            del self._services[server.service]
+    def remove(self, endpoint: MemoryPublisher | MemorySubscriber | MemoryServiceServer) -> None:
+        """Forget an endpoint."""
+        if isinstance(endpoint, MemoryPublisher):
+            self._publishers.remove(endpoint)
+        elif isinstance(endpoint, MemorySubscriber):
+            self._subscribers.remove(endpoint)
+        elif self._services.get(endpoint.service) is endpoint:
+            del self._services[endpoint.service]
         self.notify()
 
     def service(self, name: str) -> MemoryServiceServer:

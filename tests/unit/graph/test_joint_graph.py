@@ -19,7 +19,7 @@ from rostether.errors import (
     UnknownNameError,
     UnknownTypeError,
 )
-from rostether.graph import joint_parts
+from rostether.graph import joint_handle
 from rostether.graph.joint_graph import JointGraph
 from rostether.graph.joint_join import JointJoin
 from rostether.graph.joint_marks import MARK_TYPE, new_relay_mark
@@ -246,7 +246,7 @@ class ConnectionLimiter:
 async def test_a_graph_that_comes_late_gets_everything(
     position: int, caplog: pytest.LogCaptureFixture, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("rostether.graph.joint_parts.FIRST_RETRY_S", 0.01)
+    monkeypatch.setattr("rostether.graph.joint_handle.FIRST_RETRY_S", 0.01)
     early, late = MemoryNetwork(), MemoryNetwork()
     door = ConnectionLimiter(late)
     joins: list[Any] = [early.join]
@@ -285,7 +285,7 @@ async def test_a_graph_that_comes_late_gets_everything(
 
 
 async def test_after_the_end_a_late_graph_is_not_awaited(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("rostether.graph.joint_parts.FIRST_RETRY_S", 0.01)
+    monkeypatch.setattr("rostether.graph.joint_handle.FIRST_RETRY_S", 0.01)
     door = ConnectionLimiter(MemoryNetwork())
     joint = await JointJoin([MemoryNetwork().join, door])("/board")
     await until(lambda: door.attempts > 2)
@@ -329,7 +329,7 @@ async def make_moody() -> tuple[JointGraph, MoodyGraph, MemoryNetwork]:
 async def test_a_refusal_for_now_is_tried_again(
     caplog: pytest.LogCaptureFixture, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(joint_parts, "FIRST_RETRY_S", 0.01)
+    monkeypatch.setattr(joint_handle, "FIRST_RETRY_S", 0.01)
     joint, moody, network = await make_moody()
     moody.fault = MasterUnreachableError("away")
     publisher = await joint.advertise("/chat", STRING)
@@ -351,7 +351,7 @@ async def test_a_refusal_for_now_is_tried_again(
 async def test_a_refusal_for_good_is_reported_once(
     caplog: pytest.LogCaptureFixture, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(joint_parts, "FIRST_RETRY_S", 0.001)
+    monkeypatch.setattr(joint_handle, "FIRST_RETRY_S", 0.001)
     joint, moody, _ = await make_moody()
     moody.fault = MasterUnreachableError("away")
     await joint.advertise("/chat", STRING)
@@ -366,11 +366,11 @@ async def test_a_refusal_for_good_is_reported_once(
 
 
 async def test_a_graph_that_hangs_does_not_delay_others(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(joint_parts, "SLOW_GRAPH_S", 0.01)
+    monkeypatch.setattr(joint_handle, "SLOW_GRAPH_S", 0.01)
     joint, moody, _ = await make_moody()
     moody.hangs = True
     publisher = await asyncio.wait_for(joint.advertise("/chat", STRING), 60)
-    assert len(publisher.parts.by_graph) == 1
+    assert len(publisher.parts) == 1
     await asyncio.wait_for(publisher.close(), 60)
     await asyncio.wait_for(joint.close(), 60)
 

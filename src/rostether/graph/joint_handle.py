@@ -8,13 +8,15 @@ from __future__ import annotations
 
 import asyncio
 import logging
-from collections.abc import Awaitable, Callable, Coroutine, Sequence
+from abc import ABC, abstractmethod
+from collections.abc import Coroutine, Sequence
 from functools import partial
-from typing import Generic, Protocol, TypeAlias, TypeVar
+from typing import Generic, TypeAlias, TypeVar
 
 from rostether.errors import AccessDeniedError, GraphError, RostetherError, TypeMismatchError
 from rostether.graph.ports import Graph
 from rostether.mechanisms.backoff import Backoff
+from rostether.mechanisms.block_end import Closable
 
 FIRST_RETRY_S = 0.2
 # A graph that is unreachable returns within seconds, or much later: then this rate is sufficient.
@@ -26,24 +28,23 @@ SLOW_GRAPH_S = 1.0
 _log = logging.getLogger("rostether.graph")
 
 
-class _Part(Protocol):
-    async def close(self) -> None: ...
-
-
-PartT = TypeVar("PartT", bound=_Part)
+PartT = TypeVar("PartT", bound=Closable)
 ResultT = TypeVar("ResultT")
 _Trial: TypeAlias = "asyncio.Task[RostetherError | None]"
 
 
-class JointParts(Generic[PartT]):
-    """The open handles, by graph."""
+class JointHandle(ABC, Generic[PartT]):
+    """One handle in several graphs: `parts` are the handles that are open, by graph."""
 
-    def __init__(self, what: str, open_part: Callable[[Graph], Awaitable[PartT]]) -> None:
-        self.by_graph: dict[Graph, PartT] = {}
+    def __init__(self, what: str) -> None:
+        self.parts: dict[Graph, PartT] = {}
         self.is_closed = False
         self._what = what
-        self._open_part = open_part
         self._tasks: set[asyncio.Task[None] | _Trial] = set()
+
+    @abstractmethod
+    async def _open(self, graph: Graph) -> PartT:
+        """Open the handle in one graph."""
 
     async def open(self, graphs: Sequence[Graph]) -> None:
         """Open the handle in every graph that accepts it. Raises the graphs' errors if none does."""
@@ -53,7 +54,7 @@ class JointParts(Generic[PartT]):
         except BaseException:
             await self.close()
             raise
-        if not self.by_graph:
+        if not self.parts:
             faults = [fault for trial in trials if (fault := trial.result()) is not None]
             raise min(faults, key=_rank)
         for trial, graph in trials.items():
@@ -71,8 +72,8 @@ class JointParts(Generic[PartT]):
     async def close(self) -> None:
         """Close the handle in all graphs. Idempotent. Raises the first error after all were closed."""
         self.stop()
-        parts = list(self.by_graph.values())
-        self.by_graph.clear()
+        parts = list(self.parts.values())
+        self.parts.clear()
         results = await asyncio.gather(*(part.close() for part in parts), return_exceptions=True)
         for result in results:
             if isinstance(result, BaseException):
@@ -90,7 +91,7 @@ class JointParts(Generic[PartT]):
         while pending:
             done, pending = await asyncio.wait(
                 pending,
-                timeout=SLOW_GRAPH_S if self.by_graph else None,
+                timeout=SLOW_GRAPH_S if self.parts else None,
                 return_when=asyncio.FIRST_COMPLETED,
             )
             if not done:
@@ -98,13 +99,13 @@ class JointParts(Generic[PartT]):
 
     async def _try(self, graph: Graph) -> RostetherError | None:
         try:
-            part = await self._open_part(graph)
+            part = await self._open(graph)
         except RostetherError as error:
             return error
         if self.is_closed:
             await part.close()
         else:
-            self.by_graph[graph] = part
+            self.parts[graph] = part
         return None
 
     def _note(self, graph: Graph, trial: _Trial) -> None:
