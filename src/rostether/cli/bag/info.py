@@ -63,16 +63,14 @@ def bag_info(
                 _add_rates(facts, reader)
             if reader.damage:
                 warn(f"{path}: {reader.damage}; `rostether bag reindex {path}` repairs it")
+            if number and not as_json:
+                write_line("---")
             if as_json:
                 write_json(facts)
             elif as_yaml:
-                if number:
-                    write_line("---")
                 text = yaml_text(facts, reader)
                 write_line(text if key is None else yaml_value(text, key))
             else:
-                if number:
-                    write_line("---")
                 _print(facts, reader)
 
 

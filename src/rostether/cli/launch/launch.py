@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -17,14 +18,88 @@ from rostether.cli.gateway.options import (
     dashboard_option,
     viewer_access_options,
 )
-from rostether.cli.launch.launch_options import LaunchOptions, roslaunch_options
-from rostether.cli.shell.option_group import option_group
+from rostether.cli.shell.option_group import FILE, PORT, POSITIVE, flag, ignored_options, option, option_group
 from rostether.cli.shell.output import write_line
 from rostether.cli.shell.verbs import verb
 
 if TYPE_CHECKING:
     from rostether.cli.launch.loaded_launch import LoadedLaunch
+    from rostether.launch.runner import RunOptions
     from rostether.ros1.environment import RosEnvironment
+
+
+# Options of roslaunch that scripts use; they have no effect here.
+roslaunch_options = ignored_options(
+    "-w --numworkers",
+    "-t --timeout",
+    "--master-logger-level",
+    local="--local",
+    log_check="--skip-log-check",
+    title="--disable-title",
+    verbose="-v --verbose",
+)
+
+
+@dataclass(frozen=True, slots=True)
+class LaunchOptions:
+    """The options of `launch`."""
+
+    lists_nodes: bool = flag("--nodes", "Only print the names of the nodes.")
+    dumps: bool = flag("--dump-params", "Only print the parameters, as YAML.")
+    lists_arguments: bool = flag("--ros-args", "Print the arguments of the launch file.")
+    lists_files: bool = flag("--files", "Print the file and all files that it includes.")
+    args_of: str | None = option("--args NODE", "Print the command line of a node.")
+    file_of: str | None = option("--find-node NODE", "Print the file that defines a node.")
+    screen: bool = flag("--screen", "Show the output of all nodes.")
+    to_log: bool = flag("--log", "Write the output of all nodes to their log files.")
+    required: bool = flag("--required", "Stop all nodes when any of them ends.")
+    wait: bool = flag("--wait", "Wait for a master instead of starting one.")
+    port: int | None = option(
+        "-p --port", "Port for the ROS master, which is started if none runs (11311).", type=PORT
+    )
+    no_summary: bool = flag("--no-summary", "Do not print the summary.")
+    sigint_timeout: float = option(
+        "--sigint-timeout S", "Seconds that a node has to end after SIGINT (15).", type=POSITIVE, default=15.0
+    )
+    sigterm_timeout: float = option(
+        "--sigterm-timeout S", "Seconds that a node has to end after SIGTERM (2).", type=POSITIVE, default=2.0
+    )
+    pid_file: Path | None = option("--pid", "Write the process id of this command to a file.", type=FILE)
+
+    def check(self) -> None:
+        """Check that the options go together. Raises click.UsageError."""
+        listings = (
+            self.lists_nodes,
+            self.dumps,
+            self.lists_arguments,
+            self.lists_files,
+            self.args_of,
+            self.file_of,
+        )
+        if sum(map(bool, listings)) > 1:
+            raise click.UsageError(
+                "give one of --nodes, --dump-params, --ros-args, --files, --args, --find-node"
+            )
+        if self.screen and self.to_log:
+            raise click.UsageError("give --screen or --log, not both")
+
+    @property
+    def runs_commands(self) -> bool:
+        """Whether to run the programs that compute parameters; only some listings need them."""
+        only_lists = self.lists_nodes or self.lists_arguments or self.lists_files
+        return not (only_lists or self.args_of is not None or self.file_of is not None)
+
+    def run_options(self) -> RunOptions:
+        """Return how to run the nodes."""
+        from rostether.launch.node_process import StopLimits
+        from rostether.launch.plan import Output
+        from rostether.launch.runner import RunOptions
+
+        return RunOptions(
+            output=Output.SCREEN if self.screen else Output.LOG if self.to_log else None,
+            all_required=self.required,
+            stop_limits=StopLimits(self.sigint_timeout, self.sigterm_timeout),
+        )
 
 
 def complete_launch(ctx: click.Context, _param: click.Parameter, incomplete: str) -> list[str]:
@@ -79,7 +154,7 @@ def launch(
     """
     from rostether.cli.access.ros1_access import read_environment
     from rostether.cli.dashboard.settings import DashboardSettings
-    from rostether.cli.launch.launch_run import MasterSettings, run_launch, run_options
+    from rostether.cli.launch.launch_run import MasterSettings, run_launch
     from rostether.cli.launch.loaded_launch import load
     from rostether.cli.shell.running import run
     from rostether.launch.listing import summary_lines
@@ -100,7 +175,7 @@ def launch(
         environment, is_chosen=graph.master is not None, port=options.port, waits=options.wait
     )
     with _written_pid(options.pid_file):
-        run(run_launch(loaded, master, run_options(options), settings), is_service=True)
+        run(run_launch(loaded, master, options.run_options(), settings), is_service=True)
 
 
 def _listing(options: LaunchOptions, loaded: LoadedLaunch, environment: RosEnvironment) -> list[str] | None:

@@ -12,14 +12,11 @@ from rostether.cli.access.served_graphs import ServedGraphs, master_answers, use
 from rostether.cli.dashboard.browser import has_browser, open_browser
 from rostether.cli.dashboard.optional import optional_dashboard
 from rostether.cli.dashboard.settings import DashboardSettings
-from rostether.cli.launch.launch_options import LaunchOptions
 from rostether.cli.launch.loaded_launch import LoadedLaunch
 from rostether.cli.shell.failures import print_error
 from rostether.cli.shell.output import warn, write_line
 from rostether.errors import MasterUnreachableError
 from rostether.graph.ports import Level
-from rostether.launch.node_process import StopLimits
-from rostether.launch.plan import Output
 from rostether.launch.runner import RunOptions, run_plan
 from rostether.ros1.environment import RosEnvironment
 
@@ -64,15 +61,6 @@ async def run_launch(
             raise no_master(used.environment, error) from error
     if not succeeded:
         raise click.exceptions.Exit(1)
-
-
-def run_options(options: LaunchOptions) -> RunOptions:
-    """Return how to run the nodes."""
-    return RunOptions(
-        output=Output.SCREEN if options.screen else Output.LOG if options.to_log else None,
-        all_required=options.required,
-        stop_limits=StopLimits(options.sigint_timeout, options.sigterm_timeout),
-    )
 
 
 def _report(level: int, text: str) -> None:
