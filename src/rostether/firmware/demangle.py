@@ -27,14 +27,17 @@ async def demangle(names: Iterable[str]) -> dict[str, str]:
 
 
 def shorten(name: str) -> str:
-    """Return a name without what does not fit in a table: types of parameters, and unnamed namespaces."""
+    """Return a name without types of parameters and results, and without unnamed namespaces."""
     name = name.replace("(anonymous namespace)::", "")
-    depth = 0
+    depth = begin = 0
     for index, character in enumerate(name):
         depth += (character == "<") - (character == ">")
+        if character == " " and depth == 0:
+            begin = index + 1
         if character == "(" and depth == 0 and index and not name.endswith("operator"):
-            name = name[:index] + "()"
+            # Only the name of a template begins with the type of its result.
+            name = name[begin if name[index - 1] == ">" else 0 : index] + "()"
             break
     for long, short in _ABBREVIATIONS:
         name = name.replace(long, short)
-    return name.removeprefix("void ")
+    return name

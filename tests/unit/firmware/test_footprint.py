@@ -81,6 +81,11 @@ def test_shortened_names_have_no_unnamed_namespaces() -> None:
     assert shorten("Servo::(anonymous namespace)::channels") == "Servo::channels"
 
 
+def test_shortened_names_have_no_types_of_results() -> None:
+    assert shorten("unsigned char* A<B, (C)1>::f<int, D<E> >(int, F const&)") == "A<B, (C)1>::f<int, D<E> >()"
+    assert shorten("guard variable for f()::x") == "guard variable for f()"
+
+
 async def test_variables_and_functions_are_named(tmp_path: Path) -> None:
     footprint = await measure_built(await build(tmp_path, SERIAL))
     items = {item.name: item for each in footprint.groups for item in each.largest}

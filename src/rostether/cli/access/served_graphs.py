@@ -112,7 +112,7 @@ async def used_master(
 ) -> AsyncIterator[UsedMaster]:
     """Find the master to use; if there is none, run one until the end of the block.
 
-    `is_chosen` is true if the user named it (`--master`); `port` is the port of a new one (`--master-port`).
+    `is_chosen` is true if the user named it (`--master`); `port` is that of a new master (`--master-port`).
     Raises GraphError if another program uses the port.
     """
     if is_chosen or (environment.master_uri_is_set and not environment.master.is_loopback):
@@ -149,7 +149,9 @@ async def own_master(environment: RosEnvironment) -> AsyncIterator[UsedMaster]:
 
 async def wait_for_answer(environment: RosEnvironment, poll_s: float) -> None:
     """Return as soon as a ROS master answers at the environment's URI; nothing announces one."""
-    while not await master_answers(environment):
+    while True:
+        if await master_answers(environment):
+            return
         await asyncio.sleep(poll_s)
 
 

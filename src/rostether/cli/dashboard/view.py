@@ -13,21 +13,26 @@ from rostether.errors import ConfigError
 
 # The panels of the page, as in its addresses.
 PANELS = (
-    *(
-        "boards",
-        "fleet",
-        "sensors",
-        "controls",
-        "drive",
-        "plots",
-        "images",
-        "scene",
-        "map",
-        "graph",
-        "topics",
-    ),
-    *("services", "parameters", "console", "diagnostics", "frames", "recording", "simulation"),
-    *("connect", "phone"),
+    "boards",
+    "fleet",
+    "sensors",
+    "controls",
+    "drive",
+    "plots",
+    "images",
+    "scene",
+    "map",
+    "graph",
+    "topics",
+    "services",
+    "parameters",
+    "console",
+    "diagnostics",
+    "frames",
+    "recording",
+    "simulation",
+    "connect",
+    "phone",
 )
 
 # RViz writes about 10 kB.

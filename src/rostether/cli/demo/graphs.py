@@ -30,7 +30,7 @@ async def demo_master(
 ) -> AsyncIterator[UsedMaster]:
     """Find the master to join, or run one until the end of the block.
 
-    `port` is the port of the new one; None is the usual port, or the next free one. Raises GraphError if the
+    `port` is the port of a new master; None is the usual port, or the next free one. Raises GraphError if the
     port is taken.
     """
     if joins:

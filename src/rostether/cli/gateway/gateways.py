@@ -34,8 +34,8 @@ AskService: TypeAlias = Callable[[str], Awaitable[str]]
 class GatewayGraph:
     """How gateways join a graph: their node factory, their types, and how they query services.
 
-    With `is_ros2`, type names are those of ROS 2. ROS 1 needs `ask_service_type` and `ask_service_host`,
-    and `is_live`, because a node that joins ends another one of its name there.
+    With `is_ros2`, type names are those of ROS 2. ROS 1 needs `ask_service_type`, `ask_service_host` and
+    `is_live`: there, a node that joins ends a running node with the same name.
     """
 
     join: JoinGraph

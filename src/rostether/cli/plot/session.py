@@ -76,7 +76,7 @@ class PlotSession:
         self._problems: set[str] = set()
 
     def add_type(self, topic: str, registry: Registry, codec: Codec) -> None:
-        """Set the type of a topic, which has the units of its fields."""
+        """Set the type of a topic, from which the units of its fields are known."""
         self._types[topic] = registry, codec
 
     def add_message(self, name: str, message: Any, path: Any) -> None:
@@ -97,7 +97,7 @@ class PlotSession:
             raise ConfigError(f"{name} contains no numbers; give a field that does")
 
     async def run(self, follow: Follow, groups: Sequence[Group]) -> None:
-        """Follow all values until the time has passed. Raises the first error of one of them."""
+        """Collect all values until the time has passed. Raises the first error."""
         loop = asyncio.get_running_loop()
         names = [name for group in groups for name in group]
         self._curves.expect(*names)
