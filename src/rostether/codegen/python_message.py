@@ -9,7 +9,7 @@ from math import isfinite
 from rostether.codegen.python_fields import TIME_CLASSES, PythonField, reading, writing
 from rostether.codegen.python_names import class_name, member_names, package_name
 from rostether.msgdef.md5sum import message_md5sum
-from rostether.msgdef.spec import Constant, MessageSpec, ServiceSpec
+from rostether.msgdef.spec import Constant, Field, MessageSpec, ServiceSpec
 from rostether.serde.type_tree import SCALARS
 
 Lookup = Callable[[str], MessageSpec]
@@ -53,7 +53,7 @@ def _module(
 
 def _class(spec: MessageSpec, type_name: str, lookup: Lookup) -> Iterator[str]:
     names = member_names(spec)
-    fields = [_field(each.name, spec, names, lookup) for each in spec.fields]
+    fields = [_field(each, names[each.name], lookup) for each in spec.fields]
     yield f"class {class_name(spec.name)}(_Message):"
     yield f'    _type = "{type_name}"'
     yield f'    _md5sum = "{message_md5sum(spec, lookup)}"'
@@ -78,12 +78,11 @@ def _class(spec: MessageSpec, type_name: str, lookup: Lookup) -> Iterator[str]:
         yield from (f"        {line}" for line in lines)
 
 
-def _field(name: str, spec: MessageSpec, names: dict[str, str], lookup: Lookup) -> PythonField:
-    field = next(each for each in spec.fields if each.name == name)
+def _field(field: Field, name: str, lookup: Lookup) -> PythonField:
     base = field.type.base
     if "/" in base:
-        return PythonField(field, names[name], _alias(base), _least_bytes(lookup(base), lookup))
-    return PythonField(field, names[name], TIME_CLASSES.get(base, ""), 8)
+        return PythonField(field, name, _alias(base), _least_bytes(lookup(base), lookup))
+    return PythonField(field, name, TIME_CLASSES.get(base, ""), 8)
 
 
 def _least_bytes(spec: MessageSpec, lookup: Lookup) -> int:

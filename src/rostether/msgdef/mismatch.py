@@ -231,8 +231,8 @@ def _holders(nested: MessageSpec, ordered: Sequence[MessageSpec]) -> list[Messag
 def difference(ours: MessageSpec, theirs: MessageSpec) -> str:
     """Describe the missing, additional and different declarations of `theirs`; empty if all are the same."""
     differences = [
-        *_field_differences(ours.fields, theirs.fields),
-        *_constant_differences(ours.constants, theirs.constants),
+        *_declaration_differences(_fields_by_name(ours), _fields_by_name(theirs), ""),
+        *_declaration_differences(_constants_by_name(ours), _constants_by_name(theirs), "the constant "),
     ]
     if not differences and (ours.fields, ours.constants) != (theirs.fields, theirs.constants):
         differences = [_order_difference(ours, theirs)]
@@ -246,30 +246,23 @@ def declarations(spec: MessageSpec) -> str:
     return _listed(spec.fields) or "no fields"
 
 
-def _field_differences(ours: Iterable[Field], theirs: Iterable[Field]) -> Iterable[str]:
-    our_types = {field.name: field.type for field in ours}
-    their_types = {field.name: field.type for field in theirs}
-    for name, type_ in our_types.items():
-        if name not in their_types:
-            yield f"lacks '{type_} {name}'"
-        elif str(their_types[name]) != str(type_):
-            yield f"has '{their_types[name]} {name}' instead of '{type_} {name}'"
-    for name, type_ in their_types.items():
-        if name not in our_types:
-            yield f"also has '{type_} {name}'"
+def _declaration_differences(ours: Mapping[str, str], theirs: Mapping[str, str], noun: str) -> Iterable[str]:
+    for name, text in ours.items():
+        if name not in theirs:
+            yield f"lacks {noun}'{text}'"
+        elif theirs[name] != text:
+            yield f"has '{theirs[name]}' instead of '{text}'"
+    for name, text in theirs.items():
+        if name not in ours:
+            yield f"also has {noun}'{text}'"
 
 
-def _constant_differences(ours: Iterable[Constant], theirs: Iterable[Constant]) -> Iterable[str]:
-    our_texts = {constant.name: f"{constant.type} {constant.name}={constant.text}" for constant in ours}
-    their_texts = {constant.name: f"{constant.type} {constant.name}={constant.text}" for constant in theirs}
-    for name, text in our_texts.items():
-        if name not in their_texts:
-            yield f"lacks the constant '{text}'"
-        elif their_texts[name] != text:
-            yield f"has '{their_texts[name]}' instead of '{text}'"
-    for name, text in their_texts.items():
-        if name not in our_texts:
-            yield f"also has the constant '{text}'"
+def _fields_by_name(spec: MessageSpec) -> dict[str, str]:
+    return {field.name: f"{field.type} {field.name}" for field in spec.fields}
+
+
+def _constants_by_name(spec: MessageSpec) -> dict[str, str]:
+    return {each.name: f"{each.type} {each.name}={each.text}" for each in spec.constants}
 
 
 def _order_difference(ours: MessageSpec, theirs: MessageSpec) -> str:

@@ -13,6 +13,7 @@ from rostether.errors import DefinitionError
 from rostether.msgdef.primitives import CONSTANT_TYPES, INTEGER_RANGES, PRIMITIVE_TYPES
 from rostether.msgdef.source_line import SourceLine
 from rostether.msgdef.spec import Constant, ConstantValue, Field, FieldType, MessageSpec
+from rostether.names.graph_name import quote
 
 # The longest in use are about 20 KB; definitions also come from peers.
 MAX_TEXT_CHARACTERS = 1 << 18
@@ -23,8 +24,6 @@ MAX_FIELDS = 4096
 # A fixed array is part of every message, and no link carries more than 16 MB.
 MAX_ARRAY_LENGTH = 1 << 24
 
-# Keeps an error about a line of any length on one line.
-_MAX_QUOTED_CHARACTERS = 80
 
 _IDENTIFIER = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
 _CONSTANT_NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
@@ -70,15 +69,15 @@ def parse_message(text: str, *, package: str, name: str, file: str = "", first_l
 def _parse_field(line: SourceLine, package: str) -> Field:
     words = line.declaration.split()
     if len(words) != 2:
-        line.fail(f"{_quote(line.declaration.strip())} is not 'type name' or 'type NAME=value'")
+        line.fail(f"{quote(line.declaration.strip())} is not 'type name' or 'type NAME=value'")
     type_text, name = words
     found = _FIELD_TYPE.fullmatch(type_text)
     if found is None:
         line.fail(
-            f"{_quote(type_text)} is not a type, like uint8, float32[3], string[] or package/Name", type_text
+            f"{quote(type_text)} is not a type, like uint8, float32[3], string[] or package/Name", type_text
         )
     if not _IDENTIFIER.fullmatch(name):
-        line.fail(f"{_quote(name)} is not a field name: a letter, then letters, digits and '_'", name)
+        line.fail(f"{quote(name)} is not a field name: a letter, then letters, digits and '_'", name)
     base, brackets, length_text = found.groups()
     if type_text == _HEADER:
         base = _HEADER_FULL_NAME
@@ -97,13 +96,13 @@ def _parse_constant(line: SourceLine) -> Constant:
     words = left.split()
     type_name = words[0] if words else ""
     if type_name.endswith("<"):
-        line.fail(f"{_quote(line.declaration.strip())} has a bound; only definitions of ROS 2 have bounds")
+        line.fail(f"{quote(line.declaration.strip())} has a bound; only definitions of ROS 2 have bounds")
     if type_name not in CONSTANT_TYPES:
-        line.fail(f"{_quote(type_name)} cannot be the type of a constant", type_name)
+        line.fail(f"{quote(type_name)} cannot be the type of a constant", type_name)
     name = " ".join(words[1:])
     if not _CONSTANT_NAME.fullmatch(name):
         line.fail(
-            f"{_quote(name)} is not a constant's name: a letter, then letters, digits and '_'", words[-1]
+            f"{quote(name)} is not a constant's name: a letter, then letters, digits and '_'", words[-1]
         )
     if type_name == "string":
         # Everything after the first '=' belongs to the text: quotes, '#', more '='.
@@ -122,16 +121,16 @@ def _constant_value(type_name: str, text: str) -> ConstantValue:
         try:
             return float(text)
         except ValueError:
-            raise ValueError(f"{_quote(text)} is not a number") from None
+            raise ValueError(f"{quote(text)} is not a number") from None
     if type_name == "bool":
         return _bool_value(text)
     try:
         value = int(text)
     except ValueError:
-        raise ValueError(f"{_quote(text)} is not a decimal integer") from None
+        raise ValueError(f"{quote(text)} is not a decimal integer") from None
     low, high = INTEGER_RANGES[type_name]
     if not low <= value <= high:
-        raise ValueError(f"{_quote(text)} is outside {type_name} ({low} to {high})")
+        raise ValueError(f"{quote(text)} is outside {type_name} ({low} to {high})")
     return value
 
 
@@ -145,8 +144,4 @@ def _bool_value(text: str) -> bool:
             raise ValueError(text)
         return bool(ast.literal_eval(text))
     except (ValueError, SyntaxError, TypeError, MemoryError, RecursionError):
-        raise ValueError(f"{_quote(text)} is not True, False, 1 or 0") from None
-
-
-def _quote(text: str) -> str:
-    return repr(text if len(text) <= _MAX_QUOTED_CHARACTERS else text[:_MAX_QUOTED_CHARACTERS] + "...")
+        raise ValueError(f"{quote(text)} is not True, False, 1 or 0") from None

@@ -42,7 +42,7 @@ def validate_name(name: str) -> str:
     """Return the name unchanged. Raises InvalidNameError for an illegal or empty one, with the reason."""
     if name and is_legal_name(name):
         return name
-    raise InvalidNameError(f"{_quote(name)} is not a ROS name: {_reason(name)}")
+    raise InvalidNameError(f"{quote(name)} is not a ROS name: {_reason(name)}")
 
 
 def join(namespace: str, name: str) -> str:
@@ -76,8 +76,9 @@ def _reason(name: str) -> str:
     return f"{found.group()!r} is not a letter, digit, '_' or '/'" if found else "it is malformed"
 
 
-def _quote(name: str) -> str:
-    return repr(name if len(name) <= _MAX_QUOTED_CHARACTERS else name[:_MAX_QUOTED_CHARACTERS] + "...")
+def quote(text: str) -> str:
+    """Return a text in quotes, cut to the length for an error line."""
+    return repr(text if len(text) <= _MAX_QUOTED_CHARACTERS else text[:_MAX_QUOTED_CHARACTERS] + "...")
 
 
 def resolve_name(

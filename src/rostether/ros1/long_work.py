@@ -12,20 +12,6 @@ AT_ONCE = 4
 SLICE_S = 0.004
 
 
-class LongWork:
-    """Runs `AT_ONCE` pieces of long work at a time, others wait: `async with long_work: ...`."""
-
-    def __init__(self) -> None:
-        self._places = asyncio.Semaphore(AT_ONCE)
-
-    async def __aenter__(self) -> LongWork:
-        await self._places.acquire()
-        return self
-
-    async def __aexit__(self, *_error: object) -> None:
-        self._places.release()
-
-
 async def run_in_slices(steps: Iterator[None]) -> None:
     """Run all `steps`, with a turn of the event loop after each slice."""
     due_s = monotonic() + SLICE_S

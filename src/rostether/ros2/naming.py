@@ -8,6 +8,7 @@ from __future__ import annotations
 import re
 
 from rostether.errors import InvalidNameError
+from rostether.names.graph_name import quote
 
 # rmw's limit.
 MAX_NODE_NAME_CHARACTERS = 255
@@ -20,9 +21,6 @@ MAX_TOPIC_NAME_CHARACTERS = 247
 
 _DDS_NAME = re.compile(r"([A-Za-z]\w*)::(msg|srv|action)::dds_::([A-Za-z]\w*)_", re.ASCII)
 _ILLEGAL_CHARACTER = re.compile(r"[^A-Za-z0-9_/]")
-
-# A peer can send any name; this keeps the error to one readable line.
-_MAX_QUOTED_CHARACTERS = 80
 
 
 def dds_name(name: str) -> str:
@@ -42,10 +40,10 @@ def validate_node_name(name: str) -> str:
     full_name = name if name.startswith("/") else f"/{name}"
     namespace, _, node = full_name.rpartition("/")
     if not node:
-        raise InvalidNameError(f"{_quote(name)} is not a ROS 2 node name: it is empty after the last '/'")
+        raise InvalidNameError(f"{quote(name)} is not a ROS 2 node name: it is empty after the last '/'")
     if len(node) > MAX_NODE_NAME_CHARACTERS:
         raise InvalidNameError(
-            f"{_quote(name)} is not a ROS 2 node name: longer than {MAX_NODE_NAME_CHARACTERS} characters"
+            f"{quote(name)} is not a ROS 2 node name: longer than {MAX_NODE_NAME_CHARACTERS} characters"
         )
     _validate(full_name, name, "node name", None)
     validate_namespace(namespace or "/")
@@ -68,7 +66,7 @@ def validate_topic_name(name: str) -> str:
 def _validate(full_name: str, shown: str, noun: str, limit: int | None) -> None:
     reason = _reason(full_name, limit)
     if reason:
-        raise InvalidNameError(f"{_quote(shown)} is not a ROS 2 {noun}: {reason}")
+        raise InvalidNameError(f"{quote(shown)} is not a ROS 2 {noun}: {reason}")
 
 
 def _reason(name: str, limit: int | None) -> str:
@@ -84,9 +82,5 @@ def _reason(name: str, limit: int | None) -> str:
         if not part:
             return "'//' is not allowed"
         if part[0].isdigit():
-            return f"{part[:_MAX_QUOTED_CHARACTERS]!r} starts with a digit"
+            return f"{quote(part)} starts with a digit"
     return ""
-
-
-def _quote(name: str) -> str:
-    return repr(name if len(name) <= _MAX_QUOTED_CHARACTERS else name[:_MAX_QUOTED_CHARACTERS] + "...")

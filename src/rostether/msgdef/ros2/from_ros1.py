@@ -7,6 +7,7 @@ and field names become lowercase (`frameId` -> `frame_id`). The rest, such as th
 from __future__ import annotations
 
 import re
+from types import MappingProxyType
 
 from rostether.errors import DefinitionError
 from rostether.msgdef import primitives
@@ -23,14 +24,19 @@ from rostether.msgdef.spec import Constant, Field, MessageSpec
 _TIME = "builtin_interfaces/msg/Time"
 _DURATION = "builtin_interfaces/msg/Duration"
 # Messages with another name in ROS 2; std_msgs/Time and Duration became the type of their only field.
+RENAMED_MESSAGES = MappingProxyType(
+    {
+        "rosgraph_msgs/Log": "rcl_interfaces/msg/Log",
+        "std_msgs/Duration": _DURATION,
+        "std_msgs/Time": _TIME,
+        "tf/tfMessage": "tf2_msgs/msg/TFMessage",
+    }
+)
 _RENAMED = {
+    **RENAMED_MESSAGES,
     "time": _TIME,
     "duration": _DURATION,
-    "std_msgs/Time": _TIME,
-    "std_msgs/Duration": _DURATION,
     "roslib/Header": "std_msgs/msg/Header",
-    "rosgraph_msgs/Log": "rcl_interfaces/msg/Log",
-    "tf/tfMessage": "tf2_msgs/msg/TFMessage",
 }
 _BEFORE_CAPITALS = re.compile(r"(?<=[a-z0-9])(?=[A-Z])")
 

@@ -6,9 +6,7 @@ import re
 
 from rostether.msgdef.ros2.primitives import INTEGER_RANGES, STRING_TYPES
 from rostether.msgdef.ros2.spec import ConstantValue, DefaultValue, Ros2Type
-
-# Keeps an error about a value of any length on one line.
-MAX_LITERAL_CHARACTERS = 80
+from rostether.names.graph_name import quote
 
 # Python refuses thousands of digits with a longer error text.
 _MAX_INTEGER_CHARACTERS = 100
@@ -45,11 +43,6 @@ def read_literal(base: str, text: str, *, string_bound: int | None = None) -> Co
         except ValueError:
             raise ValueError(f"{quote(text)} is not a number") from None
     return _read_integer(base, text)
-
-
-def quote(text: str) -> str:
-    """Return the text in quotes, cut to the length for an error line."""
-    return repr(text if len(text) <= MAX_LITERAL_CHARACTERS else text[:MAX_LITERAL_CHARACTERS] + "...")
 
 
 def _read_integer(base: str, text: str) -> int:

@@ -11,7 +11,7 @@ from collections.abc import Sequence
 
 from rostether.errors import DefinitionError
 from rostether.msgdef.parse_msg import MAX_ARRAY_LENGTH, MAX_FIELDS, MAX_TEXT_CHARACTERS
-from rostether.msgdef.ros2.literals import quote, read_default, read_literal
+from rostether.msgdef.ros2.literals import read_default, read_literal
 from rostether.msgdef.ros2.primitives import PRIMITIVE_TYPES, STRING_TYPES
 from rostether.msgdef.ros2.spec import (
     ConstantValue,
@@ -24,6 +24,7 @@ from rostether.msgdef.ros2.spec import (
     Ros2Type,
 )
 from rostether.msgdef.source_line import SourceLine
+from rostether.names.graph_name import quote
 
 SECTION_MARK = "---"
 REQUEST_SUFFIX = "_Request"
@@ -216,7 +217,7 @@ def _count(line: SourceLine, digits: str | None, type_text: str) -> int | None:
         return None
     count = int(digits) if len(digits) <= _MAX_COUNT_DIGITS else MAX_ARRAY_LENGTH + 1
     if count == 0:
-        line.fail(f"{quote(type_text)}: a length or bound is 1 or more", type_text)
+        line.fail(f"{quote(type_text)}: a length or bound must be at least 1", type_text)
     if count > MAX_ARRAY_LENGTH:
         line.fail(f"{quote(type_text)}: a length or bound of more than {MAX_ARRAY_LENGTH}", type_text)
     return count

@@ -65,12 +65,17 @@ class ParameterTree:
 
     def get(self, name: str) -> XmlRpcValue:
         """Return a value or a whole namespace; do not change it. Raises UnknownNameError."""
-        return self._find(name)
+        value: XmlRpcValue = self._root
+        for part in _parts(name):
+            if not isinstance(value, dict) or part not in value:
+                raise UnknownNameError(f"parameter {name} is not set")
+            value = value[part]
+        return value
 
     def has(self, name: str) -> bool:
         """Return whether a parameter or namespace is set."""
         try:
-            self._find(name)
+            self.get(name)
         except UnknownNameError:
             return False
         return True
@@ -172,7 +177,7 @@ class ParameterTree:
         self._values -= weight.values
 
     def _parent(self, name: str, parts: list[str]) -> dict[str, XmlRpcValue]:
-        space = self._find("/".join(parts[:-1])) if parts else None
+        space = self.get("/".join(parts[:-1])) if parts else None
         if not isinstance(space, dict) or parts[-1] not in space:
             raise UnknownNameError(f"parameter {name} is not set")
         return space
@@ -191,14 +196,6 @@ class ParameterTree:
             if self.has(f"{prefix}/{first}"):
                 return f"{prefix}/{key}"
         return None
-
-    def _find(self, name: str) -> XmlRpcValue:
-        value: XmlRpcValue = self._root
-        for part in _parts(name):
-            if not isinstance(value, dict) or part not in value:
-                raise UnknownNameError(f"parameter {name} is not set")
-            value = value[part]
-        return value
 
 
 def updates(watched: Iterable[str], name: str, value: XmlRpcValue) -> list[Update]:

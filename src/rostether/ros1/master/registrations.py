@@ -98,7 +98,7 @@ class Registrations:
         return self._service_apis.get(service)
 
     def learn_type(self, topic: str, topic_type: str, *, from_publisher: bool) -> None:
-        """Record a topic's type: a publisher's, a subscriber's only without another, `*` never."""
+        """Record a topic's type; only a publisher's replaces a known one, and `*` replaces none."""
         is_known = topic in self.topic_types
         if topic_type == ANY_TYPE:
             if is_known or not from_publisher:

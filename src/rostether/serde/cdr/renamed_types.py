@@ -4,21 +4,14 @@ from __future__ import annotations
 
 from types import MappingProxyType
 
+from rostether.msgdef.ros2.from_ros1 import RENAMED_MESSAGES
+from rostether.msgdef.ros2.to_ros1 import ros1_name
 from rostether.serde.cdr.conversion_tree import Translation
 
-# ROS 1's name to ROS 2's. Types of the same name need no row, nor do fields that changed only their case.
-RENAMED_MESSAGES = MappingProxyType(
-    {
-        "rosgraph_msgs/Log": "rcl_interfaces/msg/Log",
-        "std_msgs/Duration": "builtin_interfaces/msg/Duration",
-        "std_msgs/Time": "builtin_interfaces/msg/Time",
-        "tf/tfMessage": "tf2_msgs/msg/TFMessage",
-    }
-)
-
+# ROS 1's name to ROS 2's.
 RENAMED_SERVICES = MappingProxyType({"roscpp/Empty": "std_srvs/srv/Empty"})
 
-# (ROS 1 message, field) to ROS 2's field.
+# (ROS 1 message, field) to ROS 2's field, unless only its case changed.
 RENAMED_FIELDS = MappingProxyType({("rosgraph_msgs/Log", "header"): "stamp"})
 
 _ROS2_LEVELS = ((16, 50), (8, 40), (4, 30), (2, 20), (1, 10), (0, 0))
@@ -44,24 +37,21 @@ ROS1_MESSAGES = MappingProxyType(
 )
 
 
-def ros2_message_name(ros1_name: str) -> str:
+def ros2_message_name(name: str) -> str:
     """Return ROS 2's name of a ROS 1 message."""
-    package, _, name = ros1_name.partition("/")
-    return RENAMED_MESSAGES.get(ros1_name) or f"{package}/msg/{name}"
+    package, _, short_name = name.partition("/")
+    return RENAMED_MESSAGES.get(name) or f"{package}/msg/{short_name}"
 
 
-def ros2_service_name(ros1_name: str) -> str:
+def ros2_service_name(name: str) -> str:
     """Return ROS 2's name of a ROS 1 service."""
-    package, _, name = ros1_name.partition("/")
-    return RENAMED_SERVICES.get(ros1_name) or f"{package}/srv/{name}"
+    package, _, short_name = name.partition("/")
+    return RENAMED_SERVICES.get(name) or f"{package}/srv/{short_name}"
 
 
 def ros1_message_name(ros2_name: str) -> str:
     """Return the ROS 1 name of a message `package/msg/Name` or `package/srv/Name_Request`."""
-    if ros2_name in ROS1_MESSAGES:
-        return ROS1_MESSAGES[ros2_name]
-    package, kind, name = (*ros2_name.split("/"), "", "")[:3]
-    return f"{package}/{name.replace('_', '') if kind == 'srv' else name}"
+    return ROS1_MESSAGES.get(ros2_name) or ros1_name(ros2_name)
 
 
 def ros1_service_name(ros2_name: str) -> str:
