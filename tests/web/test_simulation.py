@@ -63,7 +63,7 @@ async def test_pins_are_live_and_the_surroundings_change(tmp_path: Path, browser
         await browser.wait_for(page, f"{_level('D13')} === '1'")
         await browser.do("click", page=phone, selector=button)
         await browser.wait_for(page, f"{_level('D13')} === '0'")
-        slider = "document.querySelector('[aria-label=\"Volts at A0\"]')"
+        slider = "document.querySelector('[aria-label=\"Voltage at A0\"]')"
         slide = f"{slider}.value = 2.5; void {slider}.dispatchEvent(new Event('input', {{ bubbles: true }}))"
         await browser.do("evaluate", page=page, script=slide)
         await browser.wait_for(page, f"Math.abs({_level('D3')} - 0.5) < 0.02")

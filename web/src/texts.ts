@@ -183,7 +183,7 @@ export const texts = {
     servo: (pin: string, degrees: number) => `Servo on ${pin}: ${degrees}°`,
     obstacle: "Obstacle (ultrasonic)",
     battery: "Battery",
-    volts: (pin: string) => `Volts at ${pin}`,
+    volts: (pin: string) => `Voltage at ${pin}`,
     faults: "Line faults",
     fault: (rates: string) => {
       const [kind, rate] = rates.split("=");
@@ -443,9 +443,9 @@ export const texts = {
     none: "No fleet is watched",
     noneText: "Start the monitor on the base station. Its robots appear here.",
     noneCommand: "rostether role fleet-monitor",
-    nobody: "No robot answers",
-    nobodyText: "Check the fleet's network and key with this command.",
-    nobodyCommand: "rostether fleet doctor",
+    noAnswer: "No robot answers",
+    noAnswerText: "Check the fleet's network and key with this command.",
+    noAnswerCommand: "rostether fleet doctor",
     count: (answering: number, lost: number) =>
       `${answering === 1 ? "1 robot answers" : `${answering} robots answer`}${lost ? `, ${lost} lost` : ""}`,
     robot: (id: number) => `Robot ${id}`,
@@ -453,7 +453,7 @@ export const texts = {
     lostFor: (age: string) => `Lost for ${age}`,
     address: "Address",
     commandedBy: "Commanded by",
-    nobodyCommands: "–",
+    notCommanded: "–",
     loss: "Lost commands",
     unicast: "(by unicast too)",
     signal: "Wi-Fi signal",

@@ -2,7 +2,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { decodeDepth } from "../src/panels/images/compressed_depth.ts";
-import { decodeGrey16 } from "../src/panels/images/grey_png.ts";
+import { decodeGray16 } from "../src/panels/images/gray_png.ts";
 
 /** 3 x 5 pixels, each row with another filter, in two IDAT chunks. */
 const FILE = Uint8Array.from(
@@ -30,21 +30,21 @@ function withHeader(a: number, b: number): Uint8Array<ArrayBuffer> {
   return message;
 }
 
-test("PNG keeps 16 bits of grey", async () => {
-  const picture = await decodeGrey16(FILE);
+test("PNG keeps 16 bits of gray", async () => {
+  const picture = await decodeGray16(FILE);
   assert.deepEqual([picture?.width, picture?.height], [3, 5]);
   assert.deepEqual(pixels(picture!.data), PIXELS);
 });
 
 test("other and damaged files", async () => {
-  assert.equal(await decodeGrey16(Uint8Array.of(0xff, 0xd8, 0xff)), undefined);
+  assert.equal(await decodeGray16(Uint8Array.of(0xff, 0xd8, 0xff)), undefined);
   const short = FILE.slice();
   // 255 rows instead of 5.
   short[23] = 255;
-  await assert.rejects(decodeGrey16(short), /shorter than its size/);
+  await assert.rejects(decodeGray16(short), /shorter than its size/);
   const huge = FILE.slice();
   huge.fill(255, 16, 24);
-  assert.equal(await decodeGrey16(huge), undefined);
+  assert.equal(await decodeGray16(huge), undefined);
 });
 
 test("depth in millimeters and in meters", async () => {

@@ -75,11 +75,6 @@ class SharedSubscription:
         """How many publishers are connected now."""
         return self._source.publisher_count
 
-    @property
-    def connections(self) -> Sequence[PublisherConnection]:
-        """The known publishers, in the order of their connection headers."""
-        return tuple(self._source.connections.values())
-
     async def close(self) -> None:
         """Unsubscribe; the last one ends the subscription on the graph. Idempotent."""
         if not self._is_closed:
@@ -145,7 +140,7 @@ class _Source:
         self, graph: Graph, topic: str, types: LearnedTypes, on_end: Callable[[_Source], None]
     ) -> None:
         self.topic = topic
-        self.connections: dict[str, PublisherConnection] = {}
+        self._connections: dict[str, PublisherConnection] = {}
         self._graph = graph
         self._types = types
         self._on_end = on_end
@@ -163,7 +158,7 @@ class _Source:
         return self._opening.result().publisher_count if is_open else 0
 
     async def add(self, share: SharedSubscription) -> None:
-        connections, latched = list(self.connections.values()), list(self._latched.values())
+        connections, latched = list(self._connections.values()), list(self._latched.values())
         self._shares = (*self._shares, share)
         await asyncio.shield(self._opening)
         for connection in connections:
@@ -209,11 +204,11 @@ class _Source:
 
     def _add_connection(self, fields: Mapping[str, str]) -> OnMessages:
         connection = PublisherConnection(self.topic, dict(fields), self._types)
-        for table in (self.connections, self._latched):
+        for table in (self._connections, self._latched):
             table.pop(connection.node_name, None)
             while len(table) >= MAX_CONNECTIONS:
                 del table[next(iter(table))]
-        self.connections[connection.node_name] = self._last = connection
+        self._connections[connection.node_name] = self._last = connection
         for share in self._shares:
             share.report_connection(connection)
         return lambda payloads: self._deliver(connection, payloads)

@@ -28,7 +28,6 @@ class Ros2Environment:
 
     domain_id: int = 0
     middleware: str = ""
-    discovery_range: str = ""
     zenoh_session_config: Path | None = None
     zenoh_router_config: Path | None = None
     zenoh_overrides: tuple[tuple[str, str], ...] = ()
@@ -37,10 +36,10 @@ class Ros2Environment:
     def read(cls, environ: Mapping[str, str] | None = None) -> Ros2Environment:
         """Read the variables, of os.environ by default. Raises ConfigError."""
         values = os.environ if environ is None else environ
+        _check_discovery_range(values.get("ROS_AUTOMATIC_DISCOVERY_RANGE", ""))
         return cls(
             domain_id=_domain_id(values.get("ROS_DOMAIN_ID", "")),
             middleware=values.get("RMW_IMPLEMENTATION", "").strip(),
-            discovery_range=_discovery_range(values.get("ROS_AUTOMATIC_DISCOVERY_RANGE", "")),
             zenoh_session_config=_config_file(values, "ZENOH_SESSION_CONFIG_URI"),
             zenoh_router_config=_config_file(values, "ZENOH_ROUTER_CONFIG_URI"),
             zenoh_overrides=_overrides(values.get("ZENOH_CONFIG_OVERRIDE", "")),
@@ -55,14 +54,12 @@ def _domain_id(text: str) -> int:
     raise ConfigError(f"ROS_DOMAIN_ID={text!r:.80} is not a domain; give a number from 0 to {MAX_DOMAIN_ID}")
 
 
-def _discovery_range(text: str) -> str:
-    word = text.strip().upper()
-    if word in _DISCOVERY_RANGES:
-        return word
-    raise ConfigError(
-        f"ROS_AUTOMATIC_DISCOVERY_RANGE={text!r:.80} is unknown; give SUBNET, LOCALHOST, OFF or "
-        f"SYSTEM_DEFAULT"
-    )
+def _check_discovery_range(text: str) -> None:
+    if text.strip().upper() not in _DISCOVERY_RANGES:
+        raise ConfigError(
+            f"ROS_AUTOMATIC_DISCOVERY_RANGE={text!r:.80} is unknown; give SUBNET, LOCALHOST, OFF or "
+            f"SYSTEM_DEFAULT"
+        )
 
 
 def _config_file(values: Mapping[str, str], variable: str) -> Path | None:

@@ -9,7 +9,6 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 
 from rostether.errors import ConfigError, TransportError
-from rostether.transports.board_keys import Proof
 from rostether.transports.capture import FIRST_LINK
 from rostether.transports.transport import Receiver, Transport
 
@@ -147,31 +146,13 @@ class RecordedTransport:
     """A transport whose bytes are recorded; created by `CaptureWriter.tap`."""
 
     def __init__(self, inner: Transport, writer: CaptureWriter, link: int) -> None:
+        self.peer, self.remote = inner.peer, inner.remote
+        self.proof, self.can_pause = inner.proof, inner.can_pause
         self._inner = inner
         self._writer = writer
         self._link = link
         self._receiver: Receiver | None = None
         self._is_ended = False
-
-    @property
-    def peer(self) -> str:
-        """The other side's name for users."""
-        return self._inner.peer
-
-    @property
-    def remote(self) -> str | None:
-        """The network address of the other side, without a port; None without a network."""
-        return self._inner.remote
-
-    @property
-    def proof(self) -> Proof:
-        """The board's key and certificate with which the other side has authenticated."""
-        return self._inner.proof
-
-    @property
-    def can_pause(self) -> bool:
-        """Whether pause_reading slows the sender down."""
-        return self._inner.can_pause
 
     @property
     def write_buffer_bytes(self) -> int:

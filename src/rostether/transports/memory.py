@@ -54,10 +54,10 @@ class MemoryTransport:
     def __init__(
         self, peer: str, direction: Direction, manipulator: Manipulator | None, *, can_pause: bool
     ) -> None:
-        self._peer = peer
+        self.peer = peer
         self._direction = direction
         self._manipulator = manipulator
-        self._can_pause = can_pause
+        self.can_pause = can_pause
         self._other = self
         self._receiver: Receiver | None = None
         self._arrived: deque[bytes] = deque()
@@ -73,16 +73,6 @@ class MemoryTransport:
     def join(self, other: MemoryTransport) -> None:
         """Set the other end."""
         self._other = other
-
-    @property
-    def peer(self) -> str:
-        """The other side's name for users."""
-        return self._peer
-
-    @property
-    def can_pause(self) -> bool:
-        """Whether pause_reading slows the sender down."""
-        return self._can_pause
 
     @property
     def write_buffer_bytes(self) -> int:
@@ -105,7 +95,7 @@ class MemoryTransport:
             chunk = self._manipulator(chunk, self._direction)
         if chunk:
             self._other._arrive(chunk)
-        if self._can_pause and not self._writing_paused and self.write_buffer_bytes > HIGH_WATER_BYTES:
+        if self.can_pause and not self._writing_paused and self.write_buffer_bytes > HIGH_WATER_BYTES:
             self._writing_paused = True
             if self._receiver is not None:
                 self._receiver.pause_writing()
@@ -126,7 +116,7 @@ class MemoryTransport:
         self._arrived.clear()
         self._arrived_bytes = 0
         self._end(None)
-        self._other._end(TransportClosedError(f"{self._other._peer} ended the connection"))
+        self._other._end(TransportClosedError(f"{self._other.peer} ended the connection"))
 
     async def wait_closed(self) -> None:
         """Wait until the pipe has ended."""
@@ -135,7 +125,7 @@ class MemoryTransport:
     def _arrive(self, chunk: bytes) -> None:
         if self._ended:
             return
-        if not self._can_pause and self._arrived_bytes + len(chunk) > HIGH_WATER_BYTES:
+        if not self.can_pause and self._arrived_bytes + len(chunk) > HIGH_WATER_BYTES:
             return
         self._arrived.append(chunk)
         self._arrived_bytes += len(chunk)

@@ -69,6 +69,7 @@ class PeerTransport(Generic[PeerKey]):
     """One peer of a shared medium as a `Transport`; made by a `PeerTable`."""
 
     proof: Proof = NO_PROOF
+    can_pause = False
 
     def __init__(
         self, table: PeerTable[PeerKey], key: PeerKey, peer: str, remote: str | None, *, expires: bool
@@ -85,23 +86,13 @@ class PeerTransport(Generic[PeerKey]):
         self._was_written_to = False
         self._unproven = bytearray()
         self._table = table
-        self._peer = peer
+        self.peer = peer
         self._receiver: Receiver | None = None
         self._held = bytearray()
         self._paused = False
         self._lost = False
         self._error: TransportError | None = None
         self._ended = asyncio.get_running_loop().create_future()
-
-    @property
-    def peer(self) -> str:
-        """The other side's name for users."""
-        return self._peer
-
-    @property
-    def can_pause(self) -> bool:
-        """Whether pause_reading slows the sender down: never here."""
-        return False
 
     @property
     def write_buffer_bytes(self) -> int:

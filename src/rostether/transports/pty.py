@@ -65,15 +65,17 @@ def open_pty(address: PtyAddress) -> PtyTransport:
 
 
 class PtyTransport:
-    """Our side of a pseudo-terminal; created by `open_pty`."""
+    """Our side of a pseudo-terminal; created by `open_pty`. The link points to `terminal`."""
 
     remote: str | None = None
     proof: Proof = NO_PROOF
+    # A full terminal blocks its writer.
+    can_pause = True
 
     def __init__(self, master: int, terminal: str, link: PtyLink) -> None:
         self._loop = asyncio.get_running_loop()
         self._master = master
-        self._terminal = terminal
+        self.terminal = terminal
         self._link = link
         self._receiver: Receiver | None = None
         self._reading_wanted = True
@@ -95,19 +97,9 @@ class PtyTransport:
         return f"pty {self._link.path}"
 
     @property
-    def can_pause(self) -> bool:
-        """Whether pause_reading slows the sender down: a full terminal blocks its writer."""
-        return True
-
-    @property
     def write_buffer_bytes(self) -> int:
         """The number of written bytes that are still waiting."""
         return len(self._unsent)
-
-    @property
-    def terminal(self) -> str:
-        """The path of the terminal that the link points to."""
-        return self._terminal
 
     def start(self, receiver: Receiver) -> None:
         """Start to deliver; called once. Bytes received earlier are kept."""
@@ -225,7 +217,7 @@ class PtyTransport:
             self._end()
             return
         self._resume_writing()
-        _discard_unread(self._terminal)
+        _discard_unread(self.terminal)
         self._check_for_opener()
 
     def _check_for_opener(self) -> None:
@@ -244,7 +236,7 @@ class PtyTransport:
         return any(event & select.POLLIN for _, event in self._poll.poll(0))
 
     def _end_when_read(self, checks_left: int = _UNREAD_CHECKS) -> None:
-        checks_left = _UNREAD_CHECKS if _count_unread(self._terminal) else checks_left - 1
+        checks_left = _UNREAD_CHECKS if _count_unread(self.terminal) else checks_left - 1
         if checks_left:
             self._timer = self._loop.call_later(_UNREAD_POLL_S, self._end_when_read, checks_left)
         else:

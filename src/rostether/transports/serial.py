@@ -83,7 +83,7 @@ class SerialTransport(StreamTransport, asyncio.Protocol):
     @property
     def has_baud(self) -> bool:
         """Whether the line has a speed: a pseudo-terminal has none."""
-        return not self._can_pause
+        return not self.can_pause
 
     def set_baud(self, baud: int) -> bool:
         """Change the line's speed, and drop unread bytes; return False if the port does not support it."""
@@ -161,7 +161,7 @@ class SerialTransport(StreamTransport, asyncio.Protocol):
 
     def _explain_loss(self, exc: Exception | None) -> TransportError:
         reason = f" ({explain_reason(exc)})" if exc is not None else ""
-        return TransportClosedError(f"{self._peer} is gone{reason}; plug the board in again")
+        return TransportClosedError(f"{self.peer} is gone{reason}; plug the board in again")
 
 
 def _describe(info: serialx.SerialPortInfo) -> str:

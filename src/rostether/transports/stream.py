@@ -29,8 +29,8 @@ class StreamTransport(asyncio.BaseProtocol):
     proof: Proof = NO_PROOF
 
     def __init__(self, peer: str, *, can_pause: bool) -> None:
-        self._peer = peer
-        self._can_pause = can_pause
+        self.peer = peer
+        self.can_pause = can_pause
         self._wire: asyncio.Transport | None = None
         self._receiver: Receiver | None = None
         self._early = bytearray()
@@ -46,16 +46,6 @@ class StreamTransport(asyncio.BaseProtocol):
         """Return the certificate with which the peer has authenticated, in DER form."""
         tls = None if self._wire is None else self._wire.get_extra_info("ssl_object")
         return None if tls is None else tls.getpeercert(binary_form=True)
-
-    @property
-    def peer(self) -> str:
-        """The other side's name for users."""
-        return self._peer
-
-    @property
-    def can_pause(self) -> bool:
-        """Whether pause_reading slows the sender down."""
-        return self._can_pause
 
     @property
     def write_buffer_bytes(self) -> int:
@@ -213,9 +203,9 @@ class StreamTransport(asyncio.BaseProtocol):
 
     def _explain_loss(self, exc: Exception | None) -> TransportError:
         if exc is None:
-            return PeerClosedError(f"{self._peer} ended the connection; it may connect again")
+            return PeerClosedError(f"{self.peer} ended the connection; it may connect again")
         return TransportClosedError(
-            f"{self._peer} ended the connection ({explain_reason(exc)}); it may connect again"
+            f"{self.peer} ended the connection ({explain_reason(exc)}); it may connect again"
         )
 
     def _apply_reading(self) -> None:

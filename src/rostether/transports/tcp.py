@@ -72,7 +72,7 @@ class TcpTransport(StreamTransport, asyncio.BufferedProtocol):
         if peer_name:
             self.host = self.remote = peer_name[0]
             self.own_host = transport.get_extra_info("sockname")[0]
-            self._peer = f"tcp {show_endpoint(*peer_name[:2])}"
+            self.peer = f"tcp {show_endpoint(*peer_name[:2])}"
 
     def write(self, data: bytes | bytearray | memoryview) -> None:
         """Queue bytes. Never blocks; does nothing after the end of the pipe.
@@ -128,7 +128,7 @@ class TcpListener:
         self._per_host: Counter[str] = Counter()
         self._server: asyncio.Server | None = None
         self._is_closed = False
-        self._address = ""
+        self.address = ""
         self._refusals = RefusalLog("tcp listener", asyncio.get_running_loop().time)
 
     @classmethod
@@ -157,14 +157,9 @@ class TcpListener:
             raise explain_bind_error("tcp", address.host, address.port, error) from error
         lengthen_backlog(listener._server)
         host, port = listener._server.sockets[0].getsockname()[:2]
-        listener._address = str(replace(address, host=host, port=port))
-        listener._refusals = RefusalLog(listener._address, loop.time)
+        listener.address = str(replace(address, host=host, port=port))
+        listener._refusals = RefusalLog(listener.address, loop.time)
         return listener
-
-    @property
-    def address(self) -> str:
-        """The listening address, with the port that was bound."""
-        return self._address
 
     @property
     def connection_count(self) -> int:

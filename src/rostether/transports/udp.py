@@ -112,7 +112,7 @@ class UdpListener(_DatagramSocket):
     ) -> None:
         super().__init__()
         self._allow = allow
-        self._address = ""
+        self.address = ""
         self.peers = PeerTable(
             self._medium("udp listener", self.send),
             on_transport,
@@ -146,11 +146,6 @@ class UdpListener(_DatagramSocket):
         await asyncio.get_running_loop().create_datagram_endpoint(lambda: listener, sock=sock)
         return listener
 
-    @property
-    def address(self) -> str:
-        """The listening address, with the port that was bound."""
-        return self._address
-
     async def close(self) -> None:
         """Stop listening and end all its transports. Idempotent."""
         self.peers.end_all(None)
@@ -160,7 +155,7 @@ class UdpListener(_DatagramSocket):
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
         """Keep the bound socket."""
         super().connection_made(transport)
-        self._address = f"udp://{show_endpoint(*transport.get_extra_info('sockname')[:2])}"
+        self.address = f"udp://{show_endpoint(*transport.get_extra_info('sockname')[:2])}"
 
     def datagram_received(self, data: bytes, addr: _Peer) -> None:
         """Deliver a datagram to its peer's transport."""

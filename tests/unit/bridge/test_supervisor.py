@@ -39,16 +39,6 @@ class FakeListener:
         self.is_closed = True
 
 
-class NamedTransport(MemoryTransport):
-    """A memory transport that claims to come from somewhere."""
-
-    name = "tcp 127.0.0.1:5000"
-
-    @property
-    def peer(self) -> str:
-        return self.name
-
-
 class Site:
     """A supervisor whose links and listeners are the test's."""
 
@@ -98,9 +88,8 @@ class Site:
     def connect(self, peer: str = "tcp 127.0.0.1:5000") -> RawBoard:
         """A board connects to the first listener."""
         ours, theirs = memory_pair()
-        remote = peer.partition(" ")[2].rpartition(":")[0].strip("[]") or None
-        named = type("Peer", (NamedTransport,), {"name": peer, "remote": remote})
-        ours.__class__ = named
+        ours.peer = peer
+        ours.remote = peer.partition(" ")[2].rpartition(":")[0].strip("[]") or None
         board = RawBoard(theirs, *self.announcements)
         self.boards.append(board)
         self.listeners[0].on_transport(ours)

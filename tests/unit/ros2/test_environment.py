@@ -30,7 +30,6 @@ def test_every_variable_is_read(tmp_path: Path) -> None:
     assert environment == Ros2Environment(
         42,
         "rmw_zenoh_cpp",
-        "LOCALHOST",
         config,
         config,
         (("mode", '"client"'), ("connect/endpoints", '["tcp/10.0.0.1:7447"]')),

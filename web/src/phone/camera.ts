@@ -18,7 +18,7 @@ export const camera: Sensor = {
   topic: "camera/compressed",
   async start(output) {
     const { width, height, hertz, isFront } = output.settings;
-    // Browsers hide it from pages without encryption.
+    // Browsers do not offer cameras to pages without encryption.
     if (!navigator.mediaDevices) throw new SensorError("insecure");
     let stream: MediaStream;
     try {

@@ -24,7 +24,7 @@ export const gps: Sensor = {
         const { accuracy, altitude, altitudeAccuracy } = coords;
         const level = (accuracy / DEVIATIONS) ** 2;
         const height = altitudeAccuracy == null ? level * 4 : (altitudeAccuracy / DEVIATIONS) ** 2;
-        // By how long ago it was: the wall clock may have been set since the page was opened.
+        // From the age of the position: the wall clock may have been set since the page was opened.
         const measuredMs = pageTimeMs() - Math.max(0, Date.now() - timestamp);
         const fix = {
           status: { status: STATUS_FIX, service: SERVICE_GPS },

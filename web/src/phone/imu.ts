@@ -92,7 +92,7 @@ export const imu: Sensor = {
   },
 };
 
-/** Asks the user where the browser wants that, as Safari does. */
+/** Asks the user for permission if the browser requires it, as Safari does. */
 async function askMotion(): Promise<void> {
   if (typeof DeviceMotionEvent === "undefined") throw new SensorError("missing");
   for (const each of [DeviceMotionEvent, DeviceOrientationEvent]) {

@@ -137,7 +137,7 @@ export class OdometryDisplay extends HeaderDisplay<{ pose: { pose: Pose } }> {
   }
 }
 
-/** Free cells light, occupied ones dark, unknown ones grey-green as in RViz; red, green, blue and alpha of each. */
+/** Free cells light, occupied ones dark, unknown ones gray-green as in RViz; red, green, blue and alpha of each. */
 const CELL_COLORS = new Uint32Array(
   Uint8Array.from({ length: 256 * 4 }, (_, at) => {
     const [cell, channel] = [at >> 2, at & 3];

@@ -193,7 +193,7 @@ export class Robot {
   private begin(feed: Feed, use: Use): void {
     const channelId = feed.topic.peek()?.channelId;
     if (channelId === undefined || use.subscriptionId !== undefined) return;
-    // A topic of the connection before has a channel that this one may have given to another.
+    // The channel id of a topic from the previous connection may now belong to another topic.
     if (this.connection.peek() !== "open" || this.channels.get(channelId)?.name !== feed.topicName) return;
     use.subscriptionId = this.nextSubscriptionId++;
     feed.rate.start(performance.now());

@@ -38,14 +38,13 @@ class BoardView:
     is_settled: bool
     protocol_version: int | None
     endpoints: tuple[EndpointView, ...]
-    received_bytes: int
-    sent_bytes: int
-    received_frames: int
-    discarded_frames: int
-    discarded_bytes: int
-    reset_count: int
-    queued_bytes: int
-    unbridged_count: int
+    received_bytes: int = 0
+    sent_bytes: int = 0
+    received_frames: int = 0
+    discarded_frames: int = 0
+    discarded_bytes: int = 0
+    reset_count: int = 0
+    queued_bytes: int = 0
     damaged_frames: int = 0
     round_trip_s: float | None = None
     baud: int | None = None
@@ -76,9 +75,7 @@ def view_board(node: BoardNode, session: Session | None) -> BoardView:
             )
         )
     if session is None:
-        return BoardView(
-            node.graph.node_name, "", False, False, None, tuple(endpoints), 0, 0, 0, 0, 0, 0, 0, 0
-        )
+        return BoardView(node.graph.node_name, "", False, False, None, tuple(endpoints))
     statistics = session.link.statistics
     return BoardView(
         node.graph.node_name,
@@ -94,7 +91,6 @@ def view_board(node: BoardNode, session: Session | None) -> BoardView:
         statistics.discarded_bytes,
         statistics.resets,
         session.outbox.queued_bytes,
-        session.unbridged_count,
         statistics.damaged_frames,
         statistics.shortest_round_trip_s,
         session.baud,

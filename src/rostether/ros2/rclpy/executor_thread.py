@@ -38,11 +38,6 @@ class ExecutorThread:
         self._thread = threading.Thread(target=self._spin, name="rclpy executor", daemon=True)
         self._thread.start()
 
-    @property
-    def is_current(self) -> bool:
-        """Whether the caller runs in this thread."""
-        return threading.current_thread() is self._thread
-
     async def run(self, function: Callable[[], _Result]) -> _Result:
         """Run a function in the thread, and return its result. Raises its error, or GraphError."""
         if self._is_stopping:

@@ -15,8 +15,8 @@ from rostether.ros2.listed_client import ListedClient
 from rostether.ros2.naming import dds_name, type_of_dds_name
 from rostether.ros2.qos import ROSOUT_QOS
 from rostether.ros2.types.type_support import ServiceSupport
+from rostether.ros2.zenoh.described_types import Describe
 from rostether.ros2.zenoh.entities import NodeEntities
-from rostether.ros2.zenoh.learned_types import Describe
 from rostether.ros2.zenoh.publication import Publication
 from rostether.ros2.zenoh.service_client import ServiceClient
 from rostether.ros2.zenoh.service_server import ServiceServer

@@ -20,8 +20,8 @@ from rostether.ros2.naming import dds_name
 from rostether.ros2.qos import DEFAULT_QOS, Qos
 from rostether.ros2.types.type_support import ANY_HASH, MessageSupport
 from rostether.ros2.zenoh.attachment import gid_of, parse_attachment
+from rostether.ros2.zenoh.described_types import Describe, DescribedTypes
 from rostether.ros2.zenoh.entities import NodeEntities
-from rostether.ros2.zenoh.learned_types import Describe, LearnedTypes
 from rostether.ros2.zenoh.mismatches import Mismatches
 from rostether.ros2.zenoh.shared_session import LiveToken
 from rostether.ros2.zenoh.thread_state import keep_thread_state
@@ -88,7 +88,7 @@ class Subscription:
         self._queue: Handover[tuple[str, bytes, Received]] = Handover(
             self._handle_samples, limit=DEFAULT_QUEUE_BYTES
         )
-        self._learned = LearnedTypes(
+        self._types = DescribedTypes(
             topic,
             node.session.types,
             describe=receiver.describe,
@@ -128,7 +128,7 @@ class Subscription:
     def resume(self) -> None:
         """Pass messages on again."""
         self._is_paused = False
-        if not self._learned.is_waiting:
+        if not self._types.is_waiting:
             self._queue.resume()
 
     async def close(self) -> None:
@@ -136,7 +136,7 @@ class Subscription:
         if self._is_closed:
             return
         self._is_closed = True
-        self._learned.close()
+        self._types.close()
         self._queue.close()
         self._node.session.graph.unlisten(Kind.PUBLISHER, self.topic, self._update_publishers)
         self._publishers = set()
@@ -167,7 +167,7 @@ class Subscription:
         if support is None:
             key = str(sample.key_expr)
             _, type_name, type_hash = key.rsplit("/", 2)
-            support = self._learned.get(type_name, type_hash)
+            support = self._types.get(type_name, type_hash)
         received = data if support is None else convert_if_large(support.converter.from_cdr, data)
         self._queue.put((key, gid, received), len(data))
 
@@ -227,7 +227,7 @@ class Subscription:
 
     def _of_token(self, end: Token) -> MessageSupport | None:
         if self._support is None:
-            return self._only_learned(self._learned.find(end.type, end.type_hash, end.node_name))
+            return self._only_learned(self._types.find(end.type, end.type_hash, end.node_name))
         is_ours = end.type == dds_name(self._support.name) and end.type_hash == self._support.type_hash
         return self._support if is_ours else None
 
@@ -235,7 +235,7 @@ class Subscription:
         support = self._learned_type
         return (
             support is not None
-            and self._learned.find(end.type, end.type_hash, end.node_name) is support
+            and self._types.find(end.type, end.type_hash, end.node_name) is support
             and end.node_name not in self._skip_nodes
         )
 
@@ -244,8 +244,8 @@ class Subscription:
 
     def _of_key(self, key: str) -> MessageSupport | None:
         _, type_name, type_hash = key.rsplit("/", 2)
-        is_new = not self._learned.has(type_name, type_hash)
-        support = self._only_learned(self._learned.find(type_name, type_hash))
+        is_new = not self._types.has(type_name, type_hash)
+        support = self._only_learned(self._types.find(type_name, type_hash))
         if is_new and support is not None:
             # A publisher without a token.
             self._connect(support, "", DEFAULT_QOS)
@@ -254,7 +254,7 @@ class Subscription:
     def _learn(self) -> None:
         """Continue with the types that a node has described."""
         self._update_publishers()
-        if not self._is_paused and not self._learned.is_waiting:
+        if not self._is_paused and not self._types.is_waiting:
             self._queue.resume()
 
     def _declare_token(self, support: MessageSupport) -> None:

@@ -21,7 +21,7 @@ def board(count: int) -> BoardView:
         EndpointView("subscriber", "toggle_led", "std_msgs/Empty", 100, 512, True, 3, 0, 0),
         EndpointView("service server", "set_led", "std_srvs/SetBool", 101, 512, True, 0, 0, 0),
     )
-    return BoardView("/board", "tcp 127.0.0.1:5", True, True, 2, endpoints, 2000, 100, 50, 1, 0, 0, 0, 0)
+    return BoardView("/board", "tcp 127.0.0.1:5", True, True, 2, endpoints, 2000, 100, 50, 1, 0, 0, 0)
 
 
 @pytest.fixture

@@ -40,7 +40,7 @@ function FleetPanel({ context }: { context: PanelContext }) {
   const stopOf = service && robot.mayAct.value ? (id: number) => void stop(id) : undefined;
   if (robots.length === 0) {
     return feed.topic.value ? (
-      <EmptyState icon="fleet" title={t.nobody} text={t.nobodyText} command={t.nobodyCommand} />
+      <EmptyState icon="fleet" title={t.noAnswer} text={t.noAnswerText} command={t.noAnswerCommand} />
     ) : (
       <EmptyState icon="fleet" title={t.none} text={t.noneText} command={t.noneCommand} />
     );
@@ -90,7 +90,7 @@ function RobotCard(props: { state: RobotState; nowS: number; stop: ((id: number)
       </header>
       <dl>
         <Fact name={t.address} text={state.address} />
-        <Fact name={t.commandedBy} text={state.commanded_by || t.nobodyCommands} />
+        <Fact name={t.commandedBy} text={state.commanded_by || t.notCommanded} />
         <Fact
           name={t.loss}
           text={Number.isFinite(state.loss) ? `${(state.loss * 100).toFixed(0)} %` : "–"}

@@ -1,5 +1,5 @@
-// Depth as compressed_depth_image_transport sends it: a header, then a PNG with 16 bits of grey.
-import { decodeGrey16 } from "./grey_png.ts";
+// Depth as compressed_depth_image_transport sends it: a header, then a PNG with 16 bits of gray.
+import { decodeGray16 } from "./gray_png.ts";
 import type { RawImage } from "./raw_image.ts";
 
 /** int32 kind of compression, float32 a, float32 b. */
@@ -19,8 +19,8 @@ export function isCompressedDepth(format: string): boolean {
 export async function decodeDepth(format: string, data: Uint8Array<ArrayBuffer>): Promise<RawImage> {
   if (format.includes("rvl"))
     throw new Error("Depth that is compressed with RVL cannot be shown. Send it as PNG.");
-  const picture = await decodeGrey16(data.subarray(HEADER_BYTES));
-  if (picture === undefined) throw new Error("This compressedDepth picture has no PNG with 16 bits of grey.");
+  const picture = await decodeGray16(data.subarray(HEADER_BYTES));
+  if (picture === undefined) throw new Error("This compressedDepth picture has no PNG with 16 bits of gray.");
   if (!format.startsWith("32FC1")) return picture;
   const header = new DataView(data.buffer, data.byteOffset, HEADER_BYTES);
   const [a, b] = [header.getFloat32(4, true), header.getFloat32(8, true)];

@@ -3,7 +3,7 @@
 import type { Feed } from "../../store/feed.ts";
 import { frameTask } from "../../store/frames.ts";
 import { decodeDepth, isCompressedDepth } from "./compressed_depth.ts";
-import { decodeGrey16 } from "./grey_png.ts";
+import { decodeGray16 } from "./gray_png.ts";
 import { type RawImage, toRgba } from "./raw_image.ts";
 
 export interface Turn {
@@ -90,8 +90,8 @@ export class ImageView {
     if ("encoding" in message) return bitmapOf(message as unknown as RawImage);
     const { format, data } = message as unknown as { format: string; data: Uint8Array<ArrayBuffer> };
     if (isCompressedDepth(format)) return bitmapOf(await decodeDepth(format, data));
-    const grey = await decodeGrey16(data);
-    if (grey !== undefined) return bitmapOf(grey);
+    const gray = await decodeGray16(data);
+    if (gray !== undefined) return bitmapOf(gray);
     try {
       return await createImageBitmap(new Blob([data]));
     } catch {

@@ -50,8 +50,8 @@ function stretched(bytes: 2 | 4 | 8, read: ReadNumber): Fill {
     let to = 0;
     for (let y = 0; y < height; y++)
       for (let x = 0; x < width; x++, to += 4) {
-        const grey = (read(view, y * step + x * bytes, little) - low) * scale;
-        out[to] = out[to + 1] = out[to + 2] = grey;
+        const gray = (read(view, y * step + x * bytes, little) - low) * scale;
+        out[to] = out[to + 1] = out[to + 2] = gray;
         out[to + 3] = 255;
       }
   };

@@ -1,4 +1,4 @@
-// PNG with 16 bits of grey, such as depth: browsers keep only the upper 8 bits of each pixel.
+// PNG with 16 bits of gray, such as depth: browsers keep only the upper 8 bits of each pixel.
 import type { RawImage } from "./raw_image.ts";
 import { MAX_PIXELS } from "./raw_image.ts";
 
@@ -8,19 +8,19 @@ const IDAT = 0x49444154;
 const PIXEL_BYTES = 2;
 
 /**
- * Decode a PNG of 16 bit grey pixels (PNG specification, sections 5, 7 and 9).
+ * Decode a PNG of 16 bit gray pixels (PNG specification, sections 5, 7 and 9).
  *
  * @returns undefined for other files, which the browser can decode.
  * @throws Error with a sentence when the file is damaged.
  */
-export async function decodeGrey16(file: Uint8Array<ArrayBuffer>): Promise<RawImage | undefined> {
+export async function decodeGray16(file: Uint8Array<ArrayBuffer>): Promise<RawImage | undefined> {
   const view = new DataView(file.buffer, file.byteOffset, file.byteLength);
   if (file.length < 33 || SIGNATURE.some((byte, at) => file[at] !== byte) || view.getUint32(12) !== IHDR)
     return undefined;
   const [width, height] = [view.getUint32(16), view.getUint32(20)];
-  const isGrey16 = file[24] === 16 && file[25] === 0;
+  const isGray16 = file[24] === 16 && file[25] === 0;
   const isInterlaced = file[28] !== 0;
-  if (!isGrey16 || isInterlaced || width * height > MAX_PIXELS) return undefined;
+  if (!isGray16 || isInterlaced || width * height > MAX_PIXELS) return undefined;
   const step = width * PIXEL_BYTES;
   const rows = await inflate(compressedParts(file, view), (step + 1) * height);
   return { width, height, step, encoding: "16UC1", is_bigendian: 1, data: unfiltered(rows, step, height) };

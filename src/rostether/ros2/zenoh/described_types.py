@@ -11,13 +11,13 @@ from rostether.ros2.naming import type_of_dds_name
 from rostether.ros2.types.type_support import ANY_HASH, MessageSupport, Ros2Types
 
 # The limit of types that a subscriber of any type learns; a topic has one type, but a peer may invent more.
-MAX_LEARNED_TYPES = 64
+MAX_DESCRIBED_TYPES = 64
 
 Describe = Callable[[str, str, str], Awaitable[None]]
 """Asks a node to describe a type, by its name and hash. Raises UnknownTypeError."""
 
 
-class LearnedTypes:
+class DescribedTypes:
     """The types of one topic; `on_waiting` is called when a node is asked, `on_found` after its answer."""
 
     def __init__(
@@ -53,7 +53,7 @@ class LearnedTypes:
         key = f"{type_name}/{type_hash}"
         if self._found.get(key) is None and key not in self._asking:
             name = type_of_dds_name(type_name)
-            if len(self._found.keys() | self._asking.keys()) >= MAX_LEARNED_TYPES:
+            if len(self._found.keys() | self._asking.keys()) >= MAX_DESCRIBED_TYPES:
                 return self._found.get(key)
             if self._describe is not None and node_name and self._is_unknown(name):
                 self._on_waiting()
