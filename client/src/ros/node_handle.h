@@ -20,7 +20,8 @@ namespace ros {
 // If the Hardware also has `int writable()`, the number of bytes that write accepts at once, the node never waits:
 // while the transmitter is full, it continues to read. A Hardware that reconnects by itself has `bool relinked()`:
 // whether the link was lost or replaced since the last call. Between this change and the call, it must not send or
-// receive bytes; then the node introduces itself again.
+// receive bytes; then the node introduces itself again. If it also has `void relink()`, the node calls it when the
+// host is silent for about 10 s, because a network can fail without ending the connection.
 //
 // INPUT_SIZE is the longest message that can be received. The number of publishers and subscribers is not limited,
 // and messages are sent without a buffer: the other sizes have no effect.
@@ -60,6 +61,7 @@ class NodeHandle_ : public NodeHandleBase_ {
           window_.forget();
           contactAgain();
         }
+        if (isHostSilent()) relink(hardware_, 0);
         if (!isTorn(now_ms)) return keepInTouch(now_ms);
         window_.giveUp();
       }
@@ -81,6 +83,13 @@ class NodeHandle_ : public NodeHandleBase_ {
   static bool relinked(H&, long) {
     return false;
   }
+
+  template <class H>
+  static auto relink(H& hardware, int) -> decltype(hardware.relink()) {
+    hardware.relink();
+  }
+  template <class H>
+  static void relink(H&, long) {}
 
   // Handles received bytes. Separate from spinOnce, which usually finds none, and is faster without the registers for
   // this function.

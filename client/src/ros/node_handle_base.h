@@ -252,6 +252,9 @@ class NodeHandleBase_ : public FrameWriter {
   // Whether a frame has started and its rest was lost.
   bool isTorn(uint16_t now_ms) const { return !window_.empty() && since(received_ms_, now_ms) >= GAP_MS; }
 
+  // Whether the host has not answered the last requests for the time.
+  bool isHostSilent() const { return unanswered_ == MAX_UNANSWERED; }
+
   // Answers the host's requests. Repeated requests get one answer: a sketch that sleeps finds several requests at
   // once, and an answer to each would look like several resets. Without a request, it asks for the time; a host that
   // answers but does not request the topics has not noticed that the board was reset.
@@ -271,10 +274,9 @@ class NodeHandleBase_ : public FrameWriter {
     }
     if (due & INTRODUCTION_DUE) {
       negotiateTopics();
-    } else if (unanswered_ == MAX_UNANSWERED) {
-      connected_ = false;
-    } else {
+    } else if (!isHostSilent()) {
       ++unanswered_;
+      if (isHostSilent()) connected_ = false;
     }
     requestSyncTime();
     return SPIN_OK;
@@ -284,8 +286,8 @@ class NodeHandleBase_ : public FrameWriter {
   // One bit each.
   enum Due { NOTHING_DUE = 0, PROBED = 1, INTRODUCTION_DUE = 2, ANSWER_DUE = 4 };
 
-  // Together with SYNC_PERIOD_MS: after 11 s without an answer, the host has disconnected.
-  static const uint8_t MAX_UNANSWERED = 4;
+  // Together with SYNC_PERIOD_MS: after 9 to 11 s without an answer, the host has disconnected.
+  static const uint8_t MAX_UNANSWERED = 5;
   // After a gap of this length inside a frame, its rest was lost. Longer than pauses of a network, and short enough
   // that the board soon receives again after a wrong length.
   static const uint16_t GAP_MS = 200;

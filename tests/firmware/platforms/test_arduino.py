@@ -19,6 +19,7 @@ from firmware.platforms.meeting import PATIENCE_S, meeting
 from firmware.platforms.programs import EXTRAS, compile_program, running
 from rostether.rosserial.frame import encode_frame
 from unit.bridge.lateness import lateness
+from waiting import until
 
 pytestmark = pytest.mark.gcc
 
@@ -76,6 +77,35 @@ async def test_tcp_exchanges_messages_and_reconnects_within_two_seconds(tcp_sket
                 await met.counting(1)
             assert time.monotonic() - began_s - late.total_s < 2.0
             await met.exchange_messages()
+
+
+async def test_a_connection_to_a_host_that_is_no_longer_reachable_is_replaced(
+    tcp_sketch: Path, linux_program: Path
+) -> None:
+    """A network that fails does not end the connection; the host just no longer answers."""
+    request_topics = encode_frame(0, b"")
+
+    async def await_second_connection(program: Path, own_host: str) -> float:
+        began_s: list[float] = []
+
+        async def accept(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+            began_s.append(time.monotonic())
+            writer.write(request_topics)
+            while await reader.read(65536):
+                pass
+            writer.close()
+
+        async with await asyncio.start_server(accept, "127.0.0.1", 0) as server:
+            port = server.sockets[0].getsockname()[1]
+            async with running(program, f"{own_host}{port}"):
+                await until(lambda: len(began_s) == 2, "its second connection")
+        return began_s[1] - began_s[0]
+
+    async with lateness() as late:
+        took_s = await asyncio.gather(
+            await_second_connection(tcp_sketch, ""), await_second_connection(linux_program, "127.0.0.1:")
+        )
+    assert 8.0 < min(took_s) <= max(took_s) < 12.0 + late.total_s
 
 
 async def test_udp_exchanges_messages(udp_sketch: Path) -> None:

@@ -61,6 +61,43 @@ TEST(silence, messages_alone_do_not_count_as_a_host) {
   EXPECT(!board.node.connected());
 }
 
+// A network whose connection can be replaced.
+class NetworkHardware : public PlainHardware {
+ public:
+  bool relinked() {
+    const bool changed = changed_;
+    changed_ = false;
+    return changed;
+  }
+  void relink() {
+    ++relinks;
+    changed_ = true;
+  }
+
+  int relinks = 0;
+
+ private:
+  bool changed_ = false;
+};
+
+TEST(silence, a_connection_to_a_silent_host_is_replaced_every_ten_seconds) {
+  Board<NetworkHardware> board;
+  board.meet();
+  for (int ms = 0; ms < 35000; ++ms) {
+    ++board.line.now_ms;
+    board.node.spinOnce();
+  }
+  EXPECT_EQUAL(board.node.getHardware()->relinks, 3);
+  // A sketch that blocks for longer asks in time, and gets its answer at the next spin.
+  board.node.initNode();
+  for (int i = 0; i < 10; ++i) {
+    board.line.now_ms += 20000;
+    board.line.send(Board<>::time(1700000000));
+    for (int spins = 0; spins < 3; ++spins) board.node.spinOnce();
+  }
+  EXPECT_EQUAL(board.node.getHardware()->relinks, 3);
+}
+
 TEST(silence, stopping_is_obeyed_at_once) {
   Board<> board;
   std_msgs::String text;

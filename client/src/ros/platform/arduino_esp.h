@@ -15,6 +15,7 @@ class Network {
   virtual int read() = 0;
   virtual void write(uint8_t* bytes, int count) = 0;
   virtual bool relinked() = 0;
+  virtual void relink() = 0;
 
  protected:
   ~Network() {}
@@ -28,6 +29,7 @@ class NetworkOf final : public Network {
   int read() override { return hardware_.read(); }
   void write(uint8_t* bytes, int count) override { hardware_.write(bytes, count); }
   bool relinked() override { return hardware_.relinked(); }
+  void relink() override { hardware_.relink(); }
 
  private:
   Hardware hardware_;
@@ -60,6 +62,9 @@ class ArduinoHardware : public ros::ArduinoSerial {
   // A client accepts any number of bytes.
   int writable() { return network_ ? 0x7fff : ros::ArduinoSerial::writable(); }
   bool relinked() { return network_ && network_->relinked(); }
+  void relink() {
+    if (network_) network_->relink();
+  }
 
  private:
   ros::Network* network_;

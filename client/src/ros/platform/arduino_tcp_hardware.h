@@ -41,6 +41,11 @@ class ArduinoTcpHardware {
   }
 
   bool relinked() { return link_.takeChange(); }
+  void relink() {
+    if (!link_.isConnected()) return;
+    client_.stop();
+    link_.lost(millis());
+  }
   unsigned long time() { return millis(); }
 
  private:
@@ -52,9 +57,7 @@ class ArduinoTcpHardware {
     if (link_.isConnected()) {
       if (static_cast<uint8_t>(now_ms - asked_ms_) < WATCH_PERIOD_MS) return;
       asked_ms_ = static_cast<uint8_t>(now_ms);
-      if (client_.connected()) return;
-      client_.stop();
-      link_.lost(now_ms);
+      if (!client_.connected()) relink();
     } else if (link_.isDue(now_ms)) {
       attempt();
     }

@@ -21,6 +21,7 @@ enum PipeState { PIPE_FAILED, PIPE_PENDING, PIPE_OPEN };
 //   int write(const uint8_t* bytes, size_t) likewise
 //   void wait(uint32_t wait_ms)             until it takes or gives bytes again, or so long
 //   void close()
+//   bool isNetwork()                        whether it can fail without an error
 //   const char* name(), const char* reason()  what is opened, and why that failed
 //   static uint32_t milliseconds()          of a clock that is never set
 // A copy of it is closed.
@@ -78,6 +79,10 @@ class PipeHardware {
   }
 
   bool relinked() { return link_.takeChange(); }
+  // A serial port stays open: its program may start at any time.
+  void relink() {
+    if (pipe_.isNetwork() && link_.isConnected()) lose();
+  }
   // Since the first initNode.
   unsigned long time() { return Pipe::milliseconds() - began_ms_; }
 

@@ -42,6 +42,7 @@ class PosixPipe {
   }
   const char* name() const { return is_tty_ ? tty_.name() : tcp_.name(); }
   const char* reason() const { return is_tty_ ? tty_.reason() : tcp_.reason(); }
+  bool isNetwork() const { return !is_tty_; }
   static uint32_t milliseconds() { return posixMilliseconds(); }
 
  private:

@@ -80,6 +80,7 @@ class TtyPipe {
     if (fd_ >= 0) ::close(fd_);
     fd_ = -1;
   }
+  static bool isNetwork() { return false; }
   static uint32_t milliseconds() { return posixMilliseconds(); }
 
  private:

@@ -56,6 +56,7 @@ class TcpPipe {
     if (socket_ != Sockets::NONE) Sockets::close(socket_);
     socket_ = Sockets::NONE;
   }
+  static bool isNetwork() { return true; }
   static uint32_t milliseconds() { return Sockets::milliseconds(); }
 
  private:

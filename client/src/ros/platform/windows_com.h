@@ -80,6 +80,7 @@ class ComPipe {
     if (handle_ != INVALID_HANDLE_VALUE) CloseHandle(handle_);
     handle_ = INVALID_HANDLE_VALUE;
   }
+  static bool isNetwork() { return false; }
   static uint32_t milliseconds() { return GetTickCount(); }
 
  private:

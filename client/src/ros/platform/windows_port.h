@@ -43,6 +43,7 @@ class WindowsPipe {
   }
   const char* name() const { return is_com_ ? com_.name() : tcp_.name(); }
   const char* reason() const { return is_com_ ? com_.reason() : tcp_.reason(); }
+  bool isNetwork() const { return !is_com_; }
   static uint32_t milliseconds() { return GetTickCount(); }
 
  private:
