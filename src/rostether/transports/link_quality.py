@@ -8,6 +8,8 @@ from dataclasses import dataclass, field
 # How many of the last packets a finding counts: some seconds of a busy link, and enough that one lost packet
 # has little weight.
 RECENT_PACKETS = 50
+# If all packets to a board are lost, so few are enough.
+UNREACHED_PACKETS = 10
 
 
 @dataclass(slots=True)
@@ -46,6 +48,13 @@ class LinkQuality:
             self.retries = (self.retries or 0) + retries
 
     @property
+    def recent_packets(self) -> int:
+        """How many packets `recent_loss` counts."""
+        return len(self._recent)
+
+    @property
     def recent_loss(self) -> float | None:
         """The lost share of the last packets to the board, from 0 to 1; None until there are enough."""
-        return sum(self._recent) / RECENT_PACKETS if len(self._recent) == RECENT_PACKETS else None
+        count = len(self._recent)
+        is_enough = count == RECENT_PACKETS or (count >= UNREACHED_PACKETS and all(self._recent))
+        return sum(self._recent) / count if is_enough else None

@@ -18,7 +18,7 @@ from rostether.graph.ports import Level
 from rostether.rosserial.clock_estimate import ClockEstimate
 from rostether.rosserial.link_statistics import LinkStatistics
 from rostether.serde.store import TypeStore
-from rostether.transports.link_quality import RECENT_PACKETS, LinkQuality
+from rostether.transports.link_quality import LinkQuality
 
 # 5 ms between two time answers. Crystals have 100, the resonators of small boards up to 5000.
 DRIFT_PPM = 2000
@@ -92,7 +92,9 @@ class BoardHealth:
         found = self.watch.find(now_s)
         found += self._endpoints.find(now_s, self.watch.too_large_s, self.watch.oversizes)
         found += self.required.find()
-        found += _radio_loss(self.radio)
+        if not self.watch.is_silent:
+            # A board that is off or out of range has its own finding.
+            found += _radio_loss(self.radio)
         drift_ppm = self.clock.drift_ppm
         if drift_ppm is not None and abs(drift_ppm) >= DRIFT_PPM:
             found.append(_drift(drift_ppm))
@@ -114,7 +116,7 @@ def _radio_loss(radio: LinkQuality | None) -> list[Finding]:
     return [
         warning(
             Code.RADIO_LOSS,
-            f"{100 * loss:.0f} % of the last {RECENT_PACKETS} radio packets to the board were lost "
+            f"{100 * loss:.0f} % of the last {radio.recent_packets} radio packets to the board were lost "
             f"({radio.last_loss}{signal})",
             "move the radios closer together, or set all of them to another channel",
         )

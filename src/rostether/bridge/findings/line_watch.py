@@ -47,6 +47,9 @@ PAUSED_S = 3.0
 # The log line of the established library for a message that does not fit its output buffer.
 TOO_LARGE = "larger than buffer"
 
+# What to check of a silent board, besides its power; a cable on a serial line.
+_CONNECTIONS = {Medium.TCP: "network", Medium.UDP: "network", Medium.RADIO: "radio"}
+
 _SIGNS_OF_LIFE = (
     TimeRequested,
     TopicAnnounced,
@@ -193,6 +196,11 @@ class LineWatch:
         if self.was_alive and (loses_datagrams or not was_text):
             self._damage.count_discarded(event, now_s)
 
+    @property
+    def is_silent(self) -> bool:
+        """Whether a board that has answered before is silent for too long."""
+        return self._silence_s is not None
+
     def _find_absence(self, now_s: float) -> Finding | None:
         if self._silence_s is None:
             if self.was_alive or now_s - self._opened_s < NO_ANSWER_S:
@@ -203,7 +211,8 @@ class LineWatch:
         return error(
             Code.BOARD_SILENT,
             f"the board has been silent for {self._silence_s:.0f} s; requesting its topics until it answers",
-            "check its power and its cable, and that loop() still runs and calls nh.spinOnce()",
+            f"check its power and its {_CONNECTIONS.get(self._medium, 'cable')}, and that loop() still runs "
+            "and calls nh.spinOnce()",
         )
 
     def _find_resets(self, now_s: float, damage: Finding | None) -> Finding | None:

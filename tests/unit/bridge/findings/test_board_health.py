@@ -11,7 +11,7 @@ from rostether.bridge.findings.resets import MIN_RESETS
 from rostether.errors import PeerClosedError, TransportClosedError, TransportError
 from rostether.rosserial.events import ProtocolDetected
 from rostether.rosserial.link_statistics import LinkStatistics
-from rostether.transports.link_quality import RECENT_PACKETS, LinkQuality
+from rostether.transports.link_quality import RECENT_PACKETS, UNREACHED_PACKETS, LinkQuality
 from unit.bridge.nodes import STORE, World
 
 
@@ -51,6 +51,19 @@ async def test_the_finding_of_a_radio_names_the_last_packet_that_was_lost() -> N
     assert finding.seen.startswith(
         "50 % of the last 50 radio packets to the board were lost (no acknowledgement, signal -71 dBm"
     )
+
+
+async def test_a_board_that_no_radio_packet_reaches_is_found_soon() -> None:
+    world = await World().open()
+    health = BoardNode(world.board, STORE, world.reporter, asyncio.get_running_loop().time).health
+    health.radio = LinkQuality()
+    health.connected(57600, LinkStatistics(), 0.0)
+    for number in range(1, UNREACHED_PACKETS + 1):
+        assert health.find(1.0) == []
+        health.radio.sent("no acknowledgement", is_lost=True)
+        assert health.radio.lost_packets == number
+    (finding,) = health.find(1.0)
+    assert finding.seen == "100 % of the last 10 radio packets to the board were lost (no acknowledgement)"
 
 
 def slow(late_ms: int = 100) -> Finding:

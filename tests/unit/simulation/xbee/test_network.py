@@ -182,9 +182,7 @@ def test_link_quality_is_on_diagnostics() -> None:
             assert values["last radio packet"] == "delivered"
             assert int(values["radio packets sent"]) > 2
             assert values["radio packets lost"] == "0"
-            # The board receives nothing after this.
-            site.radio_of(1).registers.execute("ID", 0x1234)
-            site.radio_of(1).registers.apply()
+            site.xbees.air.conditions = AirConditions(loss=0.7, rssi_dbm=-71)
             driver = await site.network.join("/driver")
             led = await driver.advertise("/board_1/led", LED)
             for _ in range(100):
@@ -194,6 +192,14 @@ def test_link_quality_is_on_diagnostics() -> None:
             status = STORE.codec("diagnostic_msgs/DiagnosticArray").decode(arrays[-1]).status[0]
             finding = next(each.value for each in status.values if each.key == "finding radio-loss")
             assert "no acknowledgement, signal -71 dBm" in finding
+            # The board is out of range: one finding, with one remedy.
+            site.radio_of(1).registers.execute("ID", 0x1234)
+            site.radio_of(1).registers.apply()
+            await asyncio.sleep(8.0)
+            status = STORE.codec("diagnostic_msgs/DiagnosticArray").decode(arrays[-1]).status[0]
+            findings = {each.key: each.value for each in status.values if each.key.startswith("finding ")}
+            assert list(findings) == ["finding board-silent"]
+            assert "check its power and its radio" in findings["finding board-silent"]
 
     run_on_virtual_time(main())
 
