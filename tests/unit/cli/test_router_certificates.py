@@ -35,9 +35,9 @@ def run(folder: Path, *arguments: str) -> None:
     subprocess.run(["openssl", *arguments], cwd=folder, check=True, capture_output=True)
 
 
-def certify(folder: Path, name: str, authority: str, *, until: str = "") -> None:
+def certify(folder: Path, name: str, authority: str, *, host: str = "localhost", until: str = "") -> None:
     run(folder, "req", *KEY, "-subj", f"/CN={name}", "-keyout", f"{name}.key", "-out", f"{name}.csr")
-    (folder / "ext").write_text("subjectAltName=DNS:localhost")
+    (folder / "ext").write_text(f"subjectAltName=DNS:{host}")
     if until:
         # `openssl x509` of OpenSSL 3.0 cannot set dates.
         (folder / "issued").write_text("")
@@ -78,6 +78,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
         )
     for name, authority in (("robot", "ours"), ("laptop", "ours"), ("stranger", "others")):
         certify(folder, name, authority)
+    certify(folder, "elsewhere", "ours", host="elsewhere")
     certify(folder, "expired", "ours", until="20200201000000Z")
     return folder
 
@@ -115,39 +116,54 @@ def ours(name: str) -> dict[str, object]:
 
 
 @pytest.mark.parametrize(
-    ("tls", "here", "there"),
+    ("tls", "here", "there", "robot_certificate"),
     [
-        (ours("laptop"), "", ""),
+        (ours("laptop"), "", "", "robot"),
         (
             ours("stranger"),
             "it refuses the client certificate",
             "its certificate is not from the configured authority",
+            "robot",
         ),
-        (OURS, "it asks for a certificate", "it has no certificate"),
+        (OURS, "it asks for a certificate", "it has no certificate", "robot"),
         (
             {"root_ca_certificate": "others.pem"},
             "others.pem is not its authority",
             "it does not know the authority",
+            "robot",
         ),
-        ({}, "no authority is given", "it does not know the authority"),
+        ({}, "no authority is given", "it does not know the authority", "robot"),
         (
             ours("laptop") | {"connect_private_key": "stranger.key"},
             "stranger.key is not the key of the certificate",
             "",
+            "robot",
         ),
-        (OURS | {"root_ca_certificate": "none.pem"}, "none.pem cannot be read (No such file", ""),
-        (ours("expired"), "refuses the client certificate", "its certificate has expired (invalid"),
+        (OURS | {"root_ca_certificate": "none.pem"}, "none.pem cannot be read (No such file", "", "robot"),
+        (ours("expired"), "refuses the client certificate", "its certificate has expired (invalid", "robot"),
+        (
+            ours("laptop"),
+            "(certificate has expired): renew it, or set the clock",
+            "this machine's certificate has expired (received fatal alert: CertificateExpired); renew it",
+            "expired",
+        ),
+        (
+            ours("laptop"),
+            "its certificate is for another machine (Hostname mismatch",
+            "it does not accept this machine's certificate (received fatal alert: BadCertificate); check",
+            "elsewhere",
+        ),
     ],
 )
 async def test_both_sides_report_the_reason(
-    folder: Path, tls: dict[str, object], here: str, there: str
+    folder: Path, tls: dict[str, object], here: str, there: str, robot_certificate: str
 ) -> None:
     port, tcp_port = free_port(), free_port()
     robot = {
         **OURS,
         "enable_mtls": True,
-        "listen_certificate": "robot.pem",
-        "listen_private_key": "robot.key",
+        "listen_certificate": f"{robot_certificate}.pem",
+        "listen_private_key": f"{robot_certificate}.key",
     }
     listening = [f"tcp/localhost:{tcp_port}", f"tls/0.0.0.0:{port}"]
     router = await start_command(

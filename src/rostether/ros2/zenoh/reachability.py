@@ -23,6 +23,9 @@ PROBE_TIMEOUT_S = 3.0
 # The time to wait for a refusal of the certificate, which TLS 1.3 sends after the handshake.
 REFUSAL_TIMEOUT_S = 1.0
 
+# OpenSSL's numbers for a certificate without the name or address of the connection.
+_NAME_FAULTS = frozenset({62, 64})
+
 _TLS_PROTOCOLS = ("tls/", "quic/")
 
 # The cause if an endpoint accepts connections, or its protocol cannot be tried.
@@ -165,7 +168,9 @@ def _explain_verification(error: ssl.SSLCertVerificationError, tls: Mapping[str,
         authority = tls.get("root_ca_certificate")
         where = f"{authority} is not its authority" if authority else "no authority is given"
         return f"its certificate is not known here ({reason}; {where}): set {_TLS}/root_ca_certificate"
-    return f"its certificate is not valid here ({reason}): check the names and dates in it"
+    if error.verify_code in _NAME_FAULTS:
+        return f"its certificate is for another machine ({reason}): connect by a name that it contains"
+    return f"its certificate is not valid here ({reason}): renew it, or set the clock of this machine"
 
 
 def _explain_refusal(error: ssl.SSLError) -> str:

@@ -24,15 +24,22 @@ MAX_KINDS = 32
 
 _LINE = re.compile(rb"WARN .*zenoh_link_(?:tls|quic)\S*: (?P<reason>.*)$")
 _COLOR = re.compile(rb"\x1b\[[0-9;]*m")
+_OTHER = "it needs a certificate from the authority in root_ca_certificate"
 _MEANINGS = {
-    "UnknownIssuer": "its certificate is not from the configured authority",
-    "sent no certificates": "it has no certificate",
-    "UnknownCA": "it does not know the authority of this machine's certificate",
-    "certificate expired": "its certificate has expired",
-    "not valid yet": "its certificate is not valid yet, or a clock is wrong",
-    "CertificateExpired": "this machine's certificate has expired",
-    "BadCertificate": "it does not accept this machine's certificate",
-    "InvalidContentType": "it does not speak TLS; it needs an endpoint with tls/",
+    "UnknownIssuer": ("its certificate is not from the configured authority", _OTHER),
+    "sent no certificates": ("it has no certificate", _OTHER),
+    "UnknownCA": (
+        "it does not know the authority of this machine's certificate",
+        "set root_ca_certificate there",
+    ),
+    "certificate expired": ("its certificate has expired", "renew it"),
+    "not valid yet": ("its certificate is not valid yet", "set the clocks of both machines"),
+    "CertificateExpired": ("this machine's certificate has expired", "renew it, and start again"),
+    "BadCertificate": (
+        "it does not accept this machine's certificate",
+        "check that it contains the name by which the other machine connects",
+    ),
+    "InvalidContentType": ("it does not speak TLS", "it needs an endpoint with tls/"),
 }
 # A program that only tests whether the port is open is not refused.
 _TESTED = "handshake eof"
@@ -66,12 +73,10 @@ def explain(line: bytes) -> str:
     reason = found["reason"].decode("utf-8", "replace").partition(" Hint:")[0].rstrip(".")
     # The seconds after this differ each time.
     reason = reason.partition(": verification time")[0]
-    meaning = next((text for word, text in _MEANINGS.items() if word in reason), "")
-    return (
-        f"refused a TLS connection: {meaning} ({reason})"
-        if meaning
-        else f"refused a TLS connection: {reason}"
-    )
+    for word, (meaning, remedy) in _MEANINGS.items():
+        if word in reason:
+            return f"refused a TLS connection: {meaning} ({reason}); {remedy}"
+    return f"refused a TLS connection: {reason}"
 
 
 def _read(source: int, output: int) -> None:
