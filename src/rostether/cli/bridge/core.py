@@ -28,7 +28,7 @@ from rostether.mechanisms.block_end import closed_at_end
 from rostether.ros1.environment import RosEnvironment, format_uri
 
 # Where the nodes of this machine look for the router.
-_USUAL_PLACES = ("/localhost:7447", "/127.0.0.1:7447", "/[::1]:7447", "/0.0.0.0:7447", "/[::]:7447")
+_USUAL_ENDPOINTS = ("/localhost:7447", "/127.0.0.1:7447", "/[::1]:7447", "/0.0.0.0:7447", "/[::]:7447")
 
 # Scripts pass these options of roscore; they have no effect here.
 _roscore_options = ignored_options(
@@ -124,7 +124,7 @@ async def _serve_router(reach: ZenohReach) -> None:
             write_line(
                 "Only this machine can reach it; add --zenoh-listen tcp/0.0.0.0:7447 for other machines"
             )
-        if not any(endpoint.endswith(_USUAL_PLACES) for endpoint in access.listens_on):
+        if not any(endpoint.endswith(_USUAL_ENDPOINTS) for endpoint in access.listens_on):
             write_line(
                 "Nodes on this machine use tcp/localhost:7447: add --zenoh-listen tcp/localhost:7447 for them"
             )

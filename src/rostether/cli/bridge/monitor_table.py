@@ -144,7 +144,7 @@ def _brief(board: BoardStatus, columns: Sequence[_Column], name_width: int, widt
 
 
 def _row(board: BoardStatus, columns: Sequence[_Column], name_width: int, width: int) -> Line:
-    figures = {
+    texts = {
         "UP": duration(board.connected_s),
         "IN/s": amount(board.received_bytes_s),
         "OUT/s": amount(board.sent_bytes_s),
@@ -162,7 +162,7 @@ def _row(board: BoardStatus, columns: Sequence[_Column], name_width: int, width:
         (f"{_cut(state, _STATE_WIDTH):{_STATE_WIDTH}}", _STATE_STYLES.get(board.state, "yellow")),
     ]
     for column in columns:
-        text = figures[column.title]
+        text = texts[column.title]
         is_bad = column.title in ("DROPS", "BAD") and text != "0"
         pieces.append((f" {text:>{column.width}}", "yellow" if is_bad else ""))
     return _fit(pieces, width)

@@ -109,7 +109,7 @@ def _extra(extra: str, module: str, distribution: str, purpose: str) -> Finding:
     try:
         return Finding(extra, purpose, f"{distribution} {importlib.metadata.version(distribution)}")
     except importlib.metadata.PackageNotFoundError:
-        # It belongs to a sourced ROS 2, or to the system.
+        # The module belongs to a sourced ROS 2, or to the system.
         return Finding(extra, purpose, f"{module}, not installed by pip")
 
 

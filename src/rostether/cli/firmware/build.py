@@ -82,11 +82,11 @@ async def refuse_too_large(built: BuiltFirmware, elf: ElfFile) -> None:
 
 def describe_sizes(built: BuiltFirmware, elf: ElfFile) -> str:
     """Return flash and RAM with their limits, if known."""
-    board = built.board
-    return f"{_of(elf.flash_bytes, board.flash_bytes)} of flash, {_of(elf.ram_bytes, board.ram_bytes)} of RAM"
+    flash = _used_of(elf.flash_bytes, built.board.flash_bytes)
+    return f"{flash} of flash, {_used_of(elf.ram_bytes, built.board.ram_bytes)} of RAM"
 
 
-def _of(used: int, limit: int) -> str:
+def _used_of(used: int, limit: int) -> str:
     if not limit:
         return f"{used} bytes"
     return f"{used} of {limit} bytes ({100 * used / limit:.0f} %)"

@@ -34,7 +34,7 @@ MAX_COLUMNS = 100
 SHOWN_ITEMS = 3
 _BAR_CELLS = 20
 _TEMPLATE = re.compile(r"<[^<>]*>")
-_SHOWN_WAY = 6
+_MAX_SHOWN_CALLS = 6
 
 
 @verb(
@@ -215,8 +215,8 @@ def _messages(endpoints: Sequence[Endpoint], buffer_bytes: int) -> Table:
 
 def _describe_stack(stack: StackEstimate) -> str:
     names = [_short(each) for each in stack.main_path]
-    if len(names) > _SHOWN_WAY:
-        names = [*names[: _SHOWN_WAY - 2], "...", names[-1]]
+    if len(names) > _MAX_SHOWN_CALLS:
+        names = [*names[: _MAX_SHOWN_CALLS - 2], "...", names[-1]]
     lines = [f"Deepest stack: {stack.main_bytes} bytes in {' > '.join(names)}"]
     if stack.interrupt_bytes:
         interrupted = " > ".join(_short(each) for each in stack.interrupt_path[:2])
@@ -230,4 +230,4 @@ def _short(name: str) -> str:
     """Return a name without template arguments and our namespace."""
     while (plain := _TEMPLATE.sub("", name)) != name:
         name = plain
-    return name.replace("ros::", "").replace("(anonymous namespace)::", "").replace("()", "")
+    return name.replace("ros::", "").replace("()", "")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -103,16 +104,14 @@ def definition_problems(contents: PackageContents, registry: Registry) -> list[s
     """Return a line for every message, service or action of a package that cannot be used."""
     name = contents.description.name
     problems = []
-    wanted = [(registry.message_type, each) for each in contents.messages]
-    wanted += [(registry.message_type, f"{each}Action") for each in contents.actions]
+    wanted: list[tuple[Callable[[str], object], str]] = [
+        *((registry.message_type, each) for each in contents.messages),
+        *((registry.message_type, f"{each}Action") for each in contents.actions),
+        *((registry.service_type, each) for each in contents.services),
+    ]
     for read, each in wanted:
         try:
             read(f"{name}/{each}")
-        except RostetherError as error:
-            problems.append(str(error))
-    for each in contents.services:
-        try:
-            registry.service_type(f"{name}/{each}")
         except RostetherError as error:
             problems.append(str(error))
     return problems

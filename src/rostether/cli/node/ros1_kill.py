@@ -66,7 +66,7 @@ async def _kill(environment: RosEnvironment, names: list[str]) -> list[tuple[str
                 async with node_client(name, await client.lookup_node(name)) as peer:
                     await ask(peer, "shutdown", "user request")
             except UnknownNameError:
-                # It ended by itself in the meantime.
+                # The node has ended in the meantime.
                 continue
             except GraphError as error:
                 # A node may close the connection while it answers: only an unreachable node was not asked.

@@ -5,7 +5,7 @@ from __future__ import annotations
 import struct
 from collections.abc import Sequence
 from contextlib import closing
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import click
@@ -137,10 +137,10 @@ async def _query(settings: FleetSettings, as_json: bool, *, detailed: bool) -> i
 
     with closing(FleetSender(settings, _report)) as sender:
         await sender.query()
-    for robot in sender.robots:
-        if as_json:
+    if as_json:
+        for robot in sender.robots:
             write_json(_record(robot))
-    if not as_json:
+    else:
         _write_table([_cells(each, detailed) for each in sender.robots], detailed)
     if not sender.robots:
         warn(silence_text(settings))
@@ -148,7 +148,6 @@ async def _query(settings: FleetSettings, as_json: bool, *, detailed: bool) -> i
 
 
 async def _drive(settings: FleetSettings, payload: bytes, duration_s: float) -> int:
-    from dataclasses import replace
 
     from rostether.msgdef.registry import Registry
     from rostether.platform.fleet import FleetSender

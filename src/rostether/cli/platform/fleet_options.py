@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import click
@@ -65,7 +66,6 @@ def fleet_options() -> Callable[[Function], Function]:
 
 def for_robot(fleet: FleetSettings, robot: int | None) -> FleetSettings:
     """Return the settings for one robot, or the same. Raises click.UsageError for a robot and groups."""
-    from dataclasses import replace
 
     from rostether.platform.command_frame import ALL_GROUPS
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import AsyncGenerator, Callable
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
@@ -72,7 +73,6 @@ async def gps(graph: TypedGraph, _: Arguments) -> None:
     Parameters: ~port (/dev/ttyACM0; a link address), ~baud (9600), ~frame_id (gps), ~id (gps), ~name,
     ~platform_name.
     """
-    from dataclasses import replace
 
     from rostether.platform.sensors.gps import MESSAGE_TYPE, publish_positions
     from rostether.transports.address import SerialAddress

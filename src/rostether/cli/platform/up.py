@@ -58,7 +58,7 @@ def up(file: Path, check: bool) -> None:
     environ = {**os.environ, **robot.environment}
     interface = environ.get(INTERFACE_VARIABLE, "")
     if interface and not environ.get("ROS_IP") and sys.platform != "linux":
-        raise ConfigError(f"{file}: only Linux can choose the address by interface; add address = ")
+        raise ConfigError(f'{file}: only Linux finds the address of an interface; give address = "ADDRESS"')
 
     def report(name: str, line: str) -> None:
         write_line(f"{name.ljust(width)} | {line}")
@@ -104,9 +104,9 @@ class _Parts:
         """Run the parts until cancelled. Raises ConfigError if no part can run."""
         self.wrong.clear()
         async with asyncio.TaskGroup() as group:
-            for part in sorted(self._parts, key=_is_not_core):
+            for part in sorted(self._parts, key=_is_core, reverse=True):
                 running = group.create_task(self._keep_running(part))
-                if not _is_not_core(part):
+                if _is_core(part):
                     # The core may not be able to start.
                     await run_until(_wait_for_master(self._environ), asyncio.shield(running))
         hint = f"to see what is wrong: rostether up {self._file} --check"
@@ -133,8 +133,8 @@ async def _wait_for_address(interface: str, *, other_than: str = "") -> str:
     return address
 
 
-def _is_not_core(part: Part) -> bool:
-    return part.words[0] != "core"
+def _is_core(part: Part) -> bool:
+    return part.words[0] == "core"
 
 
 async def _wait_for_master(environ: Mapping[str, str]) -> None:

@@ -30,6 +30,8 @@ if TYPE_CHECKING:
     from rostether.graph.ports import Graph
     from rostether.graph.typed_graph import TypedGraph
 
+Main: TypeAlias = Callable[["TypedGraph", Arguments], Awaitable[None]]
+
 NODE_WORDS = "[NAME:=VALUE]..."
 
 # A node's arguments, as every ROS node accepts them.
@@ -102,7 +104,7 @@ async def _on_ros2(arguments: Arguments, name: str, ros2: str) -> AsyncIterator[
 def run_role(
     default_name: str,
     words: Sequence[str],
-    main: Callable[[TypedGraph, Arguments], Awaitable[None]],
+    main: Main,
     ros2: str | None = None,
 ) -> None:
     """Run a node until `main` returns, or the node or the process is shut down.
@@ -122,9 +124,6 @@ def run_role(
             await run_until(main(graph, arguments), graph.raw.wait_closed())
 
     run(until_ended(), is_service=True)
-
-
-Main: TypeAlias = Callable[["TypedGraph", Arguments], Awaitable[None]]
 
 
 def role(

@@ -101,7 +101,7 @@ def is_background_job(terminal: int) -> bool:
     try:
         return os.tcgetpgrp(terminal) != os.getpgrp()
     except OSError:
-        # It is not a terminal, or that of another session.
+        # The descriptor is not a terminal, or the terminal of another session.
         return False
 
 

@@ -75,27 +75,50 @@ class _Context(click.Context):
         return self.formatter_class(width=max(columns - 2, _MIN_HELP_WIDTH))
 
 
-class Verb(click.Command):
-    """A command whose help ends with examples to copy.
+class _CommandWithExamples(click.Command):
+    """A command whose help ends with examples to copy."""
+
+    context_class = _Context
+
+    def __init__(self, *args: Any, examples: str = "", **kwargs: Any) -> None:
+        kwargs["context_settings"] = {
+            "help_option_names": ["-h", "--help"],
+            "max_content_width": HELP_WIDTH,
+            **(kwargs.get("context_settings") or {}),
+        }
+        super().__init__(*args, **kwargs)
+        self.examples = dedent(examples).strip("\n")
+
+    def format_epilog(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        """Write the examples as given, or with each comment below its command if they are too wide."""
+        super().format_epilog(ctx, formatter)
+        if not self.examples:
+            return
+        formatter.write("\nExamples:\n")
+        lines = self.examples.splitlines()
+        if any(len(line) + 2 > formatter.width for line in lines):
+            lines = list(_with_comments_below(lines))
+        for line in lines:
+            formatter.write(f"  {line}\n" if line else "\n")
+
+
+class Verb(_CommandWithExamples):
+    """A command of the command line.
 
     `old_options` maps former names of options, which stay accepted, to the present ones; `hints` maps
     options that users expect to the right spelling.
     """
 
-    context_class = _Context
-
     def __init__(
         self,
         *args: Any,
-        examples: str = "",
         old_options: Mapping[str, str] = MappingProxyType({}),
         hints: Mapping[str, str] = MappingProxyType({}),
         **kwargs: Any,
     ) -> None:
-        super().__init__(*args, **_with_our_settings(kwargs))
+        super().__init__(*args, **kwargs)
         self.old_options = old_options
         self.hints = hints
-        self.examples = dedent(examples).strip("\n")
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
         """Read the arguments; `–once`, as books and PDFs print it, is `--once`."""
@@ -131,11 +154,6 @@ class Verb(click.Command):
             with formatter.section(heading):
                 formatter.write_dl(records)
 
-    def format_epilog(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
-        """Write the examples below the options, line by line as given."""
-        super().format_epilog(ctx, formatter)
-        _write_examples(self.examples, formatter)
-
 
 def verb(
     name: str, examples: str, *, cls: type[Verb] = Verb, **settings: Any
@@ -149,26 +167,22 @@ def verb(
     return click.command(name, cls=cls, examples=examples, **settings)
 
 
-class LazyGroup(click.Group):
+class LazyGroup(_CommandWithExamples, click.Group):
     """A group of verbs, each imported when used, so that commands start quickly.
 
     `suggest` returns the commands for a word that users of other tools type, as words after `rostether`.
     """
-
-    context_class = _Context
 
     def __init__(
         self,
         *args: Any,
         verbs: Mapping[str, VerbEntry],
         suggest: Callable[[str], Iterable[str]] = lambda _word: (),
-        examples: str = "",
         **kwargs: Any,
     ) -> None:
-        super().__init__(*args, **_with_our_settings(kwargs))
+        super().__init__(*args, **kwargs)
         self.verbs = dict(verbs)
         self.suggest = suggest
-        self.examples = dedent(examples).strip("\n")
 
     def list_commands(self, ctx: click.Context) -> list[str]:
         """Return the verbs in the order of their table, which suits newcomers."""
@@ -229,11 +243,6 @@ class LazyGroup(click.Group):
             with formatter.section(heading):
                 formatter.write_dl([(name.ljust(width), entry.summary) for name, entry in group])
 
-    def format_epilog(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
-        """Write the examples below the commands, line by line as given."""
-        super().format_epilog(ctx, formatter)
-        _write_examples(self.examples, formatter)
-
     def shell_complete(self, ctx: click.Context, incomplete: str) -> list[CompletionItem]:
         """Complete verbs from the table, without importing them, and the group's own options."""
         verbs = [
@@ -250,27 +259,6 @@ def _plain_dashes(argument: str, known: set[str]) -> str:
             if dashes + argument[1:] in known:
                 return dashes + argument[1:]
     return argument
-
-
-def _with_our_settings(kwargs: dict[str, Any]) -> dict[str, Any]:
-    settings = {
-        "help_option_names": ["-h", "--help"],
-        "max_content_width": HELP_WIDTH,
-        **(kwargs.get("context_settings") or {}),
-    }
-    return {**kwargs, "context_settings": settings}
-
-
-def _write_examples(examples: str, formatter: click.HelpFormatter) -> None:
-    """Write the examples as given, or with each comment below its command if they are too wide."""
-    if not examples:
-        return
-    formatter.write("\nExamples:\n")
-    lines = examples.splitlines()
-    if any(len(line) + 2 > formatter.width for line in lines):
-        lines = list(_with_comments_below(lines))
-    for line in lines:
-        formatter.write(f"  {line}\n" if line else "\n")
 
 
 def _with_comments_below(lines: list[str]) -> Iterator[str]:

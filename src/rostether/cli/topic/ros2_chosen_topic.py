@@ -54,11 +54,11 @@ async def choose_ros2_topic(
     `/imu/angular_velocity` is a field where there is no topic of that name. Raises UnknownTypeError,
     ConfigError for a field that the type lacks, TypeMismatchError for a topic of several types.
     """
-    name, _, _ = text.partition("[")
+    name, bracket, indices = text.partition("[")
     name = tool.graph.resolve(name.rstrip("/") or "/")
     if type_name is not None:
         return _with_field(tool, name, short_name(type_name), field)
-    wanted = name + text[len(text.partition("[")[0]) :]
+    wanted = name + bracket + indices
     view = await tool.snapshot_when(lambda seen: _published(seen, wanted) is not None)
     found = _published(view, wanted)
     if found is None:
