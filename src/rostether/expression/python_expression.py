@@ -1,7 +1,7 @@
 """Any Python expression within a budget, for formats that allow the whole language, such as xacro.
 
 The syntax tree is rewritten so that each call, operator and loop spends from a budget; Python evaluates the
-rest. This bounds time and memory. It does not contain hostile code: a file that may name any attribute can
+rest. This bounds time and memory. It does not stop hostile code: a file that may name any attribute can
 reach the interpreter.
 """
 
@@ -17,7 +17,7 @@ from typing import Any, Final
 
 from rostether.expression.budget import Budget
 
-# Of all expressions of one evaluator: twenty seconds of computing.
+# The limit for all expressions of one evaluator together: twenty seconds of computing.
 MAX_TOTAL_STEPS: Final = 100_000_000
 
 # A format's width and precision: no double has more digits.

@@ -86,7 +86,10 @@ def _files(sketch: Sketch) -> list[Path]:
     if sketch.owns_folder:
         for count, each in enumerate(sorted(sketch.folder.rglob("*"))):
             if count > MAX_SKETCH_FILES:
-                raise FirmwareError(f"{sketch.folder} contains more than {MAX_SKETCH_FILES} files")
+                raise FirmwareError(
+                    f"{sketch.folder} contains more than {MAX_SKETCH_FILES} files;"
+                    " give the folder of a sketch"
+                )
             if each.suffix in _SOURCES and each.is_file():
                 files.append(each)
     return list(dict.fromkeys(files))

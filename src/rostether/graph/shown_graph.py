@@ -34,8 +34,9 @@ class Shown:
 
 
 def choose(snapshot: Snapshot, names: Iterable[str] = (), *, with_hidden: bool = False) -> Shown:
-    """Select the parts that are one of `names` or in such a namespace, and their neighbors. Raises
-    UnknownNameError for a name that is not in the graph.
+    """Select the nodes and topics with one of `names` or in such a namespace, and their neighbors.
+
+    Raises UnknownNameError for a name that is not in the graph.
     """
     nodes = [each for each in snapshot.nodes if with_hidden or not _is_hidden_node(each)]
     topics = [each for each in snapshot.topics.values() if with_hidden or not _is_hidden_topic(each.name)]

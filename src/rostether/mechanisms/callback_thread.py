@@ -16,8 +16,8 @@ _T = TypeVar("_T")
 # How long a thread waits for items before it ends; a new one costs a tenth of a millisecond.
 IDLE_S = 5.0
 
-HIGH_WATER_ITEMS = 1000
 # The limits at which the source stops and continues: a slow callback must not fill the memory.
+HIGH_WATER_ITEMS = 1000
 LOW_WATER_ITEMS = 100
 
 

@@ -24,9 +24,8 @@ COLORS: Sequence[Color] = (
 )
 _INK: Color = (40, 44, 52)
 _GRID: Color = (226, 229, 234)
-_SIZE = 11.0
-
 # All sizes are in pixels; the size of a tick is its minimum distance from the next one.
+_SIZE = 11.0
 _WIDTH, _HEIGHT = 900, 480
 _TICK_HEIGHT = 36.0
 _TICK_WIDTH = 90.0

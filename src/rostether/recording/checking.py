@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import mmap
+from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -14,6 +14,7 @@ from rostether.recording.decoding import Decoder
 from rostether.recording.files import is_bag, is_mcap, open_recording
 from rostether.recording.mcap import checking as mcap_checking
 from rostether.recording.recorded import Connection
+from rostether.recording.regular_file import MappedFile
 from rostether.serde.layout import Layout
 
 
@@ -83,12 +84,8 @@ def file_faults(path: Path) -> list[str]:
         faults_of = bag_checking.faults_of
     else:
         return []
-    with path.open("rb") as file, mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) as data:
-        view = memoryview(data)
-        try:
-            return faults_of(view)
-        finally:
-            view.release()
+    with closing(MappedFile(path)) as file:
+        return faults_of(file.view)
 
 
 def _differences(connection: Connection, registry: Registry) -> list[str]:

@@ -33,8 +33,8 @@ MAX_REQUESTS = 256
 # Robots have a hundred frames; each is looked up at the request's rate.
 MAX_FRAMES = 1_000
 
-MAX_RATE_HZ = 100.0
 # Screens show 60 frames a second; the default of ten is enough to follow a robot.
+MAX_RATE_HZ = 100.0
 DEFAULT_RATE_HZ = 10.0
 
 # The lifetime of a request after its last subscriber: closed pages do not cancel their requests.

@@ -31,7 +31,7 @@ def one_plus_sum(data: bytes) -> int:
 
 @cache
 def _splitter(count: int) -> Callable[[bytes], tuple[bytes, ...]]:
-    """Return a struct that cuts off that number of pieces (at most 255), at half the cost of slices."""
+    """Return a function that cuts off `count` pieces (at most 255), at half the cost of slices."""
     return Struct(f"{PIECE_BYTES}s" * count).unpack_from
 
 

@@ -27,13 +27,13 @@ from rostether.rosserial.topic_id import FIRST_USER_ID
 # Stretches between two valid frames; in worse noise, the last stretch includes all further ones.
 MAX_STRETCHES = 64
 
-FALSE_START_SUMS_BYTES = 4096
 # Checksumming a false frame costs as much as one header check per this many bytes.
+FALSE_START_SUMS_BYTES = 4096
 FALSE_START_RUNNING_SUMS_BYTES = 64
 
+# If a buffer is too noisy to scan completely, its end is scanned: it has the newest data of the device.
 MIN_TAIL_BYTES = 256
 MAX_TAIL_BYTES = 1024
-# If a buffer is too noisy to scan completely, its end is scanned: it has the newest data of the device.
 TAIL_SHARE = 64
 
 # Some dozen topics times the lengths of their strings; when the table is full, all headers are forgotten.

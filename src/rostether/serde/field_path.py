@@ -13,6 +13,7 @@ from rostether.msgdef.spec import FieldType
 from rostether.serde.codec import Codec
 from rostether.serde.type_tree import Array, Member, Struct
 
+# start:stop:step
 _MAX_SLICE_PARTS = 3
 
 

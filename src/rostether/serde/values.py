@@ -18,6 +18,7 @@ from rostether.rostime import Duration, Time
 from rostether.serde.type_tree import Array, Member, Node, Number, Stamp, Struct
 
 _NAME: Final = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
+# The characters of a value that an error shows.
 _MAX_SHOWN: Final = 40
 
 

@@ -18,8 +18,8 @@ SCHEMA_VERSION = 4
 
 # The size of a message's row and index entry, without the payload.
 _ROW_BYTES = 40
-_MAX_WAITING_ROWS = 10_000
 # The data that may wait for the next commit: about 10 ms of writing.
+_MAX_WAITING_ROWS = 10_000
 _MAX_WAITING_BYTES = 1 << 20
 # Another program that reads the file locks it only briefly; a longer wait would block the recorder.
 _LOCK_WAIT_S = 0.2

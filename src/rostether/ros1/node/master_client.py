@@ -194,7 +194,7 @@ class _Connections:
                 await self._turns.acquire()
         except TimeoutError:
             raise MasterUnreachableError(
-                f"the ROS master at {self._key[0]} does not answer: see whether it hangs"
+                f"the ROS master at {self._key[0]} does not answer; check whether it hangs"
             ) from None
         try:
             return await self._client.call_status(method, *args)

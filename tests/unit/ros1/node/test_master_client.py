@@ -56,7 +56,7 @@ async def test_a_call_waits_for_a_connection_within_a_limit(monkeypatch: pytest.
     master = MasterClient(uri, "/node")
     calls = [asyncio.ensure_future(master.get_pid()) for _ in range(MAX_IDLE_CONNECTIONS)]
     await asyncio.sleep(0)
-    with pytest.raises(MasterUnreachableError, match="does not answer: see whether it hangs"):
+    with pytest.raises(MasterUnreachableError, match="does not answer; check whether it hangs"):
         await master.get_pid()
     for call in calls:
         call.cancel()
