@@ -9,6 +9,7 @@ ignored: `command & ... kill -INT $!` is how scripts stop ROS programs.
 from __future__ import annotations
 
 import asyncio
+import atexit
 import contextlib
 import os
 import signal
@@ -164,7 +165,9 @@ class _Ending:
             signal.setitimer(signal.ITIMER_REAL, 0)
         for number, handler in self._handlers_before.items():
             # A second SIGTERM or SIGHUP must not change the exit code of a command that the first one ended.
+            # When Python exits, it restores the default handlers, but not those of ignored signals.
             if handler is signal.SIG_DFL and self.exit_code is not None:
+                atexit.register(signal.signal, number, signal.SIG_IGN)
                 continue
             # ValueError in a thread, TypeError for a handler that Python did not set.
             with contextlib.suppress(ValueError, TypeError):

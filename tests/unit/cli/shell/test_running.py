@@ -51,6 +51,15 @@ def test_a_signal_ends_a_command_that_then_leaves_the_graph(
     assert command_node(graph) is None
 
 
+def test_signals_while_python_exits_do_not_change_the_exit_code(graph: LiveGraph) -> None:
+    with running(*ECHO, ROS_MASTER_URI=graph.uri) as process:
+        graph.wait_until(lambda: command_node(graph) is not None)
+        while process.poll() is None:
+            process.send_signal(signal.SIGTERM)
+            time.sleep(0.0002)
+    assert process.returncode == 143
+
+
 def test_python_says_nothing_about_an_expression(tmp_path: Path) -> None:
     with running("bag", "filter", "a.bag", "b.bag", "1if m else 0", cwd=tmp_path) as process:
         _, errors = process.communicate(timeout=60)
