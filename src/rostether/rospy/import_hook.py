@@ -22,8 +22,12 @@ _KINDS = ("msg", "srv")
 
 MODULES_FOLDER = Path(__file__).with_name("modules")
 
-# Modules of ROS that one module of `rostether.rospy` implements; the folder `modules` has the others.
+_GENPY_MESSAGE = "client.message client.message_arguments client.message_types client.stamps"
+
+# Modules of ROS that modules of `rostether.rospy` implement; of equal names, the last counts. The folder
+# `modules` has the others.
 _HOMES = {
+    "actionlib.action_client": "actionlib.action_client actionlib.client_goal actionlib.comm_states",
     "actionlib.action_server": "actionlib.action_server",
     "actionlib.exceptions": "actionlib.action_types",
     "actionlib.goal_id_generator": "actionlib.goal_ids",
@@ -31,20 +35,31 @@ _HOMES = {
     "actionlib.simple_action_client": "actionlib.simple_action_client",
     "actionlib.simple_action_server": "actionlib.simple_action_server",
     "genpy.dynamic": "client.message_types",
+    "genpy.message": _GENPY_MESSAGE,
     "genpy.rostime": "client.stamps",
     "message_filters": "client.message_filters",
+    "rosbag.bag": "bag.bag bag.facts bag.types",
+    "rosgraph.names": "tools.graph_names",
     "rosgraph.network": "tools.graph_network",
+    "roslib.message": _GENPY_MESSAGE,
+    "roslib.names": "tools.graph_names",
+    "roslib.packages": "tools.ros_packages",
     "rosmsg": "client.definition_texts",
     "rosnode": "tools.node_lookup",
     "rospkg.common": "tools.ros_packages",
     "rospkg.environment": "tools.ros_packages",
     "rospkg.rospack": "tools.ros_packages",
+    "rospy.client": "client.client client.logs client.parameters client.shutdown",
+    "rospy.core": "client.exceptions client.logs client.names client.node client.services client.shutdown",
     "rospy.exceptions": "client.exceptions",
+    "rospy.msg": "client.message client.publisher",
     "rospy.msproxy": "client.parameters",
+    "rospy.names": "tools.graph_names client.names",
     "rospy.numpy_msg": "client.numpy_messages",
     "rospy.rostime": "client.ros_time",
     "rospy.service": "client.exceptions",
     "rospy.timer": "client.ros_time",
+    "rospy.topics": "client.publisher client.subscriber",
     "rosserial_python": "client.serial_client",
     "rosservice": "tools.service_lookup",
     "tf.transformations": "tf.rotations",
@@ -99,7 +114,7 @@ class PackageFinder(MetaPathFinder):
     ) -> ModuleSpec | None:
         """Return a spec for a module or package that Python itself does not find."""
         if home := _HOMES.get(fullname):
-            return ModuleSpec(fullname, _HomeLoader(f"{__package__}.{home}"))
+            return ModuleSpec(fullname, _HomeLoader(home.split()))
         if "." in fullname:
             return None
         from rostether.rospy.client.message_types import all_types
@@ -130,14 +145,15 @@ class _EmptyLoader(Loader):
 
 
 class _HomeLoader(Loader):
-    """Gives a module the names of the one that implements it."""
+    """Gives a module the names of those that implement it."""
 
-    def __init__(self, home: str) -> None:
-        self._home = home
+    def __init__(self, homes: list[str]) -> None:
+        self._homes = homes
 
     def exec_module(self, module: ModuleType) -> None:
-        names = vars(importlib.import_module(self._home))
-        vars(module).update((name, value) for name, value in names.items() if not name.startswith("__"))
+        for home in self._homes:
+            names = vars(importlib.import_module(f"{__package__}.{home}"))
+            vars(module).update((name, value) for name, value in names.items() if not name.startswith("__"))
 
 
 class _DefinitionLoader(Loader):

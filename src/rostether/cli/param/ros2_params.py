@@ -30,18 +30,8 @@ if TYPE_CHECKING:
 
 T = TypeVar("T")
 
-_TYPE_WORDS = {
-    ParameterType.BOOL: "boolean",
-    ParameterType.INTEGER: "integer",
-    ParameterType.DOUBLE: "double",
-    ParameterType.STRING: "string",
-    ParameterType.BYTE_ARRAY: "byte array",
-    ParameterType.BOOL_ARRAY: "boolean array",
-    ParameterType.INTEGER_ARRAY: "integer array",
-    ParameterType.DOUBLE_ARRAY: "double array",
-    ParameterType.STRING_ARRAY: "string array",
-    ParameterType.NOT_SET: "not set",
-}
+# As in `ros2 param`: "boolean array", "not set".
+_TYPE_WORDS = {each: each.name.lower().replace("_", " ").replace("bool", "boolean") for each in ParameterType}
 _EXPONENT = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)[eE][-+]?\d+")
 _LIST_SERVICE = "/list_parameters"
 

@@ -31,18 +31,10 @@ class ParameterType(IntEnum):
     DOUBLE_ARRAY = 8
     STRING_ARRAY = 9
 
-
-_FIELDS = {
-    ParameterType.BOOL: "bool_value",
-    ParameterType.INTEGER: "integer_value",
-    ParameterType.DOUBLE: "double_value",
-    ParameterType.STRING: "string_value",
-    ParameterType.BYTE_ARRAY: "byte_array_value",
-    ParameterType.BOOL_ARRAY: "bool_array_value",
-    ParameterType.INTEGER_ARRAY: "integer_array_value",
-    ParameterType.DOUBLE_ARRAY: "double_array_value",
-    ParameterType.STRING_ARRAY: "string_array_value",
-}
+    @property
+    def field(self) -> str:
+        """The field of a rcl_interfaces/ParameterValue with a value of this type."""
+        return f"{self.name.lower()}_value"
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,9 +70,9 @@ class TypedValue:
         fields: dict[str, Any] = {"type": int(self.type)}
         if isinstance(self.value, bytes):
             # In ROS 1, `byte` is a signed number.
-            fields[_FIELDS[self.type]] = [byte - 256 if byte > 127 else byte for byte in self.value]
+            fields[self.type.field] = [byte - 256 if byte > 127 else byte for byte in self.value]
         elif self.type is not ParameterType.NOT_SET:
-            fields[_FIELDS[self.type]] = self.value
+            fields[self.type.field] = self.value
         return fields
 
 
@@ -114,7 +106,7 @@ def value_of_message(message: Message) -> TypedValue:
         ) from None
     if kind is ParameterType.NOT_SET:
         return NOT_SET
-    value = getattr(message, _FIELDS[kind])
+    value = getattr(message, kind.field)
     if kind is ParameterType.BYTE_ARRAY:
         value = bytes(byte & 0xFF for byte in value)
     return TypedValue(kind, value)

@@ -196,14 +196,14 @@ class Publisher(Topic[PublishedTopic]):
             raise ROSException("publish() to an unregistered() handle")
         if not is_initialized():
             raise ROSException("ROS node has not been initialized yet. Please call init_node() first")
-        message = message_of(self.data_class, args, kwds)
+        message = args_kwds_to_message(self.data_class, args, kwds)
         try:
             self.impl.publish(message)
         except SerializationError as error:
             raise ROSSerializationException(f"{error}") from None
 
 
-def message_of(data_class: type[Message], args: tuple[Any, ...], kwds: dict[str, Any]) -> Message:
+def args_kwds_to_message(data_class: type[Message], args: tuple[Any, ...], kwds: dict[str, Any]) -> Message:
     """Return the message that the arguments of a call give. Raises TypeError."""
     if args and kwds:
         raise TypeError("publish() can be called with arguments or keywords, but not both.")

@@ -29,7 +29,7 @@ from rostether.rospy.client.message import Message, message_bytes, read_message
 from rostether.rospy.client.message_types import ServiceClass, service_type_of
 from rostether.rospy.client.names import names
 from rostether.rospy.client.node import is_initialized, node
-from rostether.rospy.client.publisher import message_of
+from rostether.rospy.client.publisher import args_kwds_to_message
 from rostether.rospy.client.shutdown import is_shutdown, shutdown
 from rostether.rospy.client.stamps import Duration
 from rostether.rospy.client.subscriber import DEFAULT_BUFF_SIZE
@@ -137,7 +137,7 @@ class ServiceProxy:
 
     def call(self, *args: Any, **kwds: Any) -> Any:
         """Call the service, like `__call__`."""
-        request = message_of(self.request_class, args, kwds)
+        request = args_kwds_to_message(self.request_class, args, kwds)
         if request._type != self.request_class._type:
             raise TypeError(f"request object type [{request._type}] does not match service type")
         payload = message_bytes(request)

@@ -104,6 +104,9 @@ def on_shutdown(h: Callable[[], object]) -> None:
     shutdown.on_client(h)
 
 
+add_client_shutdown_hook = on_shutdown
+
+
 def add_preshutdown_hook(h: Callable[[str], object]) -> None:
     """Add a function to call with the reason, after those of `on_shutdown`."""
     shutdown.before(h)

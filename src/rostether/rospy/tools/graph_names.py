@@ -8,6 +8,7 @@ import sys
 from collections.abc import Iterable, Mapping
 from typing import Any
 
+from rostether.mechanisms.anonymous import anonymous_name as anonymous_name
 from rostether.names.graph_name import canonical, is_global, is_private, join
 from rostether.names.graph_name import is_legal_name as _is_legal
 from rostether.rospy.client.exceptions import ROSException
@@ -17,7 +18,7 @@ SEP = "/"
 GLOBALNS = "/"
 PRIV_NAME = "~"
 REMAP = ":="
-ANYTYPE = "*"
+ANYTYPE = TOPIC_ANYTYPE = SERVICE_ANYTYPE = "*"
 
 _BASE_NAME = re.compile(r"[A-Za-z]\w*")
 

@@ -21,6 +21,9 @@ class ResourceNotFound(Exception):  # noqa: N818 - the name is rospkg's
         self.ros_paths = ros_paths
 
 
+InvalidROSPkgException = ResourceNotFound
+
+
 class InvalidManifest(Exception):  # noqa: N818 - the name is rospkg's
     """The package.xml cannot be read."""
 

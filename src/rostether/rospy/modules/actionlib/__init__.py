@@ -19,9 +19,8 @@ from rostether.rospy.actionlib.server_goal import ServerGoalHandle
 from rostether.rospy.actionlib.simple_action_client import SimpleActionClient, SimpleGoalState
 from rostether.rospy.actionlib.simple_action_server import SimpleActionServer
 
-from . import action_client
-
 for _name in (
+    "action_client",
     "action_server",
     "exceptions",
     "goal_id_generator",

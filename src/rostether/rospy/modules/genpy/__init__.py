@@ -13,9 +13,7 @@ from rostether.rospy.client.message import (
 )
 from rostether.rospy.client.stamps import Duration, Time, TVal
 
-from . import message
-
-for _name in ("dynamic", "rostime"):
+for _name in ("dynamic", "message", "rostime"):
     _import_module(f"genpy.{_name}")
 
 struct_I = _struct.Struct("<I")  # noqa: N816

@@ -13,7 +13,8 @@ from rostether.rospy.tools.master_tools import (
     is_master_online,
 )
 
-from . import masterapi, names, rosenv
+from . import masterapi, rosenv
 from .rosenv import ROS_HOSTNAME, ROS_IP, ROS_IPV6, ROS_MASTER_URI, ROS_NAMESPACE
 
-_import_module("rosgraph.network")
+for _name in ("names", "network"):
+    _import_module(f"rosgraph.{_name}")

@@ -1,7 +1,9 @@
 """roslib: the functions from before catkin, and those that convert type names to classes."""
 
-# ruff: noqa: F401
-from . import message, names, packages
+from importlib import import_module as _import_module
+
+for _name in ("message", "names", "packages"):
+    _import_module(f"roslib.{_name}")
 
 
 def load_manifest(package_name: str) -> None:

@@ -73,9 +73,18 @@ from rostether.rospy.client.services import Service, ServiceProxy, parse_rosrpc_
 from rostether.rospy.client.shutdown import is_shutdown, on_shutdown, signal_shutdown
 from rostether.rospy.client.subscriber import Subscriber
 
-from . import client, core, msg, names, topics
-
-for _name in ("exceptions", "msproxy", "rostime", "service", "timer"):
+for _name in (
+    "client",
+    "core",
+    "exceptions",
+    "msg",
+    "msproxy",
+    "names",
+    "rostime",
+    "service",
+    "timer",
+    "topics",
+):
     _import_module(f"rospy.{_name}")
 
 # Programs write `import std_msgs` alone, because the real rospy has imported these already.
