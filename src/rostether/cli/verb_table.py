@@ -113,7 +113,7 @@ VERBS: dict[str, VerbEntry] = {
 }
 
 # First words that users of ROS, ROS 2, micro-ROS and Arduino's tools type, and the commands for them.
-ELSEWHERE: dict[str, tuple[str, ...]] = {
+WORDS_OF_OTHER_TOOLS: dict[str, tuple[str, ...]] = {
     "agent": ("serve",),
     "bridge": ("serve", "relay"),
     "catkin_make": ("pkg make",),
@@ -151,7 +151,7 @@ _PORT = re.compile(r"/dev/\w.*|COM\d+|[a-z]+://.*")
 
 def suggest(word: str) -> Iterator[str]:
     """Yield the commands that a user may mean with a first word that is no command."""
-    yield from ELSEWHERE.get(word, ())
+    yield from WORDS_OF_OTHER_TOOLS.get(word, ())
     if (tool := word.removeprefix("ros")) != word and tool in VERBS:
         yield tool
     if _PORT.fullmatch(word):

@@ -14,7 +14,7 @@ from rostether.cli.main import rostether
 from rostether.cli.shell import failures
 from rostether.cli.shell.failures import error_text, exit_code_of
 from rostether.cli.shell.verbs import LazyGroup, Verb
-from rostether.cli.verb_table import ELSEWHERE
+from rostether.cli.verb_table import WORDS_OF_OTHER_TOOLS
 from rostether.errors import ConfigError, RostetherError
 from unit.cli.command_shell import LiveGraph, Shell
 
@@ -72,7 +72,7 @@ def test_what_is_typed_wrong_is_reported_with_the_nearest_command(shell: Shell) 
 
 
 def test_suggested_commands_exist(shell: Shell) -> None:
-    for words in itertools.chain.from_iterable(ELSEWHERE.values()):
+    for words in itertools.chain.from_iterable(WORDS_OF_OTHER_TOOLS.values()):
         assert shell(*(word for word in words.split() if not word.startswith("/")), "--help").code == 0, words
     assert "--nope" in shell.failure("topic", "list", "--nope", code=2)
 

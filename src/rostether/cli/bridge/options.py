@@ -29,7 +29,7 @@ probe_option = add_option(
     multiple=True,
 )
 
-# Of `bridge.settings.BridgeSettings`, by the name that a user writes.
+# The limits of `bridge.settings.BridgeSettings`, by their names on the command line.
 BRIDGE_LIMITS = {
     **{key.replace("_", "-"): limit for key, limit in BOARD_LIMITS.items()},
     "connections": Limit("connections", 1, 4096),
@@ -37,7 +37,7 @@ BRIDGE_LIMITS = {
     "grace-s": Limit("grace_s", 0, 86400),
 }
 
-# Of `ros1.graph_limits.GraphLimits`.
+# The limits of `ros1.graph_limits.GraphLimits`.
 GRAPH_LIMITS = {
     "xmlrpc-bytes": Limit("body_bytes", 65536, 1024 << 20),
     "xmlrpc-connections": Limit("xmlrpc_connections", 8, 65536),

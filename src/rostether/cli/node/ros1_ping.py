@@ -16,7 +16,7 @@ from rostether.ros1.node.node_calls import NODE_TIMEOUT_S, find_node, node_names
 if TYPE_CHECKING:
     from rostether.ros1.node.master_client import MasterClient
 
-# Between pings, like rosnode.
+# The pause between pings, like rosnode's.
 INTERVAL_S = 1.0
 
 

@@ -14,7 +14,7 @@ import click
 from rostether.cli.access.completions import complete_fields
 from rostether.cli.access.graph_options import GraphOptions, graph_options
 from rostether.cli.access.options import refuse_ros1_only
-from rostether.cli.plot.curves import expand
+from rostether.cli.plot.curves import MAX_CURVES, expand
 from rostether.cli.plot.session import DEFAULT_WINDOW_S, Group, PlotOptions, PlotSession
 from rostether.cli.shell.option_group import option_group
 from rostether.cli.shell.output import shows_live
@@ -26,8 +26,6 @@ from rostether.cli.topic.misfit_notice import shown_messages
 if TYPE_CHECKING:
     from rostether.serde.codec import Codec
 
-# The same as the number of curves, see `plot_curves`.
-MAX_ARGUMENTS = 28
 
 # The length that fits above a picture.
 MAX_TITLE_CHARACTERS = 90
@@ -60,8 +58,8 @@ def plot(fields: tuple[str, ...], options: PlotOptions, graph: GraphOptions) -> 
     named = {name for field in fields for name in expand(field)}
     every = (*fields, *(field for field in options.right if not named.issuperset(expand(field))))
     targets = [expand(field) for field in every]
-    if sum(map(len, targets)) > MAX_ARGUMENTS:
-        raise click.UsageError(f"at most {MAX_ARGUMENTS} fields can be plotted")
+    if sum(map(len, targets)) > MAX_CURVES:
+        raise click.UsageError(f"at most {MAX_CURVES} fields can be plotted")
     is_terminal = shows_live()
     duration_s = options.duration_s
     if not is_terminal and options.file is None and duration_s is None:

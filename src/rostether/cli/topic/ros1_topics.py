@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 
 # How long `-1` stays, like rostopic: subscribers need a moment to connect.
 ONCE_S = 3.0
-# For messages from files and pipes, like rostopic.
+# The rate of messages from files and pipes, like rostopic's.
 FILE_RATE_HZ = 10.0
 # Every graph has them, so a topic with a similar name is not a typing error.
 LOG_TOPICS = ("/rosout", "/rosout_agg")
