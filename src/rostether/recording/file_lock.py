@@ -11,12 +11,10 @@ from pathlib import Path
 from types import TracebackType
 
 from rostether.errors import RecordingError
+from rostether.recording.regular_file import sqlite_logs
 
 # The suffix of a file while it is written, as with rosbag.
 ACTIVE_SUFFIX = ".active"
-
-# SQLite leaves these log files if the disk is full at the end; without them, the database is incomplete.
-_LOG_SUFFIXES = ("-wal", "-shm", "-journal")
 
 
 class FileLock:
@@ -90,11 +88,10 @@ def end_active(active: Path, path: Path) -> None:
     active.replace(path)
     if path.suffix != ".db3":
         return
-    for suffix in _LOG_SUFFIXES:
-        log = path.with_name(path.name + suffix)
+    for active_log, log in zip(sqlite_logs(active), sqlite_logs(path), strict=True):
         log.unlink(missing_ok=True)
         with contextlib.suppress(FileNotFoundError):
-            active.with_name(active.name + suffix).replace(log)
+            active_log.replace(log)
 
 
 def lock_active(active: Path, path: Path, report: Callable[[str], None]) -> FileLock:

@@ -190,7 +190,7 @@ class Recorder:
         if self._latched is not None and connection.is_latching:
             self._latched[connection] = payloads[-1]
         if self._limits.size_bytes is not None and self._writer.size_bytes >= self._limits.size_bytes:
-            self._full()
+            self._end_file()
 
     def _flush(self) -> None:
         if self._writer is None:
@@ -202,14 +202,15 @@ class Recorder:
             return
         duration_s = self._limits.duration_s
         if duration_s is not None and asyncio.get_running_loop().time() - self._began_s >= duration_s:
-            self._full()
+            self._end_file()
         limit = self._limits.messages_per_topic
         if limit is not None and not self._choice.is_searching:
             counts = self.progress.counts
             if all(counts.get(name, 0) >= limit for name in self._choice.names):
                 self._ended.set()
 
-    def _full(self) -> None:
+    def _end_file(self) -> None:
+        """End the recording, or start its next file."""
         if not self._limits.is_splitting:
             self._ended.set()
             return
@@ -273,7 +274,7 @@ class Recorder:
         try:
             writer.close()
         except RecordingError as error:
-            reason = f"{self._failure or f'{error}; recording stopped'}"
+            reason = self._failure or f"{error}; recording stopped"
             self._failure = RecordingError(f"{reason}; `rostether bag reindex {path}` gives it an index")
             self._ended.set()
         # Messages that were not written are not counted.

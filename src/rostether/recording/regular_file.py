@@ -12,6 +12,9 @@ from rostether.errors import RecordingError
 
 SQLITE_MAGIC = b"SQLite format 3\0"
 
+# SQLite leaves these log files if the disk is full at the end; without them, the database is incomplete.
+_LOG_SUFFIXES = ("-wal", "-shm", "-journal")
+
 _KINDS = (
     (stat.S_ISDIR, "a folder"),
     (stat.S_ISFIFO, "a FIFO"),
@@ -30,6 +33,11 @@ def require_regular_file(path: Path) -> None:
     for is_such, kind in _KINDS:
         if is_such(mode):
             raise RecordingError(f"{path} is {kind}, not a file; give a recording or a ROS 2 bag")
+
+
+def sqlite_logs(path: Path) -> list[Path]:
+    """Return the paths of the log files that a database may have."""
+    return [path.with_name(path.name + suffix) for suffix in _LOG_SUFFIXES]
 
 
 class MappedFile:

@@ -13,17 +13,21 @@ import asyncio
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 from rostether.errors import ConfigError
 from rostether.graph.ports import ParamValue
 from rostether.graph.typed_graph import TypedGraph
 from rostether.robot.tf_messages import tf_publisher, tf_static_publisher, to_message
-from rostether.robot.transform import Quaternion, StampedTransform, Transform, quaternion_from_rpy
+from rostether.robot.transform import (
+    Quaternion,
+    StampedTransform,
+    Transform,
+    has_unit_length,
+    quaternion_from_rpy,
+)
 
 USAGE = "write X Y Z YAW PITCH ROLL PARENT CHILD, or X Y Z QX QY QZ QW PARENT CHILD"
-
-# The tolerance of tf buffers for the square of the length.
-_NORM_TOLERANCE = 10e-3
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,21 +63,17 @@ def parse_static_transform(words: Sequence[str]) -> StaticTransform:
 
 def static_transform_of(value: ParamValue, name: str) -> StaticTransform:
     """Read a parameter with the fields of a geometry_msgs/TransformStamped. Raises ConfigError."""
+    content: Any = value
     try:
-        assert isinstance(value, dict)
-        header, fields = value["header"], value["transform"]
-        assert isinstance(header, dict)
-        assert isinstance(fields, dict)
-        place, turn = fields["translation"], fields["rotation"]
-        assert isinstance(place, dict)
-        assert isinstance(turn, dict)
+        place, turn = content["transform"]["translation"], content["transform"]["rotation"]
         x, y, z = (_number(str(place[axis])) for axis in "xyz")
         qx, qy, qz, qw = (_number(str(turn[axis])) for axis in "xyzw")
         transform = Transform((x, y, z), (qx, qy, qz, qw))
-        parent, child = str(header["frame_id"]), str(value["child_frame_id"])
-    except (AssertionError, KeyError) as error:
+        parent, child = str(content["header"]["frame_id"]), str(content["child_frame_id"])
+    except (KeyError, TypeError) as error:
+        missing = f": it has no {error}" if isinstance(error, KeyError) else ""
         raise ConfigError(
-            f"the parameter {name} does not have the fields of a geometry_msgs/TransformStamped ({error})"
+            f"the parameter {name} does not have the fields of a geometry_msgs/TransformStamped{missing}"
         ) from None
     return _checked(StaticTransform(parent, child, transform))
 
@@ -103,9 +103,11 @@ def _stamped(static: StaticTransform, stamp_ns: int) -> StampedTransform:
 
 
 def _checked(static: StaticTransform) -> StaticTransform:
-    if not static.parent or not static.child or static.parent == static.child:
+    if not static.parent or not static.child:
+        raise ConfigError(f"the parent or child frame has no name; {USAGE}")
+    if static.parent == static.child:
         raise ConfigError(f"parent and child frame must differ, but both are {static.parent!r}")
-    if abs(sum(each * each for each in static.transform.rotation) - 1.0) >= _NORM_TOLERANCE:
+    if not has_unit_length(static.transform.rotation):
         shown = " ".join(f"{each:g}" for each in static.transform.rotation)
         raise ConfigError(f"the quaternion {shown} does not have length 1; tf would reject it")
     return static

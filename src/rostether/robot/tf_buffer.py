@@ -20,6 +20,7 @@ from rostether.robot.tf_cache import DEFAULT_CACHE_NS, Entry, StaticCache, TimeC
 from rostether.robot.transform import (
     StampedTransform,
     Transform,
+    has_unit_length,
     matrix_from_quaternion,
     quaternion_from_matrix,
 )
@@ -32,9 +33,6 @@ MAX_FRAMES = 10_000
 
 # Real names are a few words with a prefix; a name of 100 MB must not stay in memory.
 MAX_FRAME_NAME_LENGTH = 1_024
-
-# The tolerance of tf2 for the square of the length.
-_NORM_TOLERANCE = 10e-3
 
 
 class TransformBuffer:
@@ -279,7 +277,7 @@ def _defect(parent: str, child: str, transform: Transform, authority: str) -> st
             f'TF_NAN_INPUT: Ignoring transform for child_frame_id "{child}" from authority "{authority}" '
             f"because of a nan value in the transform {shown}"
         )
-    if not abs(sum(each * each for each in transform.rotation) - 1.0) < _NORM_TOLERANCE:
+    if not has_unit_length(transform.rotation):
         shown = " ".join(f"{each:.6f}" for each in transform.rotation)
         return (
             f'TF_DENORMALIZED_QUATERNION: Ignoring transform for child_frame_id "{child}" from authority '

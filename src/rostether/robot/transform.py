@@ -20,6 +20,9 @@ IDENTITY_ROTATION: Quaternion = (0.0, 0.0, 0.0, 1.0)
 # A smaller trace is zero except for rounding; KDL uses the same limit.
 _TRACE_EPSILON = 1e-12
 
+# The tolerance of tf2 for the square of a quaternion's length.
+_NORM_TOLERANCE = 10e-3
+
 
 @dataclass(frozen=True, slots=True)
 class Transform:
@@ -62,6 +65,11 @@ class StampedTransform:
     child: str
     stamp_ns: int
     transform: Transform
+
+
+def has_unit_length(rotation: Quaternion) -> bool:
+    """Return whether tf2 accepts a quaternion as a rotation."""
+    return abs(sum(each * each for each in rotation) - 1.0) < _NORM_TOLERANCE
 
 
 def conjugated(rotation: Quaternion) -> Quaternion:

@@ -13,7 +13,8 @@ from rostether.errors import RobotModelError
 from rostether.mechanisms.xml_tree import XmlElement, parse_xml
 from rostether.robot.robot_model import Joint, JointType, Limits, Mimic, RobotModel
 from rostether.robot.transform import Vector
-from rostether.robot.urdf_link import Numbers, check_link, check_materials
+from rostether.robot.urdf_link import check_link, check_materials
+from rostether.robot.urdf_numbers import number, origin, vector
 
 # The largest robot descriptions have a few MB.
 MAX_XML_BYTES = 64 << 20
@@ -30,7 +31,7 @@ def parse_urdf(text: str | bytes, *, file: str = "robot_description") -> RobotMo
     if root.tag != "robot":
         what = "COLLADA is not supported; convert it to URDF" if root.tag == "COLLADA" else "it is not URDF"
         raise root.error(f"the root element is <{root.tag}>, not <robot>: {what}")
-    return _Reader(Numbers(file)).read(root)
+    return _robot(root)
 
 
 def parse_robot_xml(text: str | bytes, *, file: str) -> XmlElement:
@@ -50,149 +51,147 @@ def parse_robot_xml(text: str | bytes, *, file: str) -> XmlElement:
     )
 
 
-class _Reader:
-    def __init__(self, numbers: Numbers) -> None:
-        self._numbers = numbers
-
-    def read(self, robot: XmlElement) -> RobotModel:
-        name = robot.get("name")
-        if not name:
-            raise robot.error('the robot has no name; write <robot name="...">')
-        if robot.get("version") not in (None, "1.0", "1"):
-            raise robot.error(f"version {robot.get('version')} is not supported; only 1.0 is")
-        problems: list[str] = []
-        check_materials(robot, self._numbers, problems)
-        links: dict[str, None] = {}
-        for element in robot.all("link"):
-            link = element.get("name") or ""
-            check_link(link, element, self._numbers, problems)
-            if link in links:
-                raise element.error(f"link {link!r} is not unique")
-            links[link] = None
-        if not links:
-            raise robot.error(f"the robot has no <link>{self._xacro_hint(robot)}")
-        if len(links) > MAX_LINKS:
-            raise robot.error(f"more than {MAX_LINKS} links")
-        joints: dict[str, Joint] = {}
-        children: dict[str, str] = {}
-        for element in robot.all("joint"):
-            joint = self._joint(element)
-            if joint.name in joints:
-                raise element.error(f"joint {joint.name!r} is not unique")
-            for role, link_name in (("parent", joint.parent), ("child", joint.child)):
-                if link_name not in links:
-                    raise element.error(
-                        f"{role} link {link_name!r} of joint {joint.name!r} does not exist"
-                        f"{self._xacro_hint(robot)}",
-                    )
-            if joint.child in children:
-                other = children[joint.child]
+def _robot(robot: XmlElement) -> RobotModel:
+    name = robot.get("name")
+    if not name:
+        raise robot.error('the robot has no name; write <robot name="...">')
+    if robot.get("version") not in (None, "1.0", "1"):
+        raise robot.error(f"version {robot.get('version')} is not supported; only 1.0 is")
+    problems: list[str] = []
+    check_materials(robot, problems)
+    links: dict[str, None] = {}
+    for element in robot.all("link"):
+        link = element.get("name") or ""
+        check_link(link, element, problems)
+        if link in links:
+            raise element.error(f"link {link!r} is not unique")
+        links[link] = None
+    if not links:
+        raise robot.error(f"the robot has no <link>{_xacro_hint(robot)}")
+    if len(links) > MAX_LINKS:
+        raise robot.error(f"more than {MAX_LINKS} links")
+    joints: dict[str, Joint] = {}
+    children: dict[str, str] = {}
+    for element in robot.all("joint"):
+        joint = _joint(element)
+        if joint.name in joints:
+            raise element.error(f"joint {joint.name!r} is not unique")
+        for role, link_name in (("parent", joint.parent), ("child", joint.child)):
+            if link_name not in links:
                 raise element.error(
-                    f"link {joint.child!r} is the child of two joints, {other!r} and {joint.name!r}"
+                    f"{role} link {link_name!r} of joint {joint.name!r} does not exist{_xacro_hint(robot)}",
                 )
-            children[joint.child] = joint.name
-            joints[joint.name] = joint
-        root = self._root(robot, links, children)
-        return RobotModel(name, root, tuple(links), joints, tuple(problems))
-
-    def _root(self, robot: XmlElement, links: Iterable[str], children: dict[str, str]) -> str:
-        roots = [name for name in links if name not in children]
-        if not roots:
-            raise robot.error("no root link: every link is the child of a joint, so they form a loop")
-        if len(roots) > 1:
-            raise robot.error(
-                f"two root links, {roots[0]!r} and {roots[1]!r}; connect them with a joint"
-                f"{self._xacro_hint(robot)}",
-            )
-        return roots[0]
-
-    def _joint(self, element: XmlElement) -> Joint:
-        name = element.get("name")
-        if not name:
-            raise element.error("a joint has no name")
-        kind = element.get("type")
-        if kind is None:
-            raise element.error(f"joint {name!r} has no type; known: {', '.join(JointType)}")
-        try:
-            joint_type = JointType(kind)
-        except ValueError:
+        if joint.child in children:
+            other = children[joint.child]
             raise element.error(
-                f"joint {name!r} has the unknown type {kind!r}; known: {', '.join(JointType)}"
-            ) from None
-        ends = [self._end(element, name, role) for role in ("parent", "child")]
-        limits = self._limits(element, name)
-        if limits is None and joint_type in _NEED_LIMITS:
-            raise element.error(
-                f"{kind} joint {name!r} has no limits; write "
-                '<limit lower="..." upper="..." effort="..." velocity="..."/>',
+                f"link {joint.child!r} is the child of two joints, {other!r} and {joint.name!r}"
             )
-        return Joint(
-            name=name,
-            type=joint_type,
-            parent=ends[0],
-            child=ends[1],
-            origin=self._numbers.origin(element, f"joint {name!r}"),
-            axis=self._axis(element, name, joint_type),
-            limits=limits,
-            mimic=self._mimic(element, name),
+        children[joint.child] = joint.name
+        joints[joint.name] = joint
+    root = _root(robot, links, children)
+    return RobotModel(name, root, tuple(links), joints, tuple(problems))
+
+
+def _root(robot: XmlElement, links: Iterable[str], children: dict[str, str]) -> str:
+    roots = [name for name in links if name not in children]
+    if not roots:
+        raise robot.error("no root link: every link is the child of a joint, so they form a loop")
+    if len(roots) > 1:
+        raise robot.error(
+            f"two root links, {roots[0]!r} and {roots[1]!r}; connect them with a joint{_xacro_hint(robot)}",
         )
+    return roots[0]
 
-    def _end(self, element: XmlElement, name: str, role: str) -> str:
-        end = element.first(role)
-        link = end.get("link") if end is not None else None
-        if link is None:
-            raise element.error(f'joint {name!r} has no {role} link; write <{role} link="..."/>')
-        return link
 
-    def _axis(self, element: XmlElement, name: str, joint_type: JointType) -> Vector:
-        axis = element.first("axis")
-        given = axis.get("xyz") if axis is not None else None
-        if axis is None or given is None or joint_type in (JointType.FIXED, JointType.FLOATING):
-            return 1.0, 0.0, 0.0
-        vector = self._numbers.vector(axis, given, f"the axis of joint {name!r}")
-        if not math.hypot(*vector):
-            raise axis.error(f"the axis of joint {name!r} is zero; set a direction")
-        return vector
-
-    def _limits(self, element: XmlElement, name: str) -> Limits | None:
-        limit = element.first("limit")
-        safety = element.first("safety_controller")
-        if limit is None:
-            return None
-        number = self._numbers.attribute
-        what = f"joint {name!r}"
-        for needed in ("effort", "velocity"):
-            if limit.get(needed) is None:
-                raise limit.error(f"the limit of {what} has no {needed}")
-        return Limits(
-            lower=number(limit, "lower", what, 0.0),
-            upper=number(limit, "upper", what, 0.0),
-            effort=number(limit, "effort", what, 0.0),
-            velocity=number(limit, "velocity", what, 0.0),
-            soft_lower=self._optional(safety, "soft_lower_limit", what),
-            soft_upper=self._optional(safety, "soft_upper_limit", what),
+def _joint(element: XmlElement) -> Joint:
+    name = element.get("name")
+    if not name:
+        raise element.error("a joint has no name")
+    kind = element.get("type")
+    if kind is None:
+        raise element.error(f"joint {name!r} has no type; known: {', '.join(JointType)}")
+    try:
+        joint_type = JointType(kind)
+    except ValueError:
+        raise element.error(
+            f"joint {name!r} has the unknown type {kind!r}; known: {', '.join(JointType)}"
+        ) from None
+    ends = [_end(element, name, role) for role in ("parent", "child")]
+    limits = _limits(element, name)
+    if limits is None and joint_type in _NEED_LIMITS:
+        raise element.error(
+            f"{kind} joint {name!r} has no limits; write "
+            '<limit lower="..." upper="..." effort="..." velocity="..."/>',
         )
+    return Joint(
+        name=name,
+        type=joint_type,
+        parent=ends[0],
+        child=ends[1],
+        origin=origin(element, f"joint {name!r}"),
+        axis=_axis(element, name, joint_type),
+        limits=limits,
+        mimic=_mimic(element, name),
+    )
 
-    def _optional(self, element: XmlElement | None, attribute: str, what: str) -> float | None:
-        if element is None or element.get(attribute) is None:
-            return None
-        return self._numbers.attribute(element, attribute, what, 0.0)
 
-    def _mimic(self, element: XmlElement, name: str) -> Mimic | None:
-        mimic = element.first("mimic")
-        if mimic is None:
-            return None
-        joint = mimic.get("joint")
-        if joint is None:
-            raise mimic.error(f'joint {name!r} mimics no joint; write <mimic joint="..."/>')
-        what = f"the mimic of joint {name!r}"
-        return Mimic(
-            joint,
-            self._numbers.attribute(mimic, "multiplier", what, 1.0),
-            self._numbers.attribute(mimic, "offset", what, 0.0),
-        )
+def _end(element: XmlElement, name: str, role: str) -> str:
+    end = element.first(role)
+    link = end.get("link") if end is not None else None
+    if link is None:
+        raise element.error(f'joint {name!r} has no {role} link; write <{role} link="..."/>')
+    return link
 
-    def _xacro_hint(self, robot: XmlElement) -> str:
-        if any(child.tag.startswith("xacro:") for child in robot.children):
-            return '; this is xacro; expand it first, e.g. with command="$(find xacro)/xacro FILE"'
-        return ""
+
+def _axis(element: XmlElement, name: str, joint_type: JointType) -> Vector:
+    axis = element.first("axis")
+    given = axis.get("xyz") if axis is not None else None
+    if axis is None or given is None or joint_type in (JointType.FIXED, JointType.FLOATING):
+        return 1.0, 0.0, 0.0
+    direction = vector(axis, given, f"the axis of joint {name!r}")
+    if not math.hypot(*direction):
+        raise axis.error(f"the axis of joint {name!r} is zero; set a direction")
+    return direction
+
+
+def _limits(element: XmlElement, name: str) -> Limits | None:
+    limit = element.first("limit")
+    safety = element.first("safety_controller")
+    if limit is None:
+        return None
+    what = f"the limit of joint {name!r}"
+    return Limits(
+        lower=number(limit, "lower", what, 0.0),
+        upper=number(limit, "upper", what, 0.0),
+        effort=number(limit, "effort", what),
+        velocity=number(limit, "velocity", what),
+        soft_lower=_soft_limit(safety, "soft_lower_limit", name),
+        soft_upper=_soft_limit(safety, "soft_upper_limit", name),
+    )
+
+
+def _soft_limit(safety: XmlElement | None, attribute: str, name: str) -> float | None:
+    if safety is None or safety.get(attribute) is None:
+        return None
+    return number(safety, attribute, f"joint {name!r}")
+
+
+def _mimic(element: XmlElement, name: str) -> Mimic | None:
+    mimic = element.first("mimic")
+    if mimic is None:
+        return None
+    joint = mimic.get("joint")
+    if joint is None:
+        raise mimic.error(f'joint {name!r} mimics no joint; write <mimic joint="..."/>')
+    what = f"the mimic of joint {name!r}"
+    return Mimic(
+        joint,
+        number(mimic, "multiplier", what, 1.0),
+        number(mimic, "offset", what, 0.0),
+    )
+
+
+def _xacro_hint(robot: XmlElement) -> str:
+    if any(child.tag.startswith("xacro:") for child in robot.children):
+        return '; this is xacro; expand it first, e.g. with command="$(find xacro)/xacro FILE"'
+    return ""

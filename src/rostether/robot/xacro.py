@@ -126,7 +126,7 @@ def _explain(file: Path, xacro: Any, error: Exception) -> str:
 
 @contextmanager
 def bounded(xacro: Any, file: Path) -> Iterator[None]:
-    """Make xacro raise RobotModelError or OverflowError beyond the limits, while the context is open."""
+    """Make xacro raise RobotModelError or OverflowError beyond the limits, during the block."""
     counter, evaluate = _Counter(xacro, file), PythonEvaluator().evaluate
     symbols, arguments = xacro._global_symbols, xacro.substitution_args
     load_yaml = _load_yaml(xacro)

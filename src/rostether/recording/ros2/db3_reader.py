@@ -21,6 +21,7 @@ from rostether.recording.recorded import (
 from rostether.recording.regular_file import SQLITE_MAGIC, require_regular_file
 from rostether.recording.ros2_reading import CDR, Ros2Topics
 
+# The limit of topics and of definitions; recordings of the largest robots have a few thousand.
 MAX_TOPICS = 65536
 # The largest message that is read; equal to SQLite's own limit.
 MAX_VALUE_BYTES = 1 << 30

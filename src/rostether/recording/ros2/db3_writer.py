@@ -11,6 +11,7 @@ from pathlib import Path
 
 from rostether.errors import RecordingError
 from rostether.recording.recorded import Connection
+from rostether.recording.regular_file import sqlite_logs
 from rostether.recording.ros2.channels import Channel, Ros2Channels, UnfitMessages
 from rostether.ros2.types.type_support import Ros2Types
 
@@ -62,8 +63,8 @@ class Db3Writer:
         # An existing file is overwritten like other recordings, but not replaced: it may be locked.
         try:
             path.write_bytes(b"")
-            for suffix in ("-wal", "-shm", "-journal"):
-                path.with_name(path.name + suffix).unlink(missing_ok=True)
+            for log in sqlite_logs(path):
+                log.unlink(missing_ok=True)
         except OSError as error:
             raise RecordingError(
                 f"cannot write {path}: {error.strerror or error}; choose a file in a writable folder"

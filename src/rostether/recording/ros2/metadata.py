@@ -8,7 +8,7 @@ Source: rosbag2_storage's yaml.hpp.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 from typing import Any
 
@@ -59,7 +59,6 @@ class Metadata:
     files: tuple[str, ...]
     compression_format: str = ""
     compression_mode: str = ""
-    topics: Mapping[tuple[str, str], Ros2Origin] = field(default_factory=dict)
 
 
 def describe(files: Sequence[FileFacts], storage: str, distro: str) -> dict[str, Any]:
@@ -132,13 +131,7 @@ def read_metadata(folder: Path) -> Metadata:
     if len(data) > MAX_BYTES:
         raise RecordingError(f"{path} has more than {MAX_BYTES} bytes")
     try:
-        loaded = load(data.decode("utf-8", "replace"))
-        content = loaded[_KEY]
-        topics = {}
-        for row in content["topics_with_message_count"]:
-            topic = row["topic_metadata"]
-            origin = Ros2Origin(_text(topic["type"]), _text(topic.get("type_description_hash") or ""))
-            topics[_text(topic["name"]), origin.type_name] = origin
+        content = load(data.decode("utf-8", "replace"))[_KEY]
         # Before version 4, paths start with the folder's own name; files in other folders are never read.
         files = tuple(PurePosixPath(_text(each)).name for each in content["relative_file_paths"][:MAX_FILES])
         return Metadata(
@@ -147,7 +140,6 @@ def read_metadata(folder: Path) -> Metadata:
             files,
             _text(content.get("compression_format") or ""),
             _text(content.get("compression_mode") or "").lower().replace("none", ""),
-            topics,
         )
     except (LookupError, TypeError, ValueError, AttributeError) as error:
         raise RecordingError(
