@@ -174,11 +174,6 @@ export class Gateway {
     this.command.send({ op: "subscribeParameterUpdates", parameterNames: names });
   }
 
-  unwatchParameters(names: string[]): void {
-    for (const each of names) this.watched.delete(each);
-    this.command.send({ op: "unsubscribeParameterUpdates", parameterNames: names });
-  }
-
   /** Reports recordings to `onRecordings`, now and at every change; again after a reconnection. */
   followRecordings(): void {
     this.followsRecordings = true;

@@ -162,7 +162,7 @@ function StructList(props: {
 }
 
 /** The field of one value that is not a structure. An invalid text is kept and marked. */
-export function ValueField({ node, value, label, onChange }: FieldProps) {
+function ValueField({ node, value, label, onChange }: FieldProps) {
   switch (node.kind) {
     case "primitive":
       if (node.type === "bool")

@@ -70,7 +70,7 @@ export class Series {
   }
 }
 
-export class SeriesStore {
+class SeriesStore {
   readonly clock: RobotClock;
   private readonly byId = new Map<string, Series>();
 

@@ -5,7 +5,6 @@ import type { TransformStamped } from "./messages.ts";
 import type { Quaternion, Vec3 } from "./rigid.ts";
 import { MAX_FRAMES, TfBuffer } from "./tf_buffer.ts";
 
-export const TF_TYPES = ["tf2_msgs/TFMessage", "tf/tfMessage"];
 const STATIC_TOPIC = "/tf_static";
 
 // A static transform arrives once for each subscription, and panels share one: each starts with the earlier ones.

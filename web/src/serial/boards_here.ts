@@ -50,7 +50,7 @@ export async function disconnectBoard(relay: BoardRelay): Promise<void> {
 }
 
 /** Opens the ports of boards that were unplugged and are back. */
-export async function reopenBoards(): Promise<void> {
+async function reopenBoards(): Promise<void> {
   const ports = (await serialPorts()?.getPorts()) ?? [];
   for (const relay of relays.value.filter((each) => each.state.peek() === "unplugged")) {
     const used = relays.value.filter((each) => each !== relay).map((each) => each.port);

@@ -33,7 +33,7 @@ function parse(hash: string): Route {
   return { panelId, settings: encoded ? decodeSettings(encoded) : undefined };
 }
 
-export function encodeSettings(settings: Settings): string {
+function encodeSettings(settings: Settings): string {
   const bytes = new TextEncoder().encode(JSON.stringify(settings));
   let binary = "";
   for (const each of bytes) binary += String.fromCharCode(each);
@@ -41,7 +41,7 @@ export function encodeSettings(settings: Settings): string {
 }
 
 /** Settings of a link, undefined when they are damaged. */
-export function decodeSettings(encoded: string): Settings | undefined {
+function decodeSettings(encoded: string): Settings | undefined {
   if (encoded.length > MAX_LINK_CHARACTERS) return undefined;
   try {
     const binary = atob(encoded.replaceAll("-", "+").replaceAll("_", "/"));

@@ -176,7 +176,9 @@ class Client:
         teleop = self._context.teleop
         if channel.driver is None or teleop is None:
             return ClientTopic(channel, self.report_mistake)
-        return DrivenTopic(channel, self.line.peer, teleop, self._report_drive, self.report_mistake)
+        return DrivenTopic(
+            channel, self.line.connection.peer, teleop, self._report_drive, self.report_mistake
+        )
 
     def _report_drive(self, state: Mapping[str, Any]) -> None:
         self.line.send(replies.drive(state))
@@ -204,13 +206,13 @@ class Client:
 
     async def _wait_for(self, room: Awaitable[object]) -> None:
         self._waiting_publishers += 1
-        self.line.pause_reading()
+        self.line.connection.pause_reading()
         try:
             await room
         finally:
             self._waiting_publishers -= 1
             if not self._waiting_publishers:
-                self.line.resume_reading()
+                self.line.connection.resume_reading()
 
     def _call(self, request: requests.ServiceRequest) -> None:
         def fail(text: str) -> None:

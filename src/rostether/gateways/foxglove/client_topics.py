@@ -32,12 +32,11 @@ class ClientTopic:
 
     def __init__(self, channel: ClientChannel, report: Callable[[str], None]) -> None:
         self.channel = channel
-        self._report = report
+        self._report_once = report_once(report)
         self._publisher: Publisher | None = None
         self._encoder: Encoder | None = None
         self._early: deque[bytes] = deque()
         self._early_bytes = 0
-        self._reported: set[str] = set()
         self._opening: asyncio.Task[None] | None = None
 
     def open(self, graph: Graph, store: TypeStore) -> None:
@@ -109,10 +108,17 @@ class ClientTopic:
         self._early_bytes += len(payload)
         self._early.append(payload)
 
-    def _report_once(self, text: str) -> None:
-        if text not in self._reported and len(self._reported) < MAX_REPORTED_MISTAKES:
-            self._reported.add(text)
-            self._report(text)
+
+def report_once(report: Callable[[str], None]) -> Callable[[str], None]:
+    """Return a function that reports each text once, and at most `MAX_REPORTED_MISTAKES` texts."""
+    reported: set[str] = set()
+
+    def report_new(text: str) -> None:
+        if text not in reported and len(reported) < MAX_REPORTED_MISTAKES:
+            reported.add(text)
+            report(text)
+
+    return report_new
 
 
 async def types_of(channel: ClientChannel, store: TypeStore) -> tuple[Codec, MessageType]:

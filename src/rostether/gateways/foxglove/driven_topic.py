@@ -10,7 +10,7 @@ from typing import Any
 
 from rostether.errors import InvalidNameError, RostetherError
 from rostether.gateways.foxglove.client_messages import ClientChannel
-from rostether.gateways.foxglove.client_topics import MAX_REPORTED_MISTAKES, channel_encoder, types_of
+from rostether.gateways.foxglove.client_topics import channel_encoder, report_once, types_of
 from rostether.gateways.teleop.teleop import CommandTopic, Teleop
 from rostether.graph.ports import Graph
 from rostether.mechanisms.text import fold_line
@@ -38,12 +38,12 @@ class DrivenTopic:
         self._teleop = teleop
         self._report = report
         self._warn = warn
+        self._warn_once = report_once(warn)
         self._topic = ""
         self._commands: CommandTopic | None = None
         self._encode: Callable[[bytes], bytes] | None = None
         self._opening: asyncio.Task[None] | None = None
         self._reported: tuple[str, str] | None = None
-        self._warned: set[str] = set()
         # The last command that arrived before the topic was open.
         self._early: bytes | None = None
         # Opens the topic, again after its node was shut down.
@@ -120,8 +120,3 @@ class DrivenTopic:
         with suppress(RostetherError):
             if early is not None and commands.is_stop(encode(early)):
                 self.publish(early)
-
-    def _warn_once(self, text: str) -> None:
-        if text not in self._warned and len(self._warned) < MAX_REPORTED_MISTAKES:
-            self._warned.add(text)
-            self._warn(text)

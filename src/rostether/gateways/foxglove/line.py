@@ -6,7 +6,6 @@ Messages of topics bypass the WebSocket library (see `data_outlet.py`).
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Sequence
 from typing import Protocol
 
 from rostether.gateways.foxglove.data_outlet import DataOutlet
@@ -36,16 +35,14 @@ class LineUser(Protocol):
 
 
 class Line:
-    """The user of one connection; `user` is set by its creator."""
+    """The user of one connection; `user` is set by its creator. `data` sends the messages of topics."""
 
     user: LineUser
 
     def __init__(self, connection: Connection, limits: FoxgloveLimits) -> None:
-        self._connection = connection
+        self.connection = connection
         self._limits = limits
-        self._data = DataOutlet(
-            limits.waiting_bytes, connection.write, lambda count: self.user.dropped(count)
-        )
+        self.data = DataOutlet(limits.waiting_bytes, connection.write, lambda count: self.user.dropped(count))
         self._large_turn = asyncio.Lock()
         self._large_bytes = 0
 
@@ -57,39 +54,26 @@ class Line:
 
     def paused(self) -> None:
         """Keep messages of topics waiting."""
-        self._data.pause()
+        self.data.pause()
 
     def resumed(self) -> None:
         """Send the waiting messages."""
         self._large_bytes = 0
-        self._data.resume()
+        self.data.resume()
 
     def closed(self) -> None:
         """Send nothing more."""
-        self._data.end()
+        self.data.end()
         self.user.closed()
 
     # Calls from the client.
 
-    @property
-    def peer(self) -> str:
-        """The client's address as text."""
-        return self._connection.peer
-
-    def pause_reading(self) -> None:
-        """Stop reading, so that the client waits."""
-        self._connection.pause_reading()
-
-    def resume_reading(self) -> None:
-        """Read again."""
-        self._connection.resume_reading()
-
     def send(self, message: str | bytes) -> None:
         """Send an answer or an announcement; a client that does not read them is disconnected."""
         # The collected messages are older: send them first.
-        self._data.flush()
-        self._connection.send(message)
-        if self._connection.unsent_bytes > self._limits.control_bytes + HIGH_WATER_BYTES + self._large_bytes:
+        self.data.flush()
+        self.connection.send(message)
+        if self.connection.unsent_bytes > self._limits.control_bytes + HIGH_WATER_BYTES + self._large_bytes:
             self.abort()
 
     async def send_large(self, message: bytes) -> None:
@@ -103,33 +87,25 @@ class Line:
             self.send(message)
             await self._wait_for_room()
 
-    def send_data(self, subscription_id: int, time_ns: int, payloads: Sequence[bytes]) -> None:
-        """Send messages of a topic, or queue them."""
-        self._data.send(subscription_id, time_ns, payloads)
-
-    def forget(self, subscription_id: int) -> None:
-        """Discard the waiting messages of a subscription that has ended."""
-        self._data.forget(subscription_id)
-
     def close(self, code: int, reason: str) -> None:
         """End the connection in order."""
-        self._data.flush()
-        self._data.end()
-        self._connection.close(code, reason)
+        self.data.flush()
+        self.data.end()
+        self.connection.close(code, reason)
 
     def abort(self) -> None:
         """End the connection at once."""
-        self._data.end()
-        self._connection.abort()
+        self.data.end()
+        self.connection.abort()
 
     # Internal methods.
 
     async def _wait_for_room(self) -> None:
-        while not self._connection.has_room.is_set():
-            before = self._connection.unsent_bytes
+        while not self.connection.has_room.is_set():
+            before = self.connection.unsent_bytes
             try:
-                await asyncio.wait_for(self._connection.has_room.wait(), _LARGE_STEP_S)
+                await asyncio.wait_for(self.connection.has_room.wait(), _LARGE_STEP_S)
             except TimeoutError:
-                if self._connection.unsent_bytes > before - _LARGE_STEP_BYTES:
+                if self.connection.unsent_bytes > before - _LARGE_STEP_BYTES:
                     self.abort()
                     return

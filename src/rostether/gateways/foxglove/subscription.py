@@ -52,7 +52,7 @@ class Subscription:
     async def close(self) -> None:
         """Unsubscribe; nothing is sent from now on."""
         self._is_closed = True
-        self._line.forget(self.id)
+        self._line.data.forget(self.id)
         if self._opening is not None:
             await asyncio.wait([self._opening])
         if self._share is not None:
@@ -70,7 +70,7 @@ class Subscription:
     def _send_batch(self, batch: Batch) -> None:
         # Clients would decode messages of another type incorrectly.
         if not self._is_closed and batch.connection.type.md5sum in self._md5sums:
-            self._line.send_data(self.id, self._now_ns(), batch.payloads)
+            self._line.data.send(self.id, self._now_ns(), batch.payloads)
 
 
 class DroppedReport:

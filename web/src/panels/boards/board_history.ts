@@ -10,7 +10,7 @@ const STALE_MS = 3000;
 // The oldest absent boards are removed, so that many boards cannot fill the memory.
 const MAX_BOARDS = 200;
 
-export const HISTORY_KEYS = [
+const HISTORY_KEYS = [
   "received [bytes/s]",
   "sent [bytes/s]",
   "round trip [ms]",

@@ -18,8 +18,8 @@ import { frameTask } from "../../store/frames.ts";
 import { texts } from "../../texts.ts";
 import type { PanelContext } from "../panel.ts";
 
-export const ROBOT = "robot";
-export const FRAMES = "frames";
+const ROBOT = "robot";
+const FRAMES = "frames";
 const MARKER_TYPES = ["visualization_msgs/Marker", "visualization_msgs/MarkerArray"];
 /** Types that show what is around a robot. */
 const SURROUNDINGS = [
