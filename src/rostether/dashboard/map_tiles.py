@@ -67,7 +67,7 @@ class MapTiles:
         return found[0] if found is not None and isinstance(found[0], bytes) else None
 
     def _connect(self) -> sqlite3.Connection:
-        # One for each request, because a connection belongs to one thread.
+        # Each request opens a connection, because a connection belongs to one thread.
         database = sqlite3.connect(f"{self._path.resolve().as_uri()}?mode=ro", uri=True)
         database.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, 2 * _MAX_TILE_BYTES)
         turns = iter(range(_MAX_STEPS // _STEPS_AT_ONCE))

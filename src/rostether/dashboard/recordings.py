@@ -144,7 +144,7 @@ class Recordings:
 
     def find(self, name: str) -> Path | None:
         """Return the file of a finished recording, None if there is none; reads the folder."""
-        # Only names that this folder lists: no path leads out of it.
+        # Only names that this folder lists are valid: no path leads out of it.
         return next((file for file in self._finished() if file.name == name), None)
 
     async def _record(self, graph: Graph, recorder: Recorder, started: asyncio.Event) -> None:

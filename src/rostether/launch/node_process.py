@@ -69,7 +69,7 @@ class NodeProcess:
         self._report = report
         self._limits = limits
         self._process: asyncio.subprocess.Process | None = None
-        # Its process group; None if none of its processes is left, because the number may then be reused.
+        # The node's process group; None if it has no process left, because the number may then be reused.
         self._group: int | None = None
 
     async def start(self) -> None:

@@ -163,7 +163,7 @@ def _complete(
     incomplete: str,
 ) -> list[str]:
     graph = _graph(ctx)
-    # Not at import: it takes a quarter of the start time, and not all commands need it.
+    # Imported here, because this takes a quarter of the start time, and not all commands need it.
     import asyncio
 
     async def ask() -> Iterable[str]:

@@ -9,7 +9,7 @@ import click
 from rostether.cli.access.graph_options import GraphOptions
 from rostether.cli.shell.option_group import PATH, Function, add_option, ignored_options
 
-# For commands with a link address.
+# Hints for the commands with a link address.
 ADDRESS_HINTS = dict.fromkeys(
     ("--baud", "--baudrate", "-b"), 'write it after the port: "/dev/ttyACM0?baud=115200"'
 )

@@ -80,7 +80,7 @@ def bag_decompress(options: RepackOptions) -> None:
 def _repack(path: Path, compression: str, options: RepackOptions) -> None:
     from rostether.recording.reindexing import repack
 
-    # Also refuses a file that is not a recording, before a folder is created.
+    # This also rejects a file that is not a recording, before a folder is created.
     before = _size_bytes(path)
     output, backup = new_paths(path, options)
     count = repack(path, output, compression, keep_original=backup)

@@ -128,7 +128,7 @@ async def _run_node(
         async with closed_at_end(await join()) as graph:
             typed = TypedGraph(graph, type_store())
             if link.board == OPENCR:
-                # Its robot always has wheels.
+                # The robot of an OpenCR always has wheels.
                 words = ("wheels", *link.commands)
                 node = SimulationNode(board, typed, words, max_volts=PIN_FULL_SCALE_V, has_servo_pins=False)
             else:

@@ -265,7 +265,7 @@ async def _serve(
                     is_on=settings.announces,
                     is_wanted=options.mdns is True,
                 ),
-                # Last, so that an unreachable master does not delay the boards.
+                # Started last, so that an unreachable master does not delay the boards.
                 _gateways(settings.gateways, graphs, graph, msg_paths, reporter.line),
                 optional_dashboard(settings.dashboard, graphs, msg_paths, reporter.line),
             ):

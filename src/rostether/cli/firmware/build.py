@@ -141,7 +141,7 @@ async def upload_sketch(sketch: Path, board_name: str, options: BuildOptions, po
     from rostether.firmware.upload import prepare_upload, upload
 
     open_sketch(sketch)
-    # First, because a build may take half a minute.
+    # The port is checked first, because a build may take half a minute.
     chosen = await prepare_upload(find_board(board_name), port, uses_arduino_cli=options.uses_arduino_cli)
     built = await build(sketch, board_name, options)
     elf = ElfFile.read(built.elf)

@@ -180,7 +180,7 @@ def settings_of_parameters(parameters: Mapping[str, Any], token: str = "") -> Fo
 async def _main(graph: TypedGraph, arguments: Arguments, gateways: GatewayOptions) -> None:
     settings = settings_of_parameters(await private_parameters(graph), gateways.token)
     settings = replace(settings, origins=gateways.origins)
-    # Its node already exists.
+    # The gateway uses the node of the role.
     on = ros1_gateway_graph(_no_join, graph.store, node_environment(arguments))
     async with _gateway_on(graph.raw, on, settings, ConsoleReporter().line, "address 0.0.0.0") as gateway:
         await gateway.wait_ended()

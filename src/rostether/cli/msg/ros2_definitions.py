@@ -27,9 +27,9 @@ class Comments(Enum):
     """Which comments and empty lines are shown."""
 
     NONE = auto()
-    # Those of the type itself, as `ros2 interface show` does.
+    # The comments of the type itself, as `ros2 interface show` does.
     OWN = auto()
-    # Also those of its fields' types.
+    # Also the comments of the types of its fields.
     ALL = auto()
 
 

@@ -255,7 +255,7 @@ class Ros2Params:
 
 
 async def _types(client: ParameterClient, node: str, names: list[str]) -> dict[str, str]:
-    # Not from descriptions: rclpy has none of parameters that were never declared.
+    # Descriptions do not have all types: rclpy has none of parameters that were never declared.
     values = await client.get(node, names) if names else {}
     return {name: _TYPE_WORDS[values.get(name, NOT_SET).type] for name in names}
 

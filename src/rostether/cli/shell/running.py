@@ -194,7 +194,7 @@ async def notifying_systemd(main: Coroutine[Any, Any, T]) -> T:
 
     The watchdog's period is half of WATCHDOG_USEC. A blocked loop sends nothing.
     """
-    # It does not apply to programs that this one starts.
+    # The socket is not for programs that this one starts.
     address = os.environ.pop("NOTIFY_SOCKET", "")
     if not address:
         return await main

@@ -14,7 +14,7 @@ from rostether.cli.shell.verbs import Verb, verb
 from rostether.cli.topic.options import PubOptions
 from rostether.cli.topic.topics import topics_of
 
-# Not -1, which publishes once.
+# Negative numbers, except -1: this is the option that publishes once.
 _NEGATIVE = re.compile(r"-(?!1$)(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?")
 
 

@@ -72,7 +72,7 @@ class Ros1Printer(EchoPrinter):
 
             if self.shown_count == 1:
                 write_line(csv_header(value, style))
-            # Of a recording, rostopic prints the time in the file.
+            # For a recording, rostopic prints the time in the file.
             write_line(csv_row(value, self._now, style, uses_stamp=self.options.bag is None))
             return
         from rostether.serde.yaml_print import format_message, format_value
