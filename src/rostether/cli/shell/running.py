@@ -121,7 +121,7 @@ class _Ending:
             self._keep_handlers(loop)
 
     def _keep_handlers(self, loop: asyncio.AbstractEventLoop) -> None:
-        """Block signals until our handlers replace those of the loop, which would leave the default ones."""
+        """Replace the loop's handlers while signals are blocked: a closing loop sets the default ones."""
         if not hasattr(signal, "pthread_sigmask"):
             return
         mask = signal.pthread_sigmask(signal.SIG_BLOCK, self._codes)
