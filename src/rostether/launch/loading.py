@@ -40,7 +40,7 @@ def load_launch(
     *,
     text: bytes | None = None,
     programs: Mapping[tuple[str, str], Sequence[str]] | None = None,
-    served_packages: Iterable[str] = (),
+    builtin_packages: Iterable[str] = (),
     runs_commands: bool = True,
 ) -> LaunchPlan:
     """Read launch files in order into one plan.
@@ -48,12 +48,12 @@ def load_launch(
     `arguments` are those of the command line; `packages` are folders by name. `text` is the content of a
     launch file without a path, read last. `programs` are built-in command lines for (package, program), for
     names such as `$(find xacro)/xacro` if the package is not installed; $(find) then finds it, and
-    `served_packages`. Without `runs_commands`, parameters with `command=` are empty strings, and nothing is
+    `builtin_packages`. Without `runs_commands`, parameters with `command=` are empty strings, and nothing is
     executed. Raises LaunchError with file and line.
     """
     programs = programs or {}
-    served = frozenset(served_packages) | {package for package, _ in programs}
-    context = LaunchContext(environ, packages, served)
+    built_in = frozenset(builtin_packages) | {package for package, _ in programs}
+    context = LaunchContext(environ, packages, built_in)
     loader = _Loader(TagReader(context), programs, runs_commands=runs_commands)
     namespace = as_namespace(arguments.get("__ns") or environ.get("ROS_NAMESPACE") or "/")
     for path in paths:

@@ -12,7 +12,7 @@ from rostether.errors import LaunchError
 from rostether.launch.launch_xml import MAX_FILE_BYTES
 from rostether.launch.plan import DeleteParameters, DumpParameters
 from rostether.launch.scope import Scope
-from rostether.launch.substitution import SERVED_ROOT, read_file, split_words
+from rostether.launch.substitution import BUILTIN_ROOT, read_file, split_words
 from rostether.launch.tag_reader import TagReader
 from rostether.launch.values import convert
 from rostether.mechanisms.xml_tree import XmlElement
@@ -164,11 +164,11 @@ class ParameterTags:
 
     def _program(self, word: str) -> Sequence[str]:
         path = Path(word)
-        if path.parent.parent == Path(SERVED_ROOT):
-            served = self._programs.get((path.parent.name, path.name.removesuffix(_SCRIPT_SUFFIX)))
-            if served is None:
+        if path.parent.parent == Path(BUILTIN_ROOT):
+            built_in = self._programs.get((path.parent.name, path.name.removesuffix(_SCRIPT_SUFFIX)))
+            if built_in is None:
                 raise LaunchError(f"package {path.parent.name!r} is not installed; install it")
-            return served
+            return built_in
         search_path = self._reader.context.environ.get("PATH")
         if (word, word) in self._programs and shutil.which(word, path=search_path) is None:
             return self._programs[word, word]

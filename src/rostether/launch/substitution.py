@@ -55,17 +55,17 @@ _EXTRA: Mapping[str, Any] = {
 class LaunchContext:
     """The access of a launch file to the machine.
 
-    `packages` are folders by package name. `served` are built-in packages without folders: their path is
-    below SERVED_ROOT, where no file is.
+    `packages` are folders by package name. `built_in` are built-in packages without folders: their path is
+    below BUILTIN_ROOT, where no file is.
     """
 
     environ: Mapping[str, str]
     packages: Mapping[str, Path]
-    served: frozenset[str] = frozenset()
+    built_in: frozenset[str] = frozenset()
 
 
 # Represents the folder of built-in packages, which have no files.
-SERVED_ROOT = "/rostether-serves"
+BUILTIN_ROOT = "/rostether-built-in"
 
 
 def substitute(text: str, scope: Scope, context: LaunchContext) -> str:
@@ -114,8 +114,8 @@ def package_folder(name: str, context: LaunchContext) -> str:
     """Return the folder of a package. Raises LaunchError when there is none."""
     if name in context.packages:
         return str(context.packages[name])
-    if name in context.served:
-        return f"{SERVED_ROOT}/{name}"
+    if name in context.built_in:
+        return f"{BUILTIN_ROOT}/{name}"
     hint = did_you_mean(name, context.packages) or "add the folder that contains it to ROS_PACKAGE_PATH"
     raise LaunchError(f"there is no package {name!r}; {hint}")
 
@@ -138,8 +138,8 @@ def read_file(file: str) -> bytes:
 
 
 def _unreadable(file: str, error: OSError) -> LaunchError:
-    if file.startswith(f"{SERVED_ROOT}/"):
-        package = file.removeprefix(f"{SERVED_ROOT}/").partition("/")[0]
+    if file.startswith(f"{BUILTIN_ROOT}/"):
+        package = file.removeprefix(f"{BUILTIN_ROOT}/").partition("/")[0]
         return LaunchError(
             f"package {package} is not installed; its nodes are built in, but it has no files here"
         )

@@ -9,7 +9,7 @@ import pytest
 from rostether.errors import LaunchError
 from rostether.launch.loading import STDIN_NAME, load_launch
 from rostether.launch.plan import LaunchPlan
-from rostether.launch.substitution import SERVED_ROOT
+from rostether.launch.substitution import BUILTIN_ROOT
 from unit.launch.corpus import RIGHT, ROBOT, WRONG, described, exact, expected, load
 
 # Whose mistake stands in the file that is included.
@@ -138,12 +138,12 @@ def test_program_of_a_package_that_is_served_runs_as_ours() -> None:
         assert plan.parameters == {"/x": "model.xacro"}
     with pytest.raises(LaunchError, match="not installed") as caught:
         loads('<param name="x" command="$(find xacro)/other"/>', programs=programs)
-    assert SERVED_ROOT not in str(caught.value)
+    assert BUILTIN_ROOT not in str(caught.value)
 
 
 def test_files_of_a_package_that_is_served_are_reported_not_to_be_there() -> None:
     with pytest.raises(LaunchError, match="package joy is not installed; its nodes are built in"):
-        loads('<include file="$(find joy)/launch/joy.launch"/>', served_packages=["joy"])
+        loads('<include file="$(find joy)/launch/joy.launch"/>', builtin_packages=["joy"])
 
 
 def test_later_file_replaces_parameters_of_an_earlier_one(tmp_path: Path) -> None:

@@ -6,7 +6,7 @@ import pytest
 
 from rostether.errors import ConfigError, LaunchError
 from rostether.launch.scope import Scope
-from rostether.launch.substitution import SERVED_ROOT, LaunchContext, substitute
+from rostether.launch.substitution import BUILTIN_ROOT, LaunchContext, substitute
 
 SURROUNDINGS = LaunchContext(
     {"HOME": "/home/x", "TRICK": "$(find arm)/y"}, {"arm": Path("/ws/src/arm")}, frozenset({"xacro"})
@@ -30,7 +30,7 @@ def scope(**arguments: str) -> Scope:
         ("$(find arm)/urdf", "/ws/src/arm/urdf"),
         ("$(find arm)urdf", "/ws/src/arm/urdf"),
         ("-d $(find arm) -x", "-d /ws/src/arm -x"),
-        ("$(find xacro)/xacro", f"{SERVED_ROOT}/xacro/xacro"),
+        ("$(find xacro)/xacro", f"{BUILTIN_ROOT}/xacro/xacro"),
         # What is put in may name a package, but no argument.
         ("$(env TRICK)", "/ws/src/arm/y"),
         ("$(arg z)", "$(arg x)"),

@@ -10,9 +10,9 @@ from pathlib import Path
 
 from rostether.cli.access.graph_options import ros_arguments
 from rostether.cli.dashboard.view import View, read_view
+from rostether.cli.launch.builtin_nodes import builtin_nodes, builtin_programs, replacement_line, window_view
 from rostether.cli.launch.node_command import node_command
 from rostether.cli.launch.pkg import packages_here
-from rostether.cli.launch.served_nodes import replacement_line, served_nodes, served_programs, window_view
 from rostether.cli.shell.input import STDIN, read_bytes
 from rostether.cli.shell.output import warn
 from rostether.errors import ConfigError
@@ -88,8 +88,8 @@ def load(words: Sequence[str], *, runs_commands: bool) -> LoadedLaunch:
         environ,
         packages,
         text=read_bytes(STDIN) if sources.reads_stdin else None,
-        programs=served_programs(),
-        served_packages={package for package, _ in served_nodes()},
+        programs=builtin_programs(),
+        builtin_packages={package for package, _ in builtin_nodes()},
         runs_commands=runs_commands,
     )
     return LoadedLaunch(plan, sources, environ, _locator(packages, near))

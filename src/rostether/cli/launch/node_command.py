@@ -10,7 +10,7 @@ import sys
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 
-from rostether.cli.launch.served_nodes import served_nodes, window_program
+from rostether.cli.launch.builtin_nodes import builtin_nodes, window_program
 from rostether.errors import ConfigError
 from rostether.mechanisms.text import did_you_mean
 from rostether.packages.executables import find_program, is_python, library_folders, shebang
@@ -39,8 +39,8 @@ def node_command(
     The environment to start it in is `rospy.environment.node_environment`'s.
     Raises ConfigError with similar names if there is no such package or program.
     """
-    if served := served_nodes().get((package, program)):
-        return served
+    if built_in := builtin_nodes().get((package, program)):
+        return built_in
     folder = packages.get(package)
     if folder is None:
         window = window_program(package, program, environ)
@@ -59,10 +59,10 @@ def node_command(
 
 def explain_unknown_package(package: str, program: str, packages: Mapping[str, Path]) -> str:
     """Return the line about an unknown package: similar names, or the folders that were searched."""
-    ours = sorted(kind for role, kind in served_nodes() if role == package)
+    ours = sorted(kind for role, kind in builtin_nodes() if role == package)
     if ours:
         return f"package {package} has no program {program}; the built-in ones are {', '.join(ours)}"
-    there = {*packages, *(role for role, _ in served_nodes())}
+    there = {*packages, *(role for role, _ in builtin_nodes())}
     if hint := did_you_mean(package, there):
         return f"no package {package}; {hint}"
     return (

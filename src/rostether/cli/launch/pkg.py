@@ -9,7 +9,7 @@ from pathlib import Path
 
 import click
 
-from rostether.cli.launch.served_nodes import served_nodes
+from rostether.cli.launch.builtin_nodes import builtin_nodes
 from rostether.cli.shell.completion import is_plain
 from rostether.cli.shell.option_group import add_flag
 from rostether.cli.shell.output import json_option, warn, write_line, write_result
@@ -46,7 +46,7 @@ MAX_WARNINGS = 3
 
 def complete_package_folders(_ctx: click.Context, _param: click.Parameter, incomplete: str) -> list[str]:
     """Return the packages on disk or built in that begin with the typed text."""
-    ours = {package for package, _ in served_nodes()}
+    ours = {package for package, _ in builtin_nodes()}
     names = sorted({*package_folders(os.environ, Path.cwd()), *ours})
     return [name for name in names if name.startswith(incomplete) and is_plain(name)]
 
@@ -56,7 +56,7 @@ def complete_programs(context: click.Context, _param: click.Parameter, incomplet
     from rostether.packages.executables import programs
 
     package = context.params.get("package", "")
-    found = {kind for role, kind in served_nodes() if role == package}
+    found = {kind for role, kind in builtin_nodes() if role == package}
     if folder := package_folders(os.environ, Path.cwd()).get(package):
         found.update(each.name for each in programs(folder))
     return [name for name in sorted(found) if name.startswith(incomplete) and is_plain(name)]
@@ -106,7 +106,7 @@ def folder_of(name: str) -> Path:
     """Return a package's folder. Raises ConfigError with similar names."""
     packages = packages_here()
     if name not in packages:
-        if any(role == name for role, _ in served_nodes()):
+        if any(role == name for role, _ in builtin_nodes()):
             raise ConfigError(f"package {name} is built in and has no folder; `rosrun {name}` runs its nodes")
         if name in bundled_packages():
             kind = "msg" if bundled_names(name, "msg") else "srv"

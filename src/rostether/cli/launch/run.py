@@ -10,9 +10,9 @@ from collections.abc import Mapping, Sequence
 import click
 
 from rostether.cli.dashboard.browser import has_browser
+from rostether.cli.launch.builtin_nodes import builtin_nodes, replacement_line, view_command
 from rostether.cli.launch.node_command import node_command
 from rostether.cli.launch.pkg import complete_package_folders, complete_programs, packages_here
-from rostether.cli.launch.served_nodes import replacement_line, served_nodes, view_command
 from rostether.cli.shell.option_group import add_flag, add_option
 from rostether.cli.shell.output import warn, write_line
 from rostether.cli.shell.verbs import verb
@@ -48,7 +48,7 @@ def run(prefix: str, debug: bool, package: str, program: str, arguments: tuple[s
         warn(line)
         replace_process(view_command(package, arguments, in_terminal=in_terminal), os.environ)
     # Searching a home directory takes time, and built-in nodes are not in a folder.
-    is_built_in = (package, program) in served_nodes()
+    is_built_in = (package, program) in builtin_nodes()
     packages = {} if is_built_in else packages_here()
     found = node_command(package, program, packages=packages, environ=os.environ)
     words = [*shlex.split(prefix), *found, *arguments]

@@ -1,6 +1,6 @@
 """`rostether role`: the standard nodes of launch files, one verb each.
 
-`served_nodes` maps their ROS names to these verbs.
+`builtin_nodes` maps their ROS names to these verbs.
 """
 
 from __future__ import annotations

@@ -10,8 +10,8 @@ from pathlib import Path
 import pytest
 
 from programs import OURS, read_until, running
+from rostether.cli.launch.builtin_nodes import BUILTIN_NODES, builtin_nodes, replacement_line, view_command
 from rostether.cli.launch.node_command import PYTHON_VARIABLE, node_command, python_for
-from rostether.cli.launch.served_nodes import SERVED_NODES, replacement_line, served_nodes, view_command
 from rostether.cli.launch.shims import SHIM_MARK
 from rostether.errors import ConfigError
 from unit.cli.command_shell import Shell
@@ -101,12 +101,12 @@ def test_nodes_that_are_ours_by_role(arm: Path) -> None:
         node_command("rosserial_python", "serial_node.py", packages={"rosserial_python": arm}, environ={})
         == found
     )
-    assert served_nodes().keys() <= SERVED_NODES.keys()
+    assert builtin_nodes().keys() <= BUILTIN_NODES.keys()
 
 
-@pytest.mark.parametrize("node", sorted(served_nodes()))
+@pytest.mark.parametrize("node", sorted(builtin_nodes()))
 def test_every_served_node_is_a_command_of_ours(node: tuple[str, str], shell: Shell) -> None:
-    words = served_nodes()[node][4:]
+    words = builtin_nodes()[node][4:]
     assert shell.output(*words, "--help").startswith(f"Usage: rostether {' '.join(words)}")
 
 

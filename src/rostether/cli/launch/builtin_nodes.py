@@ -17,7 +17,7 @@ from rostether.packages.executables import library_folders
 
 _SERIAL = ("serial-node",)
 
-SERVED_NODES: dict[tuple[str, str], tuple[str, ...]] = {
+BUILTIN_NODES: dict[tuple[str, str], tuple[str, ...]] = {
     ("rosserial_python", "serial_node.py"): _SERIAL,
     ("rosserial_python", "serial_node"): _SERIAL,
     ("rosserial_arduino", "serial_node.py"): _SERIAL,
@@ -116,9 +116,9 @@ _RVIZ_FILE = {"-d", "--display-config"}
 _PROGRAMS = {("xacro", "xacro"): ("xacro",)}
 
 
-def served_nodes() -> dict[tuple[str, str], list[str]]:
+def builtin_nodes() -> dict[tuple[str, str], list[str]]:
     """Map (package, type) of the built-in nodes to whole command lines, without the node's arguments."""
-    return {node: our_command(*words) for node, words in SERVED_NODES.items() if _exists(words)}
+    return {node: our_command(*words) for node, words in BUILTIN_NODES.items() if _exists(words)}
 
 
 def replacement_line(package: str, environ: Mapping[str, str], *, in_terminal: bool = False) -> str | None:
@@ -189,6 +189,6 @@ def _exists(words: tuple[str, ...]) -> bool:
     return words[1] in ROLES if words[0] == "role" else words[0] in VERBS
 
 
-def served_programs() -> dict[tuple[str, str], list[str]]:
+def builtin_programs() -> dict[tuple[str, str], list[str]]:
     """Map (package, program) to whole command lines, without the program's arguments."""
     return {program: our_command(*words) for program, words in _PROGRAMS.items()}
