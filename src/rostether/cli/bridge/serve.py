@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import gc
-from collections.abc import AsyncIterator, Sequence
-from contextlib import AbstractAsyncContextManager, AsyncExitStack, asynccontextmanager, nullcontext
+from collections.abc import Sequence
+from contextlib import AbstractAsyncContextManager, nullcontext
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
@@ -18,7 +18,7 @@ from rostether.cli.access.console_reporter import ConsoleReporter
 from rostether.cli.access.graph_options import GraphOptions, graph_options
 from rostether.cli.access.options import ADDRESS_HINTS, listen_option, msg_path_option
 from rostether.cli.access.ros1_access import read_environment, type_store
-from rostether.cli.access.served_graphs import ServedGraphs, served_graphs
+from rostether.cli.access.served_graphs import served_graphs
 from rostether.cli.bag.bridge_recording import BagRecording, bag_recording_options, bags_recorded
 from rostether.cli.bag.line_capture import record_limit_option, recorded
 from rostether.cli.bridge.announcing import announced, check_mdns
@@ -43,7 +43,7 @@ from rostether.cli.bridge.serving import (
 )
 from rostether.cli.dashboard.optional import optional_dashboard
 from rostether.cli.dashboard.settings import DashboardSettings
-from rostether.cli.gateway.gateways import Report, gateway_graph
+from rostether.cli.gateway.optional import optional_gateways
 from rostether.cli.gateway.options import GatewayOptions, dashboard_option, gateway_options
 from rostether.cli.shell.failures import EXIT_DONE, EXIT_FAILED
 from rostether.cli.shell.library_logs import show_debug_records
@@ -266,7 +266,7 @@ async def _serve(
                     is_wanted=options.mdns is True,
                 ),
                 # Started last, so that an unreachable master does not delay the boards.
-                _gateways(settings.gateways, graphs, graph, msg_paths, reporter.line),
+                optional_gateways(settings.gateways, graphs, graph, msg_paths, reporter.line),
                 optional_dashboard(settings.dashboard, graphs, msg_paths, reporter.line),
             ):
                 if settings.discovers:
@@ -275,27 +275,6 @@ async def _serve(
                 gc.freeze()
                 await supervisor.wait_done()
                 return EXIT_FAILED if supervisor.has_failed else EXIT_DONE
-
-
-@asynccontextmanager
-async def _gateways(
-    options: GatewayOptions,
-    graphs: ServedGraphs,
-    graph_options: GraphOptions,
-    msg_paths: Sequence[Path],
-    report: Report,
-) -> AsyncIterator[None]:
-    async with AsyncExitStack() as stack:
-        if options.rosbridge is not None:
-            from rostether.cli.gateway.rosbridge import rosbridge_gateway
-
-            graph = await stack.enter_async_context(gateway_graph(graphs, graph_options, msg_paths))
-            await stack.enter_async_context(rosbridge_gateway(options, graph, report))
-        if options.foxglove is not None:
-            from rostether.cli.gateway.foxglove import foxglove_gateway
-
-            await stack.enter_async_context(foxglove_gateway(options, graphs, msg_paths, report))
-        yield
 
 
 def _simulated(
