@@ -23,7 +23,7 @@ from rostether.rosserial.packets import (
     encode_time,
 )
 from rostether.rostime import Time
-from rostether.transports.transport import Transport
+from rostether.transports.transport import SmallWriter, Transport
 
 # The time limit for each answer, enough for a busy or slow machine.
 ANSWER_S = 8.0
@@ -47,7 +47,7 @@ MAX_KEPT_DAMAGE = 20
 Connect = Callable[[], Awaitable[Transport]]
 
 
-class CheckedClient:
+class CheckedClient(SmallWriter):
     """One client under test. `connect` opens a line to it, again after a line has ended."""
 
     def __init__(self, connect: Connect) -> None:
@@ -260,12 +260,6 @@ class CheckedClient:
         self._transport = None
         self._is_configured = False
         self._arrived.set()
-
-    def pause_writing(self) -> None:
-        """Do nothing: a case sends little and waits for the answer."""
-
-    def resume_writing(self) -> None:
-        """Do nothing, like `pause_writing`."""
 
     def _keep(self, frame: Frame) -> None:
         if len(self._frames) < MAX_KEPT_FRAMES:

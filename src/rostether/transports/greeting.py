@@ -25,6 +25,7 @@ from rostether.transports.tls import (
     connector_context,
     show_ssl_reason,
 )
+from rostether.transports.transport import SmallWriter
 
 if TYPE_CHECKING:
     import ssl
@@ -108,7 +109,7 @@ def _explain_handshake(error: OSError) -> str:
     return f"{reason}; check the certificates"
 
 
-class _Hello:
+class _Hello(SmallWriter):
     """The transport's receiver while the hello lasts."""
 
     def __init__(self, transport: StreamTransport, hello: ListenerHello | ConnectorHello) -> None:
@@ -152,7 +153,3 @@ class _Hello:
                     "must have the same key"
                 )
             )
-
-    def pause_writing(self) -> None: ...
-
-    def resume_writing(self) -> None: ...

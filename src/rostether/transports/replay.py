@@ -109,9 +109,9 @@ class _PlayedBoard:
         self.has_room.set()
 
     def pause_writing(self) -> None:
-        """Ignore that the host's buffer is full."""
+        """Wait: the host's buffer is full."""
         self.has_room.clear()
 
     def resume_writing(self) -> None:
-        """Ignore that the host's buffer has room."""
+        """Continue: the host's buffer has room."""
         self.has_room.set()

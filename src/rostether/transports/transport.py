@@ -27,6 +27,16 @@ class Receiver(Protocol):
         """Handle that the write buffer is below its low-water mark."""
 
 
+class SmallWriter:
+    """Base class of a `Receiver` that writes so little at a time that it need not wait for room."""
+
+    def pause_writing(self) -> None:
+        """Do nothing."""
+
+    def resume_writing(self) -> None:
+        """Do nothing."""
+
+
 class Transport(Protocol):
     """An open byte pipe to one device."""
 

@@ -7,7 +7,7 @@ from typing import Protocol
 
 from rostether.errors import TransportClosedError, TransportError
 from rostether.rosserial.baud_probe import USUAL_BAUDS, BaudProbe, BoardFound, NoBoard
-from rostether.transports.transport import Transport
+from rostether.transports.transport import SmallWriter, Transport
 
 
 class TunableTransport(Transport, Protocol):
@@ -38,7 +38,7 @@ async def probe_port(
     return await _Probing(transport, probe).run()
 
 
-class _Probing:
+class _Probing(SmallWriter):
     """The transport's receiver while the probe runs."""
 
     def __init__(self, transport: TunableTransport, probe: BaudProbe) -> None:
@@ -87,12 +87,6 @@ class _Probing:
         """End the probe: the port was removed."""
         self._lost = error or TransportClosedError(f"{self._transport.peer} was closed during the probe")
         self._woken.set()
-
-    def pause_writing(self) -> None:
-        """Do nothing: a request is a few bytes."""
-
-    def resume_writing(self) -> None:
-        """Do nothing: a request is a few bytes."""
 
     def _apply(self) -> None:
         self._set_baud(self._probe.baud)

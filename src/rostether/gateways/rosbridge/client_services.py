@@ -16,7 +16,7 @@ from rostether.errors import (
 from rostether.gateways.rosbridge.client_subscription import Delivery
 from rostether.gateways.rosbridge.gateway_context import GatewayContext
 from rostether.gateways.rosbridge.offered_services import OfferedService
-from rostether.gateways.rosbridge.request import Request
+from rostether.gateways.rosbridge.request import Request, fields_by_name
 from rostether.gateways.rosbridge.settings import MAX_CALLS, MAX_QUEUED_BYTES, MAX_SERVICES, matches
 from rostether.gateways.rosbridge.values import JsonText
 from rostether.gateways.type_names import short_type
@@ -117,7 +117,8 @@ class ClientServices:
             async with self._local_calls:
                 return await local(request.fields.get("args"))
         service_type = await context.service_types.find(name)
-        args = self._by_name(service_type.request.name, request.fields.get("args"))
+        codec = context.store.codec(service_type.request.name)
+        args = fields_by_name(codec, request.fields.get("args"))
         payload = await context.forms.payload(service_type.request.name, args, request)
         # Free the parsed request: a call may take long, and the request needs twenty times the memory of its
         # JSON.
@@ -129,18 +130,6 @@ class ClientServices:
             context.service_types.forget(name)
             raise
         return await context.forms.response(service_type.response.name, answer)
-
-    def _by_name(self, type_name: str, args: Any) -> Any:
-        """Return the request's fields by name: a client may also send a list of values, or one value."""
-        if args is None or isinstance(args, dict):
-            return args or {}
-        names = [name for name, _ in self._context.store.codec(type_name).message_class._fields]
-        values = args if isinstance(args, list) else [args]
-        if len(values) > len(names):
-            raise RemoteProtocolError(
-                f"call_service: {type_name} has {len(names)} fields, args {len(values)} values"
-            )
-        return dict(zip(names, values, strict=False))
 
     def _own(self, request: Request) -> OfferedService:
         name = self._context.graph.resolve(request.word("service"))

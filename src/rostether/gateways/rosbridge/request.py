@@ -12,6 +12,8 @@ from typing import Any, Final
 from rostether.errors import RemoteProtocolError
 from rostether.gateways.large_json import count_values, parse_in_steps, parse_json
 from rostether.gateways.shown_values import show
+from rostether.mechanisms.text import counted
+from rostether.serde.codec import Codec
 
 # The limit of names and ids: thousands are stored, and all nodes see them. Real ones have fewer than 150
 # characters.
@@ -99,6 +101,23 @@ class Request:
         subject = f"{show(op)[1:-1]}: " if isinstance(op, str) and name != "op" else ""
         got = show(self.fields[name]) if name in self.fields else "nothing"
         return RemoteProtocolError(f"{subject}field '{name}' must be {wanted}, got {got}")
+
+
+def fields_by_name(request: Codec, args: Any) -> dict[str, Any]:
+    """Return a service's request by name: a client may also send a list of values, or one value.
+
+    Raises RemoteProtocolError.
+    """
+    if args is None or isinstance(args, dict):
+        return args or {}
+    names = [member.name for member in request.tree.members]
+    values = args if isinstance(args, list) else [args]
+    if len(values) > len(names):
+        fields = counted(len(names), "field")
+        raise RemoteProtocolError(
+            f"call_service: {request.type_name} has {fields}, args {len(values)} values"
+        )
+    return dict(zip(names, values, strict=False))
 
 
 async def read_request(data: str | bytes) -> Request:

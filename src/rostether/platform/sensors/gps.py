@@ -13,6 +13,7 @@ from rostether.platform.sensors.readings import publish_readings
 from rostether.platform.sensors.registered_sensor import SensorDescription, registered_sensor
 from rostether.transports.address import Address
 from rostether.transports.opening import open_transport
+from rostether.transports.transport import SmallWriter
 
 MESSAGE_TYPE = "sensor_msgs/NavSatFix"
 
@@ -82,7 +83,7 @@ async def positions(address: Address, report_s: float) -> AsyncGenerator[Positio
         await transport.wait_closed()
 
 
-class _Receiver:
+class _Receiver(SmallWriter):
     def __init__(self, where: str) -> None:
         self._where = where
         self.reader = NmeaReader()
@@ -100,12 +101,6 @@ class _Receiver:
 
     def connection_lost(self, error: TransportError | None) -> None:
         self._put(None)
-
-    def pause_writing(self) -> None:
-        """Do nothing: it never writes."""
-
-    def resume_writing(self) -> None:
-        """Do nothing: it never writes."""
 
     def _put(self, position: Position | None) -> None:
         if self._waiting.full():

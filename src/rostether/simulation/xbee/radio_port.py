@@ -7,7 +7,7 @@ from collections.abc import Callable
 
 from rostether.errors import TransportError
 from rostether.simulation.xbee.radio import SimulatedRadio
-from rostether.transports.transport import Transport
+from rostether.transports.transport import SmallWriter, Transport
 
 _BITS_PER_BYTE = 10
 # A faster host must wait, as with a real port; a longer backlog would delay all bytes.
@@ -16,7 +16,7 @@ _BACKLOG_S = 0.05
 _PIECE_BYTES = 32
 
 
-class RadioPort:
+class RadioPort(SmallWriter):
     """Connects a radio and the transport of its serial port; `on_packets(radio)` is called when it may send.
 
     With `host_baud`, bytes arrive only while the radio has the same speed.
@@ -56,12 +56,6 @@ class RadioPort:
     def connection_lost(self, error: TransportError | None) -> None:
         """Stop."""
         self._is_closed = True
-
-    def pause_writing(self) -> None:
-        """Do nothing: a radio does not wait for its host."""
-
-    def resume_writing(self) -> None:
-        """Do nothing, as in `pause_writing`."""
 
     def update(self, baud: int | None = None) -> None:
         """Send the radio's data for its host and for other radios, and set its timer.

@@ -6,7 +6,7 @@ import asyncio
 from typing import Self
 
 from rostether.errors import TransportClosedError, TransportError, TransportTimeoutError
-from rostether.transports.transport import Transport
+from rostether.transports.transport import SmallWriter, Transport
 from rostether.transports.xbee.frame import XbeeFrameDecoder
 from rostether.transports.xbee.packets import AtAnswer, encode_at, parse_report
 
@@ -26,7 +26,7 @@ _TRANSPARENT = b"\x00"
 _FRAME_ID = 1
 
 
-class CommandLine:
+class CommandLine(SmallWriter):
     """The commands of one radio; made on an open transport, which it owns."""
 
     def __init__(self, transport: Transport) -> None:
@@ -55,12 +55,6 @@ class CommandLine:
         """Note the end of the port."""
         self._is_ended, self._error = True, error
         self._changed.set()
-
-    def pause_writing(self) -> None:
-        """Do nothing: commands are short, and each waits for its answer."""
-
-    def resume_writing(self) -> None:
-        """Do nothing, as in `pause_writing`."""
 
     async def leave_api_mode(self) -> bool:
         """Set a radio in API mode to transparent; False if none answers. Raises TransportError."""

@@ -21,7 +21,7 @@ from rostether.mechanisms.backoff import Backoff
 from rostether.transports.address import SerialAddress, XbeeAddress
 from rostether.transports.link_quality import LinkQuality
 from rostether.transports.peers import IDLE_LIMIT_S, MAX_PEERS, Medium, PeerTable
-from rostether.transports.transport import Transport
+from rostether.transports.transport import SmallWriter, Transport
 from rostether.transports.xbee.frame import XbeeFrameDecoder
 from rostether.transports.xbee.host_radio import HostRadio
 from rostether.transports.xbee.packets import AtAnswer, RadioPacket, TransmitStatus, parse_report, status_text
@@ -41,7 +41,7 @@ DRAIN_LIMIT_S = 0.7
 OpenSerial: TypeAlias = Callable[[SerialAddress], Awaitable[Transport]]
 
 
-class XbeeListener:
+class XbeeListener(SmallWriter):
     """Receives from boards by radio, and creates a transport for each. `start` creates a listener.
 
     If the radio at the host is unplugged, all transports end. The port is opened again when the radio is
@@ -161,12 +161,6 @@ class XbeeListener:
         self._cancel_timers()
         self.peers.end_all(f"is disconnected with {self.address}")
         self._reopening = self._loop.create_task(self._reopen())
-
-    def pause_writing(self) -> None:
-        """Do nothing: `SendQueue` never has more than two packets on their way to the radio."""
-
-    def resume_writing(self) -> None:
-        """Do nothing, as in `pause_writing`."""
 
     async def _open(self) -> None:
         self._serial = await self._open_serial(

@@ -12,7 +12,8 @@ from contextlib import asynccontextmanager
 from dataclasses import dataclass
 from typing import Any, Final, TypeAlias
 
-from rostether.errors import RemoteProtocolError, RostetherError
+from rostether.errors import RostetherError
+from rostether.gateways.rosbridge.request import fields_by_name
 from rostether.gateways.rosbridge.rosapi.graph_answers import GraphAnswers
 from rostether.gateways.rosbridge.rosapi.parameters import ParameterServices
 from rostether.gateways.rosbridge.rosapi.system import SystemAnswers
@@ -149,17 +150,11 @@ async def offering_rosapi(
 
 
 def _by_name(request: Codec, args: Any) -> Any:
-    """Return the request's fields by name: a client may also send a list of values, or ROS 1's names."""
-    if args is None:
-        return {}
-    names = [member.name for member in request.tree.members]
-    if isinstance(args, dict) and "default" in args and "default_value" in names:
-        return {"default_value" if name == "default" else name: value for name, value in args.items()}
-    if not isinstance(args, list):
-        return args
-    if len(args) > len(names):
-        raise RemoteProtocolError(f"{request.type_name} has {len(names)} fields, args {len(args)} values")
-    return dict(zip(names, args, strict=False))
+    """Return the request's fields by name; ROS 1's `default` is `default_value` in ROS 2."""
+    fields = fields_by_name(request, args)
+    if "default" in fields and any(member.name == "default_value" for member in request.tree.members):
+        return {"default_value" if name == "default" else name: value for name, value in fields.items()}
+    return fields
 
 
 @dataclass(frozen=True, slots=True)
