@@ -190,8 +190,7 @@ class LineWatch:
         is_alive = self._alive_s is not None and now_s > self._alive_s and self._silence_s is None
         # A sketch cannot print between datagrams: text is the rest of a message.
         loses_datagrams = self._medium is Medium.UDP
-        may_print = is_alive and not loses_datagrams
-        was_text = self.noise.handle_discarded(event, now_s, is_alive=may_print)
+        was_text = self.noise.handle_discarded(event, now_s, is_alive=is_alive and not loses_datagrams)
         self._announcements.discarded(event)
         if self.was_alive and (loses_datagrams or not was_text):
             self._damage.count_discarded(event, now_s)
