@@ -94,7 +94,7 @@ class LineWatch:
         self._unknown_count = 0
         self._is_listener = False
         self._handlers: dict[type[Any], Callable[[Any, float], None]] = {
-            AnnouncementRefused: self._announcement_refused,
+            AnnouncementRefused: lambda event, _: self._announcements.refused(event),
             DeviceReset: self._device_reset,
             DeviceSilent: self._device_silent,
             FrameDiscarded: self._discarded,
@@ -102,7 +102,7 @@ class LineWatch:
             NegotiationSettled: self._settled,
             ProtocolDetected: self._protocol_detected,
             ServiceAnnounced: self._service_announced,
-            TimeRequested: self._time_requested,
+            TimeRequested: lambda _, now_s: self.loop_speed.request(now_s, statistics.topic_requests),
             TopicAnnounced: self._topic_announced,
             UnknownTopicId: self._unknown_topic,
         }
@@ -145,9 +145,6 @@ class LineWatch:
         ]
         return [each for each in found if each is not None]
 
-    def _announcement_refused(self, event: AnnouncementRefused, _now_s: float) -> None:
-        self._announcements.refused(event)
-
     def _device_reset(self, _event: DeviceReset, now_s: float) -> None:
         self._resets.record(now_s)
         self.loop_speed.forget()
@@ -169,9 +166,6 @@ class LineWatch:
 
     def _service_announced(self, _event: ServiceAnnounced, _now_s: float) -> None:
         self._is_listener = True
-
-    def _time_requested(self, _event: TimeRequested, now_s: float) -> None:
-        self.loop_speed.request(now_s, self._statistics.topic_requests)
 
     def _topic_announced(self, event: TopicAnnounced, _now_s: float) -> None:
         # Only rostether's client library sends without a buffer.
