@@ -158,7 +158,7 @@ class BoardRegistry:
         self._closing.add(closing)
         closing.add_done_callback(self._has_closed)
         await asyncio.wait([closing], timeout=NODE_CLOSE_LIMIT_S)
-        # Its name is free again while it is still leaving.
+        # A node's name is free again while the node is still leaving.
         self._boards.pop(board.name, None)
 
     async def _close_and_report(self, node: BoardNode) -> None:

@@ -104,7 +104,7 @@ class Supervisor:
         self._devices = devices if devices is not None else DeviceBook()
         self._links = links
         self._clock = asyncio.get_running_loop().time
-        # Any device can connect, and connect again.
+        # For lines that any device can cause by connecting repeatedly.
         self._limited_reporter = LimitedReporter(self._reporter, self._clock)
         self._objects = BoardObjects()
         self._boards = BoardRegistry(settings.grace_s, self._clock, self._objects.node_left)

@@ -124,7 +124,7 @@ class FleetSender:
     def _begin(self) -> None:
         """Start an epoch, later than that of every known sender."""
         self._commands = self._channel.start_sender(self._settings.sender)
-        # Their refusals are those of the earlier epoch.
+        # The known refusals are those of the earlier epoch.
         self._channel.table.robots.clear()
 
     async def _start_later_epoch(self) -> None:

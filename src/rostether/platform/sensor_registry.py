@@ -78,7 +78,7 @@ class SensorRegistry:
 
     def __init__(self, sensors: Iterable[Sensor] = (), now_s: float = 0.0) -> None:
         self._sensors: dict[str, Sensor] = {each.id: each for each in sensors}
-        # They published in an earlier run: a returning sensor gets its old entry.
+        # Sensors of an earlier run: a returning sensor gets its old entry.
         self._conditions = {
             key: Condition(
                 now_s,

@@ -47,7 +47,7 @@ class CaptureWriter:
         self._noted_bytes = 0
         self._timer: asyncio.TimerHandle | None = None
         try:
-            # It never replaces another capture, and a killed process leaves no half line in a buffer.
+            # The mode never replaces another capture; without a buffer, a killed process leaves no half line.
             self._file: int | None = os.open(
                 path, os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_BINARY", 0), 0o644
             )

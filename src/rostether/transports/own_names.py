@@ -52,7 +52,7 @@ def outward_address(family: socket.AddressFamily = socket.AF_INET) -> str | None
     target = "2001:db8::1" if family == socket.AF_INET6 else "192.0.2.1"
     try:
         with socket.socket(family, socket.SOCK_DGRAM) as probe:
-            # It sends nothing: it only asks the system for the route.
+            # This sends nothing, and only asks the system for the route.
             probe.connect((target, 9))
             return str(probe.getsockname()[0])
     except OSError:
@@ -78,7 +78,7 @@ def is_own_address(host: str, scope: int = 0) -> bool:
     is_ipv6 = ":" in host
     try:
         with socket.socket(socket.AF_INET6 if is_ipv6 else socket.AF_INET, socket.SOCK_DGRAM) as probe:
-            # It sends nothing. A test with `bind` would be wrong where ip_nonlocal_bind is set.
+            # This sends nothing. A test with `bind` would be wrong where ip_nonlocal_bind is set.
             probe.connect((host, 9, 0, scope) if is_ipv6 else (host, 9))
             return bool(probe.getsockname()[0] == probe.getpeername()[0])
     except OSError:

@@ -1,12 +1,13 @@
 """Limits the bytes that are read from one connection at a time, so that the others get their turn soon.
 
-A byte of a flood of messages costs 0.1 µs, a hostile byte a few µs. The size depends on the last reads: at
-the highest recent cost, it takes one turn; it is at most twice the last size.
+A byte of a flood of messages costs 0.1 µs, a hostile byte a few µs. The next read is as
+large as `TURN_S` permits at the highest recent cost of a byte, and at most twice as large as the last one.
 """
 
 from __future__ import annotations
 
-# The time of one connection: a message still takes less than 10 ms when a hundred others are connected.
+# The time to handle one read of a connection: a message still takes less than 10 ms when a hundred others are
+# connected.
 TURN_S = 0.002
 
 # The first chunk after a quiet time: if it has only announcements, it costs 4 ms.

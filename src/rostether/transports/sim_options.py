@@ -25,9 +25,9 @@ COMMAND_OPTIONS = (
     "watch",
     "wheels",
 )
-# Their values are separated by spaces, those of other commands by commas.
+# Commands whose values are separated by spaces; those of the others are separated by commas.
 _SPACE_SEPARATED = ("adc", "attitude", "pin", "servo", "watch")
-# Their values are settings such as A0=2.5.
+# Commands whose values are settings such as A0=2.5.
 _WITH_SETTINGS = ("adc", "fault", "hcsr04", "pin", "w5100", "wheels")
 
 

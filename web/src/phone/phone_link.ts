@@ -41,7 +41,7 @@ export class PhoneLink {
       },
       onText: (message) => {
         if (message.op === "timeAnswer") this.learn(message.id, message);
-        // Those with an id are not about this connection.
+        // Statuses with an id are not about this connection.
         if (message.op === "status" && message.level > 0 && message.id === undefined)
           this.problem.value = message.message;
       },

@@ -8,7 +8,7 @@ export function savedSettings({ id, settings }: Panel): Settings {
   return validSettings(loadSetting<Settings | null>(keyOf(id), null), settings);
 }
 
-/** Those that the panel's cards share with its page. */
+/** The settings that the panel's cards share with its page. */
 export function sharedSettings(panel: Panel): Settings {
   const saved = savedSettings(panel);
   return Object.fromEntries(

@@ -7,7 +7,7 @@ import type { Topic } from "./topics.ts";
 /** A received message; `payload` is valid as long as it is referenced. */
 export interface Arrival {
   payload: Uint8Array;
-  /** Its arrival time, `performance.now()`. */
+  /** The time of arrival, `performance.now()`. */
   receivedMs: number;
   /** The gateway's clock, nanoseconds since 1970. */
   timeNs: bigint;

@@ -65,18 +65,21 @@ export class Robot {
   readonly parameters: Parameters;
   readonly gateway: Gateway;
 
-  /** Those that a node publishes, by channel; and those that only have subscribers, by name. */
+  /** Topics that a node publishes, by channel; and topics that only have subscribers, by name. */
   private readonly channels = new Map<number, Topic>();
   private readonly unpublished = new Map<string, Topic>();
   private readonly feeds = new Map<string, Feed>();
   private readonly uses = new Map<string, Use>();
   private readonly bySubscription = new Map<number, Feed>();
   private readonly changed = new Set<Feed>();
-  /** Those that are subscribed and have had no message yet. */
+  /** Feeds that are subscribed and have had no message yet. */
   private readonly empty = new Set<Feed>();
   private readonly onNoneEmpty = new Set<() => void>();
   private refusalTimer: ReturnType<typeof setTimeout> | undefined;
-  /** How often the page could be loaded since the connection was lost: once may be a robot that just came back. */
+  /**
+   * How often the page could be loaded since the connection was lost. Once is no proof of a refusal: the robot may
+   * have just come back.
+   */
   private refusedBefore = 0;
   private awaitsServices = false;
   private awaitsGraph = false;

@@ -16,6 +16,6 @@ export function saveSetting(key: string, value: unknown): void {
   try {
     localStorage.setItem(PREFIX + key, JSON.stringify(value));
   } catch {
-    // Then it is kept while the page is open.
+    // Without storage, the setting is kept while the page is open.
   }
 }

@@ -13,7 +13,7 @@ const PRIMITIVES: Record<string, Node> = {
   string: { kind: "string" },
   time: { kind: "time" },
   duration: { kind: "duration" },
-  // Their older names in ROS 1.
+  // Older names of these types in ROS 1.
   byte: { kind: "primitive", type: "int8" },
   char: { kind: "primitive", type: "uint8" },
 };

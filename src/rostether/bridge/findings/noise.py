@@ -112,8 +112,8 @@ class Noise:
             self.text = self.text or bytes(self._line[:KEPT_BYTES])
 
     def _note_version(self, data: bytes) -> None:
-        # Only a header with a correct length check: in noise one of 256 is correct, and not the same one
-        # three times.
+        # Only headers with a correct length check count. One in 256 pieces of noise passes this check, but
+        # not three with the same version.
         if len(data) >= 5 and data[1] >= 0xF0 and sum(data[2:5]) & 0xFF == 0xFF:
             version = data[1]
             self._versions[version] = self._versions.get(version, 0) + 1

@@ -20,7 +20,7 @@ from rostether.serde.store import TypeStore
 from rostether.transports.address import SimulationPauses
 from rostether.transports.transport import Transport
 
-# It includes three time requests, which show the speed of loop(), and enough frames for a percentage.
+# This time includes three time requests, which show the speed of loop(), and enough frames for a percentage.
 WATCH_S = 8.0
 
 # How long to watch a board that was reset or whose time request was late: by then a pattern is visible.

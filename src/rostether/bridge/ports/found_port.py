@@ -94,7 +94,7 @@ class FoundPort:
                 self.is_dismissed = True
                 return
             except TransportError:
-                # It was unplugged during the probe; the next list of ports shows this.
+                # The board was unplugged during the probe; the next list of ports shows this.
                 await asyncio.sleep(AFTER_LOSS_S)
                 continue
             finally:

@@ -136,7 +136,7 @@ class Client:
         for subscription_id, channel_id in request.subscriptions:
             channel = self._context.channels.by_id.get(channel_id)
             if channel is None:
-                # It is not a mistake of the client if the channel has just ended.
+                # The channel may have just ended, which is not a mistake of the client.
                 self.report_mistake(f"there is no channel {channel_id}")
             elif subscription_id in self._subscriptions or channel_id in self._by_channel:
                 self.report_mistake(
@@ -153,7 +153,7 @@ class Client:
 
     def _unsubscribe(self, request: requests.Unsubscribe) -> None:
         for subscription_id in request.subscription_ids:
-            # It may have ended with its channel.
+            # The subscription may have ended with its channel.
             if subscription := self._subscriptions.pop(subscription_id, None):
                 del self._by_channel[subscription.channel.id]
                 self._context.run(subscription.close())

@@ -78,7 +78,7 @@ class OfferedService:
         failing = [waiting for waiting in self._waiting.values() if not waiting.done()]
         for waiting in failing:
             waiting.set_exception(ServiceCallError(f"service {self.name} {reason}"))
-        # Their callers get the reason; the graph ends their calls together with the service.
+        # Callers get the reason now, because the graph ends their calls together with the service.
         for _ in range(_TURNS_TO_ANSWER if failing else 0):
             await asyncio.sleep(0)
         if self.server is not None:

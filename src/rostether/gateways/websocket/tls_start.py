@@ -58,8 +58,8 @@ async def _start(
     context: ssl.SSLContext,
     limit_s: float,
 ) -> asyncio.Transport | None:
-    # It was displaced before this started. asyncio would wait for its handshake until the limit, with a
-    # buffer of 256 KiB.
+    # The connection was displaced before this started. asyncio would wait for its handshake until the limit,
+    # with a buffer of 256 KiB.
     if transport.is_closing():
         return None
     loop = asyncio.get_running_loop()

@@ -141,7 +141,7 @@ async def _end(process: asyncio.subprocess.Process) -> None:
     with suppress(TimeoutError):
         async with asyncio.timeout(END_LIMIT_S):
             await process.wait()
-    # Its child processes may still run: end them, too.
+    # Child processes of the part may still run: end them, too.
     _signal(process, signal.SIGKILL)
     await process.wait()
 

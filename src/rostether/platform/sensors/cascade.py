@@ -90,6 +90,6 @@ def _opencv() -> Any:
         raise ConfigError(
             f"OpenCV {cv2.__version__} has no cascades; install version 4: {install_command('detection')}"
         )
-    # It prints its own line for each file that it cannot read.
+    # OpenCV prints its own line for each file that it cannot read.
     cv2.utils.logging.setLogLevel(cv2.utils.logging.LOG_LEVEL_SILENT)
     return cv2

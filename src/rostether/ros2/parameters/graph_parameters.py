@@ -31,7 +31,7 @@ class OwnParameters(Protocol):
         """Set all the values, or none; `NOT_SET` deletes. Raises GraphError with the reason."""
 
     def listen(self, on_changes: OnChanges) -> None:
-        """Call back after each setting, until `unlisten`."""
+        """Call back after each change, until `unlisten`."""
 
     def unlisten(self, on_changes: OnChanges) -> None:
         """Stop calling back."""

@@ -28,7 +28,7 @@ FIXED_TYPES = {USE_SIM_TIME: ParameterType.BOOL}
 
 @dataclass(frozen=True, slots=True)
 class Changes:
-    """The changes of one setting of parameters."""
+    """The parameters that were set or deleted together."""
 
     new: Mapping[str, TypedValue] = field(default_factory=dict)
     changed: Mapping[str, TypedValue] = field(default_factory=dict)
@@ -91,7 +91,7 @@ class ParameterStore:
                 call_contained("reporting changed parameters", listener, changes)
 
     def listen(self, on_changes: OnChanges) -> None:
-        """Call back after each setting, until `unlisten`."""
+        """Call back after each change, until `unlisten`."""
         self._listeners.append(on_changes)
 
     def unlisten(self, on_changes: OnChanges) -> None:

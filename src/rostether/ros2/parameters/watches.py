@@ -19,7 +19,7 @@ class ReportingParameters(Protocol):
     """Parameters that report their changes."""
 
     def listen(self, on_changes: OnChanges) -> None:
-        """Call back after each setting, until `unlisten`."""
+        """Call back after each change, until `unlisten`."""
 
     def unlisten(self, on_changes: OnChanges) -> None:
         """Stop calling back."""

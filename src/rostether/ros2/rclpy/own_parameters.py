@@ -63,7 +63,7 @@ class RclpyParameters:
             )
 
     def listen(self, on_changes: OnChanges) -> None:
-        """Call back after each setting, until `unlisten`."""
+        """Call back after each change, until `unlisten`."""
         self._listeners.append(on_changes)
 
     def unlisten(self, on_changes: OnChanges) -> None:

@@ -134,9 +134,7 @@ class Publication:
             self._undeclare()
 
     def _put(self, payloads: Sequence[bytes], max_stalls: int | None = None) -> Puts:
-        """Put messages until the limit of waiting messages is reached; in the loop, or in a thread without
-        one.
-        """
+        """Put messages, until `max_stalls` of them have waited for room (None: all, for a thread)."""
         convert, put, gid, sequence = self._convert, self._publisher.put, self._gid, self._sequence
         pack, clock = ATTACHMENT.pack, time.time_ns
         puts = Puts()

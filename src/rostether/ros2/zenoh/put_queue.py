@@ -131,7 +131,7 @@ class PutQueue:
             async with asyncio.timeout(FINISH_LIMIT_S):
                 while self._job is not None:
                     await asyncio.wait([self._job])
-                    # Its callback is later in the loop's queue.
+                    # The callback of the job is later in the loop's queue.
                     await asyncio.sleep(0)
         except TimeoutError:
             _log.debug("%d messages were dropped because a link is full", len(self._waiting))

@@ -64,7 +64,7 @@ export class Driver {
   hold(stick: Stick): void {
     if (this.isBlocked.peek()) return;
     if (this.timer === undefined && this.lease.peek().state === "taken" && stick !== CENTER) {
-      // It must not begin to drive when the other client lets go.
+      // The stick must not begin to drive when the other client lets go.
       this.isBlocked.value = true;
       return;
     }

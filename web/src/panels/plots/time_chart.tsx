@@ -41,7 +41,7 @@ export function TimeChart({ context, series, span, axesKey, options }: Props) {
           const toS = clock.nowS();
           chart.draw(toS - spanOf(shown.lastS, series, toS), toS);
         }
-        // It moves while it is visible.
+        // The chart moves while it is visible.
         if (context.visible.peek()) task.markDirty();
       } else chart.draw(shown.fromS, shown.toS);
     });

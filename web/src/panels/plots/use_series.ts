@@ -9,7 +9,7 @@ export function useSeries(context: PanelContext, ids: readonly string[], isKept 
   const key = ids.join("\n");
   const { robot } = context;
   const series = useMemo(() => ids.map((id) => seriesStore(robot).get(id)), [key]);
-  // Their units and axes depend on types, which are known after the connection.
+  // Units and axes of series depend on types, which are known after the connection.
   for (const each of series) each.follow(robot.topics.value.get(each.topicName));
   useLayoutEffect(() => {
     if (isKept)

@@ -241,7 +241,7 @@ export class SceneStage {
     if (theme.value !== this.drawnTheme) {
       this.drawnTheme = theme.value;
       this.view.applyTheme();
-      // Their names are drawn again below.
+      // The names of frames are drawn again below.
       this.view.remove(FRAMES);
     }
     const topics = this.drawable();
