@@ -8,7 +8,6 @@ import logging
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
-from types import TracebackType
 from typing import Self
 
 from rostether.device.endpoints import Endpoints
@@ -17,6 +16,7 @@ from rostether.device.parameters import DeviceParam, ParameterRequests
 from rostether.errors import ConfigError, TransportError, TransportTimeoutError, UnknownNameError
 from rostether.graph.ports import Level
 from rostether.mechanisms.backoff import Backoff
+from rostether.mechanisms.block_end import BlockClosable
 from rostether.msgdef.registry import Registry
 from rostether.msgdef.search_waiting import definitions_searched
 from rostether.rosserial.device_link import PUBLISHER_OVERHEAD_BYTES, DeviceLink, DeviceLinkConfig
@@ -56,7 +56,7 @@ _NO_CAUSE = "; start one: rostether serve"
 _LOG = logging.getLogger(__name__)
 
 
-class Device(Endpoints):
+class Device(Endpoints, BlockClosable):
     """A rosserial device in Python; `async with` opens its line and keeps it open.
 
     `link` is a link address (tcp and udp connect to it), or an open transport, which is not reopened after it
@@ -108,12 +108,6 @@ class Device(Endpoints):
             self._line.attach(transport)
         self._keeper = asyncio.get_running_loop().create_task(self._keep_open(transport))
         return self
-
-    async def __aexit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        """Close the line."""
-        await self.close()
 
     async def close(self) -> None:
         """Close the line, and fail all pending requests. Idempotent."""

@@ -13,11 +13,10 @@ from rostether.firmware.cache import BuildCache, cache_folder, digest
 from rostether.firmware.diagnostics import explain
 from rostether.firmware.libraries import Library, choose, read_given
 from rostether.firmware.ros_library import RosLibrary
-from rostether.firmware.sketch import Sketch
+from rostether.firmware.sketch import Sketch, files_below, included_headers
 from rostether.firmware.toolchain import find_arduino_cli
 from rostether.mechanisms.program import run_program
 
-_INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]*[<"]([^>"\n]+)[>"]', re.MULTILINE)
 _IMAGES = (".hex", ".uf2", ".bin")
 _PLATFORM_MISSING = re.compile(r"[Pp]latform '?([\w:]+)[^\n]*not (?:found|installed)")
 
@@ -62,12 +61,8 @@ async def build_with_arduino_cli(sketch: Sketch, board: Board, options: BuildOpt
 def _ros_library(sketch: Sketch, given: list[Library], ros: RosLibrary) -> Library | None:
     files = [*sketch.inos, *sketch.sources]
     if sketch.owns_folder:
-        files += sorted(sketch.folder.rglob("*.h"))
-    headers = [
-        header
-        for file in files
-        for header in _INCLUDE.findall(file.read_text(encoding="utf-8", errors="replace"))
-    ]
+        files += files_below(sketch.folder, (".h",))
+    headers = included_headers(files)
     wanted = [each for each in headers if choose(each, given) is None and ros.add_header(each)]
     return ros.write() if wanted else None
 

@@ -9,11 +9,9 @@ from functools import cached_property
 
 from rostether.firmware.avr_code import Op, decode
 from rostether.firmware.avr_pointers import PLAIN, UNKNOWN, table_functions
-from rostether.firmware.elf import ElfFile, Symbol
+from rostether.firmware.elf import DATA, FUNCTION, ElfFile, Symbol
 from rostether.firmware.stack_walk import Code, Walk, walk
 
-_FUNCTION = 2
-_OBJECT = 1
 _MACHINE_FLAGS = 0x7F
 
 # avr6: 22 bits of program counter.
@@ -41,7 +39,7 @@ class CallGraph:
         self._functions = [
             each
             for each in elf.symbols
-            if each.section == ".text" and each.kind in (0, _FUNCTION) and each.name and each.address
+            if each.section == ".text" and each.kind in (0, FUNCTION) and each.name and each.address
         ]
         return_bytes = 3 if elf.flags & _MACHINE_FLAGS == _LARGE_FLASH else 2
         self._code = Code(
@@ -54,7 +52,7 @@ class CallGraph:
         self._starts = {
             each.address // 2: each.address
             for each in self._functions
-            if each.kind == _FUNCTION and each.name != _PURE_VIRTUAL
+            if each.kind == FUNCTION and each.name != _PURE_VIRTUAL
         }
         self._ranges = elf.code_ranges
         self._walks: dict[int, Walk] = {}
@@ -162,7 +160,7 @@ class CallGraph:
                     content[start : start + size] = bytes(size)
             values |= set(_words(bytes(content)))
         for each in self._elf.symbols:
-            if each.section == ".text" and each.kind == _OBJECT:
+            if each.section == ".text" and each.kind == DATA:
                 values |= set(_words(self._elf.read_at(each.address, each.size)))
         return sorted(self._starts[value] for value in values & self._starts.keys())
 

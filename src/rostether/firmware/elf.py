@@ -31,6 +31,9 @@ from rostether.firmware.debug_limits import (
     lines_are_bounded,
 )
 
+# The kinds of symbols.
+DATA, FUNCTION = 1, 2
+
 _MAGIC = b"\x7fELF\x01\x01"
 _WRITABLE, _ALLOCATED = 1, 2
 _RESERVED_INDEX = 0xFF00
@@ -66,7 +69,7 @@ class Section:
 
 @dataclass(frozen=True, slots=True)
 class Symbol:
-    """A name for an address; `kind` is 1 for data, 2 for a function, 0 if unknown."""
+    """A name for an address; `kind` is DATA, FUNCTION, or 0 if unknown."""
 
     name: str
     address: int

@@ -15,7 +15,7 @@ from pathlib import Path
 from rostether.firmware.boards import Board
 from rostether.firmware.built_firmware import BuiltFirmware
 from rostether.firmware.demangle import demangle, shorten
-from rostether.firmware.elf import CodeRange, ElfFile, Section, Symbol, Variable
+from rostether.firmware.elf import DATA, CodeRange, ElfFile, Section, Symbol, Variable
 from rostether.firmware.libraries import Origin
 from rostether.firmware.origins import RUNTIME, START, TEXTS, Origins
 from rostether.firmware.stack import StackEstimate, estimate_stack
@@ -26,7 +26,6 @@ MARGIN_BYTES = 64
 # More names than these would not make a group clearer.
 LARGEST_ITEMS = 5
 
-_OBJECT = 1
 _MANGLED = re.compile(r"_Z\w+")
 _START_SYMBOLS = re.compile(
     r"__vectors|__ctors|__dtors|__init|__trampolines|__bad_interrupt|__do_(copy|clear|global)"
@@ -188,7 +187,7 @@ class _Count:
 
     def _count_symbol(self, section: Section, symbol: Symbol, start: int, stop: int) -> None:
         name = self._readable.get(symbol.name, symbol.name)
-        if section.is_writable or symbol.kind == _OBJECT:
+        if section.is_writable or symbol.kind == DATA:
             shares = {self._group_of_data(symbol, name) or RUNTIME: stop - start}
         else:
             shares = self._bytes_by_group(start, stop, self._group_of_code(start, name))
@@ -217,7 +216,7 @@ class _Count:
         """Yield the classes that have functions here, with the group of their file."""
         for symbol in self._elf.symbols:
             scope = _scope(self._readable.get(symbol.name, symbol.name))
-            if scope and symbol.section == ".text" and symbol.kind != _OBJECT:
+            if scope and symbol.section == ".text" and symbol.kind != DATA:
                 yield scope, self._group_of_code(symbol.address, scope)
 
     def _count_unnamed(self, section: Section, start: int, stop: int) -> None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import re
 import shutil
 import sys
 from collections.abc import Sequence
@@ -13,16 +12,17 @@ from rostether.errors import FirmwareError, SketchError
 from rostether.firmware.cache import BuildCache, cache_folder, digest
 from rostether.firmware.ino import add_prototypes, read_ino
 from rostether.firmware.ros_library import RosLibrary
-from rostether.firmware.sketch import MAX_SKETCH_FILES, Sketch, open_sketch
+from rostether.firmware.sketch import Sketch, files_below, included_headers, open_sketch
 from rostether.mechanisms.program import run_program
 
 _COMPILER = "g++"
-_INCLUDE = re.compile(rb'^\s*#\s*include\s*[<"]([\w/.]+)[>"]', re.MULTILINE)
+
 # Simulated servos answer late on a busy machine.
 FLAGS = (
     *("-std=gnu++11", "-O1", "-Wall", "-Wextra"),
     *("-DARDUINO=10819", "-D__OPENCR__", "-DDYNAMIXEL_TIMEOUT_US=200000"),
 )
+
 _KIND = "opencr"
 _PROGRAM = "sketch"
 _SOURCES = (".h", ".hpp", ".c", ".cpp", ".cc", ".cxx", ".ino", ".pde")
@@ -45,10 +45,8 @@ async def build_for_linux(sketch: Path, msg_paths: Sequence[Path] = ()) -> Path:
     cache = BuildCache(cache_folder())
     ros = RosLibrary(cache, found.definition_folders(msg_paths))
     files = _files(found)
-    contents = {str(each): each.read_bytes() for each in files}
-    for content in contents.values():
-        for header in _INCLUDE.findall(content):
-            ros.add_header(header.decode())
+    for header in included_headers(files):
+        ros.add_header(header)
     library = ros.write()
     core = _core()
     key = digest(
@@ -84,12 +82,5 @@ def _core() -> Path:
 def _files(sketch: Sketch) -> list[Path]:
     files = [*sketch.inos, *sketch.sources]
     if sketch.owns_folder:
-        for count, each in enumerate(sorted(sketch.folder.rglob("*"))):
-            if count > MAX_SKETCH_FILES:
-                raise FirmwareError(
-                    f"{sketch.folder} contains more than {MAX_SKETCH_FILES} files;"
-                    " give the folder of a sketch"
-                )
-            if each.suffix in _SOURCES and each.is_file():
-                files.append(each)
+        files += files_below(sketch.folder, _SOURCES)
     return list(dict.fromkeys(files))

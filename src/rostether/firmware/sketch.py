@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import re
+from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass
+from itertools import islice
 from pathlib import Path
 
 from rostether.errors import FirmwareError
@@ -13,6 +15,8 @@ INO_SUFFIXES = (".ino", ".pde")
 SOURCE_SUFFIXES = (".c", ".cpp", ".cc", ".cxx", ".S")
 # If a home folder is given by mistake, not all of its files must be read.
 MAX_SKETCH_FILES = 2000
+
+_INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]*[<"]([^>"\n]+)[>"]', re.MULTILINE)
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,17 +75,24 @@ def _open_folder(folder: Path) -> Sketch:
         raise FirmwareError(f"{folder} contains no sketch: no .ino or .cpp file")
     first = (main or inos)[:1]
     rest = [each for each in inos if each not in first]
-    sources += _sources_below(folder / "src")
+    sources += files_below(folder / "src", SOURCE_SUFFIXES)
     return Sketch(folder.name, folder, (*first, *rest), tuple(sources), owns_folder=True)
 
 
-def _sources_below(folder: Path) -> list[Path]:
-    found = []
-    for count, each in enumerate(sorted(folder.rglob("*")) if folder.is_dir() else ()):
-        if count > MAX_SKETCH_FILES:
-            raise FirmwareError(
-                f"{folder} contains more than {MAX_SKETCH_FILES} files; give the folder of a sketch"
-            )
-        if each.suffix in SOURCE_SUFFIXES and each.is_file():
-            found.append(each)
-    return found
+def files_below(folder: Path, suffixes: Collection[str]) -> list[Path]:
+    """Return the files with given suffixes in a folder of a sketch, at any depth, sorted; none without it.
+
+    Raises FirmwareError if there are too many files for a sketch.
+    """
+    found = list(islice(folder.rglob("*"), MAX_SKETCH_FILES + 1)) if folder.is_dir() else []
+    if len(found) > MAX_SKETCH_FILES:
+        raise FirmwareError(
+            f"{folder} contains more than {MAX_SKETCH_FILES} files; give the folder of a sketch"
+        )
+    return sorted(each for each in found if each.suffix in suffixes and each.is_file())
+
+
+def included_headers(files: Iterable[Path]) -> list[str]:
+    """Return the names of the headers that files include, as written there."""
+    texts = (each.read_text(encoding="utf-8", errors="replace") for each in files)
+    return [header for text in texts for header in _INCLUDE.findall(text)]

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import asyncio
+from abc import ABC, abstractmethod
 from collections.abc import AsyncIterator, Awaitable, Coroutine
 from contextlib import asynccontextmanager
-from typing import Any, Protocol, TypeVar
+from types import TracebackType
+from typing import Any, Protocol, Self, TypeVar
 
 
 class Closable(Protocol):
@@ -13,6 +15,22 @@ class Closable(Protocol):
 
     def close(self) -> Awaitable[object]:
         """Close it."""
+
+
+class BlockClosable(ABC):
+    """The base of classes that `async with` closes at the end of its block."""
+
+    @abstractmethod
+    async def close(self) -> None:
+        """Close it."""
+
+    async def __aenter__(self) -> Self:
+        return self
+
+    async def __aexit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        await self.close()
 
 
 T = TypeVar("T", bound=Closable)

@@ -13,10 +13,10 @@ import re
 import shutil
 import struct
 from pathlib import Path
-from types import TracebackType
 from typing import Self
 
 from rostether.errors import BoardError
+from rostether.mechanisms.block_end import BlockClosable
 from rostether.transports.pty_link import PtyLink
 
 PROGRAM = "qemu-system-arm"
@@ -44,7 +44,7 @@ _KIND = [b"\x7fELF", 1, 1, 40]
 _TERMINAL = re.compile(rb"char device redirected to (\S+)")
 
 
-class QemuBoard:
+class QemuBoard(BlockClosable):
     """One board.
 
     It ends with `close`, and with this process. `exit_message` is qemu's error message after it has ended by
@@ -139,14 +139,6 @@ class QemuBoard:
         self._link.remove()
         await _end(self._process)
         await self._reading
-
-    async def __aenter__(self) -> Self:
-        return self
-
-    async def __aexit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        await self.close()
 
     async def _read(self, output: bytes) -> None:
         stdout = self._process.stdout

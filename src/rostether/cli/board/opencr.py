@@ -19,13 +19,13 @@ OPENCR = "opencr"
 
 async def start_opencr(
     sketch: Path,
-    words: Sequence[str],
+    commands: Sequence[str],
     link_path: Path | None = None,
     msg_paths: Sequence[Path] = (),
     *,
     has_other_options: bool,
 ) -> OpenCrBoard:
-    """Build a sketch and start it. The board gets `words` at its start.
+    """Build a sketch and start it. The board gets `commands` at its start.
 
     Raises ConfigError for commands that the board does not have, FirmwareError for a sketch that cannot be
     built, BoardError.
@@ -48,7 +48,7 @@ async def start_opencr(
         raise
     board = await OpenCrBoard.start(program, link_path=link_path)
     try:
-        for line in words:
+        for line in commands:
             execute(board, line)
     except BaseException:
         await board.close()
@@ -58,7 +58,7 @@ async def start_opencr(
 
 async def run_opencr(
     sketch: Path,
-    words: Sequence[str],
+    commands: Sequence[str],
     link_path: Path | None,
     msg_paths: Sequence[Path],
     *,
@@ -68,7 +68,7 @@ async def run_opencr(
     """Run a sketch until it ends, with commands on standard input. Raises the errors of `start_opencr`."""
     from rostether.simulation.opencr.commands import execute
 
-    board = await start_opencr(sketch, words, link_path, msg_paths, has_other_options=has_other_options)
+    board = await start_opencr(sketch, commands, link_path, msg_paths, has_other_options=has_other_options)
 
     async def execute_line(line: str) -> None:
         answer = execute(board, line)

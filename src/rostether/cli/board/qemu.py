@@ -21,12 +21,12 @@ _PROGRAM_SUFFIXES = (".elf", ".hex")
 
 
 async def start_in_qemu(
-    program: Path, machine: str, link_path: Path | None = None, *, has_words: bool
+    program: Path, machine: str, link_path: Path | None = None, *, has_other_options: bool
 ) -> QemuBoard:
     """Start an ELF file. Raises ConfigError for other files and for options of other boards, BoardError."""
     from rostether.simulation.qemu import QemuBoard
 
-    if has_words:
+    if has_other_options:
         raise ConfigError(
             f"{machine} is simulated without pins and devices; it does not accept the commands and options "
             f"of other boards"
@@ -38,13 +38,13 @@ async def start_in_qemu(
 
 
 async def run_in_qemu(
-    program: Path, machine: str, link_path: Path | None, *, has_words: bool, as_json: bool
+    program: Path, machine: str, link_path: Path | None, *, has_other_options: bool, as_json: bool
 ) -> None:
     """Run an ELF file until it ends; its only command on standard input is `reset`.
 
     Raises the same errors as `start_in_qemu`.
     """
-    async with await start_in_qemu(program, machine, link_path, has_words=has_words) as board:
+    async with await start_in_qemu(program, machine, link_path, has_other_options=has_other_options) as board:
         core, _ = MACHINES[machine]
         show_start("" if as_json else f"{machine} ({core})", machine, program, board.address, link_path)
 

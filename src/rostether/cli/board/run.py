@@ -22,8 +22,8 @@ from rostether.simulation.qemu import MACHINES
 
 OLD_OPTIONS = {"--for": "--duration"}
 # Options that are commands of the simulator under the same name.
-_REPEATED_WORDS = ("adc", "pin", "servo", "watch", "guard")
-_SINGLE_WORDS = ("hcsr04", "range", "attitude", "fault", "network", "w5100", "wheels")
+_REPEATED = ("adc", "pin", "servo", "watch", "guard")
+_SINGLE = ("hcsr04", "range", "attitude", "fault", "network", "w5100", "wheels")
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,11 +88,11 @@ class BoardOptions:
     )
 
     @property
-    def words(self) -> tuple[str, ...]:
+    def commands(self) -> tuple[str, ...]:
         """The inputs and devices of the board at its start, as commands of the simulator."""
-        words = [f"{word} {value}" for word in _REPEATED_WORDS for value in getattr(self, word)]
-        words += [f"{word} {value}" for word in _SINGLE_WORDS if (value := getattr(self, word)) is not None]
-        return (*words, "autoreset on") if self.autoreset else tuple(words)
+        commands = [f"{word} {value}" for word in _REPEATED for value in getattr(self, word)]
+        commands += [f"{word} {value}" for word in _SINGLE if (value := getattr(self, word)) is not None]
+        return (*commands, "autoreset on") if self.autoreset else tuple(commands)
 
 
 @verb(
@@ -128,13 +128,15 @@ async def _run(program: Path, start: BoardOptions, msg_paths: Sequence[Path], as
     from rostether.simulation.simavr.simulated_board import SimulatedBoard
 
     if start.board in MACHINES:
-        others = (start.words, start.duration, start.uart, start.tcp_port, start.is_fast, start.seed)
-        await run_in_qemu(program, start.board, start.link_path, has_words=any(others), as_json=as_json)
+        others = (start.commands, start.duration, start.uart, start.tcp_port, start.is_fast, start.seed)
+        await run_in_qemu(
+            program, start.board, start.link_path, has_other_options=any(others), as_json=as_json
+        )
         return
     if start.board == OPENCR:
         has_others = any((start.duration, start.uart, start.tcp_port, start.is_fast, start.seed))
         await run_opencr(
-            program, start.words, start.link_path, msg_paths, has_other_options=has_others, as_json=as_json
+            program, start.commands, start.link_path, msg_paths, has_other_options=has_others, as_json=as_json
         )
         return
     kind_of(start.board)
@@ -151,7 +153,7 @@ async def _run(program: Path, start: BoardOptions, msg_paths: Sequence[Path], as
             uart=start.uart,
             realtime=not start.is_fast,
             seed=start.seed,
-            commands=[*start.words, *([f"for {start.duration}"] if start.duration else [])],
+            commands=[*start.commands, *([f"for {start.duration}"] if start.duration else [])],
         )
 
     async def execute(line: str) -> None:

@@ -129,8 +129,10 @@ async def _run_node(
             typed = TypedGraph(graph, type_store())
             if link.board == OPENCR:
                 # The robot of an OpenCR always has wheels.
-                words = ("wheels", *link.commands)
-                node = SimulationNode(board, typed, words, max_volts=PIN_FULL_SCALE_V, has_servo_pins=False)
+                commands = ("wheels", *link.commands)
+                node = SimulationNode(
+                    board, typed, commands, max_volts=PIN_FULL_SCALE_V, has_servo_pins=False
+                )
             else:
                 node = SimulationNode(board, typed, link.commands)
             await node.run()
@@ -140,9 +142,9 @@ async def _run_node(
 
 async def _start_qemu(link: SimAddress, reporter: Reporter, stack: AsyncExitStack) -> QemuBoard:
     """Start a Cortex-M that ends with the exit stack."""
-    has_words = bool(link.commands or link.uart is not None or link.seed)
+    has_other_options = bool(link.commands or link.uart is not None or link.seed)
     board = await stack.enter_async_context(
-        await start_in_qemu(Path(link.program), link.board, has_words=has_words)
+        await start_in_qemu(Path(link.program), link.board, has_other_options=has_other_options)
     )
     reporter.line(Level.INFO, f"simulated {link.board} runs {link.program} at {board.address}")
     return board

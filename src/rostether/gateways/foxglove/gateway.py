@@ -14,7 +14,7 @@ import asyncio
 import socket
 import time
 from collections.abc import Callable, Sequence
-from types import TracebackType
+from typing import Self
 
 from rostether.errors import RostetherError
 from rostether.gateways.foxglove import server_messages as replies
@@ -38,6 +38,7 @@ from rostether.gateways.websocket.connection import Connection
 from rostether.gateways.websocket.server import WebSocketServer
 from rostether.gateways.websocket.settings import ServedProtocol
 from rostether.graph.ports import Graph, Level
+from rostether.mechanisms.block_end import BlockClosable
 from rostether.msgdef.search_waiting import definitions_searched
 from rostether.serde.store import TypeStore
 
@@ -63,7 +64,7 @@ SERIAL_PATH = "/serial"
 _SERVICE_RESTART = 1012
 
 
-class FoxgloveGateway:
+class FoxgloveGateway(BlockClosable):
     """One gateway on a graph, which the caller closes."""
 
     def __init__(
@@ -160,14 +161,9 @@ class FoxgloveGateway:
         """Wait until the gateway's node has left the graph; from then on no client is served."""
         await self._ended.wait()
 
-    async def __aenter__(self) -> FoxgloveGateway:
+    async def __aenter__(self) -> Self:
         await self.start()
         return self
-
-    async def __aexit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        await self.close()
 
     # Calls from clients.
 

@@ -16,10 +16,11 @@ import tty
 from collections import deque
 from collections.abc import Callable
 from pathlib import Path
-from types import MappingProxyType, TracebackType
+from types import MappingProxyType
 from typing import NamedTuple, Self
 
 from rostether.errors import BoardError, ConfigError
+from rostether.mechanisms.block_end import BlockClosable
 from rostether.simulation.opencr.drive_base import DriveBase
 from rostether.simulation.opencr.pins import pin_name, pin_number
 from rostether.simulation.simavr.board_events import BoardEvent
@@ -48,7 +49,7 @@ class Tone(NamedTuple):
     length_ms: int
 
 
-class OpenCrBoard:
+class OpenCrBoard(BlockClosable):
     """One board on a robot. It ends with `close`, and with this process.
 
     `base`: the robot. `pins`: the levels of its outputs by number. `tones`: the last tones, oldest first.
@@ -143,6 +144,10 @@ class OpenCrBoard:
         """Return for how long the program has been running, in seconds."""
         return self._loop.time() - self._started_s
 
+    def event(self, name: str, **values: object) -> BoardEvent:
+        """Return an event that happens now."""
+        return BoardEvent(name, self.time_s, MappingProxyType(values))
+
     def set_pin(self, name: str, *, high: bool) -> None:
         """Drive an input. Raises ConfigError for an unknown pin."""
         self._send_to_sketch(f"pin {pin_number(name)} {int(high)}\n")
@@ -194,14 +199,6 @@ class OpenCrBoard:
                 self._process.kill()
             await self._ending
 
-    async def __aenter__(self) -> Self:
-        return self
-
-    async def __aexit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        await self.close()
-
     def _read_lines(self, name: str, receive: Callable[[bytes], None]) -> None:
         line = self._lines[name]
 
@@ -252,7 +249,7 @@ class OpenCrBoard:
 
     def _report(self, name: str, **values: object) -> None:
         if self.on_event is not None:
-            self.on_event(BoardEvent(name, self.time_s, MappingProxyType(values)))
+            self.on_event(self.event(name, **values))
 
     def _send_to_sketch(self, text: str) -> None:
         _send(self._lines["OPENCR_PINS"], text)

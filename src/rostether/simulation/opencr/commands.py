@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from types import MappingProxyType
 
 from rostether.errors import ConfigError
 from rostether.simulation.opencr.board import BLUETOOTH, OpenCrBoard
@@ -33,7 +32,7 @@ def _pin(board: OpenCrBoard, arguments: list[str]) -> BoardEvent | None:
         number = pin_number(name)
         if not separator:
             level_now = int(board.pins.get(number, False))
-            answer = _event(board, "pin", pin=pin_name(number), level=level_now)
+            answer = board.event("pin", pin=pin_name(number), level=level_now)
         elif level in ("0", "1"):
             board.set_pin(name, high=level == "1")
         else:
@@ -82,8 +81,7 @@ def _overload(board: OpenCrBoard, arguments: list[str]) -> None:
 def _pose(board: OpenCrBoard, _arguments: list[str]) -> BoardEvent:
     base = board.base
     base.advance()
-    return _event(
-        board,
+    return board.event(
         "pose",
         x_m=round(base.x_m, 4),
         y_m=round(base.y_m, 4),
@@ -123,7 +121,3 @@ def _number(text: str, example: str) -> float:
         return float(text)
     except ValueError:
         raise ConfigError(f"{text!r} is not a number; write for example {example}") from None
-
-
-def _event(board: OpenCrBoard, name: str, **values: object) -> BoardEvent:
-    return BoardEvent(name, board.time_s, MappingProxyType(values))

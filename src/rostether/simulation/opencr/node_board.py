@@ -24,7 +24,7 @@ class OpenCrNodeBoard:
 
     kind = "opencr"
     mcu = "stm32f746"
-    words = frozenset(("adc", "battery", "overload", "pin", "range", "remote"))
+    commands = frozenset(("adc", "battery", "overload", "pin", "range", "remote"))
 
     def __init__(self, board: OpenCrBoard) -> None:
         self._board = board

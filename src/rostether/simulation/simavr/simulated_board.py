@@ -14,11 +14,10 @@ import math
 from collections import deque
 from collections.abc import AsyncIterator, Callable, Iterator, Sequence
 from pathlib import Path
-from types import TracebackType
 from typing import Literal, Self
 
 from rostether.errors import BoardError
-from rostether.mechanisms.block_end import task_beside
+from rostether.mechanisms.block_end import BlockClosable, task_beside
 from rostether.mechanisms.own_loop import in_own_loop
 from rostether.simulation.simavr.board_events import BoardEvent
 from rostether.simulation.simavr.compile import build_runner
@@ -37,13 +36,13 @@ LinkKind = Literal["pty", "tcp", "none"]
 Matches = Callable[[BoardEvent], bool]
 
 
-class SimulatedBoard:
+class SimulatedBoard(BlockClosable):
     """One board. Its methods raise BoardError for an invalid command, or if the board has ended.
 
     `recent` has its last events, `serial` the bytes that it sent while "serial" was watched.
     """
 
-    words = frozenset(("adc", "aref", "attitude", "fault", "pin", "power", "range", "reset", "wheels"))
+    commands = frozenset(("adc", "aref", "attitude", "fault", "pin", "power", "range", "reset", "wheels"))
 
     def __init__(self, process: RunnerProcess, ready: BoardEvent, link: PtyLink) -> None:
         self.kind: str = ready["board"]
@@ -257,14 +256,6 @@ class SimulatedBoard:
         """End the board, and remove its files."""
         await self._process.close()
         self._link.remove()
-
-    async def __aenter__(self) -> Self:
-        return self
-
-    async def __aexit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
-    ) -> None:
-        await self.close()
 
     def _has_pulsed(self, pin: str) -> bool:
         return any(event.name == "servo" and event["pin"] == pin for event in self.recent)

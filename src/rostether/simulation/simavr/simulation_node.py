@@ -31,12 +31,12 @@ PERIOD_S = 0.1
 class NodeBoard(Protocol):
     """A board as the node uses it. Its methods raise BoardError.
 
-    `words`: the commands that every node may use; others read memory, open connections or end the board.
+    `commands`: those that every node may use; others read memory, open connections or end the board.
     """
 
     kind: str
     mcu: str
-    words: frozenset[str]
+    commands: frozenset[str]
 
     @property
     def has_ended(self) -> bool:
@@ -56,7 +56,7 @@ class NodeBoard(Protocol):
 
 
 class SimulationNode:
-    """The node of one board; `words` are the commands that it was started with.
+    """The node of one board; `commands` are those that it was started with.
 
     `max_volts`: the limit of analog inputs. `has_servo_pins`: whether each output may have a servo.
     `on_command` is called with each command from the graph that the board has executed.
@@ -66,7 +66,7 @@ class SimulationNode:
         self,
         board: NodeBoard,
         graph: TypedGraph,
-        words: Iterable[str] = (),
+        commands: Iterable[str] = (),
         *,
         max_volts: float = 5.0,
         has_servo_pins: bool = True,
@@ -77,12 +77,12 @@ class SimulationNode:
         self._has_servo_pins = has_servo_pins
         self._on_command = on_command
         self._graph = graph
-        self._words: dict[str, Any] = {}
+        self._last_values: dict[str, Any] = {}
         self._servos: dict[str, float] = {}
         self._watched: set[str] = set()
         self._error = ""
         self._has_wheels = asyncio.Event()
-        for line in words:
+        for line in commands:
             self._record_command(line)
 
     async def run(self) -> None:
@@ -125,8 +125,8 @@ class SimulationNode:
                 "mcu": self._board.mcu,
                 "pins": pins,
                 "servos": self._servos,
-                "words": self._words,
-                "commands": sorted(self._board.words),
+                "words": self._last_values,
+                "commands": sorted(self._board.commands),
                 "most_volts": self._max_volts,
                 "error": self._error,
             }
@@ -187,8 +187,8 @@ class SimulationNode:
 
     async def _execute_checked(self, line: str) -> None:
         word = line.split(maxsplit=1)[0] if line.strip() else ""
-        if word not in self._board.words:
-            raise BoardError(f"{word[:20]!r} is not one of {', '.join(sorted(self._board.words))}")
+        if word not in self._board.commands:
+            raise BoardError(f"{word[:20]!r} is not one of {', '.join(sorted(self._board.commands))}")
         if len(line) > MAX_COMMAND_CHARS or not line.isprintable():
             raise BoardError(f"a command is one line of at most {MAX_COMMAND_CHARS} characters")
         await self.execute(line)
@@ -204,12 +204,12 @@ class SimulationNode:
         word, _, rest = line.strip().partition(" ")
         if word == "wheels":
             self._has_wheels.set()
-        if word not in self._board.words or word == "reset":
+        if word not in self._board.commands or word == "reset":
             return
         if word not in _BY_PIN:
-            self._words[word] = rest.strip()
+            self._last_values[word] = rest.strip()
             return
-        values = self._words.setdefault(word, {})
+        values = self._last_values.setdefault(word, {})
         for part in rest.split():
             pin, has_value, value = part.partition("=")
             if has_value:
