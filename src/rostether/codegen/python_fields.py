@@ -24,7 +24,7 @@ class PythonField:
     field: Field
     name: str
     class_name: str = ""
-    least_bytes: int = 0
+    min_bytes: int = 0
 
     @property
     def code(self) -> str:
@@ -80,7 +80,7 @@ class PythonField:
         length = str(kind.length) if kind.length is not None else ""
         more = f", {length}" if length else ""
         if self.class_name:
-            return f"{value} = reader.messages({self.class_name}, {self.least_bytes}{more})"
+            return f"{value} = reader.messages({self.class_name}, {self.min_bytes}{more})"
         if kind.base == "string":
             return f"{value} = reader.strings({length})"
         return (

@@ -81,11 +81,11 @@ def _class(spec: MessageSpec, type_name: str, lookup: Lookup) -> Iterator[str]:
 def _field(field: Field, name: str, lookup: Lookup) -> PythonField:
     base = field.type.base
     if "/" in base:
-        return PythonField(field, name, _alias(base), _least_bytes(lookup(base), lookup))
+        return PythonField(field, name, _alias(base), _min_bytes(lookup(base), lookup))
     return PythonField(field, name, TIME_CLASSES.get(base, ""), 8)
 
 
-def _least_bytes(spec: MessageSpec, lookup: Lookup) -> int:
+def _min_bytes(spec: MessageSpec, lookup: Lookup) -> int:
     total = 0
     for field in spec.fields:
         kind = field.type
@@ -93,7 +93,7 @@ def _least_bytes(spec: MessageSpec, lookup: Lookup) -> int:
             total += 4
             continue
         if "/" in kind.base:
-            size = _least_bytes(lookup(kind.base), lookup)
+            size = _min_bytes(lookup(kind.base), lookup)
         else:
             # A string is at least its length.
             size = SCALARS[kind.base].fixed_size_bytes or 4

@@ -61,8 +61,8 @@ def clock_ticks(axis: Axis, count: int, begin_s: float) -> list[tuple[float, str
 
     Ticks are at whole seconds, minutes or hours of the local time.
     """
-    least = (axis.high - axis.low) / max(count, 1)
-    step = next((each for each in _CLOCK_STEPS_S if each >= least), _CLOCK_STEPS_S[-1])
+    min_step = (axis.high - axis.low) / max(count, 1)
+    step = next((each for each in _CLOCK_STEPS_S if each >= min_step), _CLOCK_STEPS_S[-1])
     # A whole hour of local time is not always a whole hour of UTC.
     offset_s = time.localtime(begin_s).tm_gmtoff
     first = math.ceil((begin_s + offset_s + axis.low) / step)
@@ -75,9 +75,9 @@ def clock_ticks(axis: Axis, count: int, begin_s: float) -> list[tuple[float, str
     return found
 
 
-def _round_step(least: float) -> float:
-    size = 10.0 ** math.floor(math.log10(least))
-    return next(size * each for each in _STEPS if size * each >= least * (1 - 1e-9))
+def _round_step(min_step: float) -> float:
+    size = 10.0 ** math.floor(math.log10(min_step))
+    return next(size * each for each in _STEPS if size * each >= min_step * (1 - 1e-9))
 
 
 def _text(value: float, step: float) -> str:

@@ -49,16 +49,22 @@ def _apart(wanted: Mapping[str, int], neighbors: Mapping[str, Sequence[str]]) ->
     return {key: numbers[column] for key, column in placed.items()}
 
 
-def _shortest_paths(keys: Sequence[str], edges: Sequence[Ends]) -> dict[str, int]:
-    """Return the number of edges from the nearest source to each vertex.
-
-    A cycle without a source starts at its first vertex.
-    """
+def _adjacency(keys: Sequence[str], edges: Sequence[Ends]) -> tuple[dict[str, list[str]], dict[str, int]]:
+    """Return the targets of the edges of each vertex, and the number of edges to it."""
     following: dict[str, list[str]] = {key: [] for key in keys}
     entered = dict.fromkeys(keys, 0)
     for source, target in edges:
         following[source].append(target)
         entered[target] += 1
+    return following, entered
+
+
+def _shortest_paths(keys: Sequence[str], edges: Sequence[Ends]) -> dict[str, int]:
+    """Return the number of edges from the nearest source to each vertex.
+
+    A cycle without a source starts at its first vertex.
+    """
+    following, entered = _adjacency(keys, edges)
     depths: dict[str, int] = {}
     starts = [[key for key in keys if not entered[key]], *([key] for key in keys)]
     for start in starts:
@@ -74,11 +80,7 @@ def _shortest_paths(keys: Sequence[str], edges: Sequence[Ends]) -> dict[str, int
 
 def _without_cycles(keys: Sequence[str], edges: Sequence[Ends]) -> list[Ends]:
     """Return the edges; those that lead back in a depth-first search are reversed."""
-    following: dict[str, list[str]] = {key: [] for key in keys}
-    entered: dict[str, int] = dict.fromkeys(keys, 0)
-    for source, target in edges:
-        following[source].append(target)
-        entered[target] += 1
+    following, entered = _adjacency(keys, edges)
     turned: set[Ends] = set()
     done: set[str] = set()
     # Vertices without incoming edges first: then only true cycles are cut.
@@ -105,11 +107,7 @@ def _without_cycles(keys: Sequence[str], edges: Sequence[Ends]) -> list[Ends]:
 
 def _longest_paths(keys: Sequence[str], edges: Sequence[Ends]) -> dict[str, int]:
     """Return each vertex's column: after its last source, or for a source just before its first target."""
-    following: dict[str, list[str]] = {key: [] for key in keys}
-    waiting = dict.fromkeys(keys, 0)
-    for source, target in edges:
-        following[source].append(target)
-        waiting[target] += 1
+    following, waiting = _adjacency(keys, edges)
     sources = [key for key in keys if not waiting[key]]
     ready, column = list(sources), dict.fromkeys(keys, 0)
     for key in ready:

@@ -14,10 +14,10 @@ from rostether.pictures.plot import COLORS, Curve
 if TYPE_CHECKING:
     from rich.text import Text
 
-_LEAST_COLUMNS, _LEAST_ROWS = 20, 4
+_MIN_COLUMNS, _MIN_ROWS = 20, 4
 
 # Bounds the work for terminals that report a huge width.
-_MOST_COLUMNS = 400
+_MAX_COLUMNS = 400
 
 # Text, and the index of the curve that gives its color.
 Piece = tuple[str, int | None]
@@ -32,12 +32,12 @@ def plot_lines(
     """
     up = Axis.around([value for curve in curves for _, value in curve.points])
     legend = _legend(curves, columns)
-    height = max(_LEAST_ROWS, rows - len(legend) - 2)
+    height = max(_MIN_ROWS, rows - len(legend) - 2)
     marks = {}
     for value, text in up.ticks(max(2, height // 3)):
         marks[height - 1 - round(up.part(value) * (height - 1))] = text
     margin = max(map(len, marks.values()), default=0) + 1
-    width = min(_MOST_COLUMNS, max(_LEAST_COLUMNS, columns - margin - 1))
+    width = min(_MAX_COLUMNS, max(_MIN_COLUMNS, columns - margin - 1))
     lines: list[list[Piece]] = []
     for number, cells in enumerate(braille(curves, width, height, across, up)):
         mark = marks.get(number, "")

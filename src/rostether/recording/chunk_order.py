@@ -71,10 +71,10 @@ def in_order(
     opened: dict[int, _Open] = {}
     open_bytes = 0
     following = 0
-    least, most = -1 if start_ns is None else start_ns, 1 << 64 if end_ns is None else end_ns
+    min_ns, max_ns = -1 if start_ns is None else start_ns, 1 << 64 if end_ns is None else end_ns
     while True:
         while following < len(chunks) and (not heap or chunks[following].start_ns <= heap[0][0]):
-            chunk = _Open(chunks[following], unpack, least, most)
+            chunk = _Open(chunks[following], unpack, min_ns, max_ns)
             if chunk.advance():
                 heappush(heap, (chunk.time_ns, following, chunk))
                 opened[following] = chunk
@@ -122,8 +122,8 @@ class _Open:
         "_chunk",
         "_entry",
         "_items",
-        "_least",
-        "_most",
+        "_max_ns",
+        "_min_ns",
         "_passed",
         "_plain",
         "_unpack",
@@ -131,12 +131,12 @@ class _Open:
     )
 
     def __init__(
-        self, chunk: StoredChunk, unpack: Callable[[StoredChunk], Unpacked], least_ns: int, most_ns: int
+        self, chunk: StoredChunk, unpack: Callable[[StoredChunk], Unpacked], min_ns: int, max_ns: int
     ) -> None:
         self._chunk = chunk
         self._unpack = unpack
-        self._least = least_ns
-        self._most = most_ns
+        self._min_ns = min_ns
+        self._max_ns = max_ns
         self._passed = 0
         self._plain: bytes | memoryview | None = None
         self._items: Iterator[Entry] | None = None
@@ -175,18 +175,18 @@ class _Open:
 
     def _open(self) -> None:
         self._plain, walk = self._unpack(self._chunk)
-        least, most = self._least, self._most
+        min_ns, max_ns = self._min_ns, self._max_ns
         entries: Iterable[Entry]
         self.held_bytes = 0
         if self._chunk.size_bytes <= MAX_LISTED_BYTES:
-            listed = [entry for entry in walk() if least <= entry[0] <= most]
+            listed = [entry for entry in walk() if min_ns <= entry[0] <= max_ns]
             listed.sort()
             entries = listed
             self.held_bytes = len(listed) * _ENTRY_BYTES
         elif _is_in_order(walk()):
-            entries = (entry for entry in walk() if least <= entry[0] <= most)
+            entries = (entry for entry in walk() if min_ns <= entry[0] <= max_ns)
         else:
-            entries = (entry for entry in _sorted(walk()) if least <= entry[0] <= most)
+            entries = (entry for entry in _sorted(walk()) if min_ns <= entry[0] <= max_ns)
         if self._chunk.compression not in ("", NONE):
             self.held_bytes += self._chunk.size_bytes
         self._items = islice(entries, self._passed, None)

@@ -110,10 +110,10 @@ class ClockEstimate:
         third_s = (last_s - first_s) / 3
         early = min((each for each in samples if each[0] <= first_s + third_s), key=_lag)
         late = min((each for each in samples if each[0] >= last_s - third_s), key=_lag)
-        least_s = min(lag_s for _, lag_s in samples)
+        min_lag_s = min(lag_s for _, lag_s in samples)
         self._ends.append((late[1], last_s - late[0]))
         span_s = late[0] - early[0]
-        if span_s >= MIN_SPAN_S and max(early[1], late[1]) - least_s <= MAX_EXCESS_S:
+        if span_s >= MIN_SPAN_S and max(early[1], late[1]) - min_lag_s <= MAX_EXCESS_S:
             self._slopes.append((late[1] - early[1]) / span_s)
 
 

@@ -63,26 +63,12 @@ def subscriber_fields(
     topic: str, message_type: MessageType, *, caller_id: str, tcp_nodelay: bool
 ) -> dict[str, str]:
     """Return the header of a subscriber."""
-    return {
-        "topic": topic,
-        "type": message_type.name,
-        "md5sum": message_type.md5sum,
-        "message_definition": message_type.definition,
-        "callerid": caller_id,
-        "tcp_nodelay": "1" if tcp_nodelay else "0",
-    }
+    return _topic_fields(topic, message_type, caller_id) | {"tcp_nodelay": "1" if tcp_nodelay else "0"}
 
 
 def publisher_fields(topic: str, message_type: MessageType, *, caller_id: str, latch: bool) -> dict[str, str]:
     """Return a publisher's answer."""
-    return {
-        "topic": topic,
-        "type": message_type.name,
-        "md5sum": message_type.md5sum,
-        "message_definition": message_type.definition,
-        "callerid": caller_id,
-        "latching": "1" if latch else "0",
-    }
+    return _topic_fields(topic, message_type, caller_id) | {"latching": "1" if latch else "0"}
 
 
 def client_fields(
@@ -170,6 +156,16 @@ def type_of(fields: Mapping[str, str]) -> MessageType:
     return MessageType(
         fields.get("type", ANY_TYPE), fields.get("md5sum", ANY_MD5SUM), fields.get("message_definition", "")
     )
+
+
+def _topic_fields(topic: str, message_type: MessageType, caller_id: str) -> dict[str, str]:
+    return {
+        "topic": topic,
+        "type": message_type.name,
+        "md5sum": message_type.md5sum,
+        "message_definition": message_type.definition,
+        "callerid": caller_id,
+    }
 
 
 def _check_answer(fields: Mapping[str, str]) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 # Some systems permit a billion, and subprocesses then take long to close them.
-MOST_WANTED = 65_536
+MAX_DESCRIPTORS = 65_536
 
 # A board's connection, its node's two servers, and the connections to the master and of its topics; both ends
 # if the master runs in this process.
@@ -20,7 +20,7 @@ def allow_many_descriptors() -> None:
     except ImportError:
         return
     soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
-    wanted = MOST_WANTED if hard == resource.RLIM_INFINITY else min(hard, MOST_WANTED)
+    wanted = MAX_DESCRIPTORS if hard == resource.RLIM_INFINITY else min(hard, MAX_DESCRIPTORS)
     if soft != resource.RLIM_INFINITY and soft < wanted:
         try:
             resource.setrlimit(resource.RLIMIT_NOFILE, (wanted, hard))

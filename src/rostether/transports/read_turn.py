@@ -22,11 +22,11 @@ DECAY = 0.99
 
 
 class ReadTurn:
-    """The size of a connection's next read, at most `most_bytes`; does not read a clock."""
+    """The size of a connection's next read, at most `max_bytes`; does not read a clock."""
 
-    def __init__(self, most_bytes: int) -> None:
-        self.size_bytes = min(FIRST_READ_BYTES, most_bytes)
-        self._most_bytes = most_bytes
+    def __init__(self, max_bytes: int) -> None:
+        self.size_bytes = min(FIRST_READ_BYTES, max_bytes)
+        self._max_bytes = max_bytes
         self._byte_cost_s = 0.0
 
     def note_quiet(self) -> None:
@@ -36,7 +36,7 @@ class ReadTurn:
     def note_cost(self, read_bytes: int, used_s: float) -> None:
         """Record the cost of a read, in seconds of CPU."""
         byte_cost_s = self._byte_cost_s = max(used_s / read_bytes, self._byte_cost_s * DECAY)
-        size_bytes = min(2 * self.size_bytes, self._most_bytes)
+        size_bytes = min(2 * self.size_bytes, self._max_bytes)
         if size_bytes * byte_cost_s > TURN_S:
             size_bytes = max(int(TURN_S / byte_cost_s), MIN_READ_BYTES)
         self.size_bytes = size_bytes

@@ -73,7 +73,7 @@ class DocumentWriter:
         """Append a value; a large one takes several steps.
 
         An iterator is written as an array, without its elements that are None.
-        Raises SerializationError for a value without a form in XML-RPC, DocumentTooLargeError.
+        Raises SerializationError for a value that XML-RPC cannot express, DocumentTooLargeError.
         """
         outer: list[tuple[Iterator[object], Iterator[object] | None]] = []
         items, names = iter((value,)), None
@@ -157,7 +157,7 @@ class _Lazy(Iterator[object]):
 
 
 def call_steps(writer: DocumentWriter, method: str, params: Sequence[object]) -> Iterator[None]:
-    """Write a methodCall document. Raises SerializationError for a value without a form in XML-RPC."""
+    """Write a methodCall document. Raises SerializationError for a value that XML-RPC cannot express."""
     writer.write_text(f"{_PROLOG}<methodCall><methodName>{_escape(method)}</methodName><params>")
     for param in params:
         writer.write_text("<param>")
@@ -167,7 +167,7 @@ def call_steps(writer: DocumentWriter, method: str, params: Sequence[object]) ->
 
 
 def dump_response(value: object) -> bytes:
-    """Return a methodResponse document. Raises SerializationError for a value without a form in XML-RPC."""
+    """Return a methodResponse document. Raises SerializationError for a value that XML-RPC cannot express."""
     writer = DocumentWriter()
     for _ in response_steps(writer, value):
         pass

@@ -17,7 +17,7 @@ from rostether.errors import LocalProtocolError, RemoteProtocolError
 # The largest documents in practice are robot descriptions and whole parameter dumps, of a few MB.
 MAX_BODY_BYTES = 16 * 1024 * 1024
 
-# The least average size of chunks, because each costs a step. Senders fill chunks, but a few may be small.
+# The minimum average size of chunks, because each costs a step. Senders fill chunks, but a few may be small.
 MIN_CHUNK_BYTES = 64
 SMALL_CHUNKS = 1024
 # How many parts of a request are read in one step: a header, some chunks, an end. They take less than 1 ms.
@@ -147,7 +147,10 @@ class HttpServerSide:
         self._respond(200, b"OK", body, [_TEXT_XML])
 
     def _refuse(self, status: int, text: str) -> None:
-        if self._connection.our_state in (h11.IDLE, h11.SEND_RESPONSE):  # pragma: no branch - always so far
+        if self._connection.our_state in (
+            h11.IDLE,
+            h11.SEND_RESPONSE,
+        ):  # pragma: no branch - true so far
             headers = [(b"Content-Type", b"text/plain"), (b"Connection", b"close")]
             self._respond(status, _REASONS.get(status, b"Bad Request"), f"{text}\n".encode(), headers)
         if not self.ended:  # pragma: no cover - the answer above ends it

@@ -15,7 +15,7 @@ from rostether.rosserial.frame import encode_frame
 from rostether.rosserial.packets import MAX_BUFFER_BYTES, TIME_BYTES, TopicInfo
 
 # The smallest useful buffer: a time, the longest packet that every client receives.
-LEAST_BUFFER_BYTES = TIME_BYTES
+MIN_BUFFER_BYTES = TIME_BYTES
 
 case = CaseList()
 
@@ -61,16 +61,16 @@ async def check_md5sums(client: CheckedClient) -> None:
 async def check_buffers(client: CheckedClient) -> None:
     """Buffer sizes are 8 bytes to 1 MiB."""
     for info in _infos(client):
-        if not LEAST_BUFFER_BYTES <= info.buffer_size <= MAX_BUFFER_BYTES:
+        if not MIN_BUFFER_BYTES <= info.buffer_size <= MAX_BUFFER_BYTES:
             raise Deviation(f"{info.topic_name} announces a buffer of {info.buffer_size} bytes")
 
 
 @case("announce-services")
 async def check_services(client: CheckedClient) -> None:
     """Each service is announced twice with the same type: on 2 and 3, or on 4 and 5."""
-    halves = {(each.kind, each.name, each.info.message_type) for each in client.announcements if each.info}
-    for kind, name, service_type in halves:
-        if kind >= ids.SERVICE_SERVER_RESPONSE and (kind ^ 1, name, service_type) not in halves:
+    announced = {(each.kind, each.name, each.info.message_type) for each in client.announcements if each.info}
+    for kind, name, service_type in announced:
+        if kind >= ids.SERVICE_SERVER_RESPONSE and (kind ^ 1, name, service_type) not in announced:
             raise Deviation(f"{name} [{service_type}] is announced on {kind}, and not on {kind ^ 1}")
 
 

@@ -60,7 +60,7 @@ class Plain:
         """The size in ROS 1."""
         return self.size_bytes
 
-    def least_bytes(self, _side: Side) -> int:
+    def min_bytes(self, _side: Side) -> int:
         """Return the size."""
         return self.size_bytes
 
@@ -77,7 +77,7 @@ class Text:
     block: None = None
     ros1_size_bytes: None = None
 
-    def least_bytes(self, _side: Side) -> int:
+    def min_bytes(self, _side: Side) -> int:
         """Return the size of the length field, the minimum."""
         return 4
 
@@ -105,9 +105,9 @@ class Array:
             size *= self.length
         object.__setattr__(self, "ros1_size_bytes", size)
 
-    def least_bytes(self, side: Side) -> int:
+    def min_bytes(self, side: Side) -> int:
         """Return the minimum size of an array on a side, without padding."""
-        return 4 if self.length is None else self.length * self.element.least_bytes(side)
+        return 4 if self.length is None else self.length * self.element.min_bytes(side)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -141,7 +141,7 @@ class Record:
 
     # The size in bytes of every ROS 1 value, None where it varies.
     ros1_size_bytes: int | None = field(init=False)
-    _least: tuple[int, int] = field(init=False)
+    _min_bytes: tuple[int, int] = field(init=False)
 
     def __post_init__(self) -> None:
         # Computed once: if each type contains the next one twice, the number of paths grows exponentially.
@@ -149,14 +149,14 @@ class Record:
         sizes = [slot.node.ros1_size_bytes for slot in self.ros1_slots]
         size = None if None in sizes else sum(size or 0 for size in sizes)
         object.__setattr__(self, "ros1_size_bytes", size)
-        least = [
-            sum(slot.node.least_bytes(side) for slot in self.slots(side)) for side in (Side.ROS1, Side.ROS2)
+        min_bytes = [
+            sum(slot.node.min_bytes(side) for slot in self.slots(side)) for side in (Side.ROS1, Side.ROS2)
         ]
-        object.__setattr__(self, "_least", tuple(least))
+        object.__setattr__(self, "_min_bytes", tuple(min_bytes))
 
-    def least_bytes(self, side: Side) -> int:
+    def min_bytes(self, side: Side) -> int:
         """Return the minimum size of a message on a side, without padding."""
-        return self._least[0 if side is Side.ROS1 else 1]
+        return self._min_bytes[0 if side is Side.ROS1 else 1]
 
     @property
     def is_ordered(self) -> bool:

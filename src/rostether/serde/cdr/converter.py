@@ -144,9 +144,9 @@ class PayloadWalker:
         if count is None:
             count = self._count(path)
             self._require_bound(count, array.bound, "elements", path)
-            if count > MAX_EMPTY_ELEMENTS and array.element.least_bytes(Side.ROS1) == 0:
+            if count > MAX_EMPTY_ELEMENTS and array.element.min_bytes(Side.ROS1) == 0:
                 raise Misfit(f"announces {count} elements in field '{path}', over the limit")
-            if count * array.element.least_bytes(self._side) > len(self.payload) - self.at:
+            if count * array.element.min_bytes(self._side) > len(self.payload) - self.at:
                 raise Misfit(f"announces {count} elements in field '{path}', more than there are bytes for")
         for index in range(count):
             self.over(array.element, f"{path}[{index}]")

@@ -171,7 +171,7 @@ class _FieldMatcher:
         else:
             self._refuse(f"only ROS 2 has '{path}', and ROS 1 has no {ros2.base}")
         node = Array(element, ros2.length, ros2.bound) if ros2.is_array else element
-        if node.least_bytes(Side.ROS2) > MAX_FIXED_BYTES:
+        if node.min_bytes(Side.ROS2) > MAX_FIXED_BYTES:
             self._refuse(f"'{path}' needs more than {MAX_FIXED_BYTES} bytes in ROS 2")
         return node
 

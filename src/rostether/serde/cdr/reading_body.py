@@ -74,11 +74,11 @@ class ReadingBody:
 
     def limit(self, element: Node, count: str) -> None:
         """Refuse counts of elements that exceed the remaining bytes."""
-        least = element.least_bytes(self.side)
-        if element.least_bytes(Side.ROS1) == 0:
+        min_bytes = element.min_bytes(self.side)
+        if element.min_bytes(Side.ROS1) == 0:
             self.lines.append(f"if {count} > {MAX_EMPTY_ELEMENTS}: raise overrun")
-        if least:
-            self.lines.append(f"if {count} * {least} > len(b) - ({self.source_at.text()}): raise overrun")
+        if min_bytes:
+            self.lines.append(f"if {count} * {min_bytes} > len(b) - ({self.source_at.text()}): raise overrun")
 
     def _skip_array(self, array: Array) -> None:
         element, offset = array.element, self.source_at
