@@ -68,7 +68,7 @@ def ask_ours(operations: list[list[Any]]) -> list[dict[str, Any]]:
                 case "string":
                     value = frames_as_string(buffer)
                 case "why":
-                    value = buffer.why_not(*given)
+                    value = buffer.lookup_error(*given)
             answers.append({"value": value})
         except TransformError as error:
             answers.append({"error": TF2_NAMES[type(error)], "text": str(error)})

@@ -221,7 +221,7 @@ void loop() {
 
   const ros::Time stamp = nh.now();
   publishOdometry(stamp);
-  nh.spinOnce();  // a round takes 60 ms; commands need not wait as long
+  nh.spinOnce();  // a round takes 60 ms; commands should not wait that long
   publishTransform(stamp);
   publishJoints(stamp);
   publishState(stamp);

@@ -76,8 +76,8 @@ class Mpu9150 {
     }
     const Vector3 mean = {sum.x / samples, sum.y / samples, sum.z / samples};
     // The data sheet promises less than 20 degrees a second; more is a movement.
-    const float most = 20 * DEG_TO_RAD;
-    if (fabs(mean.x) < most && fabs(mean.y) < most && fabs(mean.z) < most) zero_ = mean;
+    const float limit = 20 * DEG_TO_RAD;
+    if (fabs(mean.x) < limit && fabs(mean.y) < limit && fabs(mean.z) < limit) zero_ = mean;
   }
 
   bool write(uint8_t chip, uint8_t place, uint8_t value) {

@@ -106,7 +106,7 @@ class TransformBuffer:
         rotation = quaternion_from_matrix(matrix_from_quaternion(joined.rotation))
         return StampedTransform(target, source, first.stamp_ns, Transform(joined.translation, rotation))
 
-    def why_not(self, target: str, source: str, time_ns: int = 0) -> str:
+    def lookup_error(self, target: str, source: str, time_ns: int = 0) -> str:
         """Return why `lookup` would fail, or an empty string."""
         unknown = [
             f"canTransform: {role} {frame} does not exist."

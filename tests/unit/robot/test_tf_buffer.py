@@ -84,10 +84,10 @@ def test_a_loop_ends_with_an_error() -> None:
         place(buffer, "z", "q", 100)
 
 
-def test_why_not_returns_the_error_that_lookup_would_raise(buffer: TransformBuffer) -> None:
-    assert buffer.why_not("root", "fixed") == ""
-    assert "does not exist" in buffer.why_not("root", "nowhere")
-    assert "extrapolation" in buffer.why_not("root", "a", 5)
+def test_lookup_error_returns_the_error_that_lookup_would_raise(buffer: TransformBuffer) -> None:
+    assert buffer.lookup_error("root", "fixed") == ""
+    assert "does not exist" in buffer.lookup_error("root", "nowhere")
+    assert "extrapolation" in buffer.lookup_error("root", "a", 5)
 
 
 def test_between_two_moments_through_a_frame_that_stood_still(buffer: TransformBuffer) -> None:

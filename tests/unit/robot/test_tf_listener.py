@@ -30,7 +30,7 @@ async def test_static_and_moving_transforms_arrive() -> None:
             assert await publisher.wait_for_subscriber(5)
             wrong = StampedTransform("base", "base", 1, Transform())
             publisher.publish(to_message([STEP, wrong]))
-            await until(lambda: not listener.buffer.why_not("world", "laser"))
+            await until(lambda: not listener.buffer.lookup_error("world", "laser"))
             found = listener.buffer.lookup("world", "laser")
     assert found.transform.translation == (1.5, 2.0, 3.0)
     assert len(refusals) == 1

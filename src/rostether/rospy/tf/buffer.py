@@ -103,7 +103,7 @@ class Buffer(BufferInterface):
     def can_transform_core(self, target_frame: str, source_frame: str, time: Any) -> tuple[bool, str]:
         """Return whether a lookup would succeed now, and why not."""
         with self._lock:
-            reason = self._buffer.why_not(target_frame, source_frame, time.to_nsec())
+            reason = self._buffer.lookup_error(target_frame, source_frame, time.to_nsec())
         return not reason, reason
 
     def can_transform_full(
