@@ -80,7 +80,7 @@ def _open_folder(folder: Path) -> Sketch:
 
 
 def files_below(folder: Path, suffixes: Collection[str]) -> list[Path]:
-    """Return the files with given suffixes in a folder of a sketch, at any depth, sorted; none if it is missing.
+    """Return the files with some suffixes in a folder of a sketch, at any depth, if it exists; sorted.
 
     Raises FirmwareError if there are too many files for a sketch.
     """
