@@ -19,8 +19,8 @@ class BridgeSettings:
     `queued_calls`: how many callers may wait for one board's service before the next is refused at once.
     `parameter_timeout_s`: boards wait 1 s for a parameter unless the sketch sets another limit.
     `drain_pause_s`: how long a board is paused at a time for a slow subscriber.
-    `frame_bytes`: the largest payload of a frame from a board; the default is the largest of the length
-    field.
+    `frame_bytes`: the largest payload of a frame from a board; the default is the largest value of the
+    length field.
     `endpoints`: how many a board may announce. The established library has at most 50.
     `messages_hz`: how many messages per second a board may publish, on all topics together (None: as many as
     its line can transfer).

@@ -240,7 +240,7 @@ class Outbox:
                 continue
             room_bytes -= len(frames)
             pieces.append(frames)
-            if queue.source_paused and queue.queued_bytes <= self._limit_bytes // 2:
+            if queue.is_source_paused and queue.queued_bytes <= self._limit_bytes // 2:
                 self._drained.append(queue)
 
     def _encode_fitting(self, pieces: list[bytes], room_bytes: int) -> None:
@@ -251,7 +251,7 @@ class Outbox:
                 pieces.append(frames)
             if not queue.payloads:
                 self._ready.remove(queue)
-                if queue.source_paused:
+                if queue.is_source_paused:
                     self._drained.append(queue)
 
     def _write(self, pieces: list[bytes]) -> None:
@@ -283,7 +283,7 @@ class Outbox:
 
     def _check_stall(self) -> None:
         self._stall_check = None
-        if not any(queue.source_paused for queue in self._ready):
+        if not any(queue.is_source_paused for queue in self._ready):
             return
         now_s = self._loop.time()
         unsent_bytes = self._transport.write_buffer_bytes

@@ -24,9 +24,9 @@ class TopicQueue:
 
     __slots__ = (
         "_source",
-        "_source_paused",
         "depth",
         "dropped_count",
+        "is_source_paused",
         "payloads",
         "queued_bytes",
         "topic",
@@ -41,7 +41,7 @@ class TopicQueue:
         self.queued_bytes = 0
         self.dropped_count = 0
         self._source: PausableSource | None = None
-        self._source_paused = False
+        self.is_source_paused = False
 
     @property
     def has_source(self) -> bool:
@@ -52,11 +52,6 @@ class TopicQueue:
         """Set the source of the queue; the previous source is resumed."""
         self.resume_source()
         self._source = source
-
-    @property
-    def source_paused(self) -> bool:
-        """Whether the source was asked to wait."""
-        return self._source_paused
 
     def pop_ready(self, room_bytes: int) -> list[bytes]:
         """Remove and return the oldest messages that fill the room, at least one."""
@@ -97,12 +92,12 @@ class TopicQueue:
 
     def pause_source(self) -> None:
         """Pause the source, unless it is paused."""
-        if self._source is not None and not self._source_paused:
-            self._source_paused = True
+        if self._source is not None and not self.is_source_paused:
+            self.is_source_paused = True
             self._source.pause()
 
     def resume_source(self) -> None:
         """Resume the source, if it is paused."""
-        if self._source is not None and self._source_paused:
-            self._source_paused = False
+        if self._source is not None and self.is_source_paused:
+            self.is_source_paused = False
             self._source.resume()

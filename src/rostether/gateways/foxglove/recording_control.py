@@ -64,7 +64,7 @@ class RecordingReports:
         state = await self.control.state()
         for report in list(self._followers):
             report(state)
-        if self._changes and (self._task is None or self._task.done()):
+        if self._is_running and (self._task is None or self._task.done()):
             self._task = asyncio.ensure_future(self._keep_reporting())
 
     async def close(self) -> None:
@@ -79,15 +79,15 @@ class RecordingReports:
                 await self.control.stop()
 
     @property
-    def _changes(self) -> bool:
+    def _is_running(self) -> bool:
         return self.control.is_active or self.control.is_playing
 
     async def _keep_reporting(self) -> None:
-        changes = True
-        while changes:
+        is_running = True
+        while is_running:
             await asyncio.sleep(PERIOD_S)
             # Report again after the end.
-            changes = self._changes
+            is_running = self._is_running
             try:
                 state = await self.control.state()
             except RostetherError as error:

@@ -46,7 +46,7 @@ class FollowedGoal:
                 self.transition_to(CommState.WAITING_FOR_CANCEL_ACK)
 
     def note_status(self, status: Any) -> None:
-        """Apply a status of the server's list; None if the list does not contain this goal."""
+        """Apply the goal's status in the server's list; `status` is None if the goal is not listed."""
         with self.mutex:
             if self.state == CommState.DONE:
                 return

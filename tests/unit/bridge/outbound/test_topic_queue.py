@@ -35,7 +35,7 @@ def test_drop_oldest_keeps_the_newest_whatever_its_size() -> None:
 def test_a_source_is_paused_and_released() -> None:
     lane, first, second = TopicQueue(125, "chatter"), FakeSource(), FakeSource()
     lane.pause_source()
-    assert not lane.source_paused
+    assert not lane.is_source_paused
     lane.set_source(first)
     lane.pause_source()
     assert first.is_paused
