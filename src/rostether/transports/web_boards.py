@@ -61,7 +61,7 @@ class WebBoards:
             if other.hello is not None and other.hello.key == hello.key:
                 other.close()
         if len(self._transports) >= self._max_boards:
-            return f"the limit of boards on pages ({self._max_boards}) is reached"
+            return f"the limit of boards on pages ({self._max_boards}) is reached; disconnect another board"
         self._transports[transport] = None
         transport.admit(self._address, hello)
         self._on_transport(transport)

@@ -152,7 +152,7 @@ async def test_a_page_that_connects_again_replaces_its_old_connection() -> None:
     assert first.closed is not None
     assert not bridge.served[1][1].losses
     third.connect(key="a-third-uno")
-    assert third.closed == (1013, "the limit of boards on pages (2) is reached")
+    assert third.closed == (1013, "the limit of boards on pages (2) is reached; disconnect another board")
     await bridge.listener.close()
     await bridge.served[2][1].until_lost()
     late = Page(bridge.boards)

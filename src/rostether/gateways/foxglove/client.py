@@ -143,7 +143,8 @@ class Client:
                     f"channel {channel_id} or subscription {subscription_id} is already subscribed"
                 )
             elif len(self._subscriptions) >= self._context.limits.subscriptions:
-                self.report_mistake(f"a client may have {self._context.limits.subscriptions} subscriptions")
+                most = self._context.limits.subscriptions
+                self.report_mistake(f"a client may have at most {most} subscriptions; unsubscribe some")
             else:
                 subscription = Subscription(
                     subscription_id, channel, self.line, self._context.channels, self._context.clock.now_ns
@@ -163,7 +164,8 @@ class Client:
             if channel.id in self._topics:
                 self.report_mistake(f"channel {channel.id} is already advertised")
             elif len(self._topics) >= self._context.limits.client_channels:
-                self.report_mistake(f"a client may publish {self._context.limits.client_channels} topics")
+                most = self._context.limits.client_channels
+                self.report_mistake(f"a client may publish at most {most} topics; unadvertise some")
             elif not channel.topic.strip("/"):
                 self.report_mistake(f"channel {channel.id} has no topic")
             elif not self._may_publish(channel.topic):

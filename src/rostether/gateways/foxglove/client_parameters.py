@@ -85,7 +85,8 @@ class ClientParameters:
                 continue
             if len(self._watched) >= self._context.limits.watched_parameters:
                 self._report_mistake(
-                    f"a client may watch {self._context.limits.watched_parameters} parameters"
+                    f"a client may watch at most {self._context.limits.watched_parameters} parameters; "
+                    "unsubscribe some"
                 )
                 return
             self._watched.add(name)

@@ -40,7 +40,9 @@ class ClientActions:
         action, types = self._action(request, request.word("action_type"))
         goal_id, delivery = request.id, Delivery.read(request)
         if len(self._goals) >= MAX_GOALS:
-            raise RemoteProtocolError(f"send_action_goal: at most {MAX_GOALS} goals at once are allowed")
+            raise RemoteProtocolError(
+                f"send_action_goal: at most {MAX_GOALS} goals at once are allowed; wait for results"
+            )
         if goal_id in self._by_id:
             raise RemoteProtocolError(f"send_action_goal: the goal {show(goal_id)} is already active")
         forms, feedback = self._context.forms, request.flag("feedback")
@@ -83,7 +85,9 @@ class ClientActions:
         if action in self._offered:
             return
         if len(self._offered) >= MAX_ACTIONS:
-            raise RemoteProtocolError(f"advertise_action: at most {MAX_ACTIONS} are allowed")
+            raise RemoteProtocolError(
+                f"advertise_action: at most {MAX_ACTIONS} are allowed; unadvertise some"
+            )
         name, type_name = request.word("action"), request.word("type")
         offered = _OfferedAction(self._context, action, types, self._send, (name, type_name))
         await offered.server.open(self._context.graph)

@@ -58,7 +58,9 @@ class ClientServices:
         name = self._context.graph.resolve(request.word("service"))
         self._check_glob(name)
         if len(self._context.offered.of(self)) >= MAX_SERVICES:
-            raise RemoteProtocolError(f"advertise_service: at most {MAX_SERVICES} are allowed")
+            raise RemoteProtocolError(
+                f"advertise_service: at most {MAX_SERVICES} are allowed; unadvertise some"
+            )
         service_type = self._context.store.registry.service_type(short_type(request.word("type")))
         send = self._send
         service = OfferedService(

@@ -181,7 +181,7 @@ async def test_a_board_brings_no_more_than_its_rate(world: World) -> None:
     await until(lambda: len(received) == len(expected), "what is admitted")
     assert received == expected
     assert (chatter.message_count, chatter.dropped_count) == (15, 21)
-    assert "sends more than 10 messages a second (its limit messages_hz);" in world.reporter.texts[-1]
+    assert "sends more than 10 messages a second (its limit messages_hz), and" in world.reporter.texts[-1]
 
 
 async def test_what_does_not_fit_is_looked_into_where_it_stood(world: World) -> None:
