@@ -97,7 +97,7 @@ async def test_modules_beside_rospy(roscore: Ros1Peers, script: str) -> None:
     assert len(ours) > 10
 
 
-@pytest.mark.parametrize("script", ["clouds.py", "lookups.py", "packages.py"])
+@pytest.mark.parametrize("script", ["clouds.py", "lookups.py", "matrices.py", "packages.py"])
 async def test_modules_of_messages_and_tools(roscore: Ros1Peers, script: str) -> None:
     theirs = await printed(roscore, DEBIAN_PYTHON, script)
     ours = await printed(roscore, sys.executable, script)
@@ -111,6 +111,16 @@ async def test_frames(roscore: Ros1Peers) -> None:
     ours = await printed(roscore, sys.executable, "frames.py")
     assert ours == theirs
     assert len(ours) > 200
+
+
+@pytest.mark.robot
+async def test_the_buffer_of_another_node(roscore: Ros1Peers) -> None:
+    await roscore.start("/usr/lib/tf2_ros/buffer_server")
+    theirs = await printed(roscore, DEBIAN_PYTHON, "buffer_client.py")
+    ours = await printed(roscore, sys.executable, "buffer_client.py")
+    assert ours == theirs
+    assert ours[0] == "True"
+    assert len(ours) > 6
 
 
 async def test_a_node_that_talks_with_itself(roscore: Ros1Peers) -> None:

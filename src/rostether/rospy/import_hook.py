@@ -62,7 +62,7 @@ _HOMES = {
     "rospy.topics": "client.publisher client.subscriber",
     "rosserial_python": "client.serial_client",
     "rosservice": "tools.service_lookup",
-    "tf.transformations": "tf.rotations",
+    "tf.transformations": "tf.transformations",
 }
 
 # ROS 2's package of that name, which Python finds first where it is on the path, has no such module.

@@ -9,6 +9,7 @@ import pytest
 import pytest_asyncio
 
 from rostether.ros1.master.server import MasterServer
+from rostether.rospy.tf import matrices
 from rostether.rospy.tf import rotations as tf_rotations
 from unit.rospy.programs import printed
 
@@ -83,3 +84,11 @@ def test_a_matrix_and_its_inverse() -> None:
     product = tf_rotations.concatenate_matrices(matrix, tf_rotations.inverse_matrix(matrix))
     for row, wanted in zip(product, tf_rotations.identity_matrix(), strict=True):
         assert list(row) == pytest.approx(list(wanted))
+
+
+def test_a_shear_is_found_again() -> None:
+    made = matrices.shear_matrix(-0.4, (0, 2, 0), (1, 2, 3), (3, 0, 0))
+    angle, direction, point, normal = matrices.shear_from_matrix(made)
+    assert matrices.is_same_transform(matrices.shear_matrix(angle, direction, point, normal), made)
+    with pytest.raises(ValueError, match="the matrix is not a shear"):
+        matrices.shear_from_matrix(tf_rotations.identity_matrix())

@@ -1,4 +1,4 @@
-"""tf.transformations, as far as nodes use it: quaternions (x, y, z, w), Euler angles and 4x4 matrices.
+"""Most of tf.transformations: quaternions (x, y, z, w), Euler angles and 4x4 matrices.
 
 Results are numpy arrays where numpy is installed, lists otherwise. Euler angles go by four letters: `s` for
 fixed or `r` for turning axes, and the axes in order (source: Shoemake, Euler Angle Conversion, in Graphics
@@ -22,7 +22,7 @@ _LETTERS = "xyz"
 
 def identity_matrix() -> Any:
     """Return the 4x4 identity."""
-    return _array([[float(row == column) for column in range(4)] for row in range(4)])
+    return as_array([[float(row == column) for column in range(4)] for row in range(4)])
 
 
 def translation_matrix(direction: Sequence[float]) -> Any:
@@ -30,12 +30,12 @@ def translation_matrix(direction: Sequence[float]) -> Any:
     matrix = _identity()
     for row in range(3):
         matrix[row][3] = float(direction[row])
-    return _array(matrix)
+    return as_array(matrix)
 
 
 def translation_from_matrix(matrix: Any) -> Any:
     """Return the translation of a matrix."""
-    return _array([float(matrix[row][3]) for row in range(3)])
+    return as_array([float(matrix[row][3]) for row in range(3)])
 
 
 def rotation_matrix(angle: float, direction: Sequence[float], point: Sequence[float] | None = None) -> Any:
@@ -45,18 +45,20 @@ def rotation_matrix(angle: float, direction: Sequence[float], point: Sequence[fl
         for row in range(3):
             turned = sum(matrix[row][column] * point[column] for column in range(3))
             matrix[row][3] = point[row] - turned
-    return _array(matrix)
+    return as_array(matrix)
 
 
 def inverse_matrix(matrix: Any) -> Any:
-    """Return the inverse of a rigid transform's matrix."""
+    """Return the inverse of a matrix; without numpy, of a rigid transform's."""
+    if (numpy := numpy_module()) is not None:
+        return numpy.linalg.inv(matrix)
     rows = _rows(matrix)
     result = _identity()
     for row in range(3):
         for column in range(3):
             result[row][column] = rows[column][row]
         result[row][3] = -sum(rows[column][row] * rows[column][3] for column in range(3))
-    return _array(result)
+    return as_array(result)
 
 
 def concatenate_matrices(*matrices: Any) -> Any:
@@ -68,7 +70,7 @@ def concatenate_matrices(*matrices: Any) -> Any:
             [sum(product[row][k] * rows[k][column] for k in range(4)) for column in range(4)]
             for row in range(4)
         ]
-    return _array(product)
+    return as_array(product)
 
 
 def euler_matrix(ai: float, aj: float, ak: float, axes: str = "sxyz") -> Any:
@@ -109,15 +111,15 @@ def quaternion_from_euler(ai: float, aj: float, ak: float, axes: str = "sxyz") -
         _about(_LETTERS.index(letter), angle) for letter, angle in zip(letters, (ai, aj, ak), strict=True)
     )
     if turning:
-        return _array(multiply(multiply(first, second), third))
-    return _array(multiply(multiply(third, second), first))
+        return as_array(multiply(multiply(first, second), third))
+    return as_array(multiply(multiply(third, second), first))
 
 
 def quaternion_about_axis(angle: float, axis: Sequence[float]) -> Any:
     """Return the quaternion of a rotation about an axis."""
     x, y, z = unit_vector(axis)
     sine = math.sin(angle / 2.0)
-    return _array([float(x) * sine, float(y) * sine, float(z) * sine, math.cos(angle / 2.0)])
+    return as_array([float(x) * sine, float(y) * sine, float(z) * sine, math.cos(angle / 2.0)])
 
 
 def quaternion_matrix(quaternion: Sequence[float]) -> Any:
@@ -127,7 +129,7 @@ def quaternion_matrix(quaternion: Sequence[float]) -> Any:
     if norm < _EPSILON:
         return identity_matrix()
     s = 2.0 / norm
-    return _array(
+    return as_array(
         [
             [1.0 - s * (y * y + z * z), s * (x * y - z * w), s * (x * z + y * w), 0.0],
             [s * (x * y + z * w), 1.0 - s * (x * x + z * z), s * (y * z - x * w), 0.0],
@@ -140,51 +142,80 @@ def quaternion_matrix(quaternion: Sequence[float]) -> Any:
 def quaternion_from_matrix(matrix: Any) -> Any:
     """Return the quaternion of a matrix."""
     (a, b, c, _), (d, e, f, _), (g, h, i, _) = _rows(matrix)[:3]
-    return _array(_from_matrix(((a, b, c), (d, e, f), (g, h, i))))
+    return as_array(_from_matrix(((a, b, c), (d, e, f), (g, h, i))))
 
 
 def quaternion_multiply(quaternion1: Sequence[float], quaternion0: Sequence[float]) -> Any:
     """Return the rotation by `quaternion0` first, then by `quaternion1`."""
-    return _array(multiply(_four(quaternion1), _four(quaternion0)))
+    return as_array(multiply(_four(quaternion1), _four(quaternion0)))
 
 
 def quaternion_conjugate(quaternion: Sequence[float]) -> Any:
     """Return the conjugate."""
     x, y, z, w = _four(quaternion)
-    return _array([-x, -y, -z, w])
+    return as_array([-x, -y, -z, w])
 
 
 def quaternion_inverse(quaternion: Sequence[float]) -> Any:
     """Return the inverse."""
     x, y, z, w = _four(quaternion)
     norm = x * x + y * y + z * z + w * w
-    return _array([-x / norm, -y / norm, -z / norm, w / norm])
+    return as_array([-x / norm, -y / norm, -z / norm, w / norm])
 
 
-def quaternion_slerp(quat0: Sequence[float], quat1: Sequence[float], fraction: float) -> Any:
-    """Return the rotation at a fraction of the shorter way from one to another."""
+def quaternion_slerp(
+    quat0: Sequence[float],
+    quat1: Sequence[float],
+    fraction: float,
+    spin: int = 0,
+    shortestpath: bool = True,
+) -> Any:
+    """Return the rotation at a fraction of the way from one to another, with `spin` more half turns."""
     start, end = (_four(unit_vector(each)) for each in (quat0, quat1))
     if fraction in (0.0, 1.0):
-        return _array(end if fraction else start)
-    return _array(slerp(start, end, fraction))
+        return as_array(end if fraction else start)
+    if shortestpath and not spin:
+        return as_array(slerp(start, end, fraction))
+    cosine = sum(one * two for one, two in zip(start, end, strict=True))
+    if abs(abs(cosine) - 1.0) < _EPSILON:
+        return as_array(start)
+    if shortestpath and cosine < 0.0:
+        cosine, end = -cosine, (-end[0], -end[1], -end[2], -end[3])
+    angle = math.acos(cosine) + spin * math.pi
+    first, second = (math.sin(part * angle) / math.sin(angle) for part in (1.0 - fraction, fraction))
+    return as_array([first * one + second * two for one, two in zip(start, end, strict=True)])
 
 
-def random_quaternion() -> Any:
-    """Return a random rotation, uniformly distributed."""
-    size, first, second = random.random(), 2 * math.pi * random.random(), 2 * math.pi * random.random()  # noqa: S311
+def random_quaternion(rand: Sequence[float] | None = None) -> Any:
+    """Return a random rotation, uniformly distributed; `rand` are three numbers from 0 to 1."""
+    size, first, second = (random.random() for _ in range(3)) if rand is None else rand  # noqa: S311
+    first, second = 2 * math.pi * first, 2 * math.pi * second
     a, b = math.sqrt(1.0 - size), math.sqrt(size)
-    return _array([math.sin(first) * a, math.cos(first) * a, math.sin(second) * b, math.cos(second) * b])
+    return as_array([math.sin(first) * a, math.cos(first) * a, math.sin(second) * b, math.cos(second) * b])
 
 
-def vector_norm(data: Sequence[float]) -> float:
-    """Return a vector's length."""
+def vector_norm(data: Any, axis: int | None = None, out: Any = None) -> Any:
+    """Return a vector's length, or the lengths along an axis of an array (needs numpy)."""
+    if out is not None:
+        out[...] = vector_norm(data, axis)
+        return None
+    if (numpy := numpy_module()) is not None and numpy.ndim(data) != 1:
+        return numpy.atleast_1d(numpy.sqrt(numpy.sum(numpy.square(data), axis=axis)))
     return math.sqrt(sum(float(each) * float(each) for each in data))
 
 
-def unit_vector(data: Sequence[float]) -> Any:
-    """Return a vector of length one."""
+def unit_vector(data: Any, axis: int | None = None, out: Any = None) -> Any:
+    """Return a vector of length one, or an array of them along an axis (needs numpy)."""
+    if out is not None:
+        out[...] = unit_vector(data, axis)
+        return None
+    if (numpy := numpy_module()) is not None and numpy.ndim(data) != 1:
+        lengths = vector_norm(data, axis)
+        return numpy.array(data, dtype=float) / (
+            lengths if axis is None else numpy.expand_dims(lengths, axis)
+        )
     length = vector_norm(data)
-    return _array([float(each) / length for each in data])
+    return as_array([float(each) / length for each in data])
 
 
 def _convention(axes: str) -> tuple[bool, tuple[int, int, int], bool, bool]:
@@ -220,16 +251,18 @@ def _rows(matrix: Any) -> list[list[float]]:
     return [[float(value) for value in row] for row in matrix]
 
 
-def _array(values: Any) -> Any:
-    make = _numpy_array()
-    return list(values) if make is None else make(values)
+def as_array(values: Any) -> Any:
+    """Return numbers as a numpy array where numpy is installed, as a list otherwise."""
+    numpy = numpy_module()
+    return list(values) if numpy is None else numpy.array(values)
 
 
 @cache
-def _numpy_array() -> Any:
+def numpy_module() -> Any:
+    """Return numpy, None if it is not installed."""
     from importlib import import_module
 
     try:
-        return import_module("numpy").array
+        return import_module("numpy")
     except ImportError:
         return None

@@ -3,6 +3,7 @@
 # ruff: noqa: F401
 from rostether.rospy.tf.buffer import Buffer
 from rostether.rospy.tf.buffer import Buffer as BufferCore
+from rostether.rospy.tf.buffer_client import BufferClient
 from rostether.rospy.tf.buffer_interface import BufferInterface, TransformRegistration
 from rostether.rospy.tf.endpoints import (
     StaticTransformBroadcaster,
