@@ -13,13 +13,9 @@ export function followRobotDescription(context: PanelContext, onText: (urdf: str
     shown = text;
     onText(text);
   };
-  const { feed, close } = context.subscribe(PARAMETER, () => {
-    const message = feed.lastMessage();
-    if (message !== undefined && !(message instanceof Error)) offer(message.data);
-  });
+  const { feed, close } = context.subscribe(PARAMETER, () => offer(feed.lastValid()?.data));
   // The panel that shares the subscription has already received a latched description.
-  const last = feed.lastMessage();
-  if (last !== undefined && !(last instanceof Error)) offer(last.data);
+  offer(feed.lastValid()?.data);
   const endRead = effect(() => {
     if (!robot.canCommand.value) return;
     robot.gateway

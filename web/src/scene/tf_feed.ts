@@ -49,9 +49,7 @@ function staticsOf(feed: Feed): Map<string, Received> {
 }
 
 function lastTransforms(feed: Feed): readonly TransformStamped[] {
-  const message = feed.lastMessage();
-  if (message === undefined || message instanceof Error) return [];
-  return message.transforms as unknown as TransformStamped[];
+  return (feed.lastValid()?.transforms ?? []) as unknown as TransformStamped[];
 }
 
 function insert(tf: TfBuffer, each: TransformStamped, isStatic: boolean, receivedMs: number): void {

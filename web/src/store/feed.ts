@@ -47,6 +47,12 @@ export class Feed {
     return this.decoded.message;
   }
 
+  /** The last message; undefined if there is none, or if it cannot be decoded. */
+  lastValid(): Message | undefined {
+    const message = this.lastMessage();
+    return message instanceof Error ? undefined : message;
+  }
+
   /** Decodes any message of this topic; undefined while the topic's type is not known. */
   decode(payload: Uint8Array): Message | Error | undefined {
     const topic = this.topic.peek();

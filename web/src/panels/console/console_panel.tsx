@@ -27,9 +27,9 @@ function ConsolePanel({ context }: { context: PanelContext }) {
   const { level = "info", node = "", search = "" } = settings.value;
   const feed = context.robot.feed("/rosout");
   useSubscription(context, "/rosout", () => {
-    const message = feed.lastMessage();
+    const message = feed.lastValid();
     const type = feed.topic.peek()?.typeName ?? "";
-    if (message !== undefined && !(message instanceof Error)) log.add(message, type);
+    if (message) log.add(message, type);
   });
   useTick(context, 250);
   const change = (to: ConsoleSettings) => {

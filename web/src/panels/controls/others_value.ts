@@ -20,8 +20,8 @@ export function useOthersValue(
   const isWaiting = useRef(false);
   useEffect(() => () => clearTimeout(timer.current), []);
   const showLast = () => {
-    const message = context.robot.feed(topicName).lastMessage();
-    if (message !== undefined && !(message instanceof Error)) show(message);
+    const message = context.robot.feed(topicName).lastValid();
+    if (message) show(message);
   };
   useSubscription(context, topicName, () => {
     isWaiting.current = timer.current !== undefined;

@@ -12,8 +12,8 @@ function DiagnosticsPanel({ context }: { context: PanelContext }) {
   const table = useMemo(() => new StatusTable(), []);
   const feed = context.robot.feed("/diagnostics");
   useSubscription(context, "/diagnostics", (arrival) => {
-    const message = feed.lastMessage();
-    if (message !== undefined && !(message instanceof Error)) table.add(message, arrival.receivedMs);
+    const message = feed.lastValid();
+    if (message) table.add(message, arrival.receivedMs);
   });
   const now = useTick(context, 500);
   const entries = table.sorted(now);

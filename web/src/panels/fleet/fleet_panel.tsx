@@ -24,9 +24,7 @@ function FleetPanel({ context }: { context: PanelContext }) {
   ).value;
   const feed = useFeed(context, topic);
   const answer = useSignal("");
-  const message = feed.lastMessage();
-  const robots =
-    message === undefined || message instanceof Error ? [] : (message.robots as unknown as RobotState[]);
+  const robots = (feed.lastValid()?.robots ?? []) as unknown as RobotState[];
   const service = [...robot.services.value.values()].find((each) => each.type === STOP_TYPE);
   const stop = async (id: number) => {
     answer.value = t.stopping;

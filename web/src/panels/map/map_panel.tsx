@@ -42,9 +42,8 @@ function MapPanel({ context }: { context: PanelContext }) {
         if (topic.typeName !== FIX_TYPE || topic.channelId === undefined || followed.has(topic.name))
           continue;
         const { feed, close } = context.subscribe(topic.name, () => {
-          const message = feed.lastMessage();
-          if (message === undefined || message instanceof Error) return;
-          const fix = message as unknown as Fix;
+          const fix = feed.lastValid() as unknown as Fix | undefined;
+          if (!fix) return;
           const isPlace = Math.abs(fix.latitude) <= 90 && Math.abs(fix.longitude) <= 180;
           const found = fix.status.status !== NO_FIX && isPlace;
           if (found === withoutFix.has(topic.name)) {

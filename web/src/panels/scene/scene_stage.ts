@@ -128,9 +128,8 @@ export class SceneStage {
     );
     const { feed, close } = context.subscribe("/joint_states", () => {
       this.queue(ROBOT, () => {
-        const message = feed.lastMessage();
-        if (message !== undefined && !(message instanceof Error))
-          this.view.displays.get(ROBOT)?.update(message);
+        const message = feed.lastValid();
+        if (message) this.view.displays.get(ROBOT)?.update(message);
       });
     });
     this.forgetVisited();

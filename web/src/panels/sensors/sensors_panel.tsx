@@ -31,9 +31,7 @@ function SensorsPanel({ context }: { context: PanelContext }) {
     () => [...robot.topics.value.values()].find((each) => each.typeName === SENSORS_TYPE)?.name ?? "/sensors",
   ).value;
   const feed = useFeed(context, topic);
-  const message = feed.lastMessage();
-  const sensors =
-    message === undefined || message instanceof Error ? [] : (message.sensors as unknown as Sensor[]);
+  const sensors = (feed.lastValid()?.sensors ?? []) as unknown as Sensor[];
   const { search = "", chosen = [] } = settings.value;
   const change = (to: SensorsSettings) => {
     settings.value = { ...settings.value, ...to };

@@ -41,8 +41,7 @@ function SimulationPanel({ context }: { context: PanelContext }) {
 function Board({ context, topic, name }: { context: PanelContext; topic: string; name: string }) {
   const { robot } = context;
   const feed = useFeed(context, topic);
-  const message = feed.lastMessage();
-  const text = message instanceof Error ? undefined : message?.data;
+  const text = feed.lastValid()?.data;
   const state = useMemo(() => readBoardState(text), [text]);
   const commands = robot.topics.value.get(topic.replace(/state$/, "command"));
   const publisher = useSignal<TopicPublisher | undefined>(undefined);
