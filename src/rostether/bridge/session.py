@@ -63,7 +63,7 @@ class Session:
         self.node = node
         self.transport = transport
 
-        # The speed of its line; None for a network or a pseudo-terminal, which have flow control.
+        # The baud rate of the line; None for a network or a pseudo-terminal, which have flow control.
         self.baud = None if transport.can_pause else baud
         self.link = HostLink(node.link_config())
         self.receivers: dict[int, Callable[[list[bytes]], None]] = {}

@@ -25,7 +25,7 @@ class BridgeSettings:
     `messages_hz`: how many messages per second a board may publish, on all topics together (None: as many as
     its line can transfer).
     `queue_bytes`: how much data may wait for a board on each topic: more than one read of a ROS connection.
-    On a line of known speed it is less.
+    On a line with a baud rate, the limit is lower.
     `subscriber_bytes`: how much data may wait for a slow ROS subscriber of a board's topic: a second of
     images.
     `unsent_bytes`: how many bytes of responses may wait in a link that accepts nothing; then it is closed.

@@ -82,11 +82,11 @@ class SerialTransport(StreamTransport, asyncio.Protocol):
 
     @property
     def has_baud(self) -> bool:
-        """Whether the line has a speed: a pseudo-terminal has none."""
+        """Whether the line has a baud rate: a pseudo-terminal has none."""
         return not self.can_pause
 
     def set_baud(self, baud: int) -> bool:
-        """Change the line's speed, and drop unread bytes; return False if the port does not support it."""
+        """Change the baud rate, and drop unread bytes; return False if the port does not support it."""
         port = self._port()
         if port is None or not self.has_baud:
             return True

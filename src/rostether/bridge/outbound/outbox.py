@@ -19,7 +19,7 @@ from rostether.bridge.settings import BridgeSettings
 from rostether.errors import LocalProtocolError
 from rostether.transports.transport import Transport
 
-# On a line of known speed, a command older than this is dropped rather than sent late.
+# On a line with a baud rate, a command older than this is dropped rather than sent late.
 QUEUE_LINE_S = 2.0
 # Slow lines still hold a burst of small commands.
 MIN_QUEUE_BYTES = 8 * 1024

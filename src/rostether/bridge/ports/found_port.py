@@ -134,11 +134,11 @@ class FoundPort:
         )
         if isinstance(found, BoardFound):
             self._reported = ""
-            speed = f"{found.baud} baud, " if transport.has_baud else ""
+            baud = f"{found.baud} baud, " if transport.has_baud else ""
             if self.identity.usb_id is not None:
                 self._known.remember(self.identity.key, found.baud)
             self._reporter.line(
-                Level.INFO, f"Found a board at {self._title}: {speed}protocol version {found.version}"
+                Level.INFO, f"Found a board at {self._title}: {baud}protocol version {found.version}"
             )
         return found
 
@@ -175,7 +175,7 @@ class FoundPort:
         return SerialAddress(self.port.path, baud, resets, name=name)
 
     def _report_no_board(self, found: NoBoard) -> None:
-        what = f"{self._title} does not answer as a rosserial board at any usual speed"
+        what = f"{self._title} does not answer as a rosserial board at any usual baud rate"
         if found.text_baud is not None:
             text = found.text.decode("ascii", "replace").strip()
             sent = f"text at {found.text_baud} baud ({text!r})"

@@ -149,7 +149,7 @@ def identify_address(address: Address) -> BoardIdentity:
 
 
 def with_settings(address: SerialAddress, device: DeviceSettings) -> SerialAddress:
-    """Return the address with a device's speed and reset, where it does not have its own."""
+    """Return the address with a device's baud rate and reset, unless the address gives its own."""
     if device.baud is not None and "baud" not in address.given:
         address = replace(address, baud=device.baud)
     if device.reset is not None and "reset" not in address.given:

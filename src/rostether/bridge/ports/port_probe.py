@@ -15,10 +15,10 @@ class TunableTransport(Transport, Protocol):
 
     @property
     def has_baud(self) -> bool:
-        """Whether the line has a speed: a pseudo-terminal has none."""
+        """Whether the line has a baud rate: a pseudo-terminal has none."""
 
     def set_baud(self, baud: int) -> bool:
-        """Change the speed; return False if the port does not support it."""
+        """Change the baud rate; return False if the port does not support it."""
 
     def release(self, unread: bytes = b"") -> None:
         """Stop delivering; the receiver of the next `start` gets the `unread` bytes first."""
