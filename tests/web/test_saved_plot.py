@@ -41,7 +41,7 @@ async def test_a_saved_plot_is_a_recording(robot: Robot, browser: Browser, tmp_p
 
 async def _check(page: int, browser: Browser, file: Path) -> None:
     await browser.do(
-        "download", page=page, selector="[aria-label='Save what is shown as MCAP']", path=str(file)
+        "download", page=page, selector="[aria-label='Save the shown data as MCAP']", path=str(file)
     )
     codec = TypeStore(Registry()).codec("std_msgs/Float64")
     with contextlib.closing(open_recording(file)) as reader:

@@ -68,7 +68,7 @@ class BoardNode:
 
         # For diagnostics: a serial number or address, the same each time the board connects.
         self.hardware_id = ""
-        # None if the bridge does not know what the board runs.
+        # None if the bridge does not know the board's program.
         self.program: ProgramSize | None = None
 
     def link_config(self) -> HostLinkConfig:

@@ -14,7 +14,7 @@ FEW_BOARDS = 30
 FREEZE_AFTER_S = 0.5
 # Boards that leave one after the other are followed by one release of memory.
 RELEASE_AFTER_S = 2.0
-# As in Python's own rule for full collections: garbage may become a quarter of what is in use.
+# As in Python's own rule for full collections: garbage may become a quarter of the objects in use.
 GARBAGE_PART = 4
 
 

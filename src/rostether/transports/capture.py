@@ -1,6 +1,6 @@
 """Captures of all bytes of links, as JSON Lines that users can attach to a report.
 
-    {"capture": "arm", "started": "2026-01-31T12:00:00Z", ...}          what it is; all keys are free
+    {"capture": "arm", "started": "2026-01-31T12:00:00Z", ...}          the description; all keys are free
     {"t": 0.0, "event": "opened", "peer": "/dev/ttyACM0"}                a link begins
     {"t": 0.001, "from": "host", "hex": "fffe0000ff0000ff"}              bytes, cut anywhere
     {"t": 0.021, "from": "device", "hex": "fffe0800f70a00..."}

@@ -110,7 +110,7 @@ class MemoryTransport:
         self._schedule()
 
     def close(self) -> None:
-        """End the pipe; the other end still receives what was written. Idempotent."""
+        """End the pipe; the other end still receives the written data. Idempotent."""
         if self._ended:
             return
         self._arrived.clear()

@@ -52,7 +52,7 @@ class _Candidate:
 
 @dataclass(frozen=True, slots=True)
 class Medium(Generic[PeerKey]):
-    """The medium that peers share: how to send to a peer, and what is known of it.
+    """The medium that peers share: how to send to a peer, and how to describe it.
 
     `show` returns its name for users, `host_of` its host, `write_buffer_bytes` the bytes that wait for it.
     """

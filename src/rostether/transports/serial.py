@@ -116,7 +116,7 @@ class SerialTransport(StreamTransport, asyncio.Protocol):
         return super().write_buffer_bytes + (0 if self._lost else self._unsent_bytes())
 
     def data_received(self, data: bytes) -> None:
-        """Deliver what was read."""
+        """Deliver received bytes."""
         self._deliver(data)
 
     def write(self, data: bytes | bytearray | memoryview) -> None:

@@ -94,7 +94,7 @@ class TcpTransport(StreamTransport, asyncio.BufferedProtocol):
         return self._buffer[: self._turn.size_bytes]
 
     def buffer_updated(self, nbytes: int) -> None:
-        """Deliver what was read."""
+        """Deliver received bytes."""
         if nbytes < MIN_READ_BYTES:
             self._deliver(bytes(self._buffer[:nbytes]))
             self._turn.note_quiet()

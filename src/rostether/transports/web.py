@@ -133,7 +133,7 @@ class WebTransport:
         self._loop.call_soon(self._catch_up)
 
     def close(self) -> None:
-        """Send what is queued, then close. Idempotent."""
+        """Send the queued data, then close. Idempotent."""
         if self._ended.is_set():
             return
         # The page still writes this to its port.

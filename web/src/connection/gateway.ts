@@ -29,7 +29,7 @@ export interface GatewayHandlers {
   onParameters(parameters: Parameter[]): void;
   onStatus(status: Status): void;
   onStatusRemoved(ids: string[]): void;
-  /** The gateway does not do what a command asked for. */
+  /** The gateway has refused a command. */
   onRefusal(reason: string): void;
   onTime(timeNs: bigint): void;
   onRecordings(recordings: Recordings): void;

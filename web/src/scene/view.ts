@@ -177,7 +177,7 @@ export class SceneView {
     return box;
   }
 
-  /** The box around what is drawn of displays, in the fixed frame. */
+  /** The box around the drawn content of displays, in the fixed frame. */
   contentBounds(keys: Iterable<string>): Box3 {
     const box = new Box3();
     for (const key of keys) for (const object of this.drawn.get(key) ?? []) expandByContent(box, object);

@@ -53,7 +53,7 @@ class EndpointTable:
         self._attached: set[_Key] = set()
         self._openings = EndpointOpenings(notices)
 
-        # By name: why what the board announced on this connection is not served.
+        # By name: the reason why an announcement on this connection is not served.
         self.refused: dict[str, RostetherError] = {}
         # Endpoints replaced by another type of the same name but not withdrawn yet: until the negotiation
         # ends, it is unknown whether the board still has them.
@@ -66,7 +66,7 @@ class EndpointTable:
 
     @property
     def unopened(self) -> dict[str, str]:
-        """By name: why the graph does not have what the board has announced."""
+        """By name: the reason why an announced endpoint is not in the graph."""
         return {name_of(endpoint): reason for endpoint, reason in self._openings.reasons.items()}
 
     def is_attached(self, endpoint: Endpoint) -> bool:

@@ -1,4 +1,4 @@
-"""Watches one connection: handles every event except messages, and reports what is wrong with the line.
+"""Watches one connection: handles every event except messages, and reports problems of the line.
 
 It depends only on the events and counters of the link, not on the graph or the transport.
 """

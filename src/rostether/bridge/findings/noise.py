@@ -31,7 +31,7 @@ _LINE_END = re.compile(rb"[\r\n]")
 
 
 def is_text(data: bytes) -> bool:
-    """Return whether bytes are what a sketch prints: nine in ten characters printable, and not too few."""
+    """Return whether bytes are text of a sketch: nine in ten characters printable, and not too few."""
     if len(data) < MIN_TEXT_BYTES:
         return False
     characters = data.decode("utf-8", "replace")

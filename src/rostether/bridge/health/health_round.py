@@ -74,7 +74,7 @@ class HealthRound:
                 continue
             try:
                 self._check_board(board, board.node, now_s)
-            except Exception as error:  # noqa: BLE001 - what is only for people must not end what works
+            except Exception as error:  # noqa: BLE001 - diagnostics must not end the bridge
                 self._report_defect(error)
 
     async def _run(self) -> None:
@@ -152,5 +152,5 @@ class _Publication:
             self._publisher = await node.graph.advertise(TOPIC, self._store.registry.message_type(TYPE))
         except GraphError as error:
             node.notices.report(Level.WARN, f"{TOPIC} is not published: {error}")
-        except Exception as error:  # noqa: BLE001 - what is only for people must not end what works
+        except Exception as error:  # noqa: BLE001 - diagnostics must not end the bridge
             node.notices.report(Level.ERROR, f"{TOPIC} is not published: {reason_of(error)}")

@@ -1,4 +1,4 @@
-"""Holds what a board announces and sends while its types are searched on disk, so that the event loop is
+"""Holds a board's announcements and messages while its types are searched on disk, so that the event loop is
 free.
 
 Most types are known. Another one is searched in a thread; from its announcement on, announcements

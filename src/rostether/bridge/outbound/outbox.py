@@ -132,7 +132,7 @@ class Outbox:
         queue.set_source(None)
 
     def flush(self) -> None:
-        """Write what is due: responses, control traffic, then messages as far as the link accepts them."""
+        """Write responses, then control traffic, then messages as far as the link accepts them."""
         self._scheduled = False
         # Responses first: the link may have delayed control traffic until the response was made.
         pieces, self._answers = self._answers, []

@@ -30,7 +30,7 @@ class DriveLimits:
 
     @classmethod
     def of(cls, values: Mapping[str, object]) -> DriveLimits:
-        """Read parameters; those that are missing or not positive keep their default."""
+        """Read parameters; those that are missing or negative keep their default."""
         known = {
             each.name: float(value)
             for each in fields(cls)

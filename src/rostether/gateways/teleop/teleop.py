@@ -275,7 +275,7 @@ class CommandLease:
         return True
 
     def expire(self, now_s: float) -> bool:
-        """Handle what is due; returns whether a stop must be published now."""
+        """Handle the expired times; returns whether a stop must be published now."""
         must_stop = False
         if self._is_moving and now_s >= self._commanded_s + KEEP_S:
             self._is_moving = False

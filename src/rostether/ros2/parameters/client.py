@@ -70,7 +70,7 @@ class ParameterClient:
                 node, "get_parameter_types", "GetParameterTypes", {"names": list(names)}
             )
         except ServiceUnavailableError:
-            # The node decides what it accepts.
+            # The node decides which values it accepts.
             return {}
         # rclcpp returns nothing if one of the names is not declared.
         return dict(zip(names, answer.types, strict=True)) if len(answer.types) == len(names) else {}

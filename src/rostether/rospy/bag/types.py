@@ -65,7 +65,7 @@ def raw_parts(message: Any) -> tuple[MessageType, bytes]:
 
 
 def _message_class(kind: MessageType) -> type[Message]:
-    """Return this process' own class where it is the same type, else one of the recorded definition."""
+    """Return this process's own class if its type is the same, else one of the recorded definition."""
     try:
         own = all_types().message_class(kind.name)
     except RostetherError:

@@ -112,7 +112,7 @@ topics = Topics()
 
 
 class Topic(Generic[_S]):
-    """Base of the handles on a topic; `resolved_name` is its full name, `impl` what they share."""
+    """Base of the handles on a topic; `resolved_name` is its full name, `impl` their shared state."""
 
     impl: _S | None
     _key: Hashable

@@ -72,7 +72,7 @@ class HostRadio:
         )
 
     def problem(self, path: str, baud: int) -> str | None:
-        """Return what is wrong with the radio and what to do, None if it answers correctly."""
+        """Return the radio's problem and its remedy, None if it answers correctly."""
         next_step = f"run `rostether xbee setup {path} --coordinator`"
         if not self.has_answered:
             mode = f"{baud} baud in API mode 2"

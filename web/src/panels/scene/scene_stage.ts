@@ -21,7 +21,7 @@ import type { PanelContext } from "../panel.ts";
 const ROBOT = "robot";
 const FRAMES = "frames";
 const MARKER_TYPES = ["visualization_msgs/Marker", "visualization_msgs/MarkerArray"];
-/** Types that show what is around a robot. */
+/** Types that show the surroundings of a robot. */
 const SURROUNDINGS = [
   ...MARKER_TYPES,
   "nav_msgs/OccupancyGrid",
