@@ -13,7 +13,7 @@ from functools import cached_property
 from typing import Any, TypeAlias
 
 from rostether.errors import GraphError
-from rostether.graph.callbacks import call_contained
+from rostether.graph.callbacks import call_safely
 from rostether.graph.message_stream import LearnedTypes
 from rostether.graph.ports import Graph, OnMessages, Subscriber
 from rostether.msgdef.interface import ANY_MD5SUM, ANY_MESSAGE, ANY_TYPE, MessageType
@@ -84,12 +84,12 @@ class SharedSubscription:
     def deliver(self, batch: Batch) -> None:
         """Deliver a batch; an error of the callback is reported and ignored."""
         if not self._is_closed:
-            call_contained(f"subscriber of {self.topic}", self._on_batch, batch)
+            call_safely(f"subscriber of {self.topic}", self._on_batch, batch)
 
     def report_connection(self, connection: PublisherConnection) -> None:
         """Report a publisher."""
         if self._on_connection is not None and not self._is_closed:
-            call_contained(f"on_connection of {self.topic}", self._on_connection, connection)
+            call_safely(f"on_connection of {self.topic}", self._on_connection, connection)
 
 
 class SharedSubscriptions:

@@ -10,7 +10,7 @@ _Args = ParamSpec("_Args")
 _log = logging.getLogger("rostether.graph")
 
 
-def call_contained(
+def call_safely(
     what: str, callback: Callable[_Args, object], *args: _Args.args, **kwargs: _Args.kwargs
 ) -> None:
     """Call back; an exception becomes one line in the log that names `what`."""

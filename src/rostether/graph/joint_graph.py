@@ -257,9 +257,9 @@ class JointGraph:
         results = await asyncio.gather(*map(ask, self._graphs), return_exceptions=True)
         answers = [result for result in results if not isinstance(result, BaseException)]
         faults = [result for result in results if isinstance(result, BaseException)]
-        serious = [fault for fault in faults if not isinstance(fault, RostetherError)]
-        if serious or not answers:
-            raise (serious or faults)[0]
+        unexpected = [fault for fault in faults if not isinstance(fault, RostetherError)]
+        if unexpected or not answers:
+            raise (unexpected or faults)[0]
         return answers
 
     async def _watch_closed(self, graph: Graph) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 from collections.abc import Callable, Container, Sequence
 
-from rostether.graph.callbacks import call_contained
+from rostether.graph.callbacks import call_safely
 from rostether.graph.joint_handle import JointHandle
 from rostether.graph.ports import (
     Graph,
@@ -185,7 +185,7 @@ class JointWatch(JointHandle[Watch]):
     def start(self) -> None:
         """Report the current value, and later changes."""
         self._reported = [self._value()]
-        call_contained(f"on_change of parameter {self._name}", self._on_change, self._reported[0])
+        call_safely(f"on_change of parameter {self._name}", self._on_change, self._reported[0])
 
     async def _open(self, graph: Graph) -> Watch:
         def on_value(value: ParamValue) -> None:
@@ -200,7 +200,7 @@ class JointWatch(JointHandle[Watch]):
             latest = self._reported[0]
             if value != latest or type(value) is not type(latest):
                 self._reported = [value]
-                call_contained(f"on_change of parameter {self._name}", self._on_change, value)
+                call_safely(f"on_change of parameter {self._name}", self._on_change, value)
 
     def _value(self) -> ParamValue:
         values = (self._values.get(graph) for graph in self._order())

@@ -7,7 +7,7 @@ import copy
 from collections.abc import Callable, Iterator
 
 from rostether.errors import UnknownNameError
-from rostether.graph.callbacks import call_contained
+from rostether.graph.callbacks import call_safely
 from rostether.graph.ports import ParamValue
 
 
@@ -107,7 +107,7 @@ class MemoryWatch:
         is_new = value != self._latest or type(value) is not type(self._latest)
         if not self._is_closed and (is_first or is_new):
             self._latest = value
-            call_contained(f"on_change of parameter {self.name}", self._on_change, value)
+            call_safely(f"on_change of parameter {self.name}", self._on_change, value)
 
     async def close(self) -> None:
         """Stop watching. Idempotent."""

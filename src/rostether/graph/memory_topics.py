@@ -7,7 +7,7 @@ import logging
 from collections import deque
 from collections.abc import Callable, Container, Mapping, Sequence
 
-from rostether.graph.callbacks import call_contained
+from rostether.graph.callbacks import call_safely
 from rostether.graph.flow_control import (
     DEFAULT_QUEUE_BYTES,
     PublicationFlow,
@@ -163,11 +163,11 @@ class MemorySubscriber:
     def deliver_connection(self, fields: Mapping[str, str]) -> None:
         """Report a new publisher's header fields."""
         if self._on_connection is not None:
-            call_contained(f"on_connection of {self.topic}", self._on_connection, fields)
+            call_safely(f"on_connection of {self.topic}", self._on_connection, fields)
 
     def deliver(self, payloads: Sequence[bytes]) -> None:
         """Deliver a batch; an error of the callback is only logged."""
-        call_contained(f"on_messages of {self.topic}", self._on_messages, payloads)
+        call_safely(f"on_messages of {self.topic}", self._on_messages, payloads)
 
 
 class _Link:

@@ -279,8 +279,8 @@ class HostLink:
                 self._presence.answered(now_s)
                 self._on_reset(now_s, events)
             elif is_settled:
-                is_excused = meaning is TimeRequestMeaning.ANSWER
-                self._judge(self._presence.time_request(now_s, is_excused=is_excused), now_s, events)
+                may_be_early = meaning is TimeRequestMeaning.ANSWER
+                self._judge(self._presence.time_request(now_s, may_be_early=may_be_early), now_s, events)
             else:
                 # A time request after the announcements may have waited for them: the next may be due sooner.
                 self._presence.answered(now_s, is_timely=not is_listening)

@@ -312,7 +312,7 @@ class Negotiation:
             must_wait = room_bytes < REQUEST_BYTES and self._asked_s >= self._answered_s
         else:
             is_early = now_s < self._asked_s + MAX_RETRY_S
-            must_wait = room_bytes < REQUEST_BYTES or (is_early and self._unread.is_crowded)
+            must_wait = room_bytes < REQUEST_BYTES or (is_early and self._unread.are_many)
         if must_wait:
             self._advance(why)
             self._due_s = now_s + RETRY_S

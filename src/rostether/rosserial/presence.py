@@ -157,12 +157,12 @@ class Presence:
             self._time_request_s = now_s
         self.sign(now_s)
 
-    def time_request(self, now_s: float, *, is_excused: bool = False) -> Verdict | None:
-        """Handle a time request; `is_excused`: it may answer an earlier topic request."""
+    def time_request(self, now_s: float, *, may_be_early: bool = False) -> Verdict | None:
+        """Handle a time request; `may_be_early`: it may be the answer to a topic request."""
         self.received_at_s = now_s
         # After a pause of this process, a request that waited seems late, and the next one early.
         is_measured = now_s - self._stalled_s >= EARLY_S
-        is_early = now_s - self._time_request_s < EARLY_S and is_measured and not is_excused
+        is_early = now_s - self._time_request_s < EARLY_S and is_measured and not may_be_early
         self._time_request_s = now_s
         if now_s < self._quarantine_until_s:
             self.sign(now_s)

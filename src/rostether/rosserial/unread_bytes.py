@@ -18,7 +18,7 @@ from typing import NamedTuple
 UART_BYTES = 63
 
 # Topic requests are repeated less often if more is unread: the first message also needs room.
-CROWDED_BYTES = 32
+MANY_BYTES = 32
 
 # The announcements of an answer follow its time request at once.
 OPENING_S = 0.25
@@ -78,9 +78,9 @@ class UnreadBytes:
         self.read_all()
 
     @property
-    def is_crowded(self) -> bool:
+    def are_many(self) -> bool:
         """Whether another topic request would leave little room for the first message."""
-        return self._unread_bytes > CROWDED_BYTES
+        return self._unread_bytes > MANY_BYTES
 
     @property
     def has_room_for_time(self) -> bool:

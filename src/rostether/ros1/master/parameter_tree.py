@@ -26,7 +26,7 @@ _BYTES_PER_VALUE = 64
 # The values, or one container, that are measured in one step: about a millisecond.
 _STEP_VALUES = 4096
 # After this number of changes by other clients in the meantime, an old value is measured in one step.
-_WEIGHINGS_IN_STEPS = 3
+_MAX_INTERRUPTIONS = 3
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,7 +39,7 @@ class Update:
     is_own_change: bool
 
 
-class _Weight(NamedTuple):
+class _Size(NamedTuple):
     byte_count: int
     values: int
 
@@ -105,8 +105,8 @@ class ParameterTree:
             raise GraphError("cannot set root of parameter tree to non-dictionary")
         if len(parts) > MAX_DEPTH:
             raise GraphError(f"parameters cannot be nested deeper than {MAX_DEPTH} levels: flatten them")
-        added = yield from _weigh_steps([value], MAX_DEPTH - len(parts))
-        replaced = yield from self._weigh_replaced_steps(parts)
+        added = yield from _measure_steps([value], MAX_DEPTH - len(parts))
+        replaced = yield from self._measure_replaced_steps(parts)
         self._check_room(name, parts, added, replaced)
         self._changes += 1
         if isinstance(value, dict) and not parts:
@@ -118,14 +118,14 @@ class ParameterTree:
         self._bytes += added.byte_count - replaced.byte_count
         self._values += added.values - replaced.values
 
-    def _check_room(self, name: str, parts: list[str], added: _Weight, replaced: _Weight) -> None:
-        largest, most = self._limits.parameter_bytes, self._limits.parameters_bytes
+    def _check_room(self, name: str, parts: list[str], added: _Size, replaced: _Size) -> None:
+        largest, total = self._limits.parameter_bytes, self._limits.parameters_bytes
         if added.byte_count > largest:
             raise GraphError(f"{name} would need more than {largest} bytes; raise --limit parameter-bytes")
         byte_count = self._bytes + added.byte_count - replaced.byte_count
-        if byte_count + len(name) + _BYTES_PER_VALUE * len(parts) > most:
+        if byte_count + len(name) + _BYTES_PER_VALUE * len(parts) > total:
             raise GraphError(
-                f"the parameters would need more than {most} bytes; delete some, or raise "
+                f"the parameters would need more than {total} bytes; delete some, or raise "
                 "--limit parameters-bytes"
             )
         if self._values + added.values - replaced.values + len(parts) > MAX_TREE_VALUES:
@@ -142,14 +142,14 @@ class ParameterTree:
             space = below
         return space
 
-    def _weigh_replaced_steps(self, parts: list[str]) -> Generator[None, None, _Weight]:
+    def _measure_replaced_steps(self, parts: list[str]) -> Generator[None, None, _Size]:
         """Measure the old value that a new value at `parts` replaces, or a plain value above it."""
-        for _ in range(_WEIGHINGS_IN_STEPS):
+        for _ in range(_MAX_INTERRUPTIONS):
             changes = self._changes
-            weight = yield from _weigh_steps(self._replaced_by(parts), MAX_DEPTH)
+            size = yield from _measure_steps(self._replaced_by(parts), MAX_DEPTH)
             if changes == self._changes:
-                return weight
-        return _weigh(self._replaced_by(parts), MAX_DEPTH)
+                return size
+        return _measure(self._replaced_by(parts), MAX_DEPTH)
 
     def _replaced_by(self, parts: list[str]) -> list[XmlRpcValue]:
         value: XmlRpcValue = self._root
@@ -169,12 +169,12 @@ class ParameterTree:
         """Measure the deleted value in several steps, and delete it in the last one; see `delete`."""
         parts = _parts(name)
         self._parent(name, parts)
-        weight = yield from self._weigh_replaced_steps(parts)
+        size = yield from self._measure_replaced_steps(parts)
         # Another client may have deleted it in the meantime.
         del self._parent(name, parts)[parts[-1]]
         self._changes += 1
-        self._bytes -= weight.byte_count + len(parts[-1])
-        self._values -= weight.values
+        self._bytes -= size.byte_count + len(parts[-1])
+        self._values -= size.values
 
     def _parent(self, name: str, parts: list[str]) -> dict[str, XmlRpcValue]:
         space = self.get("/".join(parts[:-1])) if parts else None
@@ -226,16 +226,16 @@ def _items(space: dict[str, XmlRpcValue]) -> Iterator[tuple[str, XmlRpcValue]]:
     return zip(list(space), list(space.values()), strict=True)
 
 
-def _weigh(values: list[XmlRpcValue], nesting: int) -> _Weight:
-    steps = _weigh_steps(values, nesting)
+def _measure(values: list[XmlRpcValue], nesting: int) -> _Size:
+    steps = _measure_steps(values, nesting)
     while True:
         try:
             next(steps)
         except StopIteration as end:
-            return cast(_Weight, end.value)
+            return cast(_Size, end.value)
 
 
-def _weigh_steps(outermost: list[XmlRpcValue], nesting: int) -> Generator[None, None, _Weight]:
+def _measure_steps(outermost: list[XmlRpcValue], nesting: int) -> Generator[None, None, _Size]:
     """Return the size of values. Raises GraphError for nil, and for more than `nesting` levels."""
     # Level by level and without a call for each value: this runs on the event loop, for 262,144 values.
     values, byte_count, visited = 0, 0, 0
@@ -263,5 +263,5 @@ def _weigh_steps(outermost: list[XmlRpcValue], nesting: int) -> Generator[None, 
                 yield
         level = inner
         if not level:
-            return _Weight(byte_count + _BYTES_PER_VALUE * values, values)
+            return _Size(byte_count + _BYTES_PER_VALUE * values, values)
     raise GraphError(f"parameters cannot be nested deeper than {MAX_DEPTH} levels: flatten them")

@@ -7,7 +7,7 @@ import logging
 from collections.abc import Callable
 
 from rostether.errors import GraphError, UnknownNameError
-from rostether.graph.callbacks import call_contained
+from rostether.graph.callbacks import call_safely
 from rostether.graph.ports import ParamValue
 from rostether.ros1.node.master_client import MasterClient
 from rostether.xmlrpc.values import XmlRpcValue
@@ -117,7 +117,7 @@ class ParameterWatch:
     def deliver_first(self, value: ParamValue) -> None:
         """Pass the first value on."""
         self._latest = value
-        call_contained(f"on_change of parameter {self.name}", self._on_change, value)
+        call_safely(f"on_change of parameter {self.name}", self._on_change, value)
 
     def deliver(self, value: ParamValue) -> None:
         """Pass a value on if it is new; the master and this node may both report the same change."""

@@ -7,7 +7,7 @@ import functools
 from collections.abc import Awaitable, Callable, Container, Mapping, Sequence
 from typing import Unpack
 
-from rostether.graph.callbacks import call_contained
+from rostether.graph.callbacks import call_safely
 from rostether.graph.ports import Level, OnMessages, SubscribeOptions
 from rostether.msgdef.interface import ANY_MESSAGE, ANY_TYPE, MessageType
 from rostether.ros1.graph_limits import DEFAULT_GRAPH_LIMITS, GraphLimits
@@ -147,7 +147,7 @@ class Subscription:
         own: list[OnMessages | None] = []
         if self._on_connection is not None:
             on_connection = self._on_connection
-            call_contained(
+            call_safely(
                 f"on_connection of {self.topic}", lambda given: own.append(on_connection(given)), fields
             )
         on_messages = own[0] if own else None
@@ -156,13 +156,13 @@ class Subscription:
 
         def deliver_own(payloads: Sequence[bytes]) -> None:
             if not self._is_closed:
-                call_contained(self._what, on_messages, payloads)
+                call_safely(self._what, on_messages, payloads)
 
         return deliver_own
 
     def _deliver(self, payloads: Sequence[bytes]) -> None:
         if not self._is_closed:
-            call_contained(self._what, self._on_messages, payloads)
+            call_safely(self._what, self._on_messages, payloads)
 
     def _without_node(self, node_name: str, on_messages: OnMessages) -> OnMessages:
         # A publisher that is omitted stays connected: it would be asked repeatedly.

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import TypeAlias
 
 from rostether.errors import GraphError
-from rostether.graph.callbacks import call_contained
+from rostether.graph.callbacks import call_safely
 from rostether.graph.ports import ParamValue
 from rostether.ros2.parameters.typed_value import NOT_SET, ParameterType, TypedValue, typed_value
 
@@ -88,7 +88,7 @@ class ParameterStore:
         self._values |= {**changes.new, **changes.changed}
         if changes.names:
             for listener in list(self._listeners):
-                call_contained("reporting changed parameters", listener, changes)
+                call_safely("reporting changed parameters", listener, changes)
 
     def listen(self, on_changes: OnChanges) -> None:
         """Call back after each change, until `unlisten`."""

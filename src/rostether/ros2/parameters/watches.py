@@ -8,7 +8,7 @@ from collections.abc import Awaitable, Callable, Sequence
 from typing import Protocol
 
 from rostether.errors import GraphError, SerializationError
-from rostether.graph.callbacks import call_contained
+from rostether.graph.callbacks import call_safely
 from rostether.graph.ports import Graph, ParamValue, Subscriber
 from rostether.ros2.parameters.services import PARAMETER_EVENTS
 from rostether.ros2.parameters.store import Changes, OnChanges
@@ -147,7 +147,7 @@ class ParameterWatch:
 
     def _report_value(self) -> None:
         if not self._is_closed:
-            call_contained(f"on_change of parameter {self.name}", self._on_change, self._latest)
+            call_safely(f"on_change of parameter {self.name}", self._on_change, self._latest)
 
 
 def _concerns(node: str, name: str) -> bool:

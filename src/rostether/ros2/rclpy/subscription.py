@@ -16,7 +16,7 @@ from functools import partial
 from typing import Any
 
 from rostether.errors import RostetherError, SerializationError, TypeMismatchError
-from rostether.graph.callbacks import call_contained
+from rostether.graph.callbacks import call_safely
 from rostether.graph.flow_control import DEFAULT_QUEUE_BYTES
 from rostether.graph.ports import Level, OnMessages, SubscribeOptions
 from rostether.msgdef.interface import ANY_TYPE, MessageType
@@ -273,7 +273,7 @@ class RclpySubscriber:
 
     def _report_connection(self, fields: Mapping[str, str]) -> None:
         if not self._is_closed and self._on_connection is not None:
-            call_contained(f"on_connection of {self.topic}", self._on_connection, fields)
+            call_safely(f"on_connection of {self.topic}", self._on_connection, fields)
 
     def _deliver(self, messages: Sequence[Received]) -> None:
         if self._is_closed or self._support is None:
@@ -286,7 +286,7 @@ class RclpySubscriber:
             except SerializationError as error:
                 self._report_once(f"dropped a message of {self.topic}: {first_lines(str(error))}")
         if payloads:
-            call_contained(f"on_messages of {self.topic}", self._on_messages, payloads)
+            call_safely(f"on_messages of {self.topic}", self._on_messages, payloads)
 
     def _report_once(self, text: str) -> None:
         # Reported once: the next check or message would report the same.

@@ -7,7 +7,7 @@ import logging
 from collections import Counter
 from collections.abc import AsyncIterator, Callable, Sequence
 
-from rostether.graph.callbacks import call_contained
+from rostether.graph.callbacks import call_safely
 from rostether.graph.ports import ServiceEntry, Snapshot, TopicEntry
 from rostether.msgdef.interface import ANY_TYPE
 from rostether.ros2.naming import type_of_dds_name
@@ -58,7 +58,7 @@ class GraphCache:
         self._report_change()
         for place in touched:
             for listener in list(self._listeners.get(place, ())):
-                call_contained(f"listener of {place[1]}", listener)
+                call_safely(f"listener of {place[1]}", listener)
 
     def show_problem(self, problem: str) -> None:
         """Report in the snapshots why the graph is not complete now; an empty text when it is again."""

@@ -9,7 +9,7 @@ import zenoh
 from zenoh import ext
 
 from rostether.errors import SerializationError
-from rostether.graph.callbacks import call_contained
+from rostether.graph.callbacks import call_safely
 from rostether.graph.flow_control import DEFAULT_QUEUE_BYTES
 from rostether.graph.ports import Level, OnConnection, OnMessages
 from rostether.msgdef.interface import ANY_MESSAGE, MessageType
@@ -187,7 +187,7 @@ class Subscription:
             except SerializationError as error:
                 self._refuse(error)
         if payloads and not self._is_closed:
-            call_contained(self._what, self._receiver.on_messages, payloads)
+            call_safely(self._what, self._receiver.on_messages, payloads)
 
     @property
     def _accepts_all(self) -> bool:
@@ -223,7 +223,7 @@ class Subscription:
                 is_latching=qos.is_latching,
                 reliability=qos.reliability.name,
             )
-            call_contained(f"on_connection of {self.topic}", self._receiver.on_connection, fields)
+            call_safely(f"on_connection of {self.topic}", self._receiver.on_connection, fields)
 
     def _of_token(self, end: Token) -> MessageSupport | None:
         if self._support is None:
