@@ -133,6 +133,24 @@ async def test_a_number_to_plot_is_searched_at_once(robot: Robot, browser: Brows
     await browser.wait_for(page, "document.querySelector('.plots-picker') === null")
 
 
+async def test_two_fingers_zoom_the_graph_on_a_phone(robot: Robot, browser: Browser) -> None:
+    page = await browser.do("open", url=robot.url + "#/graph", width=390, touch=True)
+    scroll = "document.querySelector('.graph-scroll')"
+    await browser.wait_for(
+        page, f"document.querySelector('.graph-node') && {scroll}.scrollWidth <= {scroll}.clientWidth"
+    )
+    touches = """void (() => {
+        const target = document.querySelector('.graph-scroll');
+        for (const [type, apart] of [['touchstart', 50], ['touchmove', 150]]) {
+            const touches = [100 - apart / 2, 100 + apart / 2].map((clientX, identifier) =>
+                new Touch({ identifier, target, clientX, clientY: 300 }));
+            target.dispatchEvent(new TouchEvent(type, { touches, bubbles: true, cancelable: true }));
+        }
+    })()"""
+    await browser.do("evaluate", page=page, script=touches)
+    await browser.wait_for(page, f"{scroll}.scrollWidth > 1.5 * {scroll}.clientWidth")
+
+
 async def test_a_graph_fits_into_the_width(robot: Robot, browser: Browser) -> None:
     page = await browser.do("open", url=robot.url + "#/graph", width=900)
     scroll = "document.querySelector('.graph-scroll')"

@@ -58,6 +58,34 @@ test("edges leave and reach the middle of a side, and long names keep their ends
     assert.deepEqual(points[0], { x: box(from).x + box(from).width / 2, y: box(from).y });
     assert.deepEqual(points.at(-1), { x: box(to).x - box(to).width / 2, y: box(to).y });
   }
-  assert.equal(shortLabel(name).length, 35);
-  assert.match(shortLabel(name), /^\/robot\/x+…x+\/position$/);
+  assert.equal(shortLabel(name, 36).length, 35);
+  assert.match(shortLabel(name, 36), /^\/robot\/x+…x+\/position$/);
+});
+
+test("on a phone, a chain goes down, and a node with many topics goes to the right", () => {
+  const chain = new Map<string, string[]>();
+  const readers = new Map<string, string[]>();
+  for (let i = 0; i < 6; i++) {
+    chain.set(`/topic${i}`, [`/node${i}`]);
+    readers.set(`/topic${i}`, [`/node${i + 1}`]);
+  }
+  const star = new Map(Array.from({ length: 12 }, (_, i) => [`/topic${i}`, ["/a"]]));
+  const down = layout({ publishers: chain, subscribers: readers }, "", false, "", 44, 600)!;
+  const right = layout({ publishers: star, subscribers: new Map() }, "", false, "", 44, 600)!;
+  assert.deepEqual([down.isVertical, right.isVertical], [true, false]);
+  // In a window, the usual direction if it fits.
+  for (const [width, isVertical] of [
+    [1000, true],
+    [3000, false],
+  ] as const)
+    assert.equal(
+      layout({ publishers: chain, subscribers: readers }, "", false, "", 30, width)?.isVertical,
+      isVertical,
+    );
+  assert.ok(Math.max(down.width, right.width) <= 366);
+  for (const { from, to, points } of down.edges) {
+    const box = (id: string) => down.boxes.find((each) => each.id === id)!;
+    assert.deepEqual(points[0], { x: box(from).x, y: box(from).y + box(from).height / 2 });
+    assert.deepEqual(points.at(-1), { x: box(to).x, y: box(to).y - box(to).height / 2 });
+  }
 });

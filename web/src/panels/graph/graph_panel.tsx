@@ -9,7 +9,7 @@ import { useTick } from "../hooks.ts";
 import { IMAGE_TYPES } from "../images/types.ts";
 import type { PanelContext } from "../panel.ts";
 import { preactPanel } from "../preact_panel.tsx";
-import { type Box, type Drawing, type Edge, layout, MAX_BOXES, MAX_LABEL, shortLabel } from "./layout.ts";
+import { type Box, type Drawing, type Edge, layout, MAX_BOXES } from "./layout.ts";
 
 // The size of a box that a finger can tap, in pixels.
 const FINGER = 44;
@@ -17,6 +17,12 @@ const FINGER = 44;
 const PADDING = 12;
 // Names in a smaller drawing cannot be read.
 const SMALLEST_FIT = 0.75;
+// On a touch screen, two fingers enlarge it.
+const SMALLEST_TOUCH_FIT = 0.6;
+// While the window is resized, the layout changes in steps, in pixels.
+const WIDTH_STEP = 50;
+const SMALLEST_ZOOM = 0.1;
+const LARGEST_ZOOM = 4;
 // The number that fits on a screen.
 const MAX_RATES = 60;
 const LARGE_TYPES: readonly string[] = [
@@ -37,6 +43,7 @@ function GraphPanel({ context }: { context: PanelContext }) {
   // Undefined: as much as fits into the width.
   const chosenZoom = useSignal<number | undefined>(undefined);
   const host = useRef<HTMLDivElement>(null);
+  const scroll = useRef<HTMLDivElement>(null);
   const widthPx = useSignal(Number.POSITIVE_INFINITY);
   useEffect(() => {
     const element = host.current!;
@@ -47,6 +54,8 @@ function GraphPanel({ context }: { context: PanelContext }) {
     return () => observer.disconnect();
   }, []);
   const isTouched = matchMedia("(pointer: coarse)").matches;
+  const smallest = isTouched ? SMALLEST_TOUCH_FIT : SMALLEST_FIT;
+  const maxWidth = useComputed(() => (Math.floor(widthPx.value / WIDTH_STEP) * WIDTH_STEP) / smallest);
   const drawing = useComputed(() =>
     layout(
       { publishers: robot.publishers.value, subscribers: robot.subscribers.value },
@@ -54,11 +63,15 @@ function GraphPanel({ context }: { context: PanelContext }) {
       settings.value.plumbing ?? false,
       robot.info.value?.metadata?.node,
       isTouched ? FINGER : undefined,
+      maxWidth.value,
     ),
   ).value;
   useRates(context, drawing);
-  const fitted = Math.max(SMALLEST_FIT, Math.min(1, widthPx.value / (drawing?.width || 1)));
-  const zoom = chosenZoom.value ?? (isTouched ? 1 : fitted);
+  const fitted = Math.max(smallest, Math.min(1, widthPx.value / (drawing?.width || 1)));
+  const zoom = chosenZoom.value ?? fitted;
+  usePinch(host, scroll, zoom, (to) => {
+    chosenZoom.value = Math.min(LARGEST_ZOOM, Math.max(SMALLEST_ZOOM, to));
+  });
   const change = (to: GraphSettings) => {
     settings.value = { ...settings.value, ...to };
   };
@@ -108,7 +121,7 @@ function GraphPanel({ context }: { context: PanelContext }) {
       )}
       {drawing !== undefined && drawing.boxes.length > 0 && (
         // biome-ignore lint/a11y/noNoninteractiveTabindex: keys scroll it.
-        <div class="graph-scroll" tabIndex={0}>
+        <div class="graph-scroll" ref={scroll} tabIndex={0}>
           {/* biome-ignore lint/a11y/useSemanticElements: SVG has no group element for readers; "img" hides its buttons. */}
           <svg
             class="graph-drawing"
@@ -133,7 +146,7 @@ function GraphPanel({ context }: { context: PanelContext }) {
               </marker>
             </defs>
             {drawing.edges.map((edge) => (
-              <Arrow key={`${edge.from}>${edge.to}`} edge={edge} />
+              <Arrow key={`${edge.from}>${edge.to}`} edge={edge} isVertical={drawing.isVertical} />
             ))}
             {drawing.boxes.map((box) => (
               <Item key={box.id} box={box} context={context} />
@@ -145,14 +158,58 @@ function GraphPanel({ context }: { context: PanelContext }) {
   );
 }
 
-function Arrow({ edge }: { edge: Edge }) {
+/** Zooms with two fingers; the place between them stays below them. */
+function usePinch(
+  host: { readonly current: HTMLDivElement | null },
+  scroll: { readonly current: HTMLDivElement | null },
+  zoom: number,
+  change: (to: number) => void,
+): void {
+  const current = useRef({ zoom, change });
+  current.current = { zoom, change };
+  useEffect(() => {
+    const panel = host.current!;
+    let before = 0;
+    const onTouch = (event: TouchEvent) => {
+      const [one, two] = [event.touches[0], event.touches[1]];
+      const element = scroll.current;
+      if (one === undefined || two === undefined || element === null) {
+        before = 0;
+        return;
+      }
+      event.preventDefault();
+      const distance = Math.hypot(one.clientX - two.clientX, one.clientY - two.clientY);
+      if (before > 0 && distance > 0) {
+        const { zoom, change } = current.current;
+        const { left, top } = element.getBoundingClientRect();
+        const x = (one.clientX + two.clientX) / 2 - left;
+        const y = (one.clientY + two.clientY) / 2 - top;
+        const place = [(element.scrollLeft + x) / zoom, (element.scrollTop + y) / zoom] as const;
+        change((zoom * distance) / before);
+        requestAnimationFrame(() => {
+          element.scrollLeft = place[0] * current.current.zoom - x;
+          element.scrollTop = place[1] * current.current.zoom - y;
+        });
+      }
+      before = distance;
+    };
+    const kinds = ["touchstart", "touchmove", "touchend"] as const;
+    for (const kind of kinds) panel.addEventListener(kind, onTouch, { passive: false });
+    return () => {
+      for (const kind of kinds) panel.removeEventListener(kind, onTouch);
+    };
+  }, []);
+}
+
+function Arrow({ edge, isVertical }: { edge: Edge; isVertical: boolean }) {
   const [first, ...others] = edge.points;
   let path = `M${first!.x.toFixed(1)} ${first!.y.toFixed(1)}`;
   let last = first!;
   for (const next of others) {
-    // Level at each point, so that the parts join without a corner.
-    const middle = ((last.x + next.x) / 2).toFixed(1);
-    path += `C${middle} ${last.y.toFixed(1)} ${middle} ${next.y.toFixed(1)} ${next.x.toFixed(1)} ${next.y.toFixed(1)}`;
+    // Level (or upright) at each point, so that the parts join without a corner.
+    const [x, y] = [(last.x + next.x) / 2, (last.y + next.y) / 2];
+    const bends = isVertical ? [last.x, y, next.x, y] : [x, last.y, x, next.y];
+    path += `C${[...bends, next.x, next.y].map((each) => each.toFixed(1)).join(" ")}`;
     last = next;
   }
   return <path d={path} class="graph-edge" marker-end="url(#arrow)" />;
@@ -176,9 +233,9 @@ function Item({ box, context }: { box: Box; context: PanelContext }) {
     >
       <rect width={box.width} height={box.height} rx={box.kind === "node" ? box.height / 2 : 4} />
       <text x={box.width / 2} y={box.height / 2} text-anchor="middle" dominant-baseline="central">
-        {shortLabel(box.label)}
+        {box.text}
       </text>
-      {box.label.length > MAX_LABEL && <title>{box.label}</title>}
+      {box.text !== box.label && <title>{box.label}</title>}
       {box.kind === "topic" && box.isOne && <Rate box={box} context={context} />}
     </g>
   );

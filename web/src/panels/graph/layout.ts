@@ -1,4 +1,4 @@
-// Lays out nodes and topics from left to right, as rqt_graph does.
+// Lays out nodes and topics from left to right, as rqt_graph does; where that is too wide, from top to bottom.
 import * as dagre from "@dagrejs/dagre";
 import { isHidden } from "../../store/topics.ts";
 import { texts } from "../../texts.ts";
@@ -6,6 +6,8 @@ import { texts } from "../../texts.ts";
 export interface Box {
   readonly id: string;
   readonly label: string;
+  /** The label as it fits into the box. */
+  readonly text: string;
   readonly kind: "node" | "topic";
   /** The search text for the list of topics; "" for a box of topics without a common name. */
   readonly search: string;
@@ -22,6 +24,7 @@ export interface Edge {
   points: readonly { x: number; y: number }[];
 }
 export interface Drawing {
+  isVertical: boolean;
   boxes: Box[];
   edges: Edge[];
   width: number;
@@ -38,8 +41,24 @@ const MAX_SINGLE_BOXES = 80;
 /** With more boxes, the layout takes over a second, and the picture is unreadable. */
 export const MAX_BOXES = 400;
 const CHARACTER_WIDTH = 7.6;
-/** Longer names are shortened in the middle: their ends differ. */
-export const MAX_LABEL = 36;
+interface Look {
+  readonly isVertical: boolean;
+  /** Longer names are shortened in the middle: their ends differ. */
+  readonly maxLabel: number;
+  /** The space between a node and its topics, in pixels. */
+  readonly gap: number;
+}
+const WIDE: readonly [Look, Look] = [
+  { isVertical: false, maxLabel: 36, gap: 56 },
+  { isVertical: true, maxLabel: 36, gap: 40 },
+];
+/** A phone or a narrow window, in pixels. */
+const NARROW_WIDTH = 800;
+/** Three columns fit on a phone. */
+const NARROW: readonly [Look, Look] = [
+  { isVertical: false, maxLabel: 16, gap: 28 },
+  { isVertical: true, maxLabel: 16, gap: 40 },
+];
 /** Topics of every node, which hide the others (rqt_graph's "Debug"). */
 const PLUMBING = ["/rosout", "/rosout_agg", "/clock", "/parameter_events", "/diagnostics"];
 
@@ -50,6 +69,7 @@ const PLUMBING = ["/rosout", "/rosout_agg", "/clock", "/parameter_events", "/dia
  * @param withPlumbing draw /rosout and similar topics, and the page's own subscriptions.
  * @param ownNode the node that receives for the page.
  * @param boxHeight in pixels.
+ * @param maxWidth the width in which the drawing should fit, in pixels.
  * @returns undefined when there is more than can be drawn.
  */
 export function layout(
@@ -58,7 +78,17 @@ export function layout(
   withPlumbing: boolean,
   ownNode = "",
   boxHeight = 30,
+  maxWidth = Number.POSITIVE_INFINITY,
 ): Drawing | undefined {
+  const isNarrow = maxWidth < NARROW_WIDTH;
+  const place = (boxes: Boxes) => {
+    const [right, down] = isNarrow ? NARROW : WIDE;
+    const usual = draw(boxes, boxHeight, right);
+    // On a phone, the narrower one is shown larger.
+    if (usual.width <= maxWidth && !isNarrow) return usual;
+    const other = draw(boxes, boxHeight, down);
+    return other.width < usual.width ? other : usual;
+  };
   const pairs: Pair[] = [];
   const add = (table: GraphInput["publishers"], publishes: boolean) => {
     for (const [topic, nodes] of table) {
@@ -72,13 +102,13 @@ export function layout(
   const text = filter.trim().toLowerCase();
   const wanted = pairs.filter(({ node, topic }) => `${node} ${topic}`.toLowerCase().includes(text));
   const drawing = boxesOf(wanted.map((pair) => ({ ...pair, members: [pair.topic] })));
-  if (sizeOf(drawing) <= MAX_SINGLE_BOXES) return place(drawing, boxHeight);
+  if (sizeOf(drawing) <= MAX_SINGLE_BOXES) return place(drawing);
   const byNamespace = boxesOf(
     mergeTopics(wanted, (topic) => topic.slice(0, topic.indexOf("/", 1) + 1) || topic),
   );
-  if (sizeOf(byNamespace) <= MAX_BOXES) return place(byNamespace, boxHeight);
+  if (sizeOf(byNamespace) <= MAX_BOXES) return place(byNamespace);
   const merged = boxesOf(mergeTopics(wanted, () => ""));
-  return sizeOf(merged) <= MAX_BOXES ? place(merged, boxHeight) : undefined;
+  return sizeOf(merged) <= MAX_BOXES ? place(merged) : undefined;
 }
 
 function sizeOf({ nodes, topics }: Boxes): number {
@@ -139,25 +169,28 @@ function commonStart(names: readonly string[]): string {
   return first.slice(0, length);
 }
 
-export function shortLabel(name: string): string {
-  if (name.length <= MAX_LABEL) return name;
-  const half = Math.floor((MAX_LABEL - 1) / 2);
+export function shortLabel(name: string, maxLength: number): string {
+  if (name.length <= maxLength) return name;
+  const half = Math.floor((maxLength - 1) / 2);
   return `${name.slice(0, half)}…${name.slice(-half)}`;
 }
 
-function place({ nodes, topics, pairs }: Boxes, boxHeight: number): Drawing {
+function draw({ nodes, topics, pairs }: Boxes, boxHeight: number, look: Look): Drawing {
+  const { isVertical, maxLabel, gap } = look;
   const graph = new dagre.graphlib.Graph();
-  graph.setGraph({ rankdir: "LR", nodesep: 14, ranksep: 56, marginx: 12, marginy: 12 });
+  const rankdir = isVertical ? "TB" : "LR";
+  graph.setGraph({ rankdir, nodesep: 14, ranksep: gap, marginx: 12, marginy: 12 });
   graph.setDefaultEdgeLabel(() => ({}));
   const boxes = new Map<string, Box>();
   const addBox = (kind: Box["kind"], label: string, members: readonly string[] = [label]) => {
     const id = `${kind} ${label}`;
-    const named = { id, label, kind, search: commonStart(members), isOne: members.length === 1 };
+    const text = shortLabel(label, maxLabel);
+    const named = { id, label, text, kind, search: commonStart(members), isOne: members.length === 1 };
     const box = {
       ...named,
       x: 0,
       y: 0,
-      width: shortLabel(label).length * CHARACTER_WIDTH + 24,
+      width: text.length * CHARACTER_WIDTH + 24,
       height: boxHeight,
     };
     boxes.set(id, box);
@@ -182,18 +215,26 @@ function place({ nodes, topics, pairs }: Boxes, boxHeight: number): Drawing {
   }
   for (const edge of edges) {
     const { points } = graph.edge(edge.from, edge.to) as { points: { x: number; y: number }[] };
-    edge.points = fromSideToSide(points, boxes.get(edge.from)!, boxes.get(edge.to)!);
+    edge.points = fromSideToSide(points, boxes.get(edge.from)!, boxes.get(edge.to)!, isVertical);
     for (const { x, y } of points) {
       width = Math.max(width, x);
       height = Math.max(height, y);
     }
   }
-  return { boxes: [...boxes.values()], edges, width: width + 12, height: height + 12 };
+  return { isVertical, boxes: [...boxes.values()], edges, width: width + 12, height: height + 12 };
 }
 
 /** Moves the ends of an edge to the middle of a side; dagre uses any place on the border. */
-function fromSideToSide(points: Edge["points"], from: Box, to: Box): Edge["points"] {
-  // An edge against the reading direction leaves to the left.
+function fromSideToSide(points: Edge["points"], from: Box, to: Box, isVertical: boolean): Edge["points"] {
+  // An edge against the reading direction leaves to the left, or upwards.
+  if (isVertical) {
+    const end = from.y <= to.y ? 0.5 : -0.5;
+    return [
+      { x: from.x, y: from.y + end * from.height },
+      ...points.slice(1, -1),
+      { x: to.x, y: to.y - end * to.height },
+    ];
+  }
   const side = from.x <= to.x ? 0.5 : -0.5;
   return [
     { x: from.x + side * from.width, y: from.y },
