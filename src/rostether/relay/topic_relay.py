@@ -113,7 +113,7 @@ class TopicRelay:
         found = MessageType(fields["type"], fields["md5sum"], fields.get("message_definition", ""))
         is_latched = fields.get("latching") == "1"
         if self.type is None or (found.name, found.md5sum) != (self.type.name, self.type.md5sum):
-            # Messages of the old type cannot be published any more.
+            # Messages of the old type can no longer be published.
             self._waiting.clear()
         elif self._is_latched or not is_latched:
             return

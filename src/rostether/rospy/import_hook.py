@@ -65,15 +65,15 @@ _HOMES = {
     "tf.transformations": "tf.transformations",
 }
 
-# ROS 2's package of that name, which Python finds first where it is on the path, has no such module.
+# Modules that ROS 2's package of the same name lacks; Python may find that package first.
 _BESIDE_MESSAGES = frozenset({"sensor_msgs.point_cloud2"})
 
 
 def install() -> None:
     """Make definitions and packages importable in this process. Idempotent."""
     if not any(isinstance(finder, DefinitionFinder) for finder in sys.meta_path):
-        # Before Python's own: a folder `msg` full of definitions would pass as an empty package, and ROS 2's
-        # messages for ours.
+        # Before Python's own finders: they would take a folder `msg` of definitions for an empty package, and
+        # find ROS 2's messages instead of these.
         sys.meta_path.insert(0, DefinitionFinder())
         sys.meta_path.append(PackageFinder())
 

@@ -70,7 +70,7 @@ def own_addresses() -> set[ipaddress.IPv4Address | ipaddress.IPv6Address]:
 
 
 def is_own_address(host: str, scope: int = 0) -> bool:
-    """Return whether a numeric address belongs to this machine: whether its way there begins where it ends.
+    """Return whether a numeric address belongs to this machine: datagrams to it are then sent from it.
 
     `scope` is the interface index of a link-local IPv6 address. 0.0.0.0 is included: Linux sends from it to a
     group by `lo` where no other interface has an address.

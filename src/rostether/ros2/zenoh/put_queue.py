@@ -2,9 +2,9 @@
 
 States and transitions:
 
-    is_idle      the owner puts by itself       -- a batch that was not put to its end -->    busy
+    is_idle      the owner puts messages        -- a batch that was not put to its end -->    busy
                                                 -- one put blocks it for long, or two do -->  wary
-    busy         a thread puts what waits       -- nothing waits any more -->                 is_idle or wary
+    busy         a thread puts the queue        -- the queue is empty -->                     is_idle or wary
     wary         as busy, for the link may      -- a minute without such a put -->            is_idle
                  be full again at any time
 

@@ -12,7 +12,7 @@ CHECK_S = 1.0
 
 
 async def watch_router(session: zenoh.Session, named: Sequence[str], report: Callable[[str], None]) -> None:
-    """Report the problem when no router is connected any more, and an empty text when one is again.
+    """Report the problem when no router is connected, and an empty text when one is connected again.
 
     Runs until it is cancelled. `named` are the endpoints that the configuration names: one that never
     answered is also a problem, unless other peers are connected: a network of peers needs no router.
