@@ -1,4 +1,4 @@
-// Names in the 3D picture: of the same size on the screen at any distance, and never one above another.
+// Names in the 3D picture: they have the same size on the screen at any distance, and never overlap.
 import { type PerspectiveCamera, Sprite, SpriteMaterial, Vector2, Vector3 } from "three";
 import { textTexture } from "./shapes.ts";
 

@@ -199,7 +199,7 @@ function colorOf({ r, g, b }: Rgba): Color {
   return new Color(toLinear(r), toLinear(g), toLinear(b));
 }
 
-/** As RViz: one number that is not finite, and the marker is not drawn. */
+/** Whether all numbers of a marker are finite; RViz does not draw others either. */
 function isFinitePlace({ pose, scale, points }: Marker): boolean {
   const { position, orientation } = pose;
   return (

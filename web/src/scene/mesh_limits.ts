@@ -9,7 +9,7 @@ const MAX_STL_REST = 10_000;
 /** A thousand times the parts of a robot's link. */
 const MAX_NODES = 100_000;
 const MAX_DEPTH = 100;
-// Without `<` in a tag: otherwise each start of a tag without an end is followed through the whole file.
+// A tag has no `<` inside: otherwise each tag without an end would be searched through the whole file.
 const NODES = /<(\/?)node\b([^<>]*)>|<instance_node\b[^<>]*?\burl\s*=\s*["']#([^"']*)["']/g;
 const ID = /\bid\s*=\s*["']([^"']*)["']/;
 
@@ -19,9 +19,10 @@ interface Content {
 }
 
 /**
- * Throw an Error if an STL file has other triangles than it promises.
+ * Throw an Error if an STL file is incomplete.
  *
- * A loader makes room for all of a binary file. In a text it searches the end of each through the whole file.
+ * For a binary file, a loader makes room for the number of triangles in the header. For a triangle or solid without
+ * an end in a text file, it searches the whole rest of the file each time.
  */
 export function checkStl(bytes: Uint8Array): void {
   if (new TextDecoder().decode(bytes.subarray(0, 200)).trimStart().startsWith("solid")) {
@@ -41,7 +42,7 @@ function checkTextStl(text: string): void {
     throw new Error("a solid or a triangle has no end");
 }
 
-/** Throw an Error if the nodes of a Collada file, which may each contain others twice, are too many. */
+/** Throw an Error if a Collada file has too many nodes; a node counts as often as other nodes contain it. */
 export function checkCollada(text: string): void {
   const file: Content = { own: 0, instances: [] };
   const inside = new Map<string, Content>();

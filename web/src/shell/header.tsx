@@ -7,7 +7,7 @@ import { theme, toggleTheme } from "./theme.ts";
 
 /** The status of the server that the graph cannot be read. */
 const GRAPH_STATUS_ID = "graph";
-// The robot repeats the text of a page in it.
+// A reason may contain text that a page has sent.
 const MAX_REASON = 500;
 
 export function Header({ robot }: { robot: Robot }) {

@@ -1,10 +1,10 @@
 // The rate of a topic: messages and bytes a second over the last seconds, and when its values are stale.
 
 const KEPT = 64;
-// Counted in parts, so that messages that waited for a busy page, and then arrive together, are not a high rate.
+// The last seconds are counted in parts: messages that waited for a busy page and arrive together are no high rate.
 const PART_MS = 100;
 const PARTS = 50;
-// Two latched messages arrive together: that is not a rate either.
+// Two latched messages that arrive together are no rate either.
 const MIN_SPAN_MS = 500;
 // Without a known period, a value is stale after this.
 const FIRST_STALE_MS = 3000;
