@@ -186,5 +186,7 @@ def _read_text(file: str) -> str:
     try:
         text = _read_bytes(file).decode()
     except UnicodeDecodeError as error:
-        raise LaunchError(f"{file} is not UTF-8 text ({error.reason} at byte {error.start})") from None
+        raise LaunchError(
+            f"{file} is not UTF-8 text ({error.reason} at byte {error.start}); save it as UTF-8"
+        ) from None
     return text.replace("\r\n", "\n").replace("\r", "\n")

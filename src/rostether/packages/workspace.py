@@ -62,7 +62,7 @@ def read_workspace(workspace: Path) -> list[PackageContents]:
     """Read all packages of a workspace, sorted by name. Raises ConfigError if it has no `src`."""
     source = workspace / SOURCE_FOLDER
     if not source.is_dir():
-        raise ConfigError(f"{workspace} has no folder src for its packages")
+        raise ConfigError(f"{workspace} has no folder src for its packages; create it")
     return [read_contents(folder) for _, folder in sorted(find_packages([source]).items())]
 
 

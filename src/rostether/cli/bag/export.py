@@ -124,7 +124,7 @@ class _TableFiles:
         if self._is_stdout and self._format != "csv":
             raise ConfigError("only CSV can be written to stdout; give a file or a folder with -o")
         if self._file is not None and self._format == "pictures":
-            raise ConfigError(f"-o {output}: pictures need a folder")
+            raise ConfigError(f"-o {output}: pictures need a folder; give one with -o")
         if self._format == "parquet":
             from rostether.recording.export.parquet_table import parquet_package
 

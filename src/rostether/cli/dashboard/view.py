@@ -82,5 +82,7 @@ def _read_rviz(path: Path) -> View:
     except OSError as error:
         raise ConfigError(f"{path}: {error.strerror}") from None
     if len(content) > _MAX_RVIZ_BYTES:
-        raise ConfigError(f"{path} is larger than {_MAX_RVIZ_BYTES >> 20} MB: it is not a file of RViz")
+        raise ConfigError(
+            f"{path} is larger than {_MAX_RVIZ_BYTES >> 20} MB, too large for an .rviz file; give another"
+        )
     return View("scene", {"rviz": "view.rviz"}, {"view.rviz": content})

@@ -134,7 +134,9 @@ def _type_argument(kind: _Kind, given: str | None) -> str:
             raise click.UsageError(f"give a {kind.what} type, for example {kind.example}")
         line = sys.stdin.readline()
         if not line:
-            raise click.UsageError(f"stdin contains no {kind.what} type")
+            raise click.UsageError(
+                f"stdin contains no {kind.what} type; write one, for example {kind.example}"
+            )
         name = line.strip()
     name = name.removesuffix(kind.suffix)
     if "::" in name or "." in name:

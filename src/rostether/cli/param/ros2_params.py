@@ -135,7 +135,8 @@ class Ros2Params:
                 names = await client.names(node)
                 if path in names:
                     raise UnknownNameError(
-                        f"Parameter not set: node {node} has declared {path} without a value"
+                        f"Parameter not set: node {node} has declared {path} without a value; "
+                        "set it with `rostether param set`"
                     )
                 hint = did_you_mean(path, names)
                 hint = hint or f"`rostether param list {node}` shows its parameters"

@@ -78,7 +78,10 @@ def up(file: Path, check: bool) -> None:
         run(main(), is_service=True)
     except click.exceptions.Exit:
         if parts.wrong:
-            raise ConfigError(f"{file}: did not run: {', '.join(sorted(parts.wrong))}") from None
+            raise ConfigError(
+                f"{file}: did not run: {', '.join(sorted(parts.wrong))}; "
+                f"`rostether up {file} --check` shows why"
+            ) from None
         raise
 
 

@@ -59,7 +59,7 @@ def plot(fields: tuple[str, ...], options: PlotOptions, graph: GraphOptions) -> 
     every = (*fields, *(field for field in options.right if not named.issuperset(expand(field))))
     targets = [expand(field) for field in every]
     if sum(map(len, targets)) > MAX_CURVES:
-        raise click.UsageError(f"at most {MAX_CURVES} fields can be plotted")
+        raise click.UsageError(f"at most {MAX_CURVES} fields can be plotted; give fewer")
     is_terminal = shows_live()
     duration_s = options.duration_s
     if not is_terminal and options.file is None and duration_s is None:

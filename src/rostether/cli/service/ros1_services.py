@@ -200,4 +200,7 @@ async def _wait_for_service(client: MasterClient, name: str, timeout_s: float | 
                 else:
                     return
     except TimeoutError:
-        raise ServiceUnavailableError(f"no node offers the service {name} after {timeout_s:g} s") from None
+        raise ServiceUnavailableError(
+            f"no node offers the service {name} after {timeout_s:g} s; "
+            "`rostether service list` shows those that are offered"
+        ) from None

@@ -53,7 +53,9 @@ def read_text(file: Path) -> str:
     try:
         text = read_bytes(file).decode("utf-8")
     except UnicodeDecodeError as error:
-        raise ConfigError(f"{file}: not UTF-8 text ({error.reason} at byte {error.start})") from None
+        raise ConfigError(
+            f"{file}: not UTF-8 text ({error.reason} at byte {error.start}); save it as UTF-8"
+        ) from None
     return text.replace("\r\n", "\n").replace("\r", "\n")
 
 

@@ -137,7 +137,10 @@ async def _echo(graph: GraphOptions, topic: str, type_name: str | None, options:
             async with asyncio.timeout(options.timeout_s):
                 await _print(tool, topic, type_name, options)
         except TimeoutError:
-            raise GraphError(f"no message was received on {topic} within {options.timeout_s:g} s") from None
+            raise GraphError(
+                f"no message was received on {topic} within {options.timeout_s:g} s; "
+                f"`rostether topic info {topic}` shows its publishers"
+            ) from None
 
 
 async def _print(tool: ToolNode, topic: str, type_name: str | None, options: EchoOptions) -> None:
