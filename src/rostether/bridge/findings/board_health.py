@@ -20,7 +20,7 @@ from rostether.rosserial.link_statistics import LinkStatistics
 from rostether.serde.store import TypeStore
 from rostether.transports.link_quality import LinkQuality
 
-# 5 ms between two time answers. Crystals have 100, the resonators of small boards up to 5000.
+# 5 ms between two time answers. Crystals drift by up to 100 ppm, resonators of small boards by up to 5000.
 DRIFT_PPM = 2000
 
 # A radio has repeated each lost packet several times, so a link with fewer losses is still usable.

@@ -15,7 +15,7 @@ KEPT_BYTES = 512
 # Random bytes form shorter runs by chance: 3 of 8 byte values are printable.
 MIN_TEXT_BYTES = 8
 
-# A board that is reset in the middle of its announcements leaves one piece of text, and noise some more.
+# A board that is reset in the middle of its announcements leaves one piece of text, and noise may add some.
 MIN_PIECES = 4
 
 # At 9600 baud, the rest of an announcement arrives within this time, a few bytes at a time.

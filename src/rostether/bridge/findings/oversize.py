@@ -1,4 +1,4 @@
-"""Messages longer than the board announced, which are refused at their header; what follows is their rest."""
+"""Messages longer than the board announced: refused at their header, and followed by their other bytes."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from rostether.rosserial.events import DiscardReason, FrameDiscarded
 from rostether.rosserial.frame import FORMS, read_header
 
-# A damaged header that passes its check, one in 256, claims three times the same of no topic.
+# One in 256 damaged headers passes its check, but hardly three with the same topic id.
 MIN_COUNT = 3
 
 # After a while, a corrected problem is no longer reported.
@@ -56,7 +56,7 @@ class Oversizes:
         return True
 
     def of(self, topic_id: int, now_s: float) -> Oversize | None:
-        """Return the recent oversized messages of a topic id, if most of its messages are oversized."""
+        """Return the recent oversized messages of a topic id, None if there are fewer than `MIN_COUNT`."""
         found = self._found.get(topic_id)
         if found is None or found.count < MIN_COUNT or now_s - found.last_s > RECENT_S:
             return None
