@@ -89,7 +89,8 @@ class Terminal:
         self._environment = {
             name: value
             for name, value in os.environ.items()
-            if not name.startswith(("ROS", "RMW", "ZENOH", "PYTEST", "MAKE"))
+            # `make test ARGS=...` hands its variables on; a reader types `make demo` without.
+            if not name.startswith(("ROS", "RMW", "ZENOH", "PYTEST", "MAKE", "MFLAGS", "ARGS"))
         } | {
             "PATH": f"{Path(sys.executable).parent}:{os.environ['PATH']}",
             "ROS_MASTER_URI": self._master,
@@ -109,10 +110,13 @@ class Terminal:
         process = self._start(command, output)
         deadline = time.monotonic() + PATIENCE_S
         is_settled = False
+        seen_bytes = -1
         while not is_settled:
             ended = process.poll() is not None
-            printed = self._neutral(output)
-            missing = missing_lines(expected, printed)
+            if (output_bytes := output.stat().st_size) != seen_bytes:
+                seen_bytes = output_bytes
+                printed = self._neutral(output)
+                missing = missing_lines(expected, printed)
             failed = ended and process.returncode not in ENDS
             looks_again = (missing or failed) and LOOKING.match(command) and time.monotonic() < deadline
             is_settled = not (missing or looks_again) and (leave_running or bool(expected) or ended)
@@ -121,6 +125,7 @@ class Terminal:
                     # The graph is not complete yet: who looks too soon looks again.
                     output.unlink()
                     process = self._start(command, output)
+                    seen_bytes = -1
                     continue
                 if (ended and missing) or time.monotonic() > deadline:
                     pytest.fail(f"`{command}` printed no {missing}, or did not end; it printed:\n{printed}")
