@@ -4,15 +4,13 @@ from pathlib import Path
 
 import pytest
 
-from unit.firmware.sketches import shared_cache
+from unit.firmware.sketches import users_cache
 
 
 @pytest.fixture(autouse=True)
-def _own_home(
-    tmp_path: Path, tmp_path_factory: pytest.TempPathFactory, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """No sketchbook and no packages of the user's; objects are compiled once in a run."""
+def _own_home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """No sketchbook and no packages of the user's."""
+    monkeypatch.setenv("XDG_CACHE_HOME", users_cache())
     monkeypatch.setenv("HOME", str(tmp_path))
-    monkeypatch.setenv("XDG_CACHE_HOME", str(shared_cache(tmp_path_factory)))
     monkeypatch.delenv("ROS_PACKAGE_PATH", raising=False)
     monkeypatch.delenv("ARDUINO_DIRECTORIES_USER", raising=False)

@@ -1,12 +1,10 @@
-"""Sketches written for a test, and a cache of compiled objects that all tests of a run share."""
+"""Sketches written for a test, and a cache of compiled objects that all tests share."""
 
 from __future__ import annotations
 
 import os
 from collections.abc import Mapping
 from pathlib import Path
-
-import pytest
 
 from rostether.firmware.boards import Board
 from rostether.firmware.build import find_board
@@ -24,14 +22,8 @@ def write_sketch(folder: Path, name: str, text: str, others: Mapping[str, str] |
     return sketch
 
 
-def shared_cache(factory: pytest.TempPathFactory) -> Path:
-    """Return a folder that all workers of this run see."""
-    base = factory.getbasetemp()
-    return (base.parent if os.environ.get("PYTEST_XDIST_WORKER") else base) / "firmware-cache"
-
-
 def users_cache() -> str:
-    """Return this user's cache folder, for terminals whose home is a folder of the test.
+    """Return this user's cache folder, for tests whose home is a folder of the test.
 
     Its entries are named by their content's hash. Without it each test would compile the simulator and the
     Arduino core.

@@ -12,18 +12,16 @@ import pytest
 
 from unit.cli.command_shell import Shell
 from unit.firmware.programs import FakeProgram
-from unit.firmware.sketches import EMPTY, shared_cache, write_sketch
+from unit.firmware.sketches import EMPTY, users_cache, write_sketch
 from unit.firmware.test_build import HELLO
 
 pytestmark = pytest.mark.avr
 
 
 @pytest.fixture(autouse=True)
-def _own_home(
-    tmp_path: Path, tmp_path_factory: pytest.TempPathFactory, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def _own_home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("XDG_CACHE_HOME", users_cache())
     monkeypatch.setenv("HOME", str(tmp_path))
-    monkeypatch.setenv("XDG_CACHE_HOME", str(shared_cache(tmp_path_factory)))
     monkeypatch.setenv("COLUMNS", "80")
     monkeypatch.chdir(tmp_path)
 
