@@ -8,7 +8,6 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import pytest
-import pytest_asyncio
 
 from interop.mearm_workspace import show_packages
 from interop.ros1_peers import Ros1Peers
@@ -23,13 +22,6 @@ SERVICE_LAUNCH = ("roslaunch", "mearm_model", "service.launch", "rviz:=false")
 def mearm(roscore: Ros1Peers, tmp_path: Path) -> Ros1Peers:
     show_packages(roscore, tmp_path / "catkin_ws")
     return roscore
-
-
-@pytest_asyncio.fixture
-async def launched(mearm: Ros1Peers) -> Peer:
-    launch = await mearm.start(*SERVICE_LAUNCH)
-    await until_ready(mearm, "/select_position_set", "/set_servo_pose")
-    return launch
 
 
 async def until_ready(peers: Ros1Peers, *services: str) -> None:
@@ -51,15 +43,17 @@ async def becomes(peers: Ros1Peers, wanted: Sequence[int]) -> None:
             pass
 
 
-async def test_position_sets_move_the_servos(mearm: Ros1Peers, launched: Peer) -> None:
+async def test_servos_and_model_do_what_the_services_are_asked(mearm: Ros1Peers) -> None:
+    launched = await mearm.start(*SERVICE_LAUNCH)
+    await until_ready(mearm, "/select_position_set", "/set_servo_pose")
+    await position_sets_that_do_not_fit_are_refused_by_name(mearm, launched)
+    await a_pose_is_approached_in_steps_and_held(mearm)
+    await a_position_set_moves_the_servos(mearm)
+    await the_model_loads_as_text(mearm)
+
+
+async def position_sets_that_do_not_fit_are_refused_by_name(mearm: Ros1Peers, launched: Peer) -> None:
     assert await servo_angles(mearm) == [(0, 0, 0, 0)]
-    assert await mearm.run(*SELECT, "set_name: 'set3'") == "success: True"
-    await becomes(mearm, (-14, 0, 14, 29))
-    states = await mearm.run("rostopic", "echo", "-n", "1", "/joint_states")
-    assert "position: [-0.25, 0.0, 0.25, 0.5]" in states
-
-
-async def test_sets_that_do_not_fit_are_refused_by_name(mearm: Ros1Peers, launched: Peer) -> None:
     assert await mearm.run(*SELECT, "set_name: 'set2'") == "success: False"
     await launched.wait_for("Position set set2 is refused: it has 3 values, the arm has 4 joints")
     assert await mearm.run(*SELECT, "set_name: 'wave'") == "success: False"
@@ -69,7 +63,7 @@ async def test_sets_that_do_not_fit_are_refused_by_name(mearm: Ros1Peers, launch
     assert await servo_angles(mearm) == [(0, 0, 0, 0)]
 
 
-async def test_a_pose_is_approached_in_steps_and_held(mearm: Ros1Peers, launched: Peer) -> None:
+async def a_pose_is_approached_in_steps_and_held(mearm: Ros1Peers) -> None:
     listening = await mearm.start("rostopic", "echo", "-p", "/servo_pose_server")
     await listening.wait_for(",0,0,0,0")
     assert await mearm.run(*POSE, "position_id: 1") == "success: True"
@@ -84,8 +78,14 @@ async def test_a_pose_is_approached_in_steps_and_held(mearm: Ros1Peers, launched
         assert await mearm.run(*POSE, f"position_id: {unknown}") == "success: False"
 
 
-async def test_the_model_loads_as_text(mearm: Ros1Peers, launched: Peer) -> None:
-    await mearm.run(*SELECT, "set_name: 'set3'")
+async def a_position_set_moves_the_servos(mearm: Ros1Peers) -> None:
+    assert await mearm.run(*SELECT, "set_name: 'set3'") == "success: True"
+    await becomes(mearm, (-14, 0, 14, 29))
+    states = await mearm.run("rostopic", "echo", "-n", "1", "/joint_states")
+    assert "position: [-0.25, 0.0, 0.25, 0.5]" in states
+
+
+async def the_model_loads_as_text(mearm: Ros1Peers) -> None:
     tree = await mearm.start("rostopic", "echo", "/tf_static")
     await tree.wait_for('child_frame_id: "claw"')
     moving = await mearm.start("rostopic", "echo", "/tf")
