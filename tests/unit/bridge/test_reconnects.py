@@ -12,16 +12,17 @@ from pathlib import Path
 
 import pytest
 
+from effort import effort
 from rostether.bridge.settings import BridgeSettings
 from unit.bridge.line_boards import Bridge, TcpBoard, numbered
 from waiting import until
 
 pytestmark = pytest.mark.slow
 
-RECONNECTS = 250
+RECONNECTS = effort(150, 1000)
 # Until then caches fill.
 WARM_UP = 100
-MAX_GROWTH_BYTES = 128 * 1024
+MAX_GROWTH_BYTES = RECONNECTS * 512
 
 
 def _descriptors() -> int:
