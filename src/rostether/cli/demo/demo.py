@@ -115,7 +115,7 @@ async def _demo(environment: RosEnvironment, options: DemoOptions, devices: Devi
     obstacle = Obstacle()
     controls = Controls(obstacle, clock)
     async with AsyncExitStack() as stack:
-        # From the start, so that the terminal does not show keys that are pressed early.
+        # Keys are read from the start, so that the terminal does not show those that are pressed early.
         has_keys = is_live and stack.enter_context(typed_keys(controls.press))
         used = await stack.enter_async_context(
             demo_master(environment, joins=options.join, port=options.port)

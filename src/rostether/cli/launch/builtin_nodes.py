@@ -12,7 +12,7 @@ import shutil
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from rostether.cli.shell.own_command import our_command
+from rostether.cli.shell.own_command import own_command
 from rostether.packages.executables import library_folders
 
 _SERIAL = ("serial-node",)
@@ -118,7 +118,7 @@ _PROGRAMS = {("xacro", "xacro"): ("xacro",)}
 
 def builtin_nodes() -> dict[tuple[str, str], list[str]]:
     """Map (package, type) of the built-in nodes to whole command lines, without the node's arguments."""
-    return {node: our_command(*words) for node, words in BUILTIN_NODES.items() if _exists(words)}
+    return {node: own_command(*words) for node, words in BUILTIN_NODES.items() if _exists(words)}
 
 
 def replacement_line(package: str, environ: Mapping[str, str], *, in_terminal: bool = False) -> str | None:
@@ -137,9 +137,9 @@ def view_command(package: str, arguments: Sequence[str], *, in_terminal: bool = 
     """Return the command line that replaces a window of rviz or rqt with its arguments."""
     panel, shown = window_view(package, arguments)
     if in_terminal and package in _TERMINAL_VIEWS:
-        return our_command(*_TERMINAL_VIEWS[package], *shown)
+        return own_command(*_TERMINAL_VIEWS[package], *shown)
     words = ["--panel", panel, *(word for each in shown for word in ("--show", each))] if panel else []
-    return our_command("dashboard", *words, *(each for each in arguments if ":=" in each and each[0] != "-"))
+    return own_command("dashboard", *words, *(each for each in arguments if ":=" in each and each[0] != "-"))
 
 
 def window_view(package: str, arguments: Sequence[str]) -> tuple[str, list[str]]:
@@ -191,4 +191,4 @@ def _exists(words: tuple[str, ...]) -> bool:
 
 def builtin_programs() -> dict[tuple[str, str], list[str]]:
     """Map (package, program) to whole command lines, without the program's arguments."""
-    return {program: our_command(*words) for program, words in _PROGRAMS.items()}
+    return {program: own_command(*words) for program, words in _PROGRAMS.items()}

@@ -12,7 +12,7 @@ from rostether.cli.firmware.build import upload_sketch
 from rostether.cli.firmware.options import build_options, port_option
 from rostether.cli.launch.run import replace_process
 from rostether.cli.shell.output import write_line
-from rostether.cli.shell.own_command import our_command
+from rostether.cli.shell.own_command import own_command
 from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import verb
 
@@ -39,7 +39,7 @@ def flash(sketch: Path, board_name: str, options: BuildOptions, port: str | None
     chosen = run(upload_sketch(sketch, board_name, options, port))
     address = address_of(sketch, chosen)
     write_line(f"rostether serve {shlex.quote(address)}")
-    replace_process(our_command("serve", address), os.environ)
+    replace_process(own_command("serve", address), os.environ)
 
 
 def address_of(sketch: Path, port: str) -> str:

@@ -18,7 +18,7 @@ import click
 
 from rostether.cli.shell.option_group import add_flag, add_option
 from rostether.cli.shell.output import warn, write_line
-from rostether.cli.shell.own_command import CALLED_AS_VARIABLE, our_command
+from rostether.cli.shell.own_command import CALLED_AS_VARIABLE, own_command
 from rostether.cli.shell.verbs import verb
 from rostether.errors import ConfigError
 from rostether.mechanisms.user_folders import Kind, user_folder
@@ -104,7 +104,7 @@ def _folder(content: str) -> Path:
 
 
 def _script(name: str, words: tuple[str, ...]) -> str:
-    command = [*_VARIABLES.get(name, ()), *our_command(*words)]
+    command = [*_VARIABLES.get(name, ()), *own_command(*words)]
     return f'#!/bin/sh\n# {SHIM_MARK}\nexec {shlex.join(command)} "$@"\n'
 
 

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 # Enough to recognize text and the beginning of a frame.
 _SHOWN_BYTES = 16
 # The first frames of a line show its version; more frames change nothing.
-_LOOKED_AT_BYTES = 64 * 1024
+_VERSION_SEARCH_BYTES = 64 * 1024
 
 
 @verb(
@@ -90,7 +90,7 @@ def _version(capture: Capture) -> int:
         for each in capture.entries():
             if isinstance(each, Chunk) and each.from_device:
                 seen += each.data
-            if len(seen) >= _LOOKED_AT_BYTES:
+            if len(seen) >= _VERSION_SEARCH_BYTES:
                 break
     return version_of(bytes(seen))
 

@@ -104,7 +104,7 @@ class DriveOptions:
 @option_group("options", DriveOptions)
 @fleet_options()
 def drive(options: DriveOptions, fleet: FleetSettings) -> int:
-    """Drive one robot or groups (arduino_control/ArduinoControl) until the time is over or Ctrl-C.
+    """Drive one robot or groups (arduino_control/ArduinoControl) until the time is over, or until Ctrl-C.
 
     One sender commands a robot at a time. A robot stops automatically 0.3 s after the last command. The exit
     code is 1 if no robot answers.
@@ -124,7 +124,7 @@ def drive(options: DriveOptions, fleet: FleetSettings) -> int:
 @json_option
 @fleet_options()
 def stop(robot: int | None, as_json: bool, fleet: FleetSettings) -> int:
-    """Stop one robot or all, even if another sender commands them; list those that confirm it.
+    """Stop one robot or all, even if another sender commands them; list those that confirm the stop.
 
     The sender that commanded them must start again. The exit code is 1 if no robot confirms the stop, or if
     a robot answers without confirming it.

@@ -22,7 +22,7 @@ from rostether.cli.shell.option_group import (
     option_group,
 )
 from rostether.cli.shell.output import warn, write_line
-from rostether.cli.shell.own_command import our_command
+from rostether.cli.shell.own_command import own_command
 from rostether.cli.shell.verbs import verb
 from rostether.errors import ConfigError
 from rostether.platform.boot.service_files import path_below
@@ -137,7 +137,7 @@ def uninstall(for_user: bool | None, root: Path | None) -> None:
         if installation.is_system:
             clean(installation)
         elif is_lingering():
-            write_line("your services may still start at boot; if you need none:  loginctl disable-linger")
+            write_line("your services may still start at boot; to prevent this: loginctl disable-linger")
     else:
         _enabling_link(root, installation).unlink(missing_ok=True)
     for path in paths:
@@ -184,7 +184,7 @@ def _installation(for_user: bool | None) -> Installation:
     is_system = os.geteuid() == 0 if for_user is None else not for_user
     program = shutil.which("rostether")
     return Installation(
-        program=(program,) if program is not None else tuple(our_command()),
+        program=(program,) if program is not None else tuple(own_command()),
         robot_file=default_robot_file(is_system),
         is_system=is_system,
         user=os.environ.get("SUDO_USER", "") if is_system else "",

@@ -69,5 +69,5 @@ def clean(installation: Installation) -> None:
     systemctl(installation, "clean", *folders, UNIT)
     if is_written:
         write_line(
-            f"kept {STATE} with the files that the robot wrote; to remove them:  sudo rm -r {STATE.resolve()}"
+            f"kept {STATE} with the files that the robot wrote; to remove them: sudo rm -r {STATE.resolve()}"
         )

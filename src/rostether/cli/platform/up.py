@@ -14,7 +14,7 @@ import click
 
 from rostether.cli.shell.option_group import EXISTING_FILE, add_flag
 from rostether.cli.shell.output import write_line
-from rostether.cli.shell.own_command import our_command
+from rostether.cli.shell.own_command import own_command
 from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import verb
 from rostether.errors import ConfigError
@@ -63,7 +63,7 @@ def up(file: Path, check: bool) -> None:
     def report(name: str, line: str) -> None:
         write_line(f"{name.ljust(width)} | {line}")
 
-    parts = _Parts(file, robot.parts, our_command(), environ, report)
+    parts = _Parts(file, robot.parts, own_command(), environ, report)
 
     async def main() -> None:
         if not interface or environ.get("ROS_IP"):

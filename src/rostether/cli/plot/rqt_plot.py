@@ -11,7 +11,7 @@ from rostether.cli.access.graph_options import GraphOptions, graph_options
 from rostether.cli.launch.run import replace_process
 from rostether.cli.role.node import RoleVerb
 from rostether.cli.shell.output import warn
-from rostether.cli.shell.own_command import our_command
+from rostether.cli.shell.own_command import own_command
 from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import verb
 from rostether.errors import ConfigError, DefinitionError
@@ -44,7 +44,7 @@ def rqt_plot(arguments: tuple[str, ...], graph: GraphOptions) -> None:
         if not fields:
             raise ConfigError("no topic with numbers is published; `rostether topic list` shows all topics")
         warn(f"rostether plot {' '.join(fields)}")
-    replace_process(our_command("plot", *fields), os.environ)
+    replace_process(own_command("plot", *fields), os.environ)
 
 
 async def _published(graph: GraphOptions) -> list[str]:

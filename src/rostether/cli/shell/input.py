@@ -99,7 +99,7 @@ async def _read(descriptor: int) -> bytes:
 
 
 def is_background_job(terminal: int) -> bool:
-    """Return whether the shell would stop us when we read from its terminal or change it."""
+    """Return whether the shell would stop this process for reading from its terminal or changing it."""
     try:
         return os.tcgetpgrp(terminal) != os.getpgrp()
     except OSError:

@@ -35,7 +35,7 @@ class _Lines(logging.Handler):
         self.show = show
         # asyncio logs the same message for each connection that it cannot accept.
         self._asyncio_lines = RepeatLimiter()
-        # A budget for each of our about fifty messages, because peers decide how often one is logged.
+        # A budget for each message (there are about fifty), because peers decide how often it is logged.
         self._budgets: dict[str, LineBudget] = {}
 
     def emit(self, record: logging.LogRecord) -> None:

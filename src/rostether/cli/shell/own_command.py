@@ -9,7 +9,7 @@ import sys
 CALLED_AS_VARIABLE = "ROSTETHER_CALLED_AS"
 
 
-def our_command(*words: str) -> list[str]:
+def own_command(*words: str) -> list[str]:
     """Return the command line of a rostether verb, run by this Python."""
     # Without -P, a file in the current folder could replace one of rostether's modules.
     return [sys.executable, "-P", "-m", "rostether", *words]

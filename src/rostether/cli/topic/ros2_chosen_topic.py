@@ -106,7 +106,9 @@ def field_type(registry: NativeRegistry, type_name: str, path: str) -> Ros2Type:
         name, bracket, _ = part.partition("[")
         fields = {field.name: field.type for field in definition.fields} if definition is not None else {}
         if name not in fields:
-            raise ConfigError(f"{type_name} has no field {path!r}")
+            parent = found.base if found is not None else "it"
+            known = ", ".join(fields) or "no fields"
+            raise ConfigError(f"{type_name} has no field {path!r}; {parent} has {known}")
         found = fields[name]
         if bracket and ":" not in part:
             found = Ros2Type(found.base)
