@@ -38,6 +38,35 @@ WITH_STACK = (
     "Ultrasound",
     "BlinkM",
 )
+# Static RAM of a node on TCP with one publisher, without its network library; 280 bytes are for input.
+MOST_TCP_RAM_BYTES = 470
+MODEM = """
+#define ROSSERIAL_ARDUINO_TCP
+#include <IPAddress.h>
+#include <ros/node_handle.h>
+#include <ros/platform/arduino_tcp_hardware.h>
+#include <std_msgs/String.h>
+// A client's interface to the registers of the UART, which the compiler cannot remove.
+struct Modem {
+  int connect(IPAddress, uint16_t) { return UCSR0A; }
+  uint8_t connected() { return UCSR0A; }
+  int read() { return UDR0; }
+  size_t write(const uint8_t* bytes, size_t size) { return UDR0 = bytes[size - 1]; }
+  void stop() {}
+};
+ros::NodeHandle_<ArduinoTcpHardware<Modem>, 25, 25, 280, 280> nh;
+std_msgs::String text;
+ros::Publisher chatter("chatter", &text);
+void setup() {
+  nh.getHardware()->setConnection(IPAddress(192, 168, 0, 11));
+  nh.initNode();
+  nh.advertise(chatter);
+}
+void loop() {
+  chatter.publish(&text);
+  nh.spinOnce();
+}
+"""
 TIME = struct.pack("<II", 1_700_000_000, 0)
 SUBSCRIBERS = """
 #include <ros.h>
@@ -89,6 +118,14 @@ async def test_static_ram_and_stack_are_half_of_the_established_library_s(
     with capsys.disabled():
         print("\n" + "\n".join(lines))
     assert not too_large, f"of the established library's: at most {MOST_SUM:.0%}"
+
+
+async def test_tcp_needs_little_ram_without_the_network_library(tmp_path: Path) -> None:
+    sketch = tmp_path / "Modem" / "Modem.ino"
+    sketch.parent.mkdir()
+    sketch.write_text(MODEM)
+    built = await build_sketch(sketch, find_board("uno"))
+    assert ElfFile.read(built.elf).ram_bytes <= MOST_TCP_RAM_BYTES
 
 
 async def test_a_sketch_that_sleeps_a_second_answers_many_requests_once(tmp_path: Path) -> None:
