@@ -23,6 +23,9 @@ from rostether.transports.transport import Transport
 from unit.bridge.doubles import RecordingReporter
 from unit.bridge.nodes import STORE, text, topic_info
 from unit.bridge.raw_board import RawBoard
+from unit.bridge.sketch_board import SketchBoard, every, hello, publish
+from unit.bridge.uart_port import UartPort
+from unit.bridge.virtual_time import run
 from waiting import until
 
 CHATTER = (ids.PUBLISHER, topic_info("chatter", topic_id=125))
@@ -485,3 +488,37 @@ async def test_a_board_that_returns_silently_keeps_its_topics() -> None:
     await until(lambda: not site.connected(), "the second loss")
     assert site.nodes() == {"/arm"}
     await site.supervisor.close()
+
+
+def test_a_wrong_baud_rate_is_named_within_seconds_and_forgotten_when_it_is_corrected() -> None:
+    async def main() -> None:
+        site = Site(BridgeSettings())
+        wire, board_end = memory_pair()
+        port = UartPort(wire, 57600, 115200)
+
+        async def open_port(address: Address) -> Transport:
+            return port
+
+        supervisor = Supervisor(
+            site.join, STORE, reporter=site.reporter, links=Links(open_transport=open_port)
+        )
+        sketch = SketchBoard(board_end, turn=every(0.1, publish("chatter", hello)))
+        sketch.publisher("chatter").plug_in()
+        await supervisor.start([parse_address(f"{PORT}?baud=57600")])
+        # A board that was never connected sends nothing.
+        for cause in ("whether its baud rate is 57600", "probably a baud rate other than 57600"):
+            site.reporter.lines.clear()
+            port.set_board_baud(115200)
+            await asyncio.sleep(10.0)
+            # The sketch is uploaded again with the right rate.
+            port.set_board_baud(57600)
+            await asyncio.sleep(70.0)
+            (fault,) = [text for level, text, _ in site.reporter.lines if level > Level.INFO]
+            assert cause in fault
+            assert "/chatter" in site.network.snapshot().topics
+            (view,) = supervisor.boards()
+            assert view.is_settled
+        await sketch.unplug()
+        await supervisor.close()
+
+    run(main())

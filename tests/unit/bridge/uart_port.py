@@ -35,6 +35,10 @@ class UartPort:
         self._baud = baud
         return True
 
+    def set_board_baud(self, baud: int) -> None:
+        """The board gets another sketch."""
+        self._board_baud = baud
+
     def release(self, unread: bytes = b"") -> None:
         self._receiver, self._unread = None, unread
 

@@ -47,14 +47,27 @@ class Damage:
         self._advice = _ADVICE.get(medium, _CABLE_ADVICE)
         self._count = 0
         self._last_s = float("-inf")
+        # Damage without a valid frame after it: the board may have another baud rate now, or be off.
+        self._unconfirmed = 0
+        self._frame_count = 0
         self._samples: deque[tuple[float, int, int]] = deque()
 
-    def count_discarded(self, event: FrameDiscarded, now_s: float) -> None:
-        """Count a damaged frame; discarded bytes at the same moment are the rest of it."""
+    def count_discarded(self, event: FrameDiscarded, now_s: float, frame_count: int) -> None:
+        """Count a damaged frame after `frame_count` valid ones.
+
+        Discarded bytes at the same moment are the rest of it.
+        """
         is_remains = event.reason in _REMAINS and len(event.data) >= _MIN_REMAINS_BYTES
         if event.reason in _CHECKS or (is_remains and now_s > self._last_s):
             self._count += 1
+            self._unconfirmed = self._unconfirmed + 1 if frame_count == self._frame_count else 1
+            self._frame_count = frame_count
             self._last_s = now_s
+
+    def forget_unconfirmed(self) -> None:
+        """Forget the damage since the last valid frame: it has another cause."""
+        self._count -= self._unconfirmed
+        self._unconfirmed = 0
 
     def find(self, frame_count: int, now_s: float, reset_count: int = 0) -> Finding | None:
         """Return a finding if too many recent frames are damaged; to be called about once a second.
@@ -62,11 +75,12 @@ class Damage:
         There were `frame_count` valid frames since the start, and `reset_count` recent resets.
         """
         samples = self._samples
-        samples.append((now_s, self._count, frame_count))
+        confirmed = self._count - (self._unconfirmed if frame_count == self._frame_count else 0)
+        samples.append((now_s, confirmed, frame_count))
         while len(samples) > 2 and now_s - samples[0][0] > WINDOW_S:
             samples.popleft()
         _, damaged_before, valid_before = samples[0]
-        damaged, valid = self._count - damaged_before, frame_count - valid_before
+        damaged, valid = confirmed - damaged_before, frame_count - valid_before
         if damaged < MIN_DAMAGED + RESET_DAMAGES * reset_count or damaged < MIN_SHARE * (damaged + valid):
             return None
         percent = 100 * damaged / (damaged + valid)

@@ -151,6 +151,7 @@ class LineWatch:
 
     def _device_silent(self, event: DeviceSilent, _now_s: float) -> None:
         self._silence_s = event.silence_s
+        self._damage.forget_unconfirmed()
 
     def _log_received(self, event: LogReceived, now_s: float) -> None:
         if TOO_LARGE in event.text:
@@ -186,8 +187,8 @@ class LineWatch:
         loses_datagrams = self._medium is Medium.UDP
         was_text = self.noise.handle_discarded(event, now_s, is_alive=is_alive and not loses_datagrams)
         self._announcements.discarded(event)
-        if self.was_alive and (loses_datagrams or not was_text):
-            self._damage.count_discarded(event, now_s)
+        if self.was_alive and self._silence_s is None and (loses_datagrams or not was_text):
+            self._damage.count_discarded(event, now_s, self._statistics.frames_received)
 
     @property
     def is_silent(self) -> bool:

@@ -12,7 +12,7 @@ def test_the_share_is_reported() -> None:
     damage = Damage()
     assert damage.find(0, 0.0) is None
     for number in range(10):
-        damage.count_discarded(CHECKSUM, number / 10)
+        damage.count_discarded(CHECKSUM, number / 10, 0)
     finding = damage.find(490, 1.0)
     assert finding is not None
     assert finding.code is Code.FRAMES_DAMAGED
@@ -23,8 +23,8 @@ def test_the_rest_of_a_damaged_frame_is_not_a_second_one() -> None:
     damage = Damage()
     damage.find(0, 0.0)
     for number in range(5):
-        damage.count_discarded(CHECKSUM, float(number))
-        damage.count_discarded(REST, float(number))
+        damage.count_discarded(CHECKSUM, float(number), 0)
+        damage.count_discarded(REST, float(number), 0)
     finding = damage.find(5, 5.0)
     assert finding is not None
     assert "(5 of the last 10" in finding.seen
@@ -34,7 +34,7 @@ def test_a_frame_whose_first_byte_was_damaged_counts() -> None:
     damage = Damage()
     damage.find(0, 0.0)
     for number in range(1, 5):
-        damage.count_discarded(REST, float(number))
+        damage.count_discarded(REST, float(number), 0)
     finding = damage.find(4, 5.0)
     assert finding is not None
     assert "(4 of the last 8" in finding.seen
@@ -43,15 +43,24 @@ def test_a_frame_whose_first_byte_was_damaged_counts() -> None:
 def test_one_damaged_frame_is_nothing() -> None:
     damage = Damage()
     damage.find(0, 0.0)
-    damage.count_discarded(CHECKSUM, 0.5)
+    damage.count_discarded(CHECKSUM, 0.5, 0)
     assert damage.find(10, 1.0) is None
+
+
+def test_damage_without_a_valid_frame_after_it_is_not_the_lines_fault() -> None:
+    damage = Damage()
+    damage.find(100, 0.0)
+    for number in range(20):
+        damage.count_discarded(CHECKSUM, number / 10, 110)
+        assert damage.find(110, number / 10) is None
+    assert damage.find(111, 3.0) is not None
 
 
 def test_what_was_repaired_is_over_after_a_while() -> None:
     damage = Damage()
     damage.find(0, 0.0)
     for number in range(10):
-        damage.count_discarded(CHECKSUM, number / 10)
+        damage.count_discarded(CHECKSUM, number / 10, 0)
     assert damage.find(100, 1.0) is not None
     for second in range(2, int(3 * WINDOW_S)):
         finding = damage.find(100 * second, float(second))
@@ -62,6 +71,6 @@ def test_what_resets_cut_in_two_is_not_the_lines_fault() -> None:
     damage = Damage()
     damage.find(0, 0.0)
     for number in range(6):
-        damage.count_discarded(CHECKSUM, number / 10)
+        damage.count_discarded(CHECKSUM, number / 10, 0)
     assert damage.find(100, 1.0, 3) is None
     assert damage.find(100, 1.0, 1) is not None

@@ -50,11 +50,13 @@ def test_a_network_that_delays_requests_is_not_a_slow_loop() -> None:
 
 def test_the_rest_of_a_long_message_is_text_of_the_sketch_only_where_no_datagram_is_lost() -> None:
     for medium, code in ((Medium.TCP, Code.TEXT_BETWEEN_FRAMES), (Medium.UDP, Code.FRAMES_DAMAGED)):
-        watch = LineWatch(None, Resets(), LinkStatistics(), 0.0, medium=medium)
+        statistics = LinkStatistics()
+        watch = LineWatch(None, Resets(), statistics, 0.0, medium=medium)
         watch.handle_event(ProtocolDetected(2), 0.0)
         watch.find(0.0)
         for number in range(1, 6):
             watch.handle_event(FrameDiscarded(DiscardReason.NOISE, b"y" * 200), float(number))
+            statistics.frames_received += 1
         assert [each.code for each in watch.find(6.0)] == [code]
 
 
@@ -67,12 +69,14 @@ def test_the_rest_of_a_long_message_is_text_of_the_sketch_only_where_no_datagram
     ],
 )
 def test_the_advice_for_damaged_frames_is_that_of_the_line(medium: Medium, advice: str) -> None:
-    watch = LineWatch(None, Resets(), LinkStatistics(), 0.0, medium=medium)
+    statistics = LinkStatistics()
+    watch = LineWatch(None, Resets(), statistics, 0.0, medium=medium)
     watch.handle_event(ProtocolDetected(2), 0.0)
     watch.find(0.0)
     for number in range(1, 6):
         watch.handle_event(
             FrameDiscarded(DiscardReason.PAYLOAD_CHECKSUM, b"\xff\xfe\x05\x00\xfa"), float(number)
         )
+        statistics.frames_received += 1
     (finding,) = watch.find(6.0)
     assert advice in finding.next_step
