@@ -79,12 +79,8 @@ class Relay:
         self._has_changed = asyncio.Event()
         self._relaying: dict[RelayItem, asyncio.Task[None]] = {}
         self._ending: dict[RelayItem, asyncio.Task[None]] = {}
-        self._relays: dict[RelayItem, TopicRelay | ServiceRelay | ActionRelay] = {}
-
-    @property
-    def relays(self) -> list[TopicRelay | ServiceRelay | ActionRelay]:
-        """The running relays, and those that wait for a publisher."""
-        return list(self._relays.values())
+        # The running relays, and those that wait for a publisher.
+        self.relays: dict[RelayItem, TopicRelay | ServiceRelay | ActionRelay] = {}
 
     async def run(self) -> None:
         """Relay until cancelled. Raises GraphError when a graph shuts down the relay's node."""
@@ -260,7 +256,7 @@ class Relay:
             await asyncio.sleep(
                 OLDER_RELAY_WAIT_S * sum(mark < self._mark for mark in self._marked.relays.values())
             )
-            relay = self._relays[item] = self._new_relay(item)
+            relay = self.relays[item] = self._new_relay(item)
             is_open = False
             try:
                 await relay.open()
@@ -273,7 +269,7 @@ class Relay:
                     reported = str(error)
                     self._report(Level.ERROR, f"cannot relay {item.text}: {error}")
             finally:
-                del self._relays[item]
+                del self.relays[item]
                 await self._end(relay, item, was_open=is_open)
             await asyncio.sleep(RETRY_S)
 

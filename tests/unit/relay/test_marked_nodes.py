@@ -128,7 +128,7 @@ async def test_a_killed_relay_is_forgotten(world: World) -> None:
         is_gone = True
         # Its registrations in both graphs are still listed.
         await until(lambda: "the relay /killed was killed: removed its registrations" in world.lines)
-        await until(lambda: any(each.type_name != "*" for each in relay.relays))
+        await until(lambda: any(each.type_name != "*" for each in relay.relays.values()))
         assert world.networks[0].snapshot().services["/switch"].providers == ("/relay",)
     assert set(asked) == {"/killed"}
 

@@ -50,7 +50,9 @@ async def test_topics_go_both_ways_and_nothing_comes_back(world: World) -> None:
         assert all(sorted(inbox.payloads) == expected for inbox in inboxes)
         assert "relaying /chat from one to two (std_msgs/String)" in world.lines
         assert "relaying /chat from two to one (std_msgs/String)" in world.lines
-        assert sum(each.message_count for each in relay.relays if hasattr(each, "message_count")) == 6
+        assert (
+            sum(each.message_count for each in relay.relays.values() if hasattr(each, "message_count")) == 6
+        )
     assert not world.carries("/chat", 0)
     assert not world.carries("/chat", 1)
     assert "no longer relaying /chat from one to two" in world.lines
@@ -146,7 +148,9 @@ async def test_a_late_subscriber_has_the_static_transforms_of_all_publishers(wor
         await until(lambda: world.carries("/tf_static", 1))
         await broadcast("camera")
         await until(
-            lambda: sum(each.message_count for each in relay.relays if isinstance(each, TopicRelay)) == 2
+            lambda: (
+                sum(each.message_count for each in relay.relays.values() if isinstance(each, TopicRelay)) == 2
+            )
         )
         inbox = Inbox()
         await world.two.subscribe("/tf_static", message_type, inbox.take)
@@ -186,11 +190,16 @@ async def test_services_are_offered_where_they_are_missing(world: World) -> None
 
     await world.two.advertise_service("/refuse", SET_BOOL, refuse)
     async with world.relaying(services=(Services("/*"),)) as relay:
-        await until(lambda: len(relay.relays) == 2 and all(each.type_name != "*" for each in relay.relays))
+        await until(
+            lambda: len(relay.relays) == 2 and all(each.type_name != "*" for each in relay.relays.values())
+        )
         assert await world.two.call_service("/switch", SET_BOOL, TRUE) == answer("as you say")
         with pytest.raises(GraphError, match="not today"):
             await world.one.call_service("/refuse", SET_BOOL, TRUE)
-        assert {each.service for each in relay.relays if hasattr(each, "service")} == {"/switch", "/refuse"}
+        assert {each.service for each in relay.relays.values() if hasattr(each, "service")} == {
+            "/switch",
+            "/refuse",
+        }
         await handle.close()
         await until(lambda: len(relay.relays) == 1)
         with pytest.raises(ServiceUnavailableError):
@@ -213,7 +222,7 @@ async def test_an_unknown_type_is_reported_once_and_can_be_given(
         await asyncio.sleep(0.02)
         assert world.lines == [f"{trouble}or give it as /odd=package/Type"]
     async with world.relaying(services=(Services("/odd", "std_srvs/SetBool"),)) as relay:
-        await until(lambda: any(each.type_name != "*" for each in relay.relays))
+        await until(lambda: any(each.type_name != "*" for each in relay.relays.values()))
         assert await world.two.call_service("/odd", SET_BOOL, TRUE) == answer("as you say")
 
 

@@ -95,11 +95,6 @@ class WebSocketServer:
         return int(sockets[0].getsockname()[1]) if sockets else 0
 
     @property
-    def hosts(self) -> list[str]:
-        """The listening addresses."""
-        return [each.getsockname()[0] for server in self._servers for each in server.sockets]
-
-    @property
     def connection_count(self) -> int:
         """How many connections are open, including plain requests."""
         return len(self._connections)
