@@ -77,6 +77,15 @@ found = without_node.lookup_transform_core("world", "lamp", rospy.Time(5)).trans
 print(show([found.x, found.y, found.z]), tf2_ros.BufferCore is tf2_py.BufferCore)
 attempt("no node", lambda: without_node.lookup_transform_core("world", "moon", rospy.Time(5)))
 
+registration = tf2_ros.ConvertRegistration()
+registration.add_to_msg(float, str)
+registration.add_from_msg(int, lambda text: int(float(text)))
+registration.add_convert((str, int), len)
+print(tf2_ros.convert(2.6, int), tf2_ros.convert(3, int), tf2_ros.convert("four", int))
+attempt("convert", lambda: tf2_ros.convert([], int))
+stamped = tf2_ros.Stamped(PointStamped(), rospy.Time(3), "map")
+print(stamped.header.frame_id, stamped.header.stamp)
+
 rospy.init_node("frames")
 buffer = tf2_ros.Buffer(rospy.Duration(100), debug=False)
 turn = quaternion_from_euler(0.1, 0.2, 0.3)

@@ -4,12 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from copy import deepcopy
-from typing import Any, ClassVar
+from typing import Any, ClassVar, TypeVar
 
+from rostether.rospy.client.message_types import all_types
 from rostether.rospy.client.ros_time import Duration
 from rostether.rospy.tf.exceptions import NotImplementedException, TypeException
 
 NO_TIME = Duration(0)
+
+_Function = TypeVar("_Function", bound=Callable[..., Any])
 
 
 class TransformRegistration:
@@ -23,9 +26,63 @@ class TransformRegistration:
 
     def get(self, key: Any) -> Callable[[Any, Any], Any]:
         """Return the function for a class. Raises TypeException."""
-        if key not in self._by_class:
-            raise TypeException(f"Type {key} if not loaded or supported")
-        return self._by_class[key]
+        return _registered(self._by_class, key)
+
+
+class ConvertRegistration:
+    """How to convert between classes, directly or by a message; shared by all buffers."""
+
+    _to_message: ClassVar[dict[Any, Callable[[Any], Any]]] = {}
+    _from_message: ClassVar[dict[Any, Callable[[Any], Any]]] = {}
+    _directly: ClassVar[dict[Any, Callable[[Any], Any]]] = {}
+
+    def add_to_msg(self, key: Any, callback: Callable[[Any], Any]) -> None:
+        """Register a function that makes messages of values of a class."""
+        self._to_message[key] = callback
+
+    def add_from_msg(self, key: Any, callback: Callable[[Any], Any]) -> None:
+        """Register a function that makes values of a class of messages."""
+        self._from_message[key] = callback
+
+    def add_convert(self, key: Any, callback: Callable[[Any], Any]) -> None:
+        """Register a function for the pair of a class and the class into which it converts."""
+        self._directly[key] = callback
+
+    def get_to_msg(self, key: Any) -> Callable[[Any], Any]:
+        """Return the function for a class. Raises TypeException."""
+        return _registered(self._to_message, key)
+
+    def get_from_msg(self, key: Any) -> Callable[[Any], Any]:
+        """Return the function for a class. Raises TypeException."""
+        return _registered(self._from_message, key)
+
+    def get_convert(self, key: Any) -> Callable[[Any], Any]:
+        """Return the function for a pair of classes. Raises TypeException."""
+        return _registered(self._directly, key)
+
+
+def _registered(functions: dict[Any, _Function], key: Any) -> _Function:
+    if key not in functions:
+        raise TypeException(f"Type {key} if not loaded or supported")
+    return functions[key]
+
+
+def convert(a: Any, b_type: Any) -> Any:
+    """Return a value as another class, or a copy of it. Raises TypeException."""
+    registration = ConvertRegistration()
+    try:
+        function = registration.get_convert((type(a), b_type))
+    except TypeException:
+        if type(a) is b_type:
+            return deepcopy(a)
+        return registration.get_from_msg(b_type)(registration.get_to_msg(type(a))(a))
+    return function(a)
+
+
+def Stamped(obj: Any, stamp: Any, frame_id: str) -> Any:  # noqa: N802 - the name is tf2_ros's
+    """Return the object with a new header."""
+    obj.header = all_types().message_class("std_msgs/Header")(stamp=stamp, frame_id=frame_id)
+    return obj
 
 
 class BufferInterface:
@@ -40,7 +97,8 @@ class BufferInterface:
         """Return a stamped message in another frame. Import tf2_geometry_msgs for its types."""
         header = object_stamped.header
         found = self.lookup_transform(target_frame, header.frame_id, header.stamp, timeout)
-        return _as_type(self.registration.get(type(object_stamped))(object_stamped, found), new_type)
+        moved = self.registration.get(type(object_stamped))(object_stamped, found)
+        return convert(moved, new_type) if new_type else moved
 
     def transform_full(
         self,
@@ -56,7 +114,8 @@ class BufferInterface:
         found = self.lookup_transform_full(
             target_frame, target_time, header.frame_id, header.stamp, fixed_frame, timeout
         )
-        return _as_type(self.registration.get(type(object_stamped))(object_stamped, found), new_type)
+        moved = self.registration.get(type(object_stamped))(object_stamped, found)
+        return convert(moved, new_type) if new_type else moved
 
     def lookup_transform(
         self, target_frame: str, source_frame: str, time: Any, timeout: Any = NO_TIME
@@ -75,9 +134,3 @@ class BufferInterface:
     ) -> Any:
         """Return the pose of the source at one time in the target at another."""
         raise NotImplementedException
-
-
-def _as_type(message: Any, new_type: Any) -> Any:
-    if new_type is None or isinstance(message, new_type):
-        return message if new_type is None else deepcopy(message)
-    raise TypeException(f"Type {new_type} if not loaded or supported")

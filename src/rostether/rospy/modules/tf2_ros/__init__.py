@@ -4,7 +4,13 @@
 from rostether.rospy.tf.buffer import Buffer
 from rostether.rospy.tf.buffer import Buffer as BufferCore
 from rostether.rospy.tf.buffer_client import BufferClient
-from rostether.rospy.tf.buffer_interface import BufferInterface, TransformRegistration
+from rostether.rospy.tf.buffer_interface import (
+    BufferInterface,
+    ConvertRegistration,
+    Stamped,
+    TransformRegistration,
+    convert,
+)
 from rostether.rospy.tf.endpoints import (
     StaticTransformBroadcaster,
     TransformBroadcaster,
