@@ -73,7 +73,7 @@ class NodeProcess:
         self._group: int | None = None
 
     async def start(self) -> None:
-        """Start it. Raises LaunchError if that fails."""
+        """Start the process. Raises LaunchError if that fails."""
         words = [*self._command.words, f"__log:={self._log}"]
         try:
             self._command.folder.mkdir(parents=True, exist_ok=True)
@@ -120,7 +120,7 @@ class NodeProcess:
             await self.start()
 
     async def stop(self) -> None:
-        """End it and its child processes: SIGINT, then SIGTERM, then SIGKILL.
+        """End the process and its child processes: SIGINT, then SIGTERM, then SIGKILL.
 
         `supervise` must no longer run.
         """

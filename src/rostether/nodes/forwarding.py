@@ -30,7 +30,8 @@ def everything(payloads: Sequence[bytes]) -> Sequence[bytes]:
 class MessageRate:
     """Selects messages that come at least 1 / `rate_hz` after the last selected one.
 
-    `now_s` is the clock; when it jumps back, the interval restarts. Raises ConfigError for a rate below 0.
+    `now_s` is the clock; when it jumps back, the interval restarts. Raises ConfigError unless the rate is
+    above 0.
     """
 
     def __init__(self, rate_hz: float, now_s: Callable[[], float]) -> None:

@@ -42,7 +42,7 @@ def blocking(
 
     @wraps(method)
     def call(self: Blocking[Wrapped], /, *args: P.args, **kwargs: P.kwargs) -> T:
-        # By name, because `method` may belong to a protocol.
+        # The method is found by its name, because `method` may belong to a protocol.
         found: Callable[P, Coroutine[Any, Any, T]] = getattr(self.wrapped, method.__name__)
         return LOOP.call(found(*args, **kwargs))
 

@@ -66,8 +66,9 @@ def chosen_middleware(
     """Return the middleware of the ROS 2 graph that a command selects, None for ROS 1 alone.
 
     Args:
-        ros1: Whether `--ros1` was given. ros2: The value of `--ros2`, None if it was not given. environ:
-        Environment variables, os.environ if None.
+        ros1: Whether `--ros1` was given.
+        ros2: The value of `--ros2`, None if it was not given.
+        environ: Environment variables, os.environ if None.
     """
     variables = os.environ if environ is None else environ
     if not ros2:
@@ -98,10 +99,13 @@ class GraphOptions:
     """The graph that a command line selects.
 
     Args:
-        ros1: Whether `--ros1` was given. ros2: The middleware of the ROS 2 graph, None for ROS 1 alone.
-        master: `--master`, None if it was not given. allow: Networks in CIDR form that may connect to this
-        node. arguments: ROS arguments such as `__name:=x`, by name. zenoh: The zenoh options. params_files:
-        YAML files of ROS 2 parameters.
+        ros1: Whether `--ros1` was given.
+        ros2: The middleware of the ROS 2 graph, None for ROS 1 alone.
+        master: `--master`, None if it was not given.
+        allow: Networks in CIDR form that may connect to this node.
+        arguments: ROS arguments such as `__name:=x`, by name.
+        zenoh: The zenoh options.
+        params_files: YAML files of ROS 2 parameters.
     """
 
     ros1: bool = False
@@ -185,9 +189,11 @@ def graph_options(
 
     Args:
         served: Whether other nodes and boards depend on the command: it has --allow, and with `ros` all zenoh
-            options and --params-file. master: Whether to add --master. ros: Whether to add --ros1 and --ros2;
-            without them the graph is ROS 1. allow: Whether to add --allow. zenoh: Whether to add
-            --zenoh-connect and --zenoh-listen; such a command can use both graphs at once.
+            options and --params-file.
+        master: Whether to add --master.
+        ros: Whether to add --ros1 and --ros2; without them the graph is ROS 1.
+        allow: Whether to add --allow.
+        zenoh: Whether to add --zenoh-connect and --zenoh-listen; such a command can use both graphs at once.
     """
     options: list[Callable[[Any], Any]] = []
     takes_both = served or zenoh

@@ -86,9 +86,11 @@ async def joined(
     """Run a node with a unique name. Raises MasterUnreachableError with advice.
 
     Args:
-        graph: The graph to join. msg_paths: Folders with definitions, unless there is a `store`. purpose: The
-        beginning of the node's name. store: The types to use. environment: The environment of `graph`, if the
-        caller has already read it.
+        graph: The graph to join.
+        msg_paths: Folders with definitions, unless there is a `store`.
+        purpose: The beginning of the node's name.
+        store: The types to use.
+        environment: The environment of `graph`, if the caller has already read it.
     """
     from rostether.graph.typed_graph import TypedGraph
     from rostether.mechanisms.anonymous import anonymous_name

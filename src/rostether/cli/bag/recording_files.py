@@ -52,7 +52,7 @@ def create_folder(folder: Path) -> None:
 
 
 def asked_form(typed: str | None) -> Form | None:
-    """Return the format of --format."""
+    """Return the format that `--format` names, None if it was not given."""
     from rostether.recording.files import Form
 
     return None if typed is None else Form(typed)

@@ -82,7 +82,5 @@ def _read_rviz(path: Path) -> View:
     except OSError as error:
         raise ConfigError(f"{path}: {error.strerror}") from None
     if len(content) > _MAX_RVIZ_BYTES:
-        raise ConfigError(
-            f"{path} is larger than {_MAX_RVIZ_BYTES >> 20} MB, too large for an .rviz file; give another"
-        )
+        raise ConfigError(f"{path} is larger than {_MAX_RVIZ_BYTES >> 20} MB; give an .rviz file")
     return View("scene", {"rviz": "view.rviz"}, {"view.rviz": content})

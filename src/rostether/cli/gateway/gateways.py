@@ -111,13 +111,13 @@ def report_reach(gateway: str, host: str, port: int, token: str, wider: str, rep
         report(
             Level.INFO,
             f"{gateway}: accepts connections from this machine only; {wider.format(port=port)} "
-            f"allows other machines",
+            "allows other machines",
         )
     elif not token:
         report(
             Level.WARN,
             f"{gateway}: every client that reaches it can publish and call services; --token and --allow "
-            f"restrict that",
+            "restrict that",
         )
 
 

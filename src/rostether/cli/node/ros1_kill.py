@@ -89,7 +89,7 @@ def cleanup(environment: RosEnvironment, *, yes: bool) -> None:
     if not yes and not _is_confirmed():
         write_line("aborting")
         return
-    run(_forget(environment, silent))
+    run(_unregister(environment, silent))
     write_line("done")
 
 
@@ -119,7 +119,7 @@ async def _silent(environment: RosEnvironment) -> dict[str, str]:
     return silent
 
 
-async def _forget(environment: RosEnvironment, nodes: dict[str, str]) -> None:
+async def _unregister(environment: RosEnvironment, nodes: dict[str, str]) -> None:
     for name, uri in nodes.items():
         write_line(f"Unregistering {name}")
         try:

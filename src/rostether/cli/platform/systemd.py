@@ -50,7 +50,7 @@ def linger() -> None:
         run_program(command)
     except ConfigError:
         raise ConfigError(
-            "rostether runs now, and each time you log in; to start it at boot, type:  "
+            "rostether runs now, and each time you log in; to start it at boot, type: "
             f"sudo {' '.join(command)}"
         ) from None
 

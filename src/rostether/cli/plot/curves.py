@@ -25,7 +25,7 @@ _LEFT_OUT = "header"
 def expand(argument: str) -> list[str]:
     """Return the fields that an argument names: `/imu/rate/x:y` is /imu/rate/x and /imu/rate/y.
 
-    A colon in brackets selects elements, as everywhere: `/joints/position[0:2]`.
+    A colon in brackets selects elements, as in all field paths: `/joints/position[0:2]`.
     """
     parts, depth = [""], 0
     for character in argument:

@@ -137,9 +137,12 @@ def role(
     """Return a decorator that makes a node's coroutine a verb; its docstring is the help.
 
     Args:
-        verb: The name of the verb. examples: Command lines for the help. metavar: The arguments in the help.
-        has_ros2: Whether to add --ros2. node_name: Returns the node's usual name from the verb with
-            underscores and the node's arguments; it may raise ConfigError for wrong arguments.
+        verb: The name of the verb.
+        examples: Command lines for the help.
+        metavar: The arguments in the help.
+        has_ros2: Whether to add --ros2.
+        node_name: Returns the node's usual name from the verb with underscores and the node's arguments; it
+            may raise ConfigError for wrong arguments.
     """
 
     def decorate(main: Main) -> click.Command:

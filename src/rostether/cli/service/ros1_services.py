@@ -144,7 +144,10 @@ async def _find(environment: RosEnvironment, type_name: str) -> list[str]:
 async def call(
     graph_options: GraphOptions, service: str, values: tuple[str, ...], options: CallOptions
 ) -> None:
-    """Call and print. Raises GraphError, UnknownTypeError, SerializationError naming the field."""
+    """Call a service and print its answer.
+
+    Raises GraphError, UnknownTypeError, SerializationError naming the field.
+    """
     from rostether.serde.plain_form import to_plain
     from rostether.serde.yaml_print import format_message
 

@@ -133,7 +133,10 @@ def unknown_service(name: str, known: Iterable[str]) -> UnknownNameError:
 
 
 async def call(graph: GraphOptions, service: str, arguments: tuple[str, ...], options: CallOptions) -> None:
-    """Call and print. Raises GraphError, UnknownTypeError, SerializationError naming the field."""
+    """Call a service and print its answer.
+
+    Raises GraphError, UnknownTypeError, SerializationError naming the field.
+    """
     from rostether.serde.plain_form import to_plain
     from rostether.serde.yaml_form import load_arguments
 

@@ -67,8 +67,9 @@ def add_option(spellings: str, text: str, **settings: Any) -> Decorator:
 
     Args:
         spellings: `"-o --output folder DIR"`: the option; the name of the verb's parameter, if it differs;
-        and the word in capitals that stands for the value. text: The line in the help. settings: More
-        arguments of `click.option`.
+            and the word in capitals that stands for the value.
+        text: The line in the help.
+        settings: More arguments of `click.option`.
     """
     return _option(spellings, (), text, settings)
 
@@ -91,9 +92,10 @@ def option(spellings: str, text: str, *, default: Any = None, **settings: Any) -
     """Return a field of a settings class that is an option; its name is the field's.
 
     Args:
-        spellings: `"-n --count COUNT"`, see `add_option`. text: The line in the help. default: The value
-        without the option; an option with `multiple` has an empty tuple. settings: More arguments of
-        `click.option`.
+        spellings: `"-n --count COUNT"`, see `add_option`.
+        text: The line in the help.
+        default: The value without the option; an option with `multiple` has an empty tuple.
+        settings: More arguments of `click.option`.
     """
     if settings.get("multiple"):
         default = ()
@@ -194,8 +196,8 @@ class OptionalValueOption(HeadedOption):
     """An option whose value may be omitted.
 
     Args:
-        alone: The value of the option when none is given. is_value: Returns whether the next word of the
-        command line is the option's value.
+        alone: The value of the option when none is given.
+        is_value: Returns whether the next word of the command line is the option's value.
     """
 
     def __init__(self, *args: Any, alone: str, is_value: Callable[[str], bool], **kwargs: Any) -> None:

@@ -161,7 +161,9 @@ def verb(
     """Return a decorator that makes a function a verb; its docstring is the help.
 
     Args:
-        name: The name of the verb. examples: Command lines for the end of the help. cls: The kind of verb.
+        name: The name of the verb.
+        examples: Command lines for the end of the help.
+        cls: The kind of verb.
         settings: More arguments of `click.command`.
     """
     return click.command(name, cls=cls, examples=examples, **settings)

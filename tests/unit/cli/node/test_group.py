@@ -178,7 +178,7 @@ def test_kill_of_the_unknown_and_the_gone(gone: str, shell: Shell) -> None:
 
 
 @pytest.mark.parametrize(("arguments", "stdin"), [((), "maybe\ny\n"), (("--yes",), "")])
-def test_cleanup_forgets_the_gone_only(
+def test_cleanup_unregisters_the_dead_only(
     gone: str, talker: str, shell: Shell, arguments: tuple[str, ...], stdin: str
 ) -> None:
     printed = shell.output("node", "cleanup", *arguments, stdin=stdin)
