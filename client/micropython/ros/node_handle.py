@@ -49,12 +49,13 @@ class NodeHandle:
     The hardware has `read(view, at)`, which reads the available bytes into a memoryview from `at` on, without
     waiting, and returns their number; and `write(view)`, which returns how many bytes were accepted. Hardware
     that reconnects by itself has `relinked()`: whether the link was lost or made since the last call. If it
-    has `interrupt()`, that is called for a Ctrl-C between two frames.
+    has `relink()`, that is called when the host does not answer for 11 s, because a network can fail without
+    ending the connection. If it has `interrupt()`, that is called for a Ctrl-C between two frames.
     """
 
     def __init__(self, hardware=None, input_size=512, output_size=512):
         self._hardware = hardware
-        self._relinked = self._interrupt = None
+        self._relinked = self._relink = self._interrupt = None
         # The buffer must hold a time.
         self._window = ReceiveWindow(max(input_size, 16))
         self._writer = Writer(output_size + OVERHEAD_BYTES)
@@ -78,6 +79,7 @@ class NodeHandle:
 
             self._hardware = usb_hardware()
         self._relinked = getattr(self._hardware, "relinked", None)
+        self._relink = getattr(self._hardware, "relink", None)
         self._interrupt = getattr(self._hardware, "interrupt", None)
         self._window.forget()
         self._contact_again()
@@ -323,6 +325,8 @@ class NodeHandle:
             self.negotiateTopics()
         elif self._unanswered == _MAX_UNANSWERED:
             self._connected = False
+            if self._relink:
+                self._relink()
         else:
             self._unanswered += 1
         self.requestSyncTime()

@@ -30,6 +30,11 @@ class Tcp:
         self._changed = False
         return changed
 
+    def relink(self):
+        """End the connection, and make a new one."""
+        if self._socket is not None:
+            self._close()
+
     def read(self, view, at):
         """Read the available bytes; return their number."""
         # The node learns of a new link before its first byte.

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import time
 from collections.abc import AsyncIterator
 from itertools import pairwise
 from pathlib import Path
@@ -12,7 +13,9 @@ from effort import effort
 from firmware.micropython.boards import PROGRAMS, running, usb_board
 from firmware.platforms.meeting import meeting
 from line_faults import FaultRates, LineFaults
+from rostether.rosserial.frame import encode_frame
 from rostether.transports.memory import Direction, Manipulator
+from unit.bridge.lateness import lateness
 from waiting import until
 
 NODE = PROGRAMS / "platform_node.py"
@@ -98,6 +101,23 @@ async def test_a_board_that_is_reset_is_back(library: Path) -> None:
         await board.reset()
         await until(lambda: any(b < a for a, b in pairwise(met.counts)), "a counter that starts again")
         assert await met.ask("hello") == "hello"
+
+
+async def test_a_connection_to_a_host_that_is_no_longer_reachable_is_replaced(library: Path) -> None:
+    began_s: list[float] = []
+
+    async def accept(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        began_s.append(time.monotonic())
+        writer.write(encode_frame(0, b""))
+        while await reader.read(65536):
+            pass
+        writer.close()
+
+    async with await asyncio.start_server(accept, "127.0.0.1", 0) as server, lateness() as late:
+        port = server.sockets[0].getsockname()[1]
+        async with running(NODE, library, "tcp", "127.0.0.1", str(port)):
+            await until(lambda: len(began_s) == 2, "its second connection")
+    assert 8.0 < began_s[1] - began_s[0] < 12.0 + late.total_s
 
 
 async def test_damaged_frames_cost_only_themselves(library: Path) -> None:
