@@ -1,4 +1,4 @@
-"""Plays one recording at a time, which a dashboard page chooses, from any time of it."""
+"""Plays one recording at a time; a page of the dashboard chooses the recording and the start time."""
 
 from __future__ import annotations
 
@@ -42,9 +42,9 @@ class Playback:
         return self._task is not None and not self._task.done()
 
     async def start(self, name: str, settings: PlaySettings) -> None:
-        """Play a recording instead of the one before. Raises ConfigError, RecordingError, GraphError."""
+        """Play a recording; the current one ends. Raises ConfigError, RecordingError, GraphError."""
         if not MIN_RATE <= settings.rate <= MAX_RATE:
-            raise ConfigError(f"a recording is played at a rate from {MIN_RATE:g} to {MAX_RATE:g}")
+            raise ConfigError(f"the rate must be from {MIN_RATE:g} to {MAX_RATE:g}, not {settings.rate:g}")
         async with self._turn:
             await self._end()
             path = await asyncio.to_thread(self._find, name)

@@ -98,7 +98,7 @@ async def test_it_is_paused_and_ended(stage: Stage) -> None:
 async def test_what_cannot_be_played(stage: Stage, tmp_path: Path) -> None:
     with pytest.raises(ConfigError, match=r"no recording 'other\.bag'"):
         await stage.playback.start("other.bag", PlaySettings())
-    with pytest.raises(ConfigError, match=r"rate from 0\.1 to 10"):
+    with pytest.raises(ConfigError, match=r"rate must be from 0\.1 to 10, not 0"):
         await stage.playback.start("other.bag", PlaySettings(rate=0))
     (tmp_path / "broken.bag").write_bytes(b"no bag")
     with pytest.raises(RecordingError):

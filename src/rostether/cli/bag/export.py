@@ -1,4 +1,4 @@
-"""`rostether export`: writes the messages of a recording as CSV or Parquet."""
+"""`rostether export`: writes the messages of a recording as CSV or Parquet, or its pictures as files."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The nodes of rosserial_server as roles: their names and parameters, with our bridge.
+"""The nodes of rosserial_server as roles: their names and parameters, with rostether's bridge.
 
 serial_node             ~port /dev/ttyACM0, ~baud 57600
 socket_node             ~port 11411, ~listen

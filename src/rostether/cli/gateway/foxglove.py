@@ -265,5 +265,5 @@ def _packages(msg_paths: Sequence[Path]) -> Mapping[str, Path]:
     from rostether.packages.search_path import find_packages
 
     given = find_packages([each.expanduser() for each in msg_paths])
-    # If a ROS 2 is sourced, robots' meshes are in its installation.
+    # If a ROS 2 installation is sourced, it contains meshes of robots.
     return installed_packages(install_prefixes(os.environ)) | package_folders(os.environ, Path.cwd()) | given
