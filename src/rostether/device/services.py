@@ -107,9 +107,10 @@ class ServiceClient(Declared, Generic[Response]):
     async def call(
         self, request: Fields | None = None, /, *, timeout_s: float = 5.0, **fields: Any
     ) -> Response:
-        """Call and return the response; waits for the host to connect and for calls before this one.
+        """Call the service and return its response.
 
-        Raises ServiceTimeoutError, ServiceUnavailableError, SerializationError.
+        The call waits for the host to connect, and for earlier calls. Raises ServiceTimeoutError,
+        ServiceUnavailableError, SerializationError.
         """
         payload = self._request_codec.encode_given(request, fields)
         try:

@@ -120,7 +120,7 @@ class TypedServiceClient(Generic[Response]):
     async def call(
         self, request: MessageLike | None = None, /, *, timeout_s: float | None = None, **fields: Any
     ) -> Response:
-        """Call and return the response; the request is given whole, or by its fields.
+        """Call the service and return its response; the request is given whole, or by its fields.
 
         Raises ServiceUnavailableError, ServiceTimeoutError, ServiceCallError, SerializationError.
         """

@@ -59,7 +59,7 @@ class TagReader:
         """Return a boolean attribute; False if it is missing."""
         text = self.optional(element, scope, name)
         if text is not None and text.lower() not in ("true", "false"):
-            raise LaunchError(f"{name}={text!r} is not true or false")
+            raise LaunchError(f"{name}={text!r} is not true or false; write one of them")
         return text is not None and text.lower() == "true"
 
     def number(self, element: XmlElement, scope: Scope, name: str) -> float:

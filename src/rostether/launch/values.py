@@ -35,7 +35,7 @@ def as_bool(text: str) -> bool:
         return True
     if word in ("false", "0"):
         return False
-    raise LaunchError(f"{text!r} is not true or false")
+    raise LaunchError(f"{text!r} is not true or false; write one of them")
 
 
 def check(name: str, value: Any) -> None:

@@ -9,22 +9,19 @@ import click
 
 from rostether.cli.access.graph_options import GraphOptions
 from rostether.cli.access.options import refuse_ros2_only
-from rostether.cli.access.ros1_access import master_client, read_environment
+from rostether.cli.access.ros1_access import master_client, read_environment, resolve
 from rostether.cli.param.params import GetOptions, ParamListing, SetOptions
 from rostether.cli.shell.input import read_bytes, read_text
 from rostether.cli.shell.output import warn, write_json, write_line, write_result
 from rostether.cli.shell.running import run
 from rostether.errors import ConfigError, InvalidNameError, UnknownNameError
 from rostether.mechanisms.text import did_you_mean, escape_line
+from rostether.names.graph_name import SEPARATOR, canonical, is_global
 from rostether.ros1.environment import RosEnvironment
+from rostether.ros1.node.master_client import MasterClient
 
 if TYPE_CHECKING:
     from rostether.graph.ports import ParamValue
-
-
-from rostether.cli.access.ros1_access import resolve
-from rostether.names.graph_name import SEPARATOR, canonical, is_global
-from rostether.ros1.node.master_client import MasterClient
 
 
 class Ros1Params:
