@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Iterator
+from pathlib import Path
 
 import pytest
 
@@ -15,8 +16,9 @@ def no_router(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.fixture
-def shell(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> Shell:
-    """Commands, in an environment without ROS; nobody answers at its master's address."""
+def shell(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Shell:
+    """Commands, in an empty folder and an environment without ROS; nobody answers at its master's address."""
+    monkeypatch.chdir(tmp_path)
     for name in ("ROS_NAMESPACE", "ROS_IP", "ROS_HOSTNAME", "ROS_PACKAGE_PATH"):
         monkeypatch.delenv(name, raising=False)
     monkeypatch.setenv("ROS_MASTER_URI", "http://127.0.0.1:9")
