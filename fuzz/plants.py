@@ -27,8 +27,8 @@ _ALL = (
         "frame-limit-off-by-one",
         "frame_decoder",
         "rostether.rosserial.frame_scan",
-        "if length > self._most(topic_id) or length > self._max_payload_bytes:",
-        "if length > self._most(topic_id) + 1:",
+        "if length > self._max_length(topic_id) or length > self._max_payload_bytes:",
+        "if length > self._max_length(topic_id) + 1:",
     ),
     Plant(
         "frame-resync-one-byte-too-far",

@@ -140,11 +140,35 @@ def run(data: bytes) -> None:
         asyncio.run(_converse(data.decode("utf-8", "replace").split("\n")))
 
 
+class _Connection:
+    """Replaces the connection of a line: all lines were sent."""
+
+    peer = "a client"
+
+    def pause_reading(self) -> None:
+        """Do nothing."""
+
+    def resume_reading(self) -> None:
+        """Do nothing."""
+
+
+class _DataOutlet:
+    """Checks the messages of topics; none waits."""
+
+    def send(self, subscription_id: int, time_ns: int, payloads: Sequence[bytes]) -> None:
+        """Check messages of a topic."""
+        assert 0 <= subscription_id < 1 << 32
+
+    def forget(self, subscription_id: int) -> None:
+        """Do nothing."""
+
+
 class _Line:
-    """Replaces a connection: checks the messages that the client receives."""
+    """Replaces the line to a client: checks the messages that it receives."""
 
     def __init__(self) -> None:
-        self.peer = "a client"
+        self.connection = _Connection()
+        self.data = _DataOutlet()
         self.answered = asyncio.Event()
         self.mistakes = 0
 
@@ -164,19 +188,6 @@ class _Line:
     async def send_large(self, message: bytes) -> None:
         """Check an answer of any size."""
         self.send(message)
-
-    def send_data(self, subscription_id: int, time_ns: int, payloads: Sequence[bytes]) -> None:
-        """Check a message of a topic."""
-        assert 0 <= subscription_id < 1 << 32
-
-    def forget(self, subscription_id: int) -> None:
-        """Do nothing: no message waits."""
-
-    def pause_reading(self) -> None:
-        """Do nothing: all lines were sent."""
-
-    def resume_reading(self) -> None:
-        """Do nothing."""
 
 
 class _Failures(logging.Handler):
