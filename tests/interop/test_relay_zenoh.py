@@ -82,7 +82,7 @@ async def listen(target: Graph, topic: str, taken: MessageType) -> Inbox:
     return inbox
 
 
-@pytest.mark.parametrize("is_forth", [True, False])
+@pytest.mark.parametrize("to_ros2", [True, False])
 @pytest.mark.parametrize(
     ("type_name", "fields"),
     [
@@ -91,8 +91,8 @@ async def listen(target: Graph, topic: str, taken: MessageType) -> Inbox:
         ("std_msgs/Time", {}),
     ],
 )
-async def test_topics(world: World, type_name: str, fields: dict[str, object], *, is_forth: bool) -> None:
-    source, target = (world.ros1, world.ros2) if is_forth else (world.ros2, world.ros1)
+async def test_topics(world: World, type_name: str, fields: dict[str, object], *, to_ros2: bool) -> None:
+    source, target = (world.ros1, world.ros2) if to_ros2 else (world.ros2, world.ros1)
     message_type = STORE.registry.message_type(type_name)
     message = STORE.codec(type_name).encode(fields)
     talker = await source.advertise("/data", message_type)
@@ -136,9 +136,9 @@ async def test_a_subscriber_of_any_type_receives_ros2(world: World) -> None:
     assert inbox.headers[0]["type"] == "std_msgs/String"
 
 
-@pytest.mark.parametrize("is_forth", [True, False])
-async def test_services(world: World, *, is_forth: bool) -> None:
-    source, target = (world.ros1, world.ros2) if is_forth else (world.ros2, world.ros1)
+@pytest.mark.parametrize("to_ros2", [True, False])
+async def test_services(world: World, *, to_ros2: bool) -> None:
+    source, target = (world.ros1, world.ros2) if to_ros2 else (world.ros2, world.ros1)
 
     async def echo(request: bytes) -> bytes:
         return b"\1" + request

@@ -17,7 +17,7 @@ case = CaseList()
 async def check_sent(client: CheckedClient) -> None:
     """All bytes from the client are valid frames."""
     if client.damage:
-        raise Deviation(f"{len(client.damage)} times other bytes, first {client.damage[0]}")
+        raise Deviation(f"{len(client.damage)} invalid frames or stray bytes, first {client.damage[0]}")
 
 
 CASES: tuple[Case, ...] = (

@@ -17,7 +17,7 @@ from rostether.firmware.elf import ElfFile
 MAX_PATHS = 50_000
 
 # Of two similar callbacks, one may already be on the path.
-_KEPT_OF_A_SHAPE = 2
+_KEPT_PER_SHAPE = 2
 # The node handle limits the recursion of its own functions.
 _BOUNDED = "_ZN3ros"
 
@@ -129,7 +129,7 @@ class _Search:
             calls.sort(key=lambda call: (-call[1], -self._closed_path(call[0]).depth_bytes, call[0]))
             kept: list[tuple[int, int]] = []
             for call in calls:
-                if sum(self._dominates(each, call) for each in kept) < _KEPT_OF_A_SHAPE:
+                if sum(self._dominates(each, call) for each in kept) < _KEPT_PER_SHAPE:
                     kept.append(call)
             self._open[entry] = kept
         return self._open[entry]

@@ -1,4 +1,4 @@
-"""Values of clients in errors."""
+"""Formats values from clients for error texts."""
 
 from __future__ import annotations
 

@@ -18,7 +18,7 @@ MAX_DEPTH = 32
 MAX_FIXED_VALUES = 1 << 20
 
 # A fixed array of bytes is one value in memory, so it counts by size only.
-_BYTES_A_VALUE = 256
+_BYTES_PER_VALUE = 256
 
 
 class _Type(Protocol):
@@ -111,4 +111,4 @@ def _primitive_values(field: _Field) -> int:
     length = field.type.length
     if not field.type.is_array or length is None:
         return 1
-    return 1 + length // _BYTES_A_VALUE if field.type.base in ("uint8", "char", "byte") else length
+    return 1 + length // _BYTES_PER_VALUE if field.type.base in ("uint8", "char", "byte") else length

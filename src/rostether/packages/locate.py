@@ -1,4 +1,4 @@
-"""Finds the package folders of a command: in ROS_PACKAGE_PATH, in the workspace around it, and below.
+"""Finds the packages that a command can use: in ROS_PACKAGE_PATH, and around and below the current folder.
 
 The first of two packages with the same name is used, as in a catkin overlay. The order is:
 

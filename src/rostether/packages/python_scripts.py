@@ -64,7 +64,7 @@ def _examine_all(script: Path) -> Iterator[tuple[Path, int, list[str]]]:
 
 
 def _examine(script: Path) -> tuple[int, list[str]]:
-    """Return the first line that only Python 2 reads, 0 if there is none, and the imported modules."""
+    """Return the line of the first Python 2 code, 0 if there is none, and the imported modules."""
     data = _read(script)
     text = data.decode(errors="replace")
     line = 0

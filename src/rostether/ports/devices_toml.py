@@ -113,7 +113,7 @@ def _limits(table: TomlTable) -> dict[str, float]:
     for key, limit in BOARD_LIMITS.items():
         value = (
             table.number(key, limit.lowest, limit.highest)
-            if may_be_broken(key)
+            if may_be_fractional(key)
             else table.whole(key, int(limit.lowest), int(limit.highest))
         )
         if value is not None:
@@ -180,6 +180,6 @@ BOARD_LIMITS = {
 }
 
 
-def may_be_broken(key: str) -> bool:
+def may_be_fractional(key: str) -> bool:
     """Return whether a limit is a time or a rate, which may have a fraction."""
     return key.endswith(("_s", "_hz"))

@@ -81,7 +81,7 @@ _CABLE_ADAPTERS = frozenset({(0x0403, 0x6010), (0x0403, 0x6014), (0x067B, 0x2303
 
 
 class Kind(Enum):
-    """The device with a USB id."""
+    """Whether a USB id belongs to a board."""
 
     BOARD = auto()
     LIKELY_BOARD = auto()

@@ -109,7 +109,7 @@ def lock_active(active: Path, path: Path, report: Callable[[str], None]) -> File
         return lock
     lock.release()
     report(
-        f"{active} is of a recorder that was killed: renamed it to {kept.name}; "
+        f"{active} was left by a recorder that was killed: renamed it to {kept.name}; "
         f"`rostether bag reindex {kept}` gives it an index"
     )
     return FileLock(active)

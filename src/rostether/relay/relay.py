@@ -280,8 +280,8 @@ class Relay:
             return ServiceRelay(item.name, item.source, item.target, item.chosen_type)
         assert self._actions_join is not None
         ros1, _ = self._sides
-        is_forth = item.source is ros1
-        return ActionRelay(item.name, item.chosen_type, ros1.graph, self._actions_join, to_ros2=is_forth)
+        to_ros2 = item.source is ros1
+        return ActionRelay(item.name, item.chosen_type, ros1.graph, self._actions_join, to_ros2=to_ros2)
 
     async def _end(
         self, relay: TopicRelay | ServiceRelay | ActionRelay, item: RelayItem, *, was_open: bool

@@ -202,7 +202,7 @@ def _is_ip_address(host: str) -> bool:
 
 
 def _network_address() -> str:
-    # To connect a datagram socket sends nothing; it only selects the interface of the route.
+    # Connecting a datagram socket sends nothing; it only selects the interface of the route.
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
         try:
             probe.connect(("192.0.2.1", 9))

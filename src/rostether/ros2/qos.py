@@ -40,7 +40,7 @@ class Qos:
 
     @property
     def is_latching(self) -> bool:
-        """Whether it means latched, in the words of ROS 1."""
+        """Whether the publisher is latched, in terms of ROS 1."""
         return self.durability is Durability.TRANSIENT_LOCAL
 
 

@@ -62,4 +62,4 @@ def _check(messages: list[Ros2Message], name: str, type_hash: str) -> None:
     source = Ros2Definitions(bundled=False)
     source.add(messages)
     if not source.has(name) or rihs01(source.message(name), source) != type_hash:
-        raise DefinitionError(f"it describes another type than {name} with the hash {type_hash}")
+        raise DefinitionError(f"it does not describe {name} with the hash {type_hash}")

@@ -155,7 +155,7 @@ def load_own_certificate(context: ssl.SSLContext, certificate: str, key: str | N
 def _find_date_fault(certificate: Path, key: Path) -> str | None:
     """Return why the dates of a certificate are wrong now, None if they are right.
 
-    Python reads the dates only in a handshake, so this is one in memory, of the certificate with itself.
+    Python checks the dates only in a handshake, so this runs one in memory. The peer trusts the certificate.
     """
     import ssl
 

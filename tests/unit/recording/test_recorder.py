@@ -132,7 +132,7 @@ async def test_what_a_killed_recorder_has_left_is_kept(stage: Stage) -> None:
             await asyncio.sleep(0.005)
         await _end(task)
         assert (
-            f"0.bag.active is of a recorder that was killed: renamed it to 0.killed-{number}.bag; "
+            f"0.bag.active was left by a recorder that was killed: renamed it to 0.killed-{number}.bag; "
             in (stage.lines[0])
         )
         reader = BagReader(stage.folder / f"0.killed-{number}.bag")

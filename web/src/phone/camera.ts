@@ -47,7 +47,7 @@ export const camera: Sensor = {
       if (!passes(performance.now())) return;
       lastS = video.currentTime;
       const measuredMs = pageTimeMs();
-      // The camera may have other sizes than the one that was chosen; its proportions are kept.
+      // The camera may not offer the chosen size; its proportions are kept.
       const scale = Math.min(1, width / video.videoWidth, height / video.videoHeight);
       canvas.width = Math.round(video.videoWidth * scale);
       canvas.height = Math.round(video.videoHeight * scale);

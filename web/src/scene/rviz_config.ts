@@ -1,6 +1,6 @@
 // Reads the fixed frame and the displays of a .rviz file.
 export interface RvizDisplay {
-  /** Such as `rviz/LaserScan` or `rviz_default_plugins/LaserScan`, without the package. */
+  /** The class without its package: `LaserScan` for `rviz/LaserScan` and `rviz_default_plugins/LaserScan`. */
   readonly kind: string;
   readonly enabled: boolean;
   readonly topic: string;
@@ -12,7 +12,7 @@ export interface RvizConfig {
 
 type Tree = { [key: string]: Tree | Tree[] | string };
 
-/** RViz' own files have hundreds of lines. */
+/** Files of RViz have hundreds of lines. */
 const MAX_LINES = 20_000;
 
 /**

@@ -7,7 +7,7 @@ import { MAX_FRAMES, TfBuffer } from "./tf_buffer.ts";
 
 const STATIC_TOPIC = "/tf_static";
 
-// A static transform arrives once for each subscription, and panels share one: each starts with the earlier ones.
+// Panels share one subscription, which receives each static transform once: a new panel starts with those received before.
 const staticTransforms = new WeakMap<Feed, Map<string, Received>>();
 
 interface Received {

@@ -7,8 +7,8 @@
 //   nh.getHardware()->setConnection(server, 11411);
 //   nh.initNode();
 //
-// The client is EthernetClient, or WiFiClient on boards whose Wi-Fi is built in and with ROSSERIAL_ARDUINO_WIFI.
-// Any other class with Arduino's Client interface: ros::NodeHandle_<ArduinoTcpHardware<ThatClient> >.
+// The client is EthernetClient; on boards with built-in Wi-Fi, or with ROSSERIAL_ARDUINO_WIFI, it is WiFiClient.
+// For any other class with Arduino's Client interface, use ros::NodeHandle_<ArduinoTcpHardware<ThatClient> >.
 #ifndef ROS_PLATFORM_ARDUINO_TCP_H_
 #define ROS_PLATFORM_ARDUINO_TCP_H_
 

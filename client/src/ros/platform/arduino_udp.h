@@ -7,8 +7,8 @@
 //   nh.getHardware()->setConnection(server, 11411);
 //   nh.initNode();
 //
-// EthernetUDP, or WiFiUDP on boards whose Wi-Fi is built in and with ROSSERIAL_ARDUINO_WIFI. Any other class with
-// Arduino's UDP interface: ros::NodeHandle_<ArduinoUdpHardware<ThatClass> >.
+// The class is EthernetUDP; on boards with built-in Wi-Fi, or with ROSSERIAL_ARDUINO_WIFI, it is WiFiUDP.
+// For any other class with Arduino's UDP interface, use ros::NodeHandle_<ArduinoUdpHardware<ThatClass> >.
 #ifndef ROS_PLATFORM_ARDUINO_UDP_H_
 #define ROS_PLATFORM_ARDUINO_UDP_H_
 
@@ -40,7 +40,7 @@ class ArduinoUdpHardware {
     while (unread_ <= 0) {
       unread_ = udp_.parsePacket();
       if (unread_ <= 0) return -1;
-      // Any program may send to this port; packets from others than the host are dropped.
+      // Any program may send to this port; packets that are not from the host are dropped.
       if (!(udp_.remoteIP() == server_) || udp_.remotePort() != port_) unread_ = 0;
     }
     const int byte = udp_.read();

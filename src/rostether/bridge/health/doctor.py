@@ -9,7 +9,7 @@ findings.
         │
       none, on a real port: try the usual baud rates ── found ──> finding, and watch at that rate
 
-The session that watches is the bridge's own, and so are its findings; only the graph is in memory.
+It uses the session and the findings of the bridge; only the graph is a private one, in memory.
 """
 
 from __future__ import annotations

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from rostether.cli.shell.option_group import PATH, Function, add_flag, add_option
 from rostether.errors import ConfigError
-from rostether.ports.devices_toml import BOARD_LIMITS, Limit, may_be_broken
+from rostether.ports.devices_toml import BOARD_LIMITS, Limit, may_be_fractional
 from rostether.ros1.graph_limits import DEFAULT_GRAPH_LIMITS, GraphLimits
 
 if TYPE_CHECKING:
@@ -120,13 +120,13 @@ def _read(texts: Sequence[str], limits: Mapping[str, Limit]) -> dict[str, float]
         limit = limits.get(name)
         if limit is None or not equals:
             raise ConfigError(f"--limit {text}: write NAME=VALUE, where NAME is one of {', '.join(limits)}")
-        is_broken = may_be_broken(name.replace("-", "_"))
+        is_fractional = may_be_fractional(name.replace("-", "_"))
         try:
-            number = float(value) if is_broken else int(value)
+            number = float(value) if is_fractional else int(value)
         except ValueError:
             number = float("nan")
         if not limit.lowest <= number <= limit.highest:
-            kind = "a number" if is_broken else "a whole number"
+            kind = "a number" if is_fractional else "a whole number"
             raise ConfigError(f"--limit {text}: use {kind} from {limit.lowest:g} to {limit.highest:.10g}")
         given[name] = number
     return given

@@ -157,7 +157,7 @@ class DemoView:
         )
 
     def rate_hz(self, endpoint: EndpointView) -> float:
-        """Return how many messages a second pass an endpoint."""
+        """Return the rate of an endpoint's messages."""
         history = self._history.get(_key(endpoint), deque())
         if len(history) < 2 or history[-1][0] == history[0][0]:
             return 0.0

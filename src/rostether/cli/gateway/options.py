@@ -31,7 +31,7 @@ AUTO = "auto"
 class GatewayOptions:
     """The typed options: the address of each requested gateway (None: not requested), and who may use it.
 
-    Raises ConfigError for an origin that is not one, and for a view token without a different token.
+    Raises ConfigError for an invalid origin, and for a view token without a different token.
     """
 
     rosbridge: str | None = None

@@ -1,4 +1,4 @@
-"""The output of `rosnode info`, and the same as a record for scripts."""
+"""The output of `rosnode info`, as text and as a record for scripts."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ def to_record(
     pid: int | None = None,
     connected: Iterable[Connection] = (),
 ) -> dict[str, Any]:
-    """Return all of it for `--json`; `pid` is null when the node was not asked."""
+    """Return the record for `--json`; `pid` is null when the node was not asked."""
     return {
         "node": name,
         "uri": uri,

@@ -256,7 +256,7 @@ class Ros2Params:
 
 
 async def _types(client: ParameterClient, node: str, names: list[str]) -> dict[str, str]:
-    # Descriptions do not have all types: rclpy has none of parameters that were never declared.
+    # Descriptions lack some types: rclpy describes no parameter that was never declared.
     values = await client.get(node, names) if names else {}
     return {name: _TYPE_WORDS[values.get(name, NOT_SET).type] for name in names}
 
@@ -271,7 +271,7 @@ def _is_below(name: str, prefixes: Iterable[str]) -> bool:
 
 
 def _shown(value: TypedValue) -> str:
-    """Return a value as Python's ROS 2 prints it."""
+    """Return a value as `ros2 param` prints it."""
     if isinstance(value.value, bytes):
         return str([bytes([byte]) for byte in value.value])
     codes = {ParameterType.INTEGER_ARRAY: "q", ParameterType.DOUBLE_ARRAY: "d"}

@@ -85,19 +85,19 @@ class Curves:
                     return True
                 self._count += 1
                 group[path] = deque()
-                self._bound()
+                self._share_points()
             group[path].append((now_s, number))
         return found
 
     def curves(self, since_s: float = -math.inf) -> list[Curve]:
-        """Return the curves with their points from a moment on."""
+        """Return the curves with their points at `since_s` and later, on the clock of `add`."""
         return [
             Curve(name, [point for point in points if point[0] >= since_s])
             for group in self._points.values()
             for name, points in group.items()
         ]
 
-    def _bound(self) -> None:
+    def _share_points(self) -> None:
         limit = MAX_POINTS // self._count
         for group in self._points.values():
             for name, points in group.items():

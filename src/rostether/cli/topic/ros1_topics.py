@@ -71,7 +71,7 @@ class Ros1Topics(Ros1TopicListing):
     def meter(
         self, topics: tuple[str, ...], msg_paths: tuple[Path, ...], *, quiet: bool, needs_definitions: bool
     ) -> AbstractAsyncContextManager[TopicMeter]:
-        """Join the graph and wait for the topics; `quiet` omits the lines about that."""
+        """Join the graph and wait for the topics; `quiet` omits the progress lines."""
         from rostether.cli.topic.meter import ros1_meter
 
         return ros1_meter(self._graph, topics, msg_paths, quiet=quiet)

@@ -61,7 +61,7 @@ class Ros2Topics(Ros2TopicListing):
     def meter(
         self, topics: tuple[str, ...], msg_paths: tuple[Path, ...], *, quiet: bool, needs_definitions: bool
     ) -> AbstractAsyncContextManager[TopicMeter]:
-        """Join the graph and wait for the topics; `quiet` omits the lines about that."""
+        """Join the graph and wait for the topics; `quiet` omits the progress lines."""
         from rostether.cli.topic.meter import ros2_meter
 
         return ros2_meter(self._graph, topics, msg_paths, quiet=quiet, needs_definitions=needs_definitions)
@@ -122,8 +122,8 @@ async def _wait_for_subscribers(publisher: TypedPublisher[...], times: int, opti
         now_s = time.monotonic()
         if options.max_wait_s is not None and now_s - begin_s > options.max_wait_s:
             raise GraphError(
-                f"{publisher.topic} has no subscriber after {options.max_wait_s:g} s; "
-                "-w 0 publishes without waiting"
+                f"{publisher.topic} has {publisher.subscriber_count} of {wanted} subscribers after "
+                f"{options.max_wait_s:g} s; -w 0 publishes without waiting"
             )
         if now_s >= reported_s:
             write_line(f"Waiting for at least {wanted} matching subscription(s)...")

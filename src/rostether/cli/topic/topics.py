@@ -37,7 +37,7 @@ class Topics(Protocol):
     def meter(
         self, topics: tuple[str, ...], msg_paths: tuple[Path, ...], *, quiet: bool, needs_definitions: bool
     ) -> AbstractAsyncContextManager[TopicMeter]:
-        """Join the graph and wait for the topics; `quiet` omits the lines about that.
+        """Join the graph and wait for the topics; `quiet` omits the progress lines.
 
         Definitions are needed only to decode messages.
         """

@@ -12,11 +12,11 @@ from rostether.gateways.foxglove import server_messages as replies
 from rostether.gateways.foxglove.client_parameters import ClientParameters
 from rostether.gateways.foxglove.client_parser import parse_binary, parse_text
 from rostether.gateways.foxglove.client_recordings import ClientRecordings
+from rostether.gateways.foxglove.client_sender import ClientSender
 from rostether.gateways.foxglove.client_topics import ClientTopic
 from rostether.gateways.foxglove.client_work import ClientWork
 from rostether.gateways.foxglove.driven_topic import DrivenTopic
 from rostether.gateways.foxglove.gateway_context import GatewayContext
-from rostether.gateways.foxglove.line import Line
 from rostether.gateways.foxglove.server_messages import Channel, StatusLevel
 from rostether.gateways.foxglove.subscription import DroppedReport, Subscription
 from rostether.gateways.websocket.admission import Rights
@@ -29,16 +29,16 @@ _VIEW_ONLY = "this connection may only view: open the page with the full token t
 
 
 class Client:
-    """One client; `line` is its connection, and `on_closed` is called when that has ended."""
+    """One client; `sender` sends to it, and `on_closed` is called when that has ended."""
 
     def __init__(
         self,
         context: GatewayContext,
-        line: Line,
+        sender: ClientSender,
         on_closed: Callable[[Client], None],
         rights: Rights = Rights.FULL,
     ) -> None:
-        self.line = line
+        self.sender = sender
         self.rights = rights
         self.wants_connection_graph = False
         self._context = context
@@ -47,11 +47,11 @@ class Client:
         self._by_channel: dict[int, Subscription] = {}
         self._topics: dict[int, ClientTopic | DrivenTopic] = {}
         self._work = ClientWork()
-        self._parameters = ClientParameters(context, self._work, line.send, self.report_mistake)
-        self._recordings = ClientRecordings(context, self._work, line.send, self.report_mistake)
+        self._parameters = ClientParameters(context, self._work, sender.send, self.report_mistake)
+        self._recordings = ClientRecordings(context, self._work, sender.send, self.report_mistake)
         self._fetching = asyncio.Semaphore(1)
         self._mistakes = 0
-        self._dropped = DroppedReport(line.send)
+        self._dropped = DroppedReport(sender.send)
         self._waiting_publishers = 0
         self._handlers: dict[type, Callable[[Any], None]] = {
             requests.Subscribe: self._subscribe,
@@ -116,7 +116,7 @@ class Client:
 
     def status(self, level: StatusLevel, text: str, status_id: str | None = None) -> None:
         """Show a line to the client's user."""
-        self.line.send(replies.status(level, text, status_id))
+        self.sender.send(replies.status(level, text, status_id))
 
     def report_mistake(self, text: str) -> None:
         """Report a mistake to the client, up to a limit."""
@@ -147,7 +147,7 @@ class Client:
                 self.report_mistake(f"a client may have at most {most} subscriptions; unsubscribe some")
             else:
                 subscription = Subscription(
-                    subscription_id, channel, self.line, self._context.channels, self._context.clock.now_ns
+                    subscription_id, channel, self.sender, self._context.channels, self._context.clock.now_ns
                 )
                 self._subscriptions[subscription_id] = self._by_channel[channel_id] = subscription
                 subscription.open(self._context.shared, self.report_mistake)
@@ -179,11 +179,11 @@ class Client:
         if channel.driver is None or teleop is None:
             return ClientTopic(channel, self.report_mistake)
         return DrivenTopic(
-            channel, self.line.connection.peer, teleop, self._report_drive, self.report_mistake
+            channel, self.sender.connection.peer, teleop, self._report_drive, self.report_mistake
         )
 
     def _report_drive(self, state: Mapping[str, Any]) -> None:
-        self.line.send(replies.drive(state))
+        self.sender.send(replies.drive(state))
 
     def _may_publish(self, topic: str) -> bool:
         try:
@@ -208,17 +208,17 @@ class Client:
 
     async def _wait_for(self, room: Awaitable[object]) -> None:
         self._waiting_publishers += 1
-        self.line.connection.pause_reading()
+        self.sender.connection.pause_reading()
         try:
             await room
         finally:
             self._waiting_publishers -= 1
             if not self._waiting_publishers:
-                self.line.connection.resume_reading()
+                self.sender.connection.resume_reading()
 
     def _call(self, request: requests.ServiceRequest) -> None:
         def fail(text: str) -> None:
-            self.line.send(replies.service_failure(request.service_id, request.call_id, text))
+            self.sender.send(replies.service_failure(request.service_id, request.call_id, text))
 
         service = self._context.services.by_id.get(request.service_id)
         if service is None:
@@ -229,7 +229,7 @@ class Client:
             answer = await self._context.services.call(
                 service, request.encoding, request.payload, self._context.limits.call_timeout_s
             )
-            await self.line.send_large(
+            await self.sender.send_large(
                 replies.service_response(request.service_id, request.call_id, request.encoding, answer)
             )
 
@@ -238,24 +238,24 @@ class Client:
     def _watch_graph(self, _: requests.SubscribeConnectionGraph) -> None:
         if not self.wants_connection_graph:
             self.wants_connection_graph = True
-            self.line.send(replies.connection_graph_update(self._context.connections.whole()))
+            self.sender.send(replies.connection_graph_update(self._context.connections.whole()))
 
     def _unwatch_graph(self, _: requests.UnsubscribeConnectionGraph) -> None:
         self.wants_connection_graph = False
 
     def _send_time(self, request: requests.AskTime) -> None:
-        self.line.send(replies.time_answer(request.request_id, self._context.clock.now_ns()))
+        self.sender.send(replies.time_answer(request.request_id, self._context.clock.now_ns()))
 
     def _fetch(self, request: requests.FetchAsset) -> None:
         async def fetch() -> None:
             # One at a time: each may be large, and the client reads it before the next is read.
             head = replies.asset_head(request.request_id)
             async with self._fetching, self._context.assets.reading(request.uri, head) as message:
-                await self.line.send_large(message)
+                await self.sender.send_large(message)
 
         self._work.ask(
             fetch,
-            lambda text: self.line.send(replies.asset_failure(request.request_id, text)),
+            lambda text: self.sender.send(replies.asset_failure(request.request_id, text)),
             self._context.limits.assets,
             "assets",
         )
@@ -264,6 +264,6 @@ class Client:
 
     def _refuse(self, request: object) -> None:
         if isinstance(request, requests.ServiceRequest):
-            self.line.send(replies.service_failure(request.service_id, request.call_id, _VIEW_ONLY))
+            self.sender.send(replies.service_failure(request.service_id, request.call_id, _VIEW_ONLY))
         else:
             self.report_mistake(_VIEW_ONLY)

@@ -46,7 +46,7 @@ class DrivenTopic:
         self._reported: tuple[str, str] | None = None
         # The last command that arrived before the topic was open.
         self._early: bytes | None = None
-        # Opens the topic, again after its node was shut down.
+        # Opens the topic; called again after its node was shut down.
         self._start: Callable[[], Coroutine[Any, Any, None]] | None = None
         self._has_ended = False
 

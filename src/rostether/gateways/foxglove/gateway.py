@@ -21,10 +21,10 @@ from rostether.gateways.foxglove import server_messages as replies
 from rostether.gateways.foxglove.assets import Assets, FindPackages
 from rostether.gateways.foxglove.channels import Channels
 from rostether.gateways.foxglove.client import Client
+from rostether.gateways.foxglove.client_sender import HIGH_WATER_BYTES, ClientSender
 from rostether.gateways.foxglove.connection_graph import ConnectionGraph
 from rostether.gateways.foxglove.dashboard_parts import DashboardParts
 from rostether.gateways.foxglove.gateway_context import GatewayContext
-from rostether.gateways.foxglove.line import HIGH_WATER_BYTES, Line
 from rostether.gateways.foxglove.parameters import Parameters
 from rostether.gateways.foxglove.recording_control import RecordingReports
 from rostether.gateways.foxglove.server_messages import Channel, OfferedService, StatusLevel
@@ -178,7 +178,7 @@ class FoxgloveGateway(BlockClosable):
         ]
         if context.clock.is_simulated:
             capabilities.append(_TIME_CAPABILITY)
-        send = client.line.send
+        send = client.sender.send
         send(
             replies.server_info(
                 name=settings.name,
@@ -211,12 +211,12 @@ class FoxgloveGateway(BlockClosable):
     def _warn(self, text: str) -> None:
         self._report(Level.WARN, f"{self.context.settings.label}: {text}")
 
-    def _open_client(self, connection: Connection) -> Line:
-        line = Line(connection, self.context.limits)
+    def _open_client(self, connection: Connection) -> ClientSender:
+        sender = ClientSender(connection, self.context.limits)
         rights = self._server.admission.rights(connection.path, connection.headers)
-        client = line.user = Client(self.context, line, self.forget, rights)
+        client = sender.user = Client(self.context, sender, self.forget, rights)
         self.add_client(client)
-        return line
+        return sender
 
     async def _follow(self) -> None:
         context = self.context
@@ -230,7 +230,7 @@ class FoxgloveGateway(BlockClosable):
                         message = replies.connection_graph_update(changes)
                         for client in self._clients:
                             if client.wants_connection_graph:
-                                client.line.send(message)
+                                client.sender.send(message)
             except RostetherError as error:
                 self._warn(f"the graph cannot be read: {error}")
             await asyncio.sleep(_RETRY_S)
@@ -255,7 +255,7 @@ class FoxgloveGateway(BlockClosable):
 
     def _broadcast(self, message: str | bytes) -> None:
         for client in list(self._clients):
-            client.line.send(message)
+            client.sender.send(message)
 
     def _offer_channels(self, channels: Sequence[Channel]) -> None:
         if self._clients:
@@ -291,4 +291,4 @@ class FoxgloveGateway(BlockClosable):
         # Each connection gets the clock only once.
         self._session_id = str(time.time_ns())
         for client in list(self._clients):
-            client.line.close(_SERVICE_RESTART, "the clock has changed")
+            client.sender.close(_SERVICE_RESTART, "the clock has changed")

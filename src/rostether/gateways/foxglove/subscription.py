@@ -8,7 +8,7 @@ from collections.abc import Callable
 from rostether.errors import RostetherError
 from rostether.gateways.foxglove import server_messages as replies
 from rostether.gateways.foxglove.channels import Channels
-from rostether.gateways.foxglove.line import Line
+from rostether.gateways.foxglove.client_sender import ClientSender
 from rostether.gateways.foxglove.server_messages import Channel, StatusLevel
 from rostether.gateways.shared_subscriptions import (
     Batch,
@@ -31,13 +31,13 @@ class Subscription:
         self,
         subscription_id: int,
         channel: Channel,
-        line: Line,
+        sender: ClientSender,
         channels: Channels,
         now_ns: Callable[[], int],
     ) -> None:
         self.id = subscription_id
         self.channel = channel
-        self._line = line
+        self._sender = sender
         self._channels = channels
         self._now_ns = now_ns
         self._md5sums = (channel.type.md5sum, ANY_MD5SUM)
@@ -52,7 +52,7 @@ class Subscription:
     async def close(self) -> None:
         """Unsubscribe; nothing is sent from now on."""
         self._is_closed = True
-        self._line.data.forget(self.id)
+        self._sender.data.forget(self.id)
         if self._opening is not None:
             await asyncio.wait([self._opening])
         if self._share is not None:
@@ -70,7 +70,7 @@ class Subscription:
     def _send_batch(self, batch: Batch) -> None:
         # Clients would decode messages of another type incorrectly.
         if not self._is_closed and batch.connection.type.md5sum in self._md5sums:
-            self._line.data.send(self.id, self._now_ns(), batch.payloads)
+            self._sender.data.send(self.id, self._now_ns(), batch.payloads)
 
 
 class DroppedReport:

@@ -31,7 +31,8 @@ from rostether.transports.tls import ListenerTls, TlsFiles
 _LOOPBACK_HOSTS = ("127.0.0.1", "::1")
 _EVERYWHERE = ("", "0.0.0.0", "::")  # noqa: S104 - compared, not bound
 
-# One machine must not keep all others out. All programs of this machine have one address, without this limit.
+# One machine must not keep all others out. The limit does not apply to this machine, whose programs share one
+# address.
 _HOST_SHARE = 0.5
 
 # The time for clients to answer a close when the server ends.

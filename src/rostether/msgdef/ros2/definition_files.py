@@ -38,7 +38,7 @@ _PREFIX_VARIABLES = ("AMENT_PREFIX_PATH", "COLCON_PREFIX_PATH")
 
 
 class Declared(Enum):
-    """The definitions that a package.xml lists."""
+    """The ROS version for which a package.xml declares definitions."""
 
     ROS1 = auto()
     ROS2 = auto()
@@ -115,7 +115,7 @@ class InstalledPackages:
 
 
 def declared_by(file: Path) -> Declared:
-    """Return the facts in the package.xml beside or above a definition's folder."""
+    """Return the ROS version that the package.xml in or above a definition's folder declares."""
     for folder in (file.parent, file.parent.parent):
         try:
             with (folder / "package.xml").open("rb") as stream:

@@ -129,7 +129,7 @@ class _Check:
         found = self._found.chunks.pop(index.position, None)
         if found is None:
             self.report(
-                f"its summary names a chunk at byte {index.position}, but there is none, or it lists it twice"
+                f"its summary lists a chunk at byte {index.position} that does not exist, or lists it twice"
             )
             return
         chunk = found.chunk

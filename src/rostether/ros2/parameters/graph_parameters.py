@@ -48,7 +48,7 @@ class GraphParameters:
         self._watches = ParameterWatches(own, graph, self._value_or_none)
 
     async def get(self, name: str) -> ParamValue:
-        """Return a value or tree; on the own node, an unset parameter is declared. Raises
+        """Return a value or tree; on our own node, an unset parameter is declared. Raises
         UnknownNameError.
         """
         place = await self._locate(name)
@@ -114,7 +114,7 @@ class GraphParameters:
         await self._watches.close()
 
     async def _locate(self, name: str) -> ParameterPath:
-        # A name below the own node may be below another node with a longer name.
+        # A name below our own node may be below another node with a longer name.
         return locate(name, (await self._graph.snapshot()).nodes, self._node)
 
     async def _value_or_none(self, name: str) -> ParamValue:

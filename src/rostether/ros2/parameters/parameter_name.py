@@ -28,7 +28,7 @@ class ParameterPath(NamedTuple):
 def locate(full_name: str, nodes: Iterable[str], own_node: str) -> ParameterPath:
     """Return the owner of a parameter: the node with the longest name above the parameter's full name.
 
-    A name that is not below any node is a parameter of the own node.
+    A name that is not below any node is a parameter of `own_node`.
     """
     above = [node for node in (*nodes, own_node) if _is_below(full_name, node) or full_name == node]
     if above:

@@ -1,4 +1,4 @@
-"""The own node's parameters, which rclpy stores and offers through services."""
+"""The parameters of our own node, which rclpy stores and offers through services."""
 
 from __future__ import annotations
 

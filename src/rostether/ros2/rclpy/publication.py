@@ -85,7 +85,8 @@ class Publication:
     def publish(self, payloads: Sequence[bytes]) -> bool:
         """Send to every subscriber, in order; in the event loop.
 
-        False if latched messages wait; otherwise no subscriber of ROS 2 slows its publishers down.
+        Returns False if latched messages wait for acknowledgements. Otherwise a publisher never waits for its
+        subscribers.
         """
         publisher = self._publisher
         # Without subscribers, messages cost nothing.

@@ -1,7 +1,7 @@
-"""Quality of service of the own publishers and subscribers, and the reasons for mismatches.
+"""Quality of service of this node's endpoints, and the reasons for mismatches.
 
-A subscriber gets nothing from a publisher that offers less than requested. So own publishers offer the most,
-and own subscribers request what all current publishers offer.
+A subscriber gets nothing from a publisher that offers less than requested. So the publishers of this node
+offer the most, and its subscribers request what all current publishers offer.
 """
 
 from __future__ import annotations
@@ -18,7 +18,8 @@ from rostether.ros2.rclpy.view import node_name_of
 # not lost on a machine that is busy for a moment.
 PUBLISHER_DEPTH: Final = 1000
 
-# Messages kept until the executor's thread reads them: 200 ms at that rate, longer than creating a node.
+# Messages kept until the executor's thread reads them: 200 ms at that rate, longer than it takes to create a
+# node.
 SUBSCRIBER_DEPTH: Final = 4000
 
 # A latched topic of ROS 1 sends only its last message to new subscribers.
@@ -60,7 +61,7 @@ def subscriber_profile(quality: SubscriberQuality) -> Any:
 
 
 def service_profile() -> Any:
-    """Return the profile of own servers and clients: rcl's with a longer queue (need not match)."""
+    """Return the profile of this node's servers and clients: rcl's with a longer queue (need not match)."""
     return _profile(SERVICE_DEPTH)
 
 

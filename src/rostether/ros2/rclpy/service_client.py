@@ -1,4 +1,4 @@
-"""Calls a service."""
+"""A node's client of one service, shared by all callers."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ class RclpyServiceClient:
         )
 
     def end(self) -> None:
-        """Leave the middleware, in the executor's thread."""
+        """Destroy rclpy's client, in the executor's thread."""
         client, self._client = self._client, None
         if client is not None:
             self._own.node.destroy_client(client)

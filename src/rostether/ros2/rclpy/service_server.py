@@ -80,7 +80,7 @@ class RclpyServiceServer:
         await self._on_close(self)
 
     def end(self) -> None:
-        """Leave the middleware, in the executor's thread."""
+        """Destroy rclpy's service, in the executor's thread."""
         entity, self._entity = self._entity, None
         if entity is not None:
             self._own.node.destroy_service(entity)

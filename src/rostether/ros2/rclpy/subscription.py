@@ -127,7 +127,7 @@ class RclpySubscriber:
             await self._on_close(self)
 
     def end(self) -> None:
-        """Leave the middleware."""
+        """Destroy rclpy's subscription."""
         subscription, self._subscription = self._subscription, None
         if subscription is not None:
             self._own.node.destroy_subscription(subscription)

@@ -61,7 +61,7 @@ class GraphCache:
                 call_safely(f"listener of {place[1]}", listener)
 
     def show_problem(self, problem: str) -> None:
-        """Report in the snapshots why the graph is not complete now; an empty text when it is again."""
+        """Set the reason why the graph is incomplete, for the snapshots; empty if it is complete."""
         if problem != self._problem:
             self._problem = problem
             self._snapshot = None

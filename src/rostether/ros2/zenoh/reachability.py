@@ -125,7 +125,7 @@ def find_listen_fault(configuration: zenoh.Config) -> str:
 def _find_file_fault(tls: Mapping[str, Any], *names: str) -> str:
     """Return why a file cannot be used; empty if all can.
 
-    `names` are the settings of the authority's certificate, the own certificate and its key.
+    `names` are the settings of the authority's certificate, our own certificate and its key.
     """
     files = {f"{_TLS}/{name}": str(path) for name in names if (path := tls.get(name))}
     for name, path in files.items():

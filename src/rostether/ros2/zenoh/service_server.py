@@ -31,7 +31,7 @@ MAX_CALLS = 1000
 MAX_REFUSALS = 100
 
 # The time that a closing service waits until its callers have received an error.
-LAST_WORDS_S = 0.2
+CLOSING_REPLY_S = 0.2
 
 _log = logging.getLogger("rostether.ros2")
 
@@ -55,7 +55,7 @@ class ServiceServer:
         self._is_closed = False
         self._threads = node.session.call_threads
         self._calls: set[asyncio.Task[None]] = set()
-        self._last_words: list[Future[None]] = []
+        self._closing_replies: list[Future[None]] = []
         type_name = dds_name(support.name)
         self._key = data_key(node.session.domain_id, service, type_name, support.type_hash)
         self._queue: Handover[zenoh.Query] = Handover(self._handle_queries, limit=MAX_CALLS)
@@ -75,8 +75,8 @@ class ServiceServer:
         for task in list(self._calls):
             task.cancel()
         await asyncio.gather(*self._calls, return_exceptions=True)
-        if self._last_words:
-            await asyncio.wait(map(asyncio.wrap_future, self._last_words), timeout=LAST_WORDS_S)
+        if self._closing_replies:
+            await asyncio.wait(map(asyncio.wrap_future, self._closing_replies), timeout=CLOSING_REPLY_S)
         self._on_close(self)
 
     def _put(self, query: zenoh.Query) -> None:
@@ -98,7 +98,7 @@ class ServiceServer:
             reply = _refusal(query, busy) if is_refused else await self._work(query)
         except asyncio.CancelledError:
             last = _refusal(query, f"service {self.service} was shut down during the call")
-            self._last_words.append(self._threads.submit(_finish, query, last))
+            self._closing_replies.append(self._threads.submit(_finish, query, last))
             raise
         # An answer waits until its link has room, 5 s for a caller that hangs.
         await asyncio.get_running_loop().run_in_executor(self._threads, _finish, query, reply)

@@ -170,8 +170,8 @@ class ZenohSession(SharedSession):
             denied = await find_denied_topics(configuration, endpoint, self.domain_id, ends)
             if denied:
                 _log.warning(
-                    "access denied: the router at %s does not carry %s for this program; its access_control "
-                    "section decides",
+                    "access denied: the router at %s does not forward %s for this program; allow it in the "
+                    "router's access_control section",
                     endpoint,
                     ", ".join(denied),
                 )

@@ -30,7 +30,7 @@ _FORMAT = "[${severity}] [${time}]: ${message}"
 _FILE_FORMAT = "[%(name)s][%(levelname)s] %(asctime)s: %(message)s"
 
 # As in rospy: the size of a log file of a node, of which five are kept.
-_BYTES_A_FILE = 50_000_000
+_BYTES_PER_FILE = 50_000_000
 _FILES_KEPT = 4
 
 _rosout_logger = logging.getLogger("rosout")
@@ -105,7 +105,7 @@ def configure(simulated_time: Callable[[], float | None], log_level: int | None)
             from logging.handlers import RotatingFileHandler
 
             handler = RotatingFileHandler(
-                file, maxBytes=_BYTES_A_FILE, backupCount=_FILES_KEPT, delay=True, encoding="utf-8"
+                file, maxBytes=_BYTES_PER_FILE, backupCount=_FILES_KEPT, delay=True, encoding="utf-8"
             )
             handler.setFormatter(logging.Formatter(_FILE_FORMAT))
             logging.getLogger().addHandler(handler)

@@ -58,7 +58,7 @@ class PublishedTopic(SharedTopic[Ros1Publisher]):
         self._waiting: list[bytes] = []
         self._waiting_bytes = 0
         self._is_behind = False
-        self._is_empty = threading.Condition()
+        self._progress = threading.Condition()
         self._listener_thread: CallbackThread[Callable[[], object]] | None = None
 
     def latch(self) -> None:
@@ -88,16 +88,16 @@ class PublishedTopic(SharedTopic[Ros1Publisher]):
                 self._queue(payload)
 
     def _queue(self, payload: bytes) -> None:
-        with self._is_empty:
+        with self._progress:
             if self._is_busy():
-                self._is_empty.wait_for(lambda: not self._is_busy() or is_shutdown(), MAX_WAIT_S)
+                self._progress.wait_for(lambda: not self._is_busy() or is_shutdown(), MAX_WAIT_S)
             self._waiting.append(payload)
             self._waiting_bytes += len(payload)
             if len(self._waiting) == 1:
                 node.loop.post(self._flush)
 
     def _flush(self) -> None:
-        with self._is_empty:
+        with self._progress:
             payloads, self._waiting = self._waiting, []
             self._waiting_bytes = 0
             publisher = self._endpoint
@@ -105,7 +105,7 @@ class PublishedTopic(SharedTopic[Ros1Publisher]):
             if not keeps_up and not self._is_behind:
                 self._is_behind = True
                 node.loop.start(self._catch_up())
-            self._is_empty.notify_all()
+            self._progress.notify_all()
 
     def _is_busy(self) -> bool:
         return (
@@ -117,9 +117,9 @@ class PublishedTopic(SharedTopic[Ros1Publisher]):
     async def _catch_up(self) -> None:
         if self._endpoint is not None:
             await self._endpoint.drained(MAX_PAUSE_S)
-        with self._is_empty:
+        with self._progress:
             self._is_behind = False
-            self._is_empty.notify_all()
+            self._progress.notify_all()
 
     async def _make_endpoint(self) -> Ros1Publisher:
         publisher = await node.graph.advertise(

@@ -35,7 +35,7 @@ class RunnerProcess:
 
     @classmethod
     async def start(cls, program: Path, arguments: Sequence[str]) -> tuple[Self, list[BoardEvent]]:
-        """Start it; return it with its first events: "ready" and the results of its first commands.
+        """Start a runner; return it with its first events: "ready" and the results of its first commands.
 
         Raises BoardError.
         """
@@ -64,7 +64,7 @@ class RunnerProcess:
 
     @property
     def has_ended(self) -> bool:
-        """Whether it has ended."""
+        """Whether the process has ended."""
         return self._reading is None or self._reading.done()
 
     @property

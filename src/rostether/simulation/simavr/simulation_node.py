@@ -40,7 +40,7 @@ class NodeBoard(Protocol):
 
     @property
     def has_ended(self) -> bool:
-        """Whether it has ended."""
+        """Whether the simulation has ended."""
 
     async def pins(self) -> dict[str, str]:
         """Return the states of its pins by name, such as `in0`, `out1` and `pwm0.5`."""

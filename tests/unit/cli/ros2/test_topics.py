@@ -180,7 +180,7 @@ def test_pub_of_mistakes(world: ZenohWorld, shell: Shell) -> None:
     pub = ("topic", "pub", "-1")
     assert "nope" in shell.failure(*pub, "/x", "std_msgs/msg/String", "{nope: 1}")
     assert "std_msgs" in shell.failure(*pub, "/x", "std_msgs/msg/Strin", "{}")
-    assert "has no subscriber after" in shell.failure(
+    assert "has 0 of 1 subscribers after" in shell.failure(
         *pub, "--max-wait-time-secs", "0.05", "/x", "std_msgs/msg/String", "{}"
     )
 

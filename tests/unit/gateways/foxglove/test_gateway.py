@@ -144,7 +144,7 @@ async def test_a_client_that_does_not_read_loses_messages_and_does_not_delay_oth
             dropped = [each._dropped.count for each in there.gateway._clients]
             assert sorted(dropped)[0] == 0
             assert sorted(dropped)[1] > 0
-            waiting = max(each.line.data._waiting._bytes for each in there.gateway._clients)
+            waiting = max(each.sender.data._waiting._bytes for each in there.gateway._clients)
             assert waiting <= limits.waiting_bytes
             slow.connection.transport.abort()
             slow._reading = asyncio.ensure_future(asyncio.sleep(0))

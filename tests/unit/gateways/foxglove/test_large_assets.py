@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-import rostether.gateways.foxglove.line as line_module
+import rostether.gateways.foxglove.client_sender as sender_module
 from rostether.gateways.foxglove.settings import FoxgloveLimits, FoxgloveSettings
 from unit.gateways.foxglove.protocol_client import stage
 from waiting import until
@@ -31,7 +31,7 @@ async def test_all_meshes_of_a_robot_come_however_large_and_many_they_are(tmp_pa
 async def test_clients_that_do_not_read_large_meshes_do_not_keep_them_from_others(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(line_module, "_LARGE_STEP_S", 0.3)
+    monkeypatch.setattr(sender_module, "_LARGE_STEP_S", 0.3)
     (tmp_path / "mesh.stl").write_bytes(bytes(12 << 20))
     async with stage(find_packages=lambda: {"arm": tmp_path}) as there, AsyncExitStack() as clients:
         silent = [await clients.enter_async_context(there.client(close_timeout=0.1)) for _ in range(4)]
@@ -48,8 +48,8 @@ async def test_clients_that_do_not_read_large_meshes_do_not_keep_them_from_other
 async def test_a_client_that_reads_a_large_mesh_slowly_gets_it(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(line_module, "_LARGE_STEP_S", 0.5)
-    monkeypatch.setattr(line_module, "_LARGE_STEP_BYTES", 1)
+    monkeypatch.setattr(sender_module, "_LARGE_STEP_S", 0.5)
+    monkeypatch.setattr(sender_module, "_LARGE_STEP_BYTES", 1)
     (tmp_path / "mesh.stl").write_bytes(bytes(10 << 20))
     async with (
         stage(find_packages=lambda: {"arm": tmp_path}) as there,

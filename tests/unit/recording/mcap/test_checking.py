@@ -111,7 +111,7 @@ def test_a_summary_whose_sum_is_wrong(ours: bytearray) -> None:
         (Op.MESSAGE_INDEX, 6, 0, "does not list the messages of channel 1"),
         (Op.MESSAGE_INDEX, 0, 0, "does not list the messages"),
         (Op.CHUNK_INDEX, 0, 1, "wrongly"),
-        (Op.CHUNK_INDEX, 16, 0, "but there is none"),
+        (Op.CHUNK_INDEX, 16, 0, "that does not exist"),
         (Op.CHUNK_INDEX, 24, 0, "wrongly"),
         (Op.STATISTICS, 8, 0, "schemas, but there are 2"),
         (Op.STATISTICS, 10, 0, "channels, but there are 3"),

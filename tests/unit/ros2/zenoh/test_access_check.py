@@ -56,7 +56,7 @@ async def test_what_a_router_denies_is_reported(
     await node.advertise("/robot1/cmd_vel", STRING)
     await node.subscribe("/chat", STRING, Inbox().take)
     await until(lambda: "access denied" in caplog.text)
-    assert f"the router at {endpoint} does not carry /robot1/cmd_vel for this program" in caplog.text
+    assert f"the router at {endpoint} does not forward /robot1/cmd_vel for this program" in caplog.text
 
     configuration = peer_configuration(Ros2Environment(), Reach())
     # Of the whole graph, as `doctor` asks.

@@ -1,4 +1,4 @@
-// The drivers of the page, one per topic, and the stop for all of them.
+// The drivers of the page, one per topic, and one stop for all of them.
 import type { Robot } from "../../store/robot.ts";
 import { graphOf } from "../graph_of.ts";
 import { DEFAULT_LIMITS } from "./commands.ts";
@@ -23,7 +23,7 @@ export function driverOf(robot: Robot, topicName: string): Driver | undefined {
   }
 }
 
-/** Opens everything that this page can drive: the first stop must not wait until the robot has done that. */
+/** Create the drivers in advance, so that the first stop need not wait for the robot to accept their topics. */
 export function prepareStop(robot: Robot): void {
   if (robot.mayAct.peek()) for (const topic of drivableTopics(graphOf(robot))) driverOf(robot, topic);
 }

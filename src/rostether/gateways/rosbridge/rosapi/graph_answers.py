@@ -45,7 +45,7 @@ class GraphAnswers:
         ask_type: AskServer | None,
         ask_host: AskServer | None,
     ) -> None:
-        # The known types of own services.
+        # The types of the gateway's own services.
         self.known_types: Mapping[str, str] = {}
         self._graph = graph
         self._registry = registry

@@ -21,7 +21,7 @@ _LARGE_STEP_BYTES = 128 << 10
 _LARGE_STEP_S = 20.0
 
 
-class LineUser(Protocol):
+class SenderUser(Protocol):
     """Receives the events of one connection."""
 
     def received(self, message: str | bytes) -> None:
@@ -34,10 +34,10 @@ class LineUser(Protocol):
         """The connection has ended."""
 
 
-class Line:
+class ClientSender:
     """The user of one connection; `user` is set by its creator. `data` sends the messages of topics."""
 
-    user: LineUser
+    user: SenderUser
 
     def __init__(self, connection: Connection, limits: FoxgloveLimits) -> None:
         self.connection = connection
