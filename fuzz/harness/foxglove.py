@@ -141,7 +141,7 @@ def run(data: bytes) -> None:
 
 
 class _Connection:
-    """Replaces the connection of a line: all lines were sent."""
+    """Replaces the connection of a sender: all messages were sent."""
 
     peer = "a client"
 
@@ -163,8 +163,8 @@ class _DataOutlet:
         """Do nothing."""
 
 
-class _Line:
-    """Replaces the line to a client: checks the messages that it receives."""
+class _Sender:
+    """Replaces the sender to a client: checks the messages that it receives."""
 
     def __init__(self) -> None:
         self.connection = _Connection()
@@ -234,8 +234,8 @@ async def _converse(lines: list[str]) -> None:
     gateway.context.channels.update(snapshot)
     gateway.context.services.update(snapshot)
     gateway.context.connections.update(snapshot)
-    line = _Line()
-    client = Client(gateway.context, line, gateway.forget)  # type: ignore[arg-type]
+    sender = _Sender()
+    client = Client(gateway.context, sender, gateway.forget)  # type: ignore[arg-type]
     failed = _Failures()
     logger = logging.getLogger("rostether.graph")
     logger.addHandler(failed)
@@ -245,7 +245,7 @@ async def _converse(lines: list[str]) -> None:
             client.received(_message(each))
             await asyncio.sleep(0)
         async with asyncio.timeout(ANSWER_LIMIT_S):
-            await line.answered.wait()
+            await sender.answered.wait()
         for _ in range(SETTLING_TURNS):
             await asyncio.sleep(0)
         topics = network.snapshot().topics.values()
