@@ -58,7 +58,8 @@ class SipHash {
   // becomes zeros. Returns 0 if they are zeros now. The time does not depend on the values.
 #if defined(__AVR__)
   ROS_APART static uint8_t combine(const FleetKey* key, uint8_t* bytes, uint16_t length) {
-    // v0 to v3, and what is behind the bytes, where the last word of the message is built. Static, as a frame takes code.
+    // v0 to v3, then the 8 bytes after the message, whose place holds its last word meanwhile. Static, because a stack
+    // frame takes more code.
     static uint8_t state[5 * 8];
     uint8_t *x, *z, count, byte, over, factor = static_cast<uint8_t>(length);
     const uint8_t* const tag = bytes + length;

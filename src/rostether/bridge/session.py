@@ -3,7 +3,7 @@
     transport ── data_received ──> HostLink ── events ──> endpoints ──> graph
     transport <── Outbox.flush <── HostLink, endpoints <── graph
 
-A payload costs one call for each chunk and topic: nothing here runs for each message.
+All messages of a topic in a chunk are passed on in one call: nothing here runs for each message.
 """
 
 from __future__ import annotations

@@ -11,7 +11,7 @@ from pathlib import Path
 
 from rostether.errors import ConfigError
 
-# A tile of a higher zoom level would show less than a hand's width.
+# A tile of this zoom level shows 2.4 m at the equator: 1 cm for each pixel.
 _MAX_ZOOM = 24
 # A picture of 256 x 256 pixels has about 20 kB.
 _MAX_TILE_BYTES = 2 << 20

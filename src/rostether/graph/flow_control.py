@@ -85,7 +85,7 @@ class Reader:
 
 
 class SubscriberFlow:
-    """The mark of one subscriber; `measure` returns its backlog, of which its queue holds `limit_bytes`."""
+    """The mark of one subscriber; `measure` returns its backlog in bytes, `limit_bytes` limits its queue."""
 
     def __init__(
         self,

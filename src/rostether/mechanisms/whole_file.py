@@ -12,7 +12,7 @@ def write_whole(path: Path, content: bytes, *, durable: bool = False) -> None:
     """Create or replace a file. Devices and pipes are written directly. Raises OSError.
 
     `durable`: also after a power cut, the file is the old or the new one. This can take seconds on a memory
-    card: not on the event loop.
+    card, so call it in a thread.
     """
     target = path.resolve()
     exists = target.exists()

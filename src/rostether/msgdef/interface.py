@@ -19,7 +19,7 @@ class MessageType:
 
 @dataclass(frozen=True, slots=True)
 class ServiceType:
-    """A service type; `md5sum` is of both halves together, and each half also has its own."""
+    """A service type; `md5sum` is of request and response together, and each also has its own."""
 
     name: str
     md5sum: str

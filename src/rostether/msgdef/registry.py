@@ -117,7 +117,7 @@ class Registry:
         self._found, self._found_nearby = found, nearby
 
     def message(self, name: str) -> MessageSpec:
-        """Return a message by `package/Name`; halves of services and parts of actions are messages too.
+        """Return a message by `package/Name`, also one of a service or an action.
 
         Raises UnknownTypeError, or DefinitionError if its own text is broken.
         """
@@ -149,7 +149,7 @@ class Registry:
         return found
 
     def service_type(self, name: str) -> ServiceType:
-        """Return a service's md5sum and its halves.
+        """Return a service's md5sum, request and response.
 
         Raises the same errors as `service`, also for nested types.
         """
@@ -175,7 +175,7 @@ class Registry:
         return sorted(names)
 
     def messages(self, package: str | None = None) -> list[str]:
-        """Return the full names of all messages, or of one package's, sorted, without service halves."""
+        """Return the full names of all messages, or of one package's, sorted, without those of services."""
         names: set[str] = set()
         for each in self.packages() if package is None else [package]:
             names.update(f"{each}/{name}" for name in self._names(Kind.MESSAGE, each))

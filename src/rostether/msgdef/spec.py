@@ -67,7 +67,7 @@ class MessageSpec:
 
 @dataclass(frozen=True, slots=True)
 class ServiceSpec:
-    """One service definition; the halves are named `NameRequest` and `NameResponse`."""
+    """One service definition; its messages are named `NameRequest` and `NameResponse`."""
 
     package: str
     name: str

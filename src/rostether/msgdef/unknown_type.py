@@ -46,7 +46,7 @@ def explain_unknown(known: KnownNames, kind: Kind, package: str, short_name: str
 
 
 def example_name(kind: Kind, short_name: str) -> str:
-    """Return an example of a full name for one without its package or with ROS 2's `msg`, or of any type."""
+    """Return the full name for one without a package or with ROS 2's `msg`; otherwise a common type."""
     package, _, last = short_name.partition(f"/{kind}/")
     if is_package_name(package) and is_type_name(last):
         return f"{package}/{last}"

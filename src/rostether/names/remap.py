@@ -64,4 +64,4 @@ def _yaml_value(argument: str, text: str) -> Any:
     try:
         return load(text)
     except YamlError as error:
-        raise ConfigError(f"{argument!r}: the value is {error}; quote a text") from None
+        raise ConfigError(f"{argument!r}: the value is {error}; put quotes around text") from None

@@ -43,7 +43,7 @@ def _resvg_package() -> Any:
         import resvg_py
     except ImportError:
         raise ConfigError(
-            f"PNG is not installed; run: {install_command('pictures')}; or save as .svg"
+            f"PNG support is not installed; run: {install_command('pictures')}; or save as .svg"
         ) from None
     return resvg_py
 

@@ -236,7 +236,7 @@ class CommandReceiver:
         # Frames that end motion have no payload, and so no type.
         if Flags.ARMED in frame.flags and not is_stop and self._settings.kind not in (None, frame.kind):
             self.refusal = Refusal.OTHER_TYPE
-            return f"the command is of another type: {frame.kind.hex()} begins its MD5 sum"
+            return f"the command is of another type: its MD5 sum begins with {frame.kind.hex()}"
         return ""
 
     def _refuse(self, reason: str) -> None:

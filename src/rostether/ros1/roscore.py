@@ -47,8 +47,8 @@ class Roscore:
     ) -> Roscore:
         """Start on the environment's addresses; port 0 means a free one.
 
-        Raises GraphError if the port is in use, ConfigError if an address is not of this machine or its
-        own host name is unknown.
+        Raises GraphError if the port is in use, ConfigError if an address does not belong to this machine or
+        its own host name is unknown.
         """
         master = await MasterServer.start(
             environment.listen_hosts,

@@ -55,7 +55,7 @@ class MethodTable:
         self._long_work = asyncio.Semaphore(AT_ONCE)
 
     def answer(self, document: bytes) -> bytes | Awaitable[bytes]:
-        """Return the response document, at once when the method is plain and both documents are small."""
+        """Return the response document, directly if it is small and the method is not a coroutine."""
         if len(document) > AT_ONCE_BYTES:
             return self._answer_large(document)
         try:

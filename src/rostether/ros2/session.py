@@ -35,6 +35,6 @@ async def open_ros2(
     except ModuleNotFoundError as error:
         if error.name not in ("zenoh", "xxhash"):
             raise
-        raise ConfigError(f"ROS 2 over zenoh is not installed; run: {install_command('zenoh')}") from None
+        raise ConfigError(f"zenoh support is not installed; run: {install_command('zenoh')}") from None
     async with closed_at_end(await ZenohSession.open(environment, types)) as session:
         yield session.join

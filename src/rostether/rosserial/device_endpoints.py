@@ -1,7 +1,8 @@
 """The endpoints of a device, numbered and announced in the order of the established library.
 
 The ids of subscribers start at 100, those of publishers at 100 + the maximum number of subscribers. A service
-uses one id of each kind: the device publishes one half and subscribes to the other.
+uses one id of each kind: the device publishes the response and subscribes to the request, or the other way
+round for a service that it calls.
 """
 
 from __future__ import annotations

@@ -1,13 +1,13 @@
 """Captures of all bytes of links, as JSON Lines that users can attach to a report.
 
-    {"capture": "arm", "started": "2026-01-31T12:00:00Z", ...}          the description; all keys are free
+    {"capture": "arm", "started": "2026-01-31T12:00:00Z", ...}          the description, with any keys
     {"t": 0.0, "event": "opened", "peer": "/dev/ttyACM0"}                a link begins
     {"t": 0.001, "from": "host", "hex": "fffe0000ff0000ff"}              bytes, cut anywhere
     {"t": 0.021, "from": "device", "hex": "fffe0800f70a00..."}
     {"t": 9.5, "event": "closed"}                                        a link ends
 
 `t` is in seconds since the start. Links after the first have their number as `link`. Events may be missing:
-only bytes mean a link that was open all the time. Unknown keys are allowed, unknown events are skipped.
+a capture with only bytes is of one link that was always open. Unknown keys and events are skipped.
 """
 
 from __future__ import annotations

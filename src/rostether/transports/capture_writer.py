@@ -165,7 +165,7 @@ class RecordedTransport:
         self._inner.start(self)
 
     def write(self, data: bytes | bytearray | memoryview) -> None:
-        """Queue bytes. Never blocks; does nothing after the end of the pipe."""
+        """Queue bytes. Never blocks; does nothing after its end."""
         if not self._is_ended:
             self._writer.note(self._link, "host", bytes(data))
         self._inner.write(data)
@@ -184,7 +184,7 @@ class RecordedTransport:
         self._end(None)
 
     async def wait_closed(self) -> None:
-        """Wait until the pipe has ended."""
+        """Wait until the transport has ended."""
         await self._inner.wait_closed()
 
     def data_received(self, data: bytes) -> None:

@@ -87,7 +87,7 @@ class MemoryTransport:
         self._schedule()
 
     def write(self, data: bytes | bytearray | memoryview) -> None:
-        """Queue bytes. Never blocks; does nothing after the end of the pipe."""
+        """Queue bytes. Never blocks; does nothing after its end."""
         if self._ended or not data:
             return
         chunk = bytes(data)
@@ -110,7 +110,7 @@ class MemoryTransport:
         self._schedule()
 
     def close(self) -> None:
-        """End the pipe; the other end still receives the written data. Idempotent."""
+        """End the transport; the other end still receives the written data. Idempotent."""
         if self._ended:
             return
         self._arrived.clear()
@@ -119,7 +119,7 @@ class MemoryTransport:
         self._other._end(TransportClosedError(f"{self._other.peer} ended the connection"))
 
     async def wait_closed(self) -> None:
-        """Wait until the pipe has ended."""
+        """Wait until the transport has ended."""
         await self._end_event.wait()
 
     def _arrive(self, chunk: bytes) -> None:

@@ -111,7 +111,7 @@ class PeerTransport(Generic[PeerKey]):
             asyncio.get_running_loop().call_soon(self._catch_up)
 
     def write(self, data: bytes | bytearray | memoryview) -> None:
-        """Send bytes. Never blocks; after the pipe ended it does nothing.
+        """Send bytes. Never blocks; does nothing after its end.
 
         A peer that has not answered yet gets no more bytes than it sent; the rest is dropped.
         """
@@ -135,11 +135,11 @@ class PeerTransport(Generic[PeerKey]):
             asyncio.get_running_loop().call_soon(self._catch_up)
 
     def close(self) -> None:
-        """End the pipe. Idempotent."""
+        """End the transport. Idempotent."""
         self.end(None)
 
     async def wait_closed(self) -> None:
-        """Wait until the pipe has ended."""
+        """Wait until the transport has ended."""
         await asyncio.shield(self._ended)
 
     def deliver(self, data: bytes) -> None:
@@ -171,7 +171,7 @@ class PeerTransport(Generic[PeerKey]):
             self._receiver.resume_writing()
 
     def end(self, error: TransportError | None) -> None:
-        """End the pipe for a reason; None if this side ends it. Idempotent."""
+        """End the transport for a reason; None if this side ends it. Idempotent."""
         if self._lost:
             return
         self._lost = True

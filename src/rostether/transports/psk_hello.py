@@ -105,8 +105,9 @@ class ConnectorHello:
         self._lines = _Lines()
 
     def receive(self, data: bytes) -> tuple[bytes, bytes] | None:
-        """Handle bytes, and send the result of `pop_answer`; once the key is proven, return the same as
-        `ListenerHello.receive`.
+        """Handle bytes; once the key is proven, return the same as `ListenerHello.receive`.
+
+        After each call, the caller sends the result of `pop_answer`.
 
         Raises RemoteProtocolError for a peer without the key.
         """

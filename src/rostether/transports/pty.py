@@ -151,7 +151,7 @@ class PtyTransport:
             self._end_when_read()
 
     async def wait_closed(self) -> None:
-        """Wait until the pipe has ended."""
+        """Wait until the transport has ended."""
         await self._ended.wait()
 
     def _apply_reading(self) -> None:

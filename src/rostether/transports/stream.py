@@ -55,7 +55,7 @@ class StreamTransport(asyncio.BaseProtocol):
         return self._wire.get_write_buffer_size()
 
     def start(self, receiver: Receiver) -> None:
-        """Start to deliver; called once. Bytes received earlier are kept."""
+        """Start to deliver; called once, and again after `release`. Bytes received earlier are kept."""
         self._receiver = receiver
         if self._lost or self._early:
             asyncio.get_running_loop().call_soon(self._catch_up)
@@ -101,7 +101,7 @@ class StreamTransport(asyncio.BaseProtocol):
         wire.pause_reading()
 
     def write(self, data: bytes | bytearray | memoryview) -> None:
-        """Queue bytes. Never blocks; does nothing after the end of the pipe."""
+        """Queue bytes. Never blocks; does nothing after its end."""
         if self._closing or self._lost or self._wire is None:
             return
         self._wire.write(data)
@@ -135,7 +135,7 @@ class StreamTransport(asyncio.BaseProtocol):
             self._wire.abort()
 
     async def wait_closed(self) -> None:
-        """Wait until the pipe has ended."""
+        """Wait until the transport has ended."""
         await asyncio.shield(self._ended)
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:

@@ -75,7 +75,7 @@ class TcpTransport(StreamTransport, asyncio.BufferedProtocol):
             self.peer = f"tcp {show_endpoint(*peer_name[:2])}"
 
     def write(self, data: bytes | bytearray | memoryview) -> None:
-        """Queue bytes. Never blocks; does nothing after the end of the pipe.
+        """Queue bytes. Never blocks; does nothing after its end.
 
         If this side sends, the kernel delays acknowledgements for 40 ms, to send them with the next data. A
         board that collects small messages until the last one is acknowledged (such as an ESP) would send its
@@ -141,7 +141,9 @@ class TcpListener:
         max_connections_per_host: int = MAX_CONNECTIONS_PER_HOST,
         board_keys: BoardKeys = NO_KEYS,
     ) -> TcpListener:
-        """Listen. Raises TransportOpenError if the port is in use or the host is not of this machine,
+        """Listen.
+
+        Raises TransportOpenError if the port is in use or the host is not an address of this machine,
         ConfigError for a key or certificate that cannot be read.
         """
         allow = AllowList(address.allow)

@@ -71,7 +71,7 @@ def listener_context(files: TlsFiles, certificates: Collection[bytes] = ()) -> s
 
 
 class ListenerTls:
-    """The TLS of a listener, which uses a certificate that was replaced without a restart.
+    """The TLS of a listener, which loads replaced certificates without a restart.
 
     Args:
         files: The listener's files; programs that renew certificates replace them.

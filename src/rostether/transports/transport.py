@@ -1,4 +1,4 @@
-"""The byte pipe to a device, and its callbacks. Transports know nothing about ROS.
+"""The connection to a device that carries its bytes, and the callbacks. Transports know nothing about ROS.
 
 Data arrives by callback, not by `await read()`: a flood then costs one call per chunk, and no task switch.
 """
@@ -18,7 +18,7 @@ class Receiver(Protocol):
         """Handle a chunk of the stream, which may end anywhere."""
 
     def connection_lost(self, error: TransportError | None) -> None:
-        """Handle the end of the pipe, once; None after `close`."""
+        """Handle the end of the transport, once; None after `close`."""
 
     def pause_writing(self) -> None:
         """Handle that the write buffer is above its high-water mark."""
@@ -38,7 +38,7 @@ class SmallWriter:
 
 
 class Transport(Protocol):
-    """An open byte pipe to one device."""
+    """An open connection to one device, which carries bytes."""
 
     @property
     def peer(self) -> str:
@@ -64,7 +64,7 @@ class Transport(Protocol):
         """Start to deliver; called once. Bytes received earlier are kept."""
 
     def write(self, data: bytes | bytearray | memoryview) -> None:
-        """Queue bytes. Never blocks; does nothing after the end of the pipe."""
+        """Queue bytes. Never blocks; does nothing after its end."""
 
     def pause_reading(self) -> None:
         """Deliver nothing until resume_reading. Idempotent."""
@@ -76,7 +76,7 @@ class Transport(Protocol):
         """Flush queued data for at most a second, then close. Idempotent."""
 
     async def wait_closed(self) -> None:
-        """Wait until the pipe has ended."""
+        """Wait until the transport has ended."""
 
 
 class Listener(Protocol):

@@ -135,7 +135,7 @@ class UdpListener(_DatagramSocket):
     ) -> UdpListener:
         """Listen; `entry` decides which senders become peers (None: all).
 
-        Raises TransportOpenError if the port is in use or the host is not of this machine.
+        Raises TransportOpenError if the port is in use or the host is not an address of this machine.
         """
         listener = cls(on_transport, AllowList(address.allow), max_peers, idle_limit_s, clock, entry)
         try:

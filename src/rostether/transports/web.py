@@ -111,7 +111,7 @@ class WebTransport:
         self._loop.call_soon(self._catch_up)
 
     def write(self, data: bytes | bytearray | memoryview) -> None:
-        """Queue bytes. Never blocks; does nothing after the end of the pipe."""
+        """Queue bytes. Never blocks; does nothing after its end."""
         if self._ended.is_set():
             return
         self._unsent += data
@@ -142,7 +142,7 @@ class WebTransport:
         self._end(None)
 
     async def wait_closed(self) -> None:
-        """Wait until the pipe has ended."""
+        """Wait until the transport has ended."""
         await self._ended.wait()
 
     # Events of the connection.

@@ -65,7 +65,7 @@ def test_too_large_a_picture_is_rejected() -> None:
 def test_without_the_package_the_error_names_the_package_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "resvg_py", None)
     with pytest.raises(
-        ConfigError, match=r"PNG is not installed; run: .*rostether\[pictures\].*; or save as .svg"
+        ConfigError, match=r"PNG support is not installed; run: .*rostether\[pictures\].*; or save as .svg"
     ):
         png(Scene(4, 3))
 

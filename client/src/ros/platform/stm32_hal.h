@@ -1,13 +1,14 @@
-// STM32 with ST's HAL (CubeMX, CubeIDE): a UART of the project, by default huart2, DMA where it is set up for it.
+// STM32 with ST's HAL (CubeMX, CubeIDE): uses a UART of the project, by default huart2, with DMA if it is configured.
 //
-// The project sets the baud rate, and gives the UART its interrupt and, better, DMA: reception circular, transmission
-// normal. The program passes on what the HAL calls back:
+// The project configures the baud rate, the UART's interrupt and preferably DMA: circular reception and normal
+// transmission. The program forwards the callbacks of the HAL:
 //
 //   void HAL_UART_TxCpltCallback(UART_HandleTypeDef*) { nh.getHardware()->flush(); }
 //   void HAL_UART_RxCpltCallback(UART_HandleTypeDef*) { nh.getHardware()->reset_rbuf(); }
 //   void HAL_UART_ErrorCallback(UART_HandleTypeDef*) { nh.getHardware()->reset_rbuf(); }
 //
-// Another UART: a class that derives from STM32Hardware with STM32Hardware(&huart3), for ros::NodeHandle_.
+// For another UART, derive a class from STM32Hardware that calls STM32Hardware(&huart3), and use it with
+// ros::NodeHandle_.
 #ifndef ROS_PLATFORM_STM32_HAL_H_
 #define ROS_PLATFORM_STM32_HAL_H_
 

@@ -93,7 +93,7 @@ async def _over_zenoh(
     except ModuleNotFoundError as error:
         if error.name != "zenoh":
             raise
-        raise ConfigError(f"ROS 2 over zenoh is not installed; run: {install_command('zenoh')}") from None
+        raise ConfigError(f"zenoh support is not installed; run: {install_command('zenoh')}") from None
     rules = read_parameter_files(params_files)
     session = await ZenohSession.open(
         environment, types, reach=Reach(RouterChoice(reach.router), reach.connect, reach.listen)

@@ -64,23 +64,24 @@ class ToolNode:
     async def learn_type(
         self, view: GraphView, name: str, kind: EndpointKind = EndpointKind.PUBLISHER
     ) -> None:
-        """Ask the publishers of a topic, or the servers of a service, for its type if it is not known here.
+        """Ask the first publisher of a topic, or server of a service, for its type if it is not known here.
 
-        Raises UnknownTypeError if they do not describe it.
+        Raises UnknownTypeError if that node does not describe it.
         """
         from rostether.ros2.type_description import learn_type
 
         registry = self.registry
         look = registry.service_type if kind is EndpointKind.SERVER else registry.message_type
-        for end in view.of(kind, name):
-            try:
-                look(end.type)
-            except UnknownTypeError as error:
-                try:
-                    await learn_type(self.graph.raw, self.types, end.node_name, end.type, end.type_hash)
-                except UnknownTypeError as reason:
-                    raise UnknownTypeError(f"{error}; {reason}") from None
+        end = next(iter(view.of(kind, name)), None)
+        if end is None:
             return
+        try:
+            look(end.type)
+        except UnknownTypeError as error:
+            try:
+                await learn_type(self.graph.raw, self.types, end.node_name, end.type, end.type_hash)
+            except UnknownTypeError as reason:
+                raise UnknownTypeError(f"{error}; {reason}") from None
 
     async def settled_snapshot(self) -> GraphView:
         """Return the graph once nothing new has arrived for a while."""

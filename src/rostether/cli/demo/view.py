@@ -100,12 +100,12 @@ class RecentLines:
         self.lines: deque[str] = deque(maxlen=MAX_LINES)
 
     def line(self, level: Level, text: str, *, node: str = "") -> None:
-        """Keep a line, without those for debugging."""
+        """Keep a line, unless it is for debugging."""
         if level >= Level.INFO:
             self.lines.append(f"{node}: {text}" if node else text)
 
     def warning(self, level: Level, text: str) -> None:
-        """Keep one line of a part whose other lines the screen shows elsewhere."""
+        """Keep a line only from WARN upwards: the screen shows the information in other lines elsewhere."""
         if level >= Level.WARN:
             self.line(level, text)
 

@@ -186,7 +186,7 @@ async def rosbridge_server(
 def check_rosbridge() -> None:
     """Raise ConfigError if the extra is not installed."""
     if find_spec("cbor2") is None:
-        raise ConfigError(f"rosbridge is not installed; run: {install_command('rosbridge')}")
+        raise ConfigError(f"rosbridge support is not installed; run: {install_command('rosbridge')}")
 
 
 @verb(

@@ -1,4 +1,4 @@
-"""`rostether plot`: values of topics over time, live in the terminal or into a picture, as rqt_plot shows."""
+"""`rostether plot`: values of topics over time, live in the terminal or in a picture, like rqt_plot."""
 
 from __future__ import annotations
 

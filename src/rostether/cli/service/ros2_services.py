@@ -75,7 +75,7 @@ class Ros2Services:
         write_line(" ".join(field.name for field in definition.request.fields))
 
     def info(self, service: str, msg_paths: tuple[Path, ...], *, as_json: bool) -> None:
-        """Print a service's type, and how many call and offer it."""
+        """Print a service's type and the numbers of clients and servers."""
         name, view = _view_of(self._graph, service)
         shown_type = view.shown_type([EndpointKind.SERVER], name)
         ends = {kind: view.of(kind, name) for kind in SERVICE_KINDS}

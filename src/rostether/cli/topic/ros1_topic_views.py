@@ -55,6 +55,6 @@ async def node_uris(client: MasterClient, nodes: Iterable[str]) -> dict[str, str
 
 
 def unknown_topic(name: str, known: Iterable[str]) -> UnknownNameError:
-    """Return the error for a topic without publishers and subscribers; `known` are those there are."""
+    """Return the error for a topic without publishers and subscribers; `known` are the existing topics."""
     hint = did_you_mean(name, known) or "`rostether topic list` shows all topics"
     return UnknownNameError(f"topic {name} has no publisher and no subscriber; {hint}")

@@ -54,7 +54,7 @@ class Ros2TopicListing:
                 write_line(escape_line(name + shown))
 
     def info(self, topic: str, *, verbose: bool, as_json: bool) -> None:
-        """Print a topic's type and how many publish and subscribe; each of them with `verbose`."""
+        """Print a topic's type and the numbers of its publishers and subscribers; `verbose` lists them."""
         name, view = _view_of(self._graph, topic)
         publishers, subscribers = (view.of(kind, name) for kind in TOPIC_KINDS)
         if as_json:
@@ -122,7 +122,7 @@ def _view_of(graph: GraphOptions, topic: str) -> tuple[str, GraphView]:
 
 
 def unknown_topic(name: str, known: Iterable[str]) -> UnknownNameError:
-    """Return the error for a topic without publishers and subscribers; `known` are those there are."""
+    """Return the error for a topic without publishers and subscribers; `known` are the existing topics."""
     hint = did_you_mean(name, known) or "`rostether topic list` shows all topics"
     return UnknownNameError(f"Unknown topic '{name}': it has no publisher and no subscriber; {hint}")
 

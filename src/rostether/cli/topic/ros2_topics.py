@@ -37,7 +37,7 @@ WAIT_LINE_S = 1.0
 MATCH_POLL_S = 0.02
 # As in ros2: how long a message needs to be sent before the publisher ends.
 KEEP_ALIVE_S = 0.1
-# A subscriber on a busy machine may take seconds to discover the publisher; one that hangs ends the wait.
+# A subscriber on a busy machine may take seconds to discover the publisher; the limit is for one that hangs.
 ACKNOWLEDGE_S = 10.0
 
 

@@ -116,7 +116,7 @@ async def check_logs(client: CheckedClient) -> None:
         wanted = Log(level, level.name.lower()).encode()
         frame = await client.expect(lambda each: each.topic_id == ids.LOG, f"the log at level {level:d}")
         if frame.payload != wanted:
-            raise Deviation(f"{frame.payload[:40].hex(' ')} came, not {wanted.hex(' ')}")
+            raise Deviation(f"the log is {frame.payload[:40].hex(' ')}, not {wanted.hex(' ')}")
 
 
 def _command(client: CheckedClient, command: Command) -> None:

@@ -1,7 +1,7 @@
-"""Sends the messages of topics to one client: collects them during one loop iteration, or queues them.
+"""Sends the messages of topics to one client: collects them for up to `GATHER_S`, or queues them.
 
-They bypass the WebSocket library, which would cost too much per message. If a client reads slowly, messages
-wait in bounded queues, which drop the oldest first.
+The messages bypass the WebSocket library, which would cost too much for each. If a client reads slowly,
+they wait in bounded queues, which drop the oldest first.
 """
 
 from __future__ import annotations

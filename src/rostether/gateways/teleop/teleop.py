@@ -19,7 +19,7 @@ from rostether.serde.values import Message
 # Command topics of all clients together; a robot has one or two.
 MAX_TOPICS = 32
 
-# Pages send 20 commands a second; the robot must stop after two and a half missing commands.
+# The dashboard sends 25 commands a second: two in a row may be lost.
 KEEP_S = 0.125
 
 # Lifting a finger for a moment does not pass the robot to another client.

@@ -47,7 +47,7 @@ class ActionParts:
         return (self.send_goal, self.get_result)
 
     def messages(self) -> Iterator[Ros2Message]:
-        """Yield all messages, including halves of services."""
+        """Yield all messages, including requests and responses."""
         yield from (*self.action.parts, self.feedback_message)
         for service in self.services:
             yield from service.parts

@@ -115,7 +115,7 @@ class Ros2Definitions:
         return ", ".join(folders)
 
     def add(self, messages: Iterable[Ros2Message]) -> None:
-        """Add other definitions, a service by its two halves; known ones are unchanged."""
+        """Add other definitions, a service as its request and response; known ones are unchanged."""
         for message in messages:
             if not self.has(message.full_name):
                 self._messages[message.full_name] = message
@@ -205,7 +205,7 @@ class Ros2Definitions:
         return sorted(names)
 
     def messages(self, package: str | None = None) -> list[str]:
-        """Return the full names of all messages, or of one package's, sorted, without service halves."""
+        """Return the full names of all messages, or of one package's, sorted, without those of services."""
         return self.names(Kind.MESSAGE, package)
 
     def services(self, package: str | None = None) -> list[str]:

@@ -74,7 +74,7 @@ def _base(base: str) -> str:
 
 
 def joined_services(messages: Mapping[str, Ros2Message]) -> Iterator[Ros2Service]:
-    """Yield the services with both halves among the messages, which are given by full name."""
+    """Yield the services whose request and response are both among the messages, keyed by full name."""
     for name, request in messages.items():
         service = name.removesuffix(REQUEST_SUFFIX)
         response = messages.get(service + RESPONSE_SUFFIX)

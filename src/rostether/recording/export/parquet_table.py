@@ -28,7 +28,7 @@ def parquet_package() -> Any:
         import pyarrow
         import pyarrow.parquet
     except ImportError:
-        raise ConfigError(f"Parquet is not installed; run: {install_command('parquet')}") from None
+        raise ConfigError(f"Parquet support is not installed; run: {install_command('parquet')}") from None
     return pyarrow
 
 

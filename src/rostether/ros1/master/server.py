@@ -65,7 +65,7 @@ class MasterServer:
 
         `advertised_host` is the host in its URI, by default the first address; `own_names` are more names of
         this machine for requests. Raises GraphError if the port is already in use, ConfigError if an address
-        is not of this machine.
+        does not belong to this machine.
         """
         hosts = (host,) if isinstance(host, str) else tuple(host)
         master = cls(hosts, port, advertised_host or hosts[0], admission, limits, own_names)

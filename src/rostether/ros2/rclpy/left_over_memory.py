@@ -1,4 +1,4 @@
-"""Finds shared memory that killed programs have left: Fast DDS waits for it when another program starts."""
+"""Finds shared memory segments of killed programs, which Fast DDS waits for when another program starts."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from pathlib import Path
 
 SHARED_MEMORY = Path("/dev/shm")  # noqa: S108 - where Fast DDS puts it
 
-# A running program holds a lock on a file beside each part of its memory.
+# A running program holds a lock on a file beside each of its segments.
 _LOCK_FILE = re.compile(r"fast(?:dds|rtps)_(?:[0-9a-f]{16}|port\d{1,5})_[es]l")
 
 # A program that starts creates the file before it locks it.
@@ -17,8 +17,8 @@ _LOCK_DELAY_S = 10.0
 
 
 def find_left_over(folder: Path = SHARED_MEMORY) -> list[str]:
-    """Return the names of the parts whose programs have ended, sorted."""
-    # The locks are another kind elsewhere.
+    """Return the names of the segments whose programs have ended, sorted."""
+    # Other systems use other locks.
     if sys.platform != "linux":
         return []
     try:

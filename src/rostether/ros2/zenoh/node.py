@@ -137,7 +137,7 @@ class ZenohGraph(Ros2Membership):
         return list_endpoints(self._session.graph.all_endpoints())
 
     async def distribution(self) -> str:
-        """Return the distribution that the nodes of other sessions show: only Humble has no type hashes."""
+        """Return "humble" if an endpoint of another session has no type hash, as only in Humble; else ""."""
         own = self._session.session_id
         ends = (end for _, end in self._session.graph.all_endpoints() if end.session_id != own)
         is_humble = any(end.type_hash == TYPE_HASH_NOT_SUPPORTED for end in ends)

@@ -142,7 +142,7 @@ class MessageTypes:
             return self._services[name]
 
     def module_of(self, message_name: str) -> str:
-        """Return `srv` for halves of services, else `msg`."""
+        """Return `srv` for requests and responses, else `msg`."""
         for half in ("Request", "Response"):
             service = message_name.removesuffix(half)
             if service != message_name and service in self.registry.services(message_name.partition("/")[0]):

@@ -225,7 +225,7 @@ class SimulatedRadio:
         match kind:
             case 0x08 | 0x09 if len(frame) >= 4:
                 self._execute_at(frame_id, frame[2:4].decode("latin-1"), frame[4:])
-                # A frame of kind 09 waits for ATAC or for a frame of kind 08.
+                # A frame of type 0x09 waits for ATAC or for a frame of type 0x08.
                 if kind == 0x08:
                     self.registers.apply()
             case 0x17 if len(frame) >= REQUEST_BYTES:

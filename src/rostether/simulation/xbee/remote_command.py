@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-# The shortest frame of kind 17.
+# The shortest frame of type 0x17.
 REQUEST_BYTES = 15
 # The status of a response if the request was not acknowledged.
 NOT_SENT = 4
@@ -42,7 +42,7 @@ class RemoteAnswer(NamedTuple):
 
 
 def parse_request(frame: bytes) -> RemoteCommand:
-    """Return the command of a frame of kind 17, which has at least `REQUEST_BYTES`."""
+    """Return the command of a frame of type 0x17, which has at least `REQUEST_BYTES`."""
     long, short = int.from_bytes(frame[2:10], "big"), int.from_bytes(frame[10:12], "big")
     is_long = long not in _USES_SHORT
     command = frame[13:15].decode("latin-1")
@@ -52,7 +52,7 @@ def parse_request(frame: bytes) -> RemoteCommand:
 
 
 def build_response(answer: RemoteAnswer, long_source: int, short_source: int | None) -> bytes:
-    """Return a frame of kind 97."""
+    """Return a frame of type 0x97."""
     short = _NO_SHORT if short_source is None else short_source.to_bytes(2, "big")
     return b"".join(
         (

@@ -67,7 +67,7 @@ def test_a_missing_extra_is_reported_with_what_to_type(
     monkeypatch.setitem(sys.modules, "pyarrow", None)
     monkeypatch.setitem(sys.modules, "lz4.frame", None)
     printed = shell.failure("export", str(bag), "--format", "parquet")
-    assert printed.strip().endswith("Parquet is not installed; run: pip install 'rostether[parquet]'")
+    assert printed.strip().endswith("Parquet support is not installed; run: pip install 'rostether[parquet]'")
     printed = shell.failure("bag", "compress", "--lz4", str(bag))
     assert printed.strip().endswith("LZ4 is not installed; run: pip install 'rostether[recording]'")
     assert "15 rows" in shell.output("export", str(bag))

@@ -57,7 +57,7 @@ function stretched(bytes: 2 | 4 | 8, read: ReadNumber): Fill {
   };
 }
 
-/** ITU-R BT.601, as OpenCV; cb and cr from -128 to 127. */
+/** ITU-R BT.601, as in OpenCV; cb and cr from -128 to 127. */
 function putColor(out: Uint8ClampedArray, to: number, y: number, cb: number, cr: number): void {
   const luma = 1.164 * (y - 16);
   out[to] = luma + 1.596 * cr;
