@@ -24,7 +24,7 @@ def install_command(extra: str) -> str:
 
 
 def _is_made_by_uv() -> bool:
-    # Its environments have no pip.
+    # uv's environments have no pip.
     try:
         lines = Path(sys.prefix, "pyvenv.cfg").read_text(encoding="utf-8", errors="replace").splitlines()
     except OSError:

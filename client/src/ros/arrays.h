@@ -102,7 +102,7 @@ class Float64Pointer {
   constexpr Float64Pointer(Float* address) : address_(address), narrow_(true) {}
 
   Float64Reference operator[](size_t index) { return Float64Reference(at(index), narrow_); }
-  // A plain value in a received message: the result of a macro such as `constrain` has this type.
+  // Returns a number, not a reference, so that macros such as `constrain` work with elements of a received message.
   double operator[](size_t index) const { return Float64Reference(at(index), narrow_); }
   Float64Reference operator*() { return (*this)[0]; }
   double operator*() const { return (*this)[0]; }

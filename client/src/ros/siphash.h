@@ -144,7 +144,7 @@ class SipHash {
         "rcall 3f\n\t"  // v2, v1: 17 bits
         "sbiw r30, 16\n\t"
         "ret\n"
-        // A step, after which the halves of a change places.
+        // A step that also swaps the two halves of `a`.
         "3: rcall 5f\n\t"
         "push r30\n\t"
         "push r31\n\t"

@@ -17,8 +17,8 @@ _PAGE = """<!doctype html>
   </head>
   <body>
     <h1>Trust {host}</h1>
-    <p>This robot signs its web page itself. Install its certificate once, and the browser shows the page
-      without a warning. The certificate is valid only for this machine and for addresses of local
+    <p>This robot issues its own certificate. Install it once, and the browser shows the page without a
+      warning. The certificate is valid only for this machine and for addresses of local
       networks.</p>
     <p><a href="/{file}">Download the certificate</a></p>
     <h2>Android</h2>

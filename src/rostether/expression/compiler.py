@@ -267,8 +267,9 @@ def _attribute(owner: Any, name: str) -> Any:
             return getattr(owner, name)
     elif name in getattr(type(owner), "__slots__", ()):
         return getattr(owner, name)
-    fields = ", ".join(getattr(type(owner), "__slots__", ())) or "no fields"
-    raise ConfigError(f"there is no .{name}; the fields are {fields}")
+    fields = ", ".join(getattr(type(owner), "__slots__", ()))
+    known = f"the fields are {fields}" if fields else "this value has no fields"
+    raise ConfigError(f"there is no .{name}; {known}")
 
 
 def _none(scope: Scope) -> None:

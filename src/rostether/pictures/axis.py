@@ -57,7 +57,7 @@ class Axis:
 
 
 def clock_ticks(axis: Axis, count: int, begin_s: float) -> list[tuple[float, str]]:
-    """Return about `count` times with the local time as text; `begin_s` is the Unix time of zero.
+    """Return about `count` times with the local time as text; `begin_s` is the Unix time at 0 s.
 
     Ticks are at whole seconds, minutes or hours of the local time.
     """

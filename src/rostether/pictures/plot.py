@@ -53,7 +53,7 @@ class Curve:
 
 @dataclass(frozen=True, slots=True)
 class Labels:
-    """The text around a plot; `begin_s` is the Unix time of zero, `is_clock` shows the time of day."""
+    """The text around a plot; `begin_s` is the Unix time at 0 s, `is_clock` shows the time of day."""
 
     title: str = ""
     begin_s: float | None = None

@@ -28,7 +28,7 @@ def plot_lines(
 ) -> list[list[Piece]]:
     """Return the lines of a plot in a window of the given size, as pieces of one color.
 
-    With `begin_s`, the Unix time of zero, the ticks are local times.
+    With `begin_s`, the Unix time at 0 s, the ticks are local times.
     """
     up = Axis.around([value for curve in curves for _, value in curve.points])
     legend = _legend(curves, columns)

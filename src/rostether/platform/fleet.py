@@ -182,7 +182,7 @@ def _now_with_suspend_s() -> float:
 
 
 def has_stopped(robot: Robot) -> bool:
-    """Return whether a robot has confirmed a stop: it may have answered that it refuses it."""
+    """Return whether a robot has confirmed a stop; its answer may also be a refusal."""
     return robot.status.refusal is Refusal.NONE and not robot.status.is_moving
 
 

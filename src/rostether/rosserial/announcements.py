@@ -153,6 +153,6 @@ def _half_reason(kind: int) -> str:
     halves = ("request", "response")
     has, lacks = halves if kind in (SERVICE_SERVER_REQUEST, SERVICE_CLIENT_REQUEST) else halves[::-1]
     return (
-        f"the service {role} announces its {has} half, but no {lacks} half of this name and type;"
+        f"the service {role} announces its {has}, but no {lacks} of this name and type;"
         " announce both in the sketch"
     )

@@ -55,8 +55,8 @@ class Greeting:
         if psk == DEVICES_PSK and listens:
             if not self._keys:
                 raise ConfigError(
-                    "psk=devices: no board has a key in devices.toml; give one psk = FILE there, "
-                    "or write psk=FILE"
+                    "psk=devices: no board has a key in devices.toml; add psk = FILE to a board there, "
+                    "or use psk=FILE in the address"
                 )
         elif psk is not None:
             self._keys[None] = read_key(psk)

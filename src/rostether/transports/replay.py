@@ -104,7 +104,7 @@ class _PlayedBoard:
         """Ignore received bytes."""
 
     def connection_lost(self, _error: TransportError | None) -> None:
-        """Handle that the host closed the link."""
+        """Stop the replay: the host closed the link."""
         self._is_gone = True
         self.has_room.set()
 

@@ -21,10 +21,10 @@ class Receiver(Protocol):
         """Handle the end of the transport, once; None after `close`."""
 
     def pause_writing(self) -> None:
-        """Handle that the write buffer is above its high-water mark."""
+        """Stop writing: the write buffer is above its high-water mark."""
 
     def resume_writing(self) -> None:
-        """Handle that the write buffer is below its low-water mark."""
+        """Write again: the write buffer is below its low-water mark."""
 
 
 class SmallWriter:

@@ -153,10 +153,10 @@ def test_the_half_of_a_service_is_reported_once_with_what_is_missing() -> None:
     refusals = Refusals()
     (event,) = refusals.refuse_lone_halves([(ids.SERVICE_SERVER_RESPONSE, RESPONSE)])
     assert (event.topic_name, event.message_type) == ("ask", TEST_SRV)
-    assert "server announces its response half, but no request half" in event.reason
+    assert "server announces its response, but no request of" in event.reason
     assert refusals.refuse_lone_halves([(ids.SERVICE_SERVER_RESPONSE, RESPONSE)]) == []
     (event,) = refusals.refuse_lone_halves([(ids.SERVICE_CLIENT_REQUEST, RESPONSE)])
-    assert "client announces its request half, but no response half" in event.reason
+    assert "client announces its request, but no response of" in event.reason
 
 
 def test_endless_inventions_fill_no_memory_and_are_not_reported_for_ever() -> None:

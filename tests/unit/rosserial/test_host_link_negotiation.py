@@ -248,7 +248,7 @@ class TestNegotiation:
         link, now_s, events = settle_on(burst)
         (refused,) = only(events, AnnouncementRefused)
         assert isinstance(refused, AnnouncementRefused)
-        assert "no request half" in refused.reason
+        assert "no request of" in refused.reason
         assert link.statistics.topic_requests == 4
         link.receive_data(frame(130, b""), now_s)
         assert not only(run_to_settled(link, now_s, burst)[1], AnnouncementRefused)

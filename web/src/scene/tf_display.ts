@@ -9,7 +9,7 @@ import type { TfBuffer } from "./tf_buffer.ts";
 const MAX_SHOWN = 300;
 const MAX_AXIS_M = 0.15;
 const MIN_AXIS_M = 0.01;
-/** The length of an axis, as a part of the robot's size. */
+/** The length of an axis, as a fraction of the robot's size. */
 const AXIS_PART = 0.3;
 
 export class TfDisplay implements Display {

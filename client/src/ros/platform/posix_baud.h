@@ -28,7 +28,8 @@ inline speed_t standardSpeed(long baud) {
   return B0;
 }
 
-// Any other rate, where the kernel's own structure is the common one (250000 is usual on an AVR of 16 MHz).
+// Sets any other rate (250000 is usual on an AVR of 16 MHz). Returns false on processors whose kernel has another
+// structure for it.
 inline bool setUncommonBaud(int fd, long baud) {
 #if defined(__x86_64__) || defined(__i386__) || defined(__arm__) || defined(__aarch64__) || defined(__riscv)
   // struct termios2 of asm/termbits.h, which cannot be included beside termios.h.

@@ -20,11 +20,11 @@ class RequiredTopics:
         self._announced: tuple[str, ...] = ()
 
     def forget(self) -> None:
-        """Start a connection: nothing is known to be missing."""
+        """Forget the missing topics, when a connection starts."""
         self._missing = ()
 
     def settled(self, announced: Iterable[str]) -> None:
-        """Finish the announcements of the board."""
+        """Find the missing topics, after the board has announced all of its own."""
         if self._required:
             self._announced = tuple(dict.fromkeys(announced))
             there = {self._full_name(name) for name in self._announced}

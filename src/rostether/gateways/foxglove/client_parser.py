@@ -97,7 +97,7 @@ class _Fields:
     def number(self, name: str, otherwise: float) -> float:
         value = self._fields.get(name, otherwise)
         if isinstance(value, bool) or not isinstance(value, int | float) or not 0 <= value <= _MAX_NUMBER:
-            raise self._wrong(name, "a number from 0")
+            raise self._wrong(name, "a number of 0 or more")
         return float(value)
 
     def flag(self, name: str, *, default: bool) -> bool:

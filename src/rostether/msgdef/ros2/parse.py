@@ -112,7 +112,7 @@ def parse_service(text: str, *, package: str, name: str, file: str = "") -> Ros2
 def parse_action(text: str, *, package: str, name: str, file: str = "") -> Ros2Action:
     """Parse a definition: goal, result and feedback, with a line `---` between them.
 
-    Raises DefinitionError as `parse_service`.
+    Raises DefinitionError, as `parse_service` does.
     """
     names = [f"{name}_Goal", f"{name}_Result", f"{name}_Feedback"]
     parts = _parse_sections(

@@ -73,7 +73,7 @@ class PairedDefinitions:
         return Ros2Service(package, short_name, request, response)
 
     def converter(self, ros1_name: str, ros2: Ros2Message) -> CdrConverter:
-        """Return the converter of a pair. Raises TypeMismatchError, and as `message`."""
+        """Return the converter of a pair. Raises TypeMismatchError, and the errors of `message`."""
         return compile_message(TypeTrees(self._registry).struct(ros1_name), ros2, self.message)
 
 
