@@ -28,7 +28,7 @@ export function saveChanges(panel: Panel, settings: Signal<Settings>, given: () 
     if (changed.length === 0) return;
     const saved = savedSettings(panel);
     for (const [name, each] of changed) {
-      // Each card has its topic's value and those that were there when it was built.
+      // A card knows the values of other topics only as they were when it was built.
       saved[name] = panel.shared?.includes(name) ? { ...(saved[name] as object), ...(each as object) } : each;
     }
     saveSetting(keyOf(panel.id), saved);
