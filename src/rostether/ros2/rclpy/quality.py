@@ -61,7 +61,7 @@ def subscriber_profile(quality: SubscriberQuality) -> Any:
 
 
 def service_profile() -> Any:
-    """Return the profile of this node's servers and clients: rcl's, with a longer queue than peers may have."""
+    """Return the profile of this node's services and clients: rcl's, with a longer queue."""
     return _profile(SERVICE_DEPTH)
 
 
