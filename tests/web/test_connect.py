@@ -97,4 +97,4 @@ async def test_a_browser_without_serial_ports_shows_a_message(
 ) -> None:
     script = "delete Navigator.prototype.serial"
     page = await browser.do("open", url=served[0] + "#/connect", script=script)
-    await browser.wait_for(page, "document.body.innerText.includes('This browser has no serial ports')")
+    await browser.wait_for(page, "document.body.innerText.includes('This browser cannot use serial ports')")

@@ -391,10 +391,10 @@ export const texts = {
     notOfferedCommand: "rostether serve --dashboard",
     insecure: "This page is not encrypted",
     insecureText:
-      "Browsers give serial ports only to pages on https, or on localhost. Start the dashboard with --tls auto.",
-    unsupported: "This browser has no serial ports",
+      "Browsers allow serial ports only on https pages, or on localhost. Start the dashboard with --tls auto.",
+    unsupported: "This browser cannot use serial ports",
     unsupportedText:
-      "Use Chrome or Edge on a computer or Chromebook, or Chrome 148 or newer on Android. iPhones and iPads have no browser with serial ports.",
+      "Use Chrome or Edge on a computer or Chromebook, or Chrome 148 or newer on Android. No browser on iPhones and iPads can use serial ports.",
   },
   phone: {
     intro: "Publish the sensors of this phone or computer as topics. The stamps are in the robot's time.",
@@ -409,7 +409,7 @@ export const texts = {
     stayVisible: "Keep this page visible. While it is hidden, nothing is published.",
     viewOnlyText: "Open the address with the full token to publish sensors.",
     insecureText:
-      "Browsers give sensors only to pages on https, or on localhost. Start the dashboard with --tls auto.",
+      "Browsers allow sensors only on https pages, or on localhost. Start the dashboard with --tls auto.",
     problems: {
       denied: (sensor: string) =>
         `${sensor} is blocked in this browser. Allow it in the settings of this page, then switch it on again.`,

@@ -123,7 +123,7 @@ class Recordings:
         await self.playback.stop()
 
     async def state(self) -> Mapping[str, Any]:
-        """Return the running recording and the finished files, as JSON has them."""
+        """Return the running recording and the finished files, as values for JSON."""
         state: dict[str, Any] = {
             "active": None,
             "playing": self.playback.state(),
@@ -177,7 +177,7 @@ class Recordings:
             raise ConfigError(f"only {free_bytes >> 20} MB are free in {self._folder}; delete some files")
         if used_bytes > MAX_FOLDER_BYTES:
             raise ConfigError(
-                f"the recordings in {self._folder} have {used_bytes >> 30} GB; delete or move some of them"
+                f"the recordings in {self._folder} take up {used_bytes >> 30} GB; delete or move some of them"
             )
 
     def _finished(self) -> list[Path]:

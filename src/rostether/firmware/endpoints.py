@@ -68,7 +68,7 @@ class Endpoint:
         if not buffer_bytes:
             return ""
         if self.incoming_bytes > buffer_bytes:
-            return f"never arrives: the buffer has {buffer_bytes}"
+            return f"never arrives: the buffer has {buffer_bytes} bytes"
         if self.is_fixed:
             return "fits"
         left = buffer_bytes - self.incoming_bytes

@@ -246,7 +246,7 @@ class _Count:
             shares[group] = shares.get(group, 0) + stop - start
 
     def _unnamed_group(self, address: int) -> str:
-        """Return the group of code that no symbol with a size covers: start-up, or an assembler's."""
+        """Return the group of code that no symbol with a size covers: start-up code or assembly code."""
         before = [
             each.name for each in self._elf.symbols if each.section == ".text" and each.address <= address
         ]

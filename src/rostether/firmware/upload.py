@@ -208,7 +208,9 @@ def _explain(output: str, board: Board, port: str, program: str) -> RostetherErr
             f"{port} is in use by {find_holder(port) or 'another program'}; close that program"
         )
     if any(each in lowered for each in _SILENT):
-        old = "; a Nano with the old boot loader is --board nano:atmega328old" if "nano" in board.fqbn else ""
+        old = (
+            "; for a Nano with the old boot loader: --board nano:atmega328old" if "nano" in board.fqbn else ""
+        )
         return FirmwareError(f"no {board.title} answers on {port}; check --board and the cable{old}")
     lines = [line.strip() for line in output.splitlines() if line.strip()]
     return FirmwareError(f"{program} failed: {lines[-1] if lines else 'it printed nothing'}")

@@ -273,7 +273,7 @@ class Registry:
         return self._found_nearby
 
     def _replacement(self, package: str) -> Path | None:
-        """Return the folder of the user's package of a name, which hides a bundled one."""
+        """Return the folder of the user's package with this name, which hides the bundled one, if any."""
         files = self._on_path().get(package)
         if files is None and package in ROBOTS_OWN_PACKAGES:
             files = self._around().get(package)

@@ -125,7 +125,7 @@ def cmake_lists(package: NewPackage) -> str:
     lines += _call("find_package", "catkin REQUIRED" + (" COMPONENTS" if components else ""), components)
     if package.boost_components:
         lines.append(f"find_package(Boost REQUIRED COMPONENTS {' '.join(package.boost_components)})")
-    lines += ["", "# Messages and services: name the files, and the packages that they are made of."]
+    lines += ["", "# Messages and services: name the files, and the packages whose types they contain."]
     messages = [each for each in components if each.endswith("_msgs")] or ["std_msgs"]
     for call in ("add_message_files(FILES Example.msg)", "add_service_files(FILES Example.srv)"):
         lines.append(f"# {call}")

@@ -1,4 +1,4 @@
-"""Finds the hosts in URIs of nodes that are one machine, whose names and addresses vary between nodes."""
+"""Finds the hosts of one machine: the URIs of its nodes may contain different names and addresses of it."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
 """`import mearm_model.msg` from a package's .msg files, and a package's own Python from its `src` folder.
 
-It is installed only where there is no real rospy. A `std_msgs.msg` that Python finds there is that of ROS 2,
-whose messages programs for rospy cannot use; so the definitions come first.
+It is installed only where there is no real rospy. If Python finds a `std_msgs.msg` there, it belongs to ROS
+2, and programs for rospy cannot use it. So the definitions have priority.
 """
 
 from __future__ import annotations
@@ -24,8 +24,8 @@ MODULES_FOLDER = Path(__file__).with_name("modules")
 
 _GENPY_MESSAGE = "client.message client.message_arguments client.message_types client.stamps"
 
-# Modules of ROS that modules of `rostether.rospy` implement; of equal names, the last counts. The folder
-# `modules` has the others.
+# Modules of ROS that modules of `rostether.rospy` implement; if several define a name, the last counts. The
+# folder `modules` has the others.
 _HOMES = {
     "actionlib.action_client": "actionlib.action_client actionlib.client_goal actionlib.comm_states",
     "actionlib.action_server": "actionlib.action_server",

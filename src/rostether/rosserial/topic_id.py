@@ -13,7 +13,7 @@
     100 ..   user topics                                           both
 
 Directions are the device's: 2 and 4 announce the half that the device publishes, 3 and 5 the half that it
-subscribes.
+subscribes to.
 """
 
 from __future__ import annotations

@@ -10,13 +10,13 @@ WINDOWS_PORT = re.compile(r"(?:\\\\\.\\)?COM[0-9]+", re.IGNORECASE)
 
 _HOST_PORT = re.compile(r"[^\s:/]+:[0-9]{1,5}")
 _IPV4 = re.compile(r"[0-9]{1,3}(?:\.[0-9]{1,3}){3}")
-# `/dev/ttyACM0:115200`, as other programs have it.
+# `/dev/ttyACM0:115200`, as other programs write it.
 _PORT_AND_BAUD = re.compile(r"(.*[^:,@])[:,@]([1-9][0-9]{2,6})")
 _SKETCH_ENDINGS = (".ino", ".elf", ".hex")
 
 
 def address_advice(place: str) -> str | None:
-    """Return what to write instead of a place without its kind of link, None for an unknown kind of link."""
+    """Return what to write instead of a text without a link type, None for an unknown link type."""
     if (meant := baud_option(place)) is not None:
         return f"write {meant}"
     if _HOST_PORT.fullmatch(place):

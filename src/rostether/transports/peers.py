@@ -328,7 +328,7 @@ class PeerTable(Generic[PeerKey]):
             peer.end(None if reason is None else TransportClosedError(f"{peer.peer} {reason}"))
 
     def _schedule_sweep(self) -> None:
-        # A quarter of the limit: a place is freed at most that much late.
+        # A silent peer ends at most this quarter of the limit too late.
         self._sweep_timer = asyncio.get_running_loop().call_later(self._idle_limit_s / 4, self._sweep)
 
     def _sweep(self) -> None:

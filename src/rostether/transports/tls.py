@@ -41,9 +41,9 @@ class TlsFiles:
 
 
 def clear_handshake(error: OSError) -> None:
-    """Clear the frames of a failed handshake: their error refers to them, and they to the error.
+    """Clear the frames of a failed handshake, because the error and its frames refer to each other.
 
-    Until a full garbage collection they would keep the connection's read buffer, 256 KiB.
+    Until a full garbage collection, they would keep the connection's read buffer, 256 KiB.
     """
     traceback.clear_frames(error.__traceback__)
 

@@ -79,7 +79,7 @@ async def test_what_a_message_means_for_the_input_buffer(
     assert buffer_bytes == 100
     assert found["speed"].note(buffer_bytes) == "fits"
     assert found["text"].note(buffer_bytes) == "fits with up to 96 bytes of strings and arrays"
-    assert found["odom"].note(buffer_bytes) == "never arrives: the buffer has 100"
+    assert found["odom"].note(buffer_bytes) == "never arrives: the buffer has 100 bytes"
     assert found["ultrasound"].note(buffer_bytes) == "sent without a buffer"
     assert found["set_led"].incoming_bytes == 1
 

@@ -7,7 +7,7 @@ import { RobotClock } from "./robot_clock.ts";
 import { SeriesBuffer } from "./series_buffer.ts";
 import { unitOf } from "./units.ts";
 
-// Series that are no longer shown are dropped beyond this number; each may have 8 MB.
+// Series that are no longer shown are dropped beyond this number; each may take 8 MB.
 const MAX_SERIES = 64;
 
 export class Series {

@@ -23,7 +23,7 @@ const MAX_POSES = 5000;
 const MAX_PATH_POINTS = 100_000;
 /** The points of the trail of an odometry, one for each 2 cm. */
 const MAX_TRAIL = 2000;
-/** A texture of this many cells has 64 MB, the most that a phone has room for. */
+/** A texture of this many cells takes 64 MB, the most that a phone has room for. */
 const MAX_CELLS = 4096 * 4096;
 
 /** A line through points, replaced as a whole. */

@@ -21,7 +21,7 @@ export class RobotModel {
     manager.setURLModifier(() => NO_PICTURE);
     const loader = new URDFLoader(manager);
     const materials = new Set<Material>();
-    // Addresses stay as the description has them; the gateway finds packages.
+    // Addresses stay as in the description; the gateway finds packages.
     loader.packages = (name: string) => `package://${name}`;
     loader.loadMeshCb = (uri, _manager, material, done) => {
       materials.add(material);

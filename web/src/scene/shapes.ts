@@ -82,7 +82,7 @@ export function textTexture(text: string, lineHeightPx: number, color: string, h
   return texture;
 }
 
-/** Points with room for a growing number of them; draws the first `count`. */
+/** Makes room for `count` points, which are drawn; returns their positions and colors, to fill in. */
 export function resizePoints(geometry: BufferGeometry, count: number): [Float32Array, Float32Array] {
   const have = geometry.getAttribute("position") as BufferAttribute | undefined;
   if (have === undefined || have.count < count) {

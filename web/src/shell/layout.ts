@@ -33,7 +33,7 @@ export function readLayout(value: Settings | undefined): Layout {
   return { order: strings(value.order), hidden: strings(value.hidden), widths, added };
 }
 
-/** Returns the cards as the layout has them. */
+/** Returns the cards in the form of the layout. */
 export function arranged<Card extends { id: string; width?: Width }>(
   cards: readonly Card[],
   layout: Layout,

@@ -128,7 +128,7 @@ export class Robot {
     this.parameters = new Parameters(this.gateway);
   }
 
-  /** The feed of a topic, which need not exist yet; reading it subscribes nothing. */
+  /** The feed of a topic, which need not exist yet; reading it does not subscribe. */
   feed(topicName: string): Feed {
     let feed = this.feeds.get(topicName);
     if (!feed) {

@@ -21,7 +21,7 @@ from rostether.transports.transport import Transport
 
 # On a line with a baud rate, a command older than this is dropped rather than sent late.
 QUEUE_LINE_S = 2.0
-# Slow lines still hold a burst of small commands.
+# The queue of a slow line still holds a burst of small commands.
 MIN_QUEUE_BYTES = 8 * 1024
 # The data that a paused source has already read can still arrive, up to this many queues.
 PAUSED_QUEUE_FACTOR = 8

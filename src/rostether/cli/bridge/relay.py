@@ -91,7 +91,7 @@ class RelayOptions:
     rostether relay --ros2 zenoh --to-ros2 "/sensors/*" --to-ros1 /cmd_vel
     rostether relay /tf /tf_static --service /enable --service /plan=nav_msgs/GetPlan
     rostether relay --action /move_base --msg-path ~/my_msgs
-    rostether relay --to-ros1 /clock                     a topic of both graphs must be named
+    rostether relay --to-ros1 /clock                     /clock and /rosout need their full names
     """,
 )
 @option_group("options", RelayOptions)

@@ -47,7 +47,7 @@ def _choose(names: list[str]) -> str:
 
 
 async def _resolve_running(environment: RosEnvironment, names: tuple[str, ...]) -> list[str]:
-    """Return the full names; of all nodes when none is given. Raises UnknownNameError for one unknown."""
+    """Return the full names, of all nodes if none are given. Raises UnknownNameError for an unknown node."""
     async with master_client(environment) as client:
         running = await node_names(client)
     wanted = [resolve(name, environment) for name in names]

@@ -172,7 +172,7 @@ class Admission:
         return self._refusal(path, headers, self._pages)
 
     def own_refusal(self, path: str, headers: RequestHeaders) -> tuple[HTTPStatus, str] | None:
-        """Return why a WebSocket is refused that requires the full token and is not for pages of a viewer."""
+        """Return why a WebSocket is refused, if it requires the full token and excludes a viewer's pages."""
         if (refused := self._refusal(path, headers, self._own_pages)) is not None:
             return refused
         if self.token.is_required and not self.has_token(path, headers):

@@ -23,7 +23,7 @@ from rostether.recording.ros2_qos import read_profiles
 
 FILE_NAME = "metadata.yaml"
 VERSION = 9
-# The metadata of a thousand topics in a thousand files has 1 MB.
+# The metadata of a thousand topics in a thousand files takes 1 MB.
 MAX_BYTES = 16 << 20
 MAX_FILES = 100_000
 

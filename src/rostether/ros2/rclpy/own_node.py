@@ -137,8 +137,7 @@ class OwnNode:
             ):
                 raise TypeMismatchError(
                     f"the definition of {support.name} that is installed for rclpy differs from the known "
-                    f"one ({installed[:_SHOWN_HASH]}..., not {support.type_hash[:_SHOWN_HASH]}...): give its"
-                    f" "
+                    f"one ({installed[:_SHOWN_HASH]}..., not {support.type_hash[:_SHOWN_HASH]}...): give its "
                     "folder with --msg-path, or set ROS_DISTRO to the distribution that is installed"
                 )
 
@@ -154,6 +153,6 @@ class OwnNode:
         except TypeMismatchError as error:
             others = " and ".join(sorted(set(types_in_use()) - {type_name})) or "another type"
             raise TypeMismatchError(
-                f"cannot {what} as {type_name}: this process has it as {others}"
+                f"cannot {what} as {type_name}: this process already uses it as {others}"
                 ", and this middleware allows only one type per name; choose another name, or use zenoh"
             ) from error

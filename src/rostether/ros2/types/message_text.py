@@ -1,4 +1,4 @@
-"""Messages of ROS 2 as text: YAML and CSV as `ros2 topic echo` prints them, and as Python's ROS 2 shows them.
+"""Messages of ROS 2 as text: YAML and CSV as `ros2 topic echo` prints them, and as rclpy prints them.
 
 Texts and arrays longer than `truncate_length` are cut, with `...` for the rest; None cuts nothing.
 """
@@ -72,7 +72,7 @@ class MessageText:
         return ",".join(self._cells(message, definition))
 
     def python(self, message: Message, definition: Ros2Message) -> str:
-        """Return a message as Python's ROS 2 shows it: `std_msgs.msg.String(data='hello')`."""
+        """Return a message as rclpy prints it: `std_msgs.msg.String(data='hello')`."""
         fields = ", ".join(
             f"{field.name}={self._python_value(getattr(message, field.name), field.type)}"
             for field in definition.fields
@@ -102,7 +102,7 @@ class MessageText:
         if isinstance(value, str):
             return self._text(clean_text(value))
         if field_type.base == "byte":
-            # As Python's ROS 2 has it: a text of one character.
+            # As in rclpy: a text of one character.
             return chr(value)
         if isinstance(value, Message):
             return self._fields(value, self._lookup(field_type.base))

@@ -24,7 +24,7 @@ class UndefinedTypes(NativeTypes):
         self._undefined: dict[str, MessageSupport] = {}
 
     def received(self, name: str, type_hash: str) -> MessageSupport:
-        """Return a ROS 2 message; CDR if there is no definition with the publisher's hash."""
+        """Return a message type's support; payloads stay CDR if no definition has the publisher's hash."""
         try:
             support = self.by_name(name)
         except UnknownTypeError:

@@ -57,7 +57,7 @@ def report_refusals() -> None:
     os.dup2(write, 1)
     os.close(write)
     if isinstance(sys.stdout, io.TextIOWrapper):
-        # Own log lines do not go through the pipe.
+        # This program's log lines do not go through the pipe.
         sys.stdout = os.fdopen(
             os.dup(output), "w", encoding=sys.stdout.encoding, errors=sys.stdout.errors, buffering=1
         )

@@ -22,7 +22,7 @@ _MAX_STEPS = 200
 
 
 class DriveBase(ServoBus):
-    """Two servos on a bus, and the pose: x forward at the start, y left, heading to the left. No slip."""
+    """Two servos on a bus and the pose: x forward at the start, y left, counterclockwise heading; no slip."""
 
     def __init__(self, clock: Callable[[], float]) -> None:
         super().__init__((LEFT_ID, RIGHT_ID), clock)

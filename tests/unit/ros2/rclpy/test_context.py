@@ -74,7 +74,7 @@ async def test_nodes_of_the_same_name_both_stay(context: RclpyContext) -> None:
 async def test_a_topic_has_one_type_in_a_process(context: RclpyContext) -> None:
     one, other = await context.join("/one"), await context.join("/other")
     await one.advertise("/chat", STRING)
-    with pytest.raises(TypeMismatchError, match="this process has it as std_msgs/msg/String"):
+    with pytest.raises(TypeMismatchError, match="this process already uses it as std_msgs/msg/String"):
         await other.subscribe("/chat", BOOL, Inbox().take)
 
 

@@ -18,7 +18,7 @@ export const CENTER: Stick = { x: 0, y: 0 };
 export const DEFAULT_LIMITS: Limits = { linear: 0.3, angular: 1 };
 /** The ends of the sliders. */
 export const LARGEST_LIMITS: Limits = { linear: 2, angular: 4 };
-/** A link must not make a robot faster than the sliders do, or turn its stick around. */
+/** A page's address must not allow more speed than the sliders, or invert the stick. */
 export const areLimits: SettingCheck = hasFields({
   linear: (value) => isBetween(value, LARGEST_LIMITS.linear),
   angular: (value) => isBetween(value, LARGEST_LIMITS.angular),
