@@ -17,7 +17,7 @@ RostetherError
 │   └── RemoteProtocolError     the peer sent something that the protocol does not allow
 ├── TransportError
 │   ├── TransportOpenError      a port, address or pseudo-terminal that cannot be opened
-│   ├── TransportClosedError    the pipe ended: unplugged, or closed by either side
+│   ├── TransportClosedError    the connection ended: unplugged, or closed by either side
 │   │   └── PeerClosedError     the peer closed the connection cleanly
 │   └── TransportTimeoutError   the peer did not answer in time
 ├── GraphError
@@ -125,7 +125,7 @@ class RemoteProtocolError(ProtocolError):
 
 
 class TransportError(RostetherError):
-    """A byte pipe failed."""
+    """A connection to a device failed."""
 
 
 class TransportOpenError(TransportError):
@@ -133,7 +133,7 @@ class TransportOpenError(TransportError):
 
 
 class TransportClosedError(TransportError):
-    """The pipe ended: unplugged, or closed by either side."""
+    """The connection ended: unplugged, or closed by either side."""
 
 
 class PeerClosedError(TransportClosedError):

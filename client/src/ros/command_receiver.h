@@ -32,7 +32,7 @@ class CommandReceiver {
   enum { HEADER_BYTES = 28, FRAME_BYTES = HEADER_BYTES + SipHash::TAG_BYTES };
   enum { STATUS_BYTES = 32 + 6 + 8 + SipHash::TAG_BYTES };
 
-  // Starts as robot 1 of group 0. `kind` is the kind of its type of command.
+  // Starts as robot 1 of group 0. `kind` has the first four bytes of the MD5 sum of its command type.
   CommandReceiver(const FleetKey& key, uint32_t kind) {
     memset(static_cast<void*>(this), 0, sizeof *this);
     key_ = &key;

@@ -13,8 +13,8 @@
 
 namespace ros {
 
-// Widens the float at `from` to `bytes`, eight of them; returns their sum. A shift by five is a multiplication, which an AVR
-// does in two cycles.
+// Widens the float at `from` to eight bytes at `bytes`, and returns their sum. A shift by five is a multiplication,
+// which an AVR does in two cycles.
 inline uint8_t widenFloat(const void* from, uint8_t* bytes) {
   const uint8_t* f = static_cast<const uint8_t*>(from);
   uint8_t f0 = f[0], f1 = f[1], f2 = f[2];

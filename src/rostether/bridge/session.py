@@ -182,7 +182,7 @@ class Session:
             self.outbox.resume_writing()
 
     def congested(self, wait: Callable[[], Awaitable[object]]) -> bool:
-        """Read nothing from the board until `wait()` ends; False, and nothing awaited, if it cannot pause."""
+        """Read nothing from the board until `wait()` ends; return False at once if the line cannot pause."""
         return not self._ended.done() and self._pause.until(wait)
 
     def rescan(self, payload: bytes) -> None:

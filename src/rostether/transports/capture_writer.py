@@ -165,7 +165,7 @@ class RecordedTransport:
         self._inner.start(self)
 
     def write(self, data: bytes | bytearray | memoryview) -> None:
-        """Queue bytes. Never blocks; does nothing after its end."""
+        """Queue bytes. Never blocks; does nothing once the transport has ended."""
         if not self._is_ended:
             self._writer.note(self._link, "host", bytes(data))
         self._inner.write(data)

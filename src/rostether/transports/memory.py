@@ -87,7 +87,7 @@ class MemoryTransport:
         self._schedule()
 
     def write(self, data: bytes | bytearray | memoryview) -> None:
-        """Queue bytes. Never blocks; does nothing after its end."""
+        """Queue bytes. Never blocks; does nothing once the transport has ended."""
         if self._ended or not data:
             return
         chunk = bytes(data)

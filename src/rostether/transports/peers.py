@@ -111,7 +111,7 @@ class PeerTransport(Generic[PeerKey]):
             asyncio.get_running_loop().call_soon(self._catch_up)
 
     def write(self, data: bytes | bytearray | memoryview) -> None:
-        """Send bytes. Never blocks; does nothing after its end.
+        """Send bytes. Never blocks; does nothing once the transport has ended.
 
         A peer that has not answered yet gets no more bytes than it sent; the rest is dropped.
         """

@@ -1,4 +1,4 @@
-"""The facts about a serial port without opening it."""
+"""The facts about a serial port that are known without opening it."""
 
 from __future__ import annotations
 

@@ -120,7 +120,7 @@ class SerialTransport(StreamTransport, asyncio.Protocol):
         self._deliver(data)
 
     def write(self, data: bytes | bytearray | memoryview) -> None:
-        """Queue bytes. Never blocks; does nothing after its end."""
+        """Queue bytes. Never blocks; does nothing once the transport has ended."""
         # The port was unplugged between two wake-ups: serialx raises here, and also calls connection_lost.
         with contextlib.suppress(OSError, RuntimeError):
             super().write(data)

@@ -101,7 +101,7 @@ class StreamTransport(asyncio.BaseProtocol):
         wire.pause_reading()
 
     def write(self, data: bytes | bytearray | memoryview) -> None:
-        """Queue bytes. Never blocks; does nothing after its end."""
+        """Queue bytes. Never blocks; does nothing once the transport has ended."""
         if self._closing or self._lost or self._wire is None:
             return
         self._wire.write(data)

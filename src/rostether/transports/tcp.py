@@ -75,7 +75,7 @@ class TcpTransport(StreamTransport, asyncio.BufferedProtocol):
             self.peer = f"tcp {show_endpoint(*peer_name[:2])}"
 
     def write(self, data: bytes | bytearray | memoryview) -> None:
-        """Queue bytes. Never blocks; does nothing after its end.
+        """Queue bytes. Never blocks; does nothing once the transport has ended.
 
         If this side sends, the kernel delays acknowledgements for 40 ms, to send them with the next data. A
         board that collects small messages until the last one is acknowledged (such as an ESP) would send its

@@ -64,7 +64,7 @@ class Transport(Protocol):
         """Start to deliver; called once. Bytes received earlier are kept."""
 
     def write(self, data: bytes | bytearray | memoryview) -> None:
-        """Queue bytes. Never blocks; does nothing after its end."""
+        """Queue bytes. Never blocks; does nothing once the transport has ended."""
 
     def pause_reading(self) -> None:
         """Deliver nothing until resume_reading. Idempotent."""

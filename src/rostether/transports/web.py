@@ -111,7 +111,7 @@ class WebTransport:
         self._loop.call_soon(self._catch_up)
 
     def write(self, data: bytes | bytearray | memoryview) -> None:
-        """Queue bytes. Never blocks; does nothing after its end."""
+        """Queue bytes. Never blocks; does nothing once the transport has ended."""
         if self._ended.is_set():
             return
         self._unsent += data

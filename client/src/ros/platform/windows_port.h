@@ -1,8 +1,8 @@
 // Windows: a serial port or TCP, by its name. Link with ws2_32, and include <ros.h> before <windows.h>.
 //
 //   nh.initNode("COM3")                   COM and a number is a serial port
-//   nh.initNode("127.0.0.1:11411")        anything else a host, by default with the port 11411
-//   nh.initNode()                         the one in the environment variable ROSSERIAL_PORT, or DEFAULT_PORT
+//   nh.initNode("127.0.0.1:11411")        anything else is a host, by default with the port 11411
+//   nh.initNode()                         the name in the environment variable ROSSERIAL_PORT, or DEFAULT_PORT
 #ifndef ROS_PLATFORM_WINDOWS_PORT_H_
 #define ROS_PLATFORM_WINDOWS_PORT_H_
 

@@ -32,7 +32,7 @@ class DashboardOptions:
         "-p --port PORT", "Port of the page (the next free one from 8765).", type=click.IntRange(0, 65535)
     )
     listen: str | None = option(
-        "--listen ADDRESS", "Listen on this address for other machines; 0.0.0.0 for all addresses (loopback)."
+        "--listen ADDRESS", "Listen on this address for other machines; 0.0.0.0 for all (default: loopback)."
     )
     no_page: bool = flag("--no-page", "Serve the gateway without the page.")
     no_open: bool = flag("--no-open", "Do not open a browser.")

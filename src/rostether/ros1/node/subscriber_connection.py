@@ -57,7 +57,8 @@ class SubscriberConnection(asyncio.Protocol):
         self._loop = asyncio.get_running_loop()
         self._accepts_more = True
         self._is_losing = False
-        self._may_report_s = 0.0  # from when on
+        # The earliest time of the next report.
+        self._may_report_s = 0.0
         self._on_drop = on_drop
         self._on_lost = on_lost
         self._lost = asyncio.Event()

@@ -42,7 +42,7 @@ _logged_once: set[Any] = set()
 class TerminalHandler(logging.Handler):
     """Prints as rospy does: information on standard output, warnings and errors on standard error.
 
-    ROSCONSOLE_FORMAT changes the format. `simulated_time` returns ROS time where it is not the clock's.
+    ROSCONSOLE_FORMAT changes the format. `simulated_time` returns simulated time, None without it.
     """
 
     def __init__(self, simulated_time: Callable[[], float | None]) -> None:
