@@ -198,8 +198,8 @@ class NodeHandleBase_ : public FrameWriter {
   // For drivers: ends the spinOnce in progress, so that the message's data stays valid until the next one.
   void pauseReading() { window_.hold(); }
 
-  // Adds an endpoint for the lifetime of this object; it keeps the id that it has. It is the last endpoint in the list:
-  // of two on one id, the older is answered first.
+  // Adds an endpoint for the lifetime of this object. The endpoint keeps its id, and is the last one in the list: of two
+  // endpoints with one id, the older one is answered first.
   class Temporary {
    public:
     Temporary(NodeHandleBase_& node, Endpoint& endpoint) : node_(node), endpoint_(endpoint) { *node.linkTo(nullptr) = &endpoint; }

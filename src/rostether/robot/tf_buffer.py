@@ -52,7 +52,7 @@ class TransformBuffer:
     ) -> str:
         """Store a transform; returns tf2's error message if it was refused, or an empty string.
 
-        A frame that was first moving or static stays so.
+        The first transform decides whether a frame is moving or static.
         """
         parent, child = stamped.parent.removeprefix("/"), stamped.child.removeprefix("/")
         problem = _defect(parent, child, stamped.transform, authority)

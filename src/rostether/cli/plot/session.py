@@ -116,7 +116,7 @@ class PlotSession:
             if self._curves.names:
                 self._finish()
         if not self._curves.names:
-            raise GraphError(f"no value was received of {', '.join(names)}; see `rostether topic echo`")
+            raise GraphError(f"no value of {', '.join(names)} was received; see `rostether topic echo`")
 
     def _finish(self) -> None:
         file = self._options.file

@@ -15,7 +15,7 @@ from rostether.ros1.tcpros_connection import HandshakeProtocol
 from rostether.tcpros.handshake import Purpose, purpose_of
 from rostether.transports.sockets import close_servers, lengthen_backlog, system_bind_errors
 
-# Connections whose header has not come yet: a burst of a whole graph starting, not a flood of strangers.
+# Connections whose header has not arrived yet: enough for a whole graph that starts at once.
 MAX_HANDSHAKES = 256
 
 # The same for one address that is not this machine, so that it leaves room for others.

@@ -192,7 +192,7 @@ class SimulatedBoard(BlockClosable):
         return dict((await self.ask("pins", "pins")).values)
 
     async def wait_for_pin(self, pin: str, level: bool, *, timeout_s: float = DEFAULT_TIMEOUT_S) -> None:
-        """Wait until a pin has a level; at once when it has. Watches the pin from then on."""
+        """Wait until a pin has a level; return at once if it already has. Watches the pin from then on."""
         await self.send_command(f"watch {pin}")
         if self._levels.get(pin) != level:
             await self.wait_for(

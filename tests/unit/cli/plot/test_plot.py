@@ -144,7 +144,7 @@ def test_what_cannot_be_drawn_is_reported(shell: Shell, graph: LiveGraph, tmp_pa
     assert "/words/data contains no numbers" in shell.failure("plot", "/words/data", "--for", "60")
     silent = STORE.registry.message_type("std_msgs/Int8")
     graph.do(graph.node("/silent").advertise("/nothing", silent))
-    assert "no value was received of /nothing" in shell.failure("plot", "/nothing", "--for", "0.2")
+    assert "no value of /nothing was received" in shell.failure("plot", "/nothing", "--for", "0.2")
     assert "its name must end with .png" in shell.failure(
         "plot", "/a", "--save", str(tmp_path / "a.dot"), code=2
     )
