@@ -76,7 +76,7 @@ class ActionServer : public ActionServerBase_ {
     return sent;
   }
 
-  // Sends a feedback or a result of a goal.
+  // Sends feedback on a goal, or its result.
   template <class Content>
   ROS_APART int send(Place place, const GoalID& goal, uint8_t status, const Content& content, const char* text) {
     const typename WireFormat<Content>::Written written(content);

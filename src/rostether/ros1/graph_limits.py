@@ -17,14 +17,14 @@ class GraphLimits:
     MB.
     `xmlrpc_connections`: descriptors are commonly limited to 1024 a process, and a graph of hundreds of nodes
     keeps one or two open each. `xmlrpc_connections_per_host`: one machine runs many nodes, but must leave
-    room for others'; this one's own programs need no such limit.
+    room for other machines; the programs of this machine need no such limit.
     `xmlrpc_request_s`: the time of the largest request over a slow radio link; slower ones are refused.
     `parameter_bytes`, `parameters_bytes`: the memory for the parameters of one call to the master, and for
     all parameters together. A few robot descriptions have some MB; larger data belongs in files.
     `message_bytes`: a message, request or answer of a node: four times the largest in practice.
     `header_bytes`: a connection header, which is mostly its message definition: the longest has 20 KB.
     `header_s`: how long a peer may take for it. TCP repeats what a bad radio link lost within 3 s.
-    `tcpros_connections`, `tcpros_connections_per_host`: as those of XML-RPC; one stays for each subscriber.
+    `tcpros_connections`, `tcpros_connections_per_host`: as those of XML-RPC; one stays open for each subscriber.
     """
 
     body_bytes: int = MAX_BODY_BYTES

@@ -189,7 +189,7 @@ export class Gateway {
     this.command.send({ op: "stopRecording" });
   }
 
-  /** Plays a recording from a time of it; below `/playback` unless its topics keep their names. */
+  /** Plays a recording from a time in it, in seconds; below `/playback` unless its topics keep their names. */
   playRecording(name: string, start: number, rate: number, prefixed: boolean): void {
     this.command.send({ op: "playRecording", name, start, rate, prefixed });
   }

@@ -176,7 +176,7 @@ class StopRecording(Action):
 
 @dataclass(frozen=True, slots=True)
 class PlayRecording(Action):
-    """Plays a recording; an op of this gateway. `start_s` is a time of the recording."""
+    """Plays a recording; an op of this gateway. `start_s` is a time in the recording."""
 
     name: str
     start_s: float
