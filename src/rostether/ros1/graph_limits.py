@@ -24,7 +24,7 @@ class GraphLimits:
     `message_bytes`: a message, request or answer of a node: four times the largest in practice.
     `header_bytes`: a connection header, which is mostly its message definition: the longest has 20 KB.
     `header_s`: how long a peer may take for it. TCP repeats what a bad radio link lost within 3 s.
-    `tcpros_connections`, `tcpros_connections_per_host`: as those of XML-RPC; one stays open for each subscriber.
+    `tcpros_connections`, `tcpros_connections_per_host`: as for XML-RPC; one stays open for each subscriber.
     """
 
     body_bytes: int = MAX_BODY_BYTES
