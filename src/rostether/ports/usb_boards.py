@@ -1,7 +1,7 @@
 """The boards and adapters with known USB ids; many describe themselves only as `USB Serial`.
 
 Some ids belong only to boards. Some belong mostly to boards, so discovery listens before it probes. Others
-are in general adapters, which are opened only if the user allows it.
+belong to general-purpose adapters, which are opened only if the user allows it.
 
 Source: the USB ids that vendors publish in their boards.txt, drivers and udev rules.
 """

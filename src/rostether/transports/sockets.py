@@ -29,7 +29,7 @@ _UNSENT_BYTES = 16 * 1024
 # connect at once. Without room, a connection is repeated a second later. Only waiting ones need memory.
 _BACKLOG = 1024
 
-# About 30 frames of 4 KiB: with fewer, calls of the system take a tenth of the time.
+# About 30 frames of 4 KiB: with fewer, system calls take a tenth of the time.
 READ_BYTES = 128 * 1024
 
 # By event loop. A loop reads one connection at a time, and each read is copied before the next.

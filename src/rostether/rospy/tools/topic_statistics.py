@@ -140,7 +140,7 @@ class ROSTopicBandwidth:
 
     @property
     def sizes(self) -> list[int]:
-        """Their sizes in bytes."""
+        """The sizes of the messages in bytes."""
         return [size for _, size in self._arrivals]
 
     def callback(self, data: Any) -> None:
