@@ -165,7 +165,7 @@ class Session:
                 self._handle(event)
             if not is_quiet:
                 self._after_link()
-        except Exception as error:  # noqa: BLE001 - whatever one board brings about ends with its session
+        except Exception as error:  # noqa: BLE001 - an error caused by one board ends only its session
             self._fail(error)
 
     def connection_lost(self, error: TransportError | None) -> None:

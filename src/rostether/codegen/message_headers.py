@@ -1,4 +1,4 @@
-"""Generates the headers of many types; reports those that cannot be generated in one line per package."""
+"""Generates the headers of many types; one line per package reports the types that have no header."""
 
 from __future__ import annotations
 

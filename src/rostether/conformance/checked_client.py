@@ -101,7 +101,7 @@ class CheckedClient(SmallWriter):
     async def prepare(self) -> None:
         """Bring the client into the initial state of a case: configured, with no unread data.
 
-        Raises Deviation if it does not answer, also not on a new line, TransportError if the line is lost and
+        Raises Deviation if it does not answer even on a new line, TransportError if the line is lost and
         cannot be reopened.
         """
         self.answers_time = True

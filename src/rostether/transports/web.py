@@ -51,7 +51,7 @@ class WebSocket(Protocol):
         """Read again."""
 
     def close(self, code: int, reason: str = "") -> None:
-        """Close in order."""
+        """Close after a closing handshake."""
 
     def abort(self) -> None:
         """Close at once."""

@@ -106,5 +106,5 @@ class HeldEvents:
             wait.result()
             for event in events:
                 self._handle(event)
-        except Exception as error:  # noqa: BLE001 - whatever one board brings about ends with its session
+        except Exception as error:  # noqa: BLE001 - an error caused by one board ends only its session
             self._fail(error)

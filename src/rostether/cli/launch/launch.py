@@ -150,7 +150,7 @@ def launch(
     """Set the parameters and start the nodes of launch files; start a master if none runs.
 
     Packages are found on ROS_PACKAGE_PATH, in the catkin workspace around this folder, and below it; nothing
-    needs to be built. Logs are kept in ~/.ros/log/latest. Ctrl-C ends all nodes in order.
+    needs to be built. Logs are kept in ~/.ros/log/latest. Ctrl-C ends all nodes cleanly.
     """
     from rostether.cli.access.ros1_access import read_environment
     from rostether.cli.dashboard.settings import DashboardSettings

@@ -88,7 +88,7 @@ class ClientSender:
             await self._wait_for_room()
 
     def close(self, code: int, reason: str) -> None:
-        """End the connection in order."""
+        """End the connection after a closing handshake."""
         self.data.flush()
         self.data.end()
         self.connection.close(code, reason)

@@ -20,7 +20,10 @@ _log = logging.getLogger("rostether.gateways")
 
 
 class SimClock:
-    """Follows /use_sim_time and /clock; `on_time` gets each time, `on_change` reports another clock."""
+    """Follows /use_sim_time and /clock; `on_time` gets each time.
+
+    `on_change` is called after a change between the wall clock and /clock.
+    """
 
     def __init__(
         self,

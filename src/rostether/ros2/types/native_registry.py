@@ -21,7 +21,7 @@ from rostether.msgdef.spec import MessageSpec, ServiceSpec
 from rostether.ros2.types.paired_definitions import PairedDefinitions
 
 _NAME_PARTS = 3
-_HALVES = {"Request": REQUEST_SUFFIX, "Response": RESPONSE_SUFFIX}
+_SUFFIXES = {"Request": REQUEST_SUFFIX, "Response": RESPONSE_SUFFIX}
 
 
 def short_name(name: str) -> str:
@@ -67,7 +67,7 @@ class NativeRegistry(Registry):
         if self._is_of_action(package, rest):
             return self.definitions.message(f"{package}/action/{rest}")
         if not self.definitions.has(full_name):
-            for ending, suffix in _HALVES.items():
+            for ending, suffix in _SUFFIXES.items():
                 service = rest.removesuffix(ending)
                 if service not in (rest, "") and self._has_service(package, service):
                     found = self.ros2_service(f"{package}/{service}")

@@ -79,7 +79,7 @@ def service_hash(service: Ros2Service, definitions: HashSource) -> str:
     if definitions.distro in _DISTROS_WITHOUT_HASHES:
         return TYPE_HASH_NOT_SUPPORTED
     whole, *below = service_messages(service)
-    return rihs01(whole, _WithHalves({each.full_name: each for each in below}, definitions))
+    return rihs01(whole, _WithParts({each.full_name: each for each in below}, definitions))
 
 
 def service_messages(service: Ros2Service) -> tuple[Ros2Message, ...]:
@@ -138,15 +138,15 @@ def event_message(service: Ros2Service) -> Ros2Message:
     )
 
 
-class _WithHalves:
+class _WithParts:
     """Definitions that also contain the parts of one service."""
 
-    def __init__(self, halves: dict[str, Ros2Message], definitions: MessageSource) -> None:
-        self._halves = halves
+    def __init__(self, parts: dict[str, Ros2Message], definitions: MessageSource) -> None:
+        self._parts = parts
         self._definitions = definitions
 
     def message(self, name: str) -> Ros2Message:
-        return self._halves.get(name) or self._definitions.message(name)
+        return self._parts.get(name) or self._definitions.message(name)
 
 
 def describe(message: Ros2Message) -> dict[str, Any]:

@@ -174,7 +174,8 @@ _types_lock = threading.Lock()
 def all_types() -> MessageTypes:
     """Return the types of this process.
 
-    They are in ROS_PACKAGE_PATH, in the folders that the command that started it has found, and bundled.
+    They come from ROS_PACKAGE_PATH, from the folders that `run` or `launch` has found, and from the bundled
+    definitions.
     """
     global _types
     with _types_lock:

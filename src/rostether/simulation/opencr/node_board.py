@@ -11,7 +11,7 @@ from rostether.simulation.opencr.pins import pin_name, pin_number
 from rostether.simulation.simavr.board_events import BoardEvent
 
 _INPUTS = ("PUSH_SW_1", "PUSH_SW_2", "DIP_SW_1", "DIP_SW_2", *(f"A{number}" for number in range(6)))
-# At rest. The LEDs of the user are on while their pins are low.
+# The levels at rest. The user LEDs are on while their pins are low.
 _OUTPUTS = {
     **{f"LED_USER_{number}": True for number in range(1, 5)},
     "LED_STATUS": False,
