@@ -160,7 +160,7 @@ def _rviz_file(arguments: Sequence[str]) -> list[str]:
         if word in _RVIZ_VALUES:
             value = next(words, "")
         elif not has_value:
-            # A single file is also one of displays.
+            # A file without an option is the file of displays.
             name, value = "-d", "" if word.startswith("-") or ":=" in word else word
         if name in _RVIZ_FILE and value:
             found = [value]
