@@ -113,7 +113,7 @@ class LoopThread:
 
 
 def _result(future: concurrent.futures.Future[_T], timeout_s: float | None) -> _T:
-    """Wait in short steps: a Ctrl-C just before a step, or on Windows during it, takes effect after the step."""
+    """Wait in short steps: Ctrl-C just before a step, or during it on Windows, takes effect after it."""
     deadline_s = float("inf") if timeout_s is None else time.monotonic() + timeout_s
     while True:
         left_s = deadline_s - time.monotonic()

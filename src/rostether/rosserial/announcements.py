@@ -22,7 +22,7 @@ from rostether.rosserial.topic_id import (
 )
 from rostether.rosserial.topic_table import EndpointKey, TopicTable, key_of
 
-# The pause between two topic requests for one unknown id. An answer takes less; messages may come every 10 ms.
+# The pause between two topic requests for one unknown id. An answer takes less; messages may come each 10 ms.
 FIRST_PAUSE_S = 1.0
 
 # The pause grows to this for a device that never announces an id that it uses.
