@@ -50,7 +50,7 @@ export interface Sensor {
   start(output: SensorOutput): Promise<() => void>;
 }
 
-/** Lets a message pass if the last one is old enough; one early message in ten compensates for irregular events. */
+/** Lets a message pass if the last one is old enough; it may be early by a tenth of the period, as events are irregular. */
 export function rateLimiter(hertz: number): (nowMs: number) => boolean {
   let nextMs = Number.NEGATIVE_INFINITY;
   const periodMs = hertz > 0 ? 1000 / hertz : 0;

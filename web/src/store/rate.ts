@@ -1,10 +1,10 @@
 // The rate of a topic: messages and bytes a second over the last seconds, and when its values are stale.
 
 const KEPT = 64;
-// The last seconds are counted in parts: messages that waited for a busy page and arrive together are no high rate.
+// The last seconds are counted in parts, so that messages that waited for a busy page do not look like a high rate.
 const PART_MS = 100;
 const PARTS = 50;
-// Two latched messages that arrive together are no rate either.
+// Two latched messages that arrive together do not give a rate.
 const MIN_SPAN_MS = 500;
 // Without a known period, a value is stale after this.
 const FIRST_STALE_MS = 3000;

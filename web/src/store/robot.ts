@@ -77,7 +77,7 @@ export class Robot {
   private readonly onNoneEmpty = new Set<() => void>();
   private refusalTimer: ReturnType<typeof setTimeout> | undefined;
   /**
-   * How often the page could be loaded since the connection was lost. Once is no proof of a refusal: the robot may
+   * How often the page could be loaded since the connection was lost. Once does not prove a refusal: the robot may
    * have just come back.
    */
   private refusedBefore = 0;

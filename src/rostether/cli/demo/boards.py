@@ -134,7 +134,7 @@ def _range_command(obstacle: Obstacle, time_s: float) -> str:
 
 
 def _place_obstacle(obstacle: Obstacle, command: str) -> None:
-    """Put the obstacle where a command from the graph has put it."""
+    """Move the obstacle to the distance that a command from the graph has set on the board."""
     word, _, distance = command.strip().partition(" ")
     if word == "range":
         # The simulation also reads numbers that Python does not, such as 0x1p-1.

@@ -59,7 +59,7 @@ async def _camera(is_ros1: bool, graph: TypedGraph, _: Arguments) -> None:
     first = await _first_parameters(graph, parameters) if is_ros1 else {}
     source = await _source(parameters, bool(first.get("vflip")), bool(first.get("hflip")))
     description = await read_description(parameters, SensorKind("camera", "CAMERA", MESSAGE_TYPE, 10.0))
-    # Some versions of that node misspell the parameter.
+    # Some versions of the platform's first camera node misspell the parameter.
     first_file = first.get("classifier") or first.get("clasifier") or ""
     file = await parameters.text(str(first_file), "classifier")
     detector = await asyncio.to_thread(_detector, file) if file else None

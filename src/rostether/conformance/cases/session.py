@@ -127,8 +127,8 @@ async def _expect_dropped(client: CheckedClient) -> None:
     """Send a string to a client that must not answer."""
     client.skip()
     client.send(client.id_of("text_in"), text_payload("unwanted"))
-    # A client that answers the probe has handled the string. It must not see a request for the topics before:
-    # it may answer the string after that.
+    # A client that answers the probe has handled the string. Its topics are not requested before, because a
+    # client that is configured again may answer the string.
     client.send_bytes(PROBE)
     text_out = client.id_of("text_out")
     first = await client.find(lambda each: is_time_request(each) or each.topic_id == text_out, PROBE_ANSWER_S)

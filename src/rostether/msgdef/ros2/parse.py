@@ -1,7 +1,7 @@
 """Reads ROS 2 .msg, .srv and .action texts: lines of `type name [default]` or `type NAME=value`.
 
 Accepts and refuses the same texts as rosidl, with two exceptions: indented declarations are accepted, and
-types that its code generators would refuse (`time`, half a service as a field) are refused here.
+types that its code generators would refuse (`time`, the request of a service as a field) are refused here.
 """
 
 from __future__ import annotations

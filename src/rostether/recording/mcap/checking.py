@@ -159,10 +159,10 @@ class _Check:
         )
         for noun, stated, there in rows:
             if stated != there:
-                self.report(f"its statistics state {stated} {noun}, but there are {there}")
+                self.report(f"its statistics state {stated} {noun}, not {there}")
         counts = {number: count for number, count in statistics.counts.items() if count}
         if counts and counts != self._found.counts:
-            self.report("its statistics have wrong message counts of channels")
+            self.report("its statistics have wrong message counts for channels")
 
     def _check_offsets(self, position: int, end: int, groups: dict[int, tuple[int, int]]) -> None:
         data = self._data

@@ -99,7 +99,7 @@ def test_a_summary_whose_sum_is_wrong(ours: bytearray) -> None:
     ours[start] ^= 1
     reported = faults_of(bytes(ours))
     assert "the checksum (CRC) of its summary is wrong" in reported
-    assert any(fault == "its statistics state 41 messages, but there are 40" for fault in reported)
+    assert any(fault == "its statistics state 41 messages, not 40" for fault in reported)
 
 
 @pytest.mark.parametrize(
