@@ -161,7 +161,7 @@ class ServiceServer(Protocol):
 
 
 class ServiceClient(Protocol):
-    """A handle of one service that a node is listed to call."""
+    """A handle of a node's entry as a client of one service."""
 
     async def close(self) -> None:
         """Remove the client from the graph. Idempotent."""

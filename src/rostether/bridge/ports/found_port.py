@@ -1,8 +1,8 @@
-"""The states of one port that the search for boards may open: in use, asked, served, or ignored.
+"""The states of one port that the search for boards may open: in use, probed, served, or ignored.
 
-waits while another program uses it ──> opened ──> asked ──┬── a board: served until it is gone ──> again
-   ^                                      │                └── none: closed and left alone
-   └────── reported, tried later <────────┘                       │
+waits while another program uses it ──> opened ──> probed ──┬── a board: served until gone ──> again
+   ^                                      │                 └── none: closed and left alone
+   └────── reported, tried later <────────┘                        │
    └────── another program used it since (a new sketch?), or it was a board before <──┘
 """
 
@@ -32,9 +32,9 @@ FIRST_RETRY_S = 0.25
 # The longest pause between checks of a port in use: each check reads /proc.
 MAX_RETRY_S = 5.0
 
-FIRST_ASK_AGAIN_S = 5.0
-# A board that answered before, or that the user named, is asked again: it may have had no power.
-MAX_ASK_AGAIN_S = 60.0
+FIRST_REPROBE_S = 5.0
+# A board that answered before, or that the user named, is probed again: it may have had no power.
+MAX_REPROBE_S = 60.0
 
 # How often an ignored port is checked (not opened) for signs that another program used it.
 LOOK_PERIOD_S = 1.0
@@ -81,12 +81,12 @@ class FoundPort:
 
     async def run(self) -> None:
         """Handle the port until it has disappeared."""
-        ask_again = Backoff(first_s=FIRST_ASK_AGAIN_S, limit_s=MAX_ASK_AGAIN_S)
+        reprobes = Backoff(first_s=FIRST_REPROBE_S, limit_s=MAX_REPROBE_S)
         while (transport := await self._open()) is not None:
             try:
-                found = await self._ask(transport)
+                found = await self._probe(transport)
                 if isinstance(found, BoardFound):
-                    ask_again.reset()
+                    reprobes.reset()
                     await self._serve_board(transport, found.baud)
                     await asyncio.sleep(AFTER_LOSS_S)
                     continue
@@ -103,7 +103,7 @@ class FoundPort:
             self._report_no_board(found)
             was_board = self._known.baud_of(self.identity.key) is not None
             is_expected = was_board or self.choice is PortUse.EXPECT
-            await self._leave_alone(ask_again.next_delay_s() if is_expected else None)
+            await self._leave_alone(reprobes.next_delay_s() if is_expected else None)
 
     async def _open(self) -> TunableTransport | None:
         """Open the port as soon as no other program uses it; None if it was removed."""
@@ -123,7 +123,7 @@ class FoundPort:
             await attempts.wait_after(refusal)
         return None
 
-    async def _ask(self, transport: TunableTransport) -> BoardFound | NoBoard:
+    async def _probe(self, transport: TunableTransport) -> BoardFound | NoBoard:
         if self.choice is PortUse.SERVE:
             return BoardFound(self._first_baud(), 0, b"")
         known_baud = self._known.baud_of(self.identity.key)
@@ -153,13 +153,13 @@ class FoundPort:
         if error is not None:
             self._reporter.line(Level.WARN, str(error))
 
-    async def _leave_alone(self, ask_again_s: float | None) -> None:
-        """Wait until there is a reason to ask again."""
+    async def _leave_alone(self, reprobe_s: float | None) -> None:
+        """Wait until there is a reason to probe again."""
         loop = asyncio.get_running_loop()
         left_s = loop.time()
         mark = _use_mark(self.port.path)
         while _use_mark(self.port.path) == mark:
-            if ask_again_s is not None and loop.time() - left_s >= ask_again_s:
+            if reprobe_s is not None and loop.time() - left_s >= reprobe_s:
                 return
             await asyncio.sleep(LOOK_PERIOD_S)
 

@@ -127,7 +127,7 @@ class Ros2Definitions:
                 self._added.add(service.full_name)
 
     def message(self, name: str) -> Ros2Message:
-        """Return a message by `package/msg/Name`, or half a service by `package/srv/Name_Request`.
+        """Return a message by `package/msg/Name`, or a request or response by `package/srv/Name_Request`.
 
         Raises UnknownTypeError, or DefinitionError if its own text is broken.
         """
@@ -182,7 +182,7 @@ class Ros2Definitions:
         return None if file is None else read_definition(file)
 
     def has(self, name: str) -> bool:
-        """Return whether a message, service or half a service is known; reads only the user's own texts."""
+        """Return whether a message, service, request or response is known; reads only the user's texts."""
         if name in self._added:
             return True
         try:

@@ -58,7 +58,7 @@ class Ros2Constant:
 
 @dataclass(frozen=True, slots=True)
 class Ros2Message:
-    """One message definition; `kind` is `msg`, `srv` for half a service, `action` for a part of an action."""
+    """One message; `kind` is `msg`, `srv` for a part of a service, or `action` for a part of an action."""
 
     package: str
     kind: str

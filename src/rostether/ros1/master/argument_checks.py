@@ -25,7 +25,7 @@ class BadArgumentError(ValueError):
 
 
 def resolve(name: str, caller_id: str) -> str:
-    """Return the global form of a name: `~x` is below the caller, `x` beside it, empty its namespace."""
+    """Return a global name: `~x` is below the caller, `x` beside it; an empty name is its namespace."""
     if not name:
         return _namespace(caller_id)
     if name.startswith("/"):

@@ -56,7 +56,7 @@ def _range(board: OpenCrBoard, arguments: list[str]) -> None:
     value = None if meters == "none" else _number(meters, "range 0.5")
     if value is not None and not 0.02 <= value <= _MAX_RANGE_M:
         raise ConfigError(
-            f"range {meters}: the sonar measures 0.02 to {_MAX_RANGE_M:g} m; write range none for nothing"
+            f"range {meters}: the sonar measures 0.02 to {_MAX_RANGE_M:g} m; range none means no obstacle"
         )
     board.set_range(value)
 

@@ -327,7 +327,7 @@ async def test_a_board_that_was_one_before_is_asked_again(
     monkeypatch.setattr("rostether.rosserial.baud_probe.BOOT_S", 0.1)
     monkeypatch.setattr("rostether.rosserial.baud_probe.PATIENT_DWELL_S", 0.1)
     monkeypatch.setattr("rostether.bridge.ports.found_port.LOOK_PERIOD_S", 0.02)
-    monkeypatch.setattr("rostether.bridge.ports.found_port.FIRST_ASK_AGAIN_S", 0.1)
+    monkeypatch.setattr("rostether.bridge.ports.found_port.FIRST_REPROBE_S", 0.1)
     site.known.remember("usb 2341:0043 7533", 57600)
     await site.start()
     with open_terminal(site.machine.path("ttyACM0")):
