@@ -10,7 +10,7 @@ from pathlib import Path
 
 from rostether.transports.port_holders import find_holders
 
-# The folder of lock files such as `LCK..ttyUSB0`, in which minicom, gpsd and pppd store their process id.
+# The folders of lock files such as `LCK..ttyUSB0`, in which minicom, gpsd and pppd store their process id.
 LOCK_FOLDERS = ("/run/lock", "/var/lock", "/run/lock/lockdev")
 _MAX_LOCK_BYTES = 64
 

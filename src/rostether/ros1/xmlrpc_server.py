@@ -24,8 +24,8 @@ IDLE_TIMEOUT_S = 90.0
 FIRST_BYTE_LIMIT_S = 15.0
 # A client that reads has its answer within milliseconds. The server does not wait for other clients.
 _CLOSE_GRACE_S = 1.0
-# The share of connections without a complete request that clients in use make room for. Half-open connections
-# above it replace each other; they would otherwise take the place of every node that waits between two calls.
+# The maximum share of connections that have not sent a complete request. Above it, they replace each other;
+# otherwise, they would replace the connections of nodes that wait between two calls.
 _UNUSED_SHARE = 0.25
 # How many of the largest requests may be received, and of the largest answers wait to be read, at once.
 _LARGEST_AT_ONCE = 4

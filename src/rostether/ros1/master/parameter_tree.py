@@ -19,7 +19,7 @@ from rostether.xmlrpc.values import MAX_NESTING, DateTime, XmlRpcValue
 # Answers and notices add one or two levels to a value; XML-RPC documents have at most MAX_NESTING.
 MAX_DEPTH = MAX_NESTING - 10
 # The limit of one XML-RPC document, so that `getParam /` can be answered, and some more; namespaces also
-# count. To free all of them takes about 20 ms.
+# count. Freeing all of them takes about 20 ms.
 MAX_TREE_VALUES = MAX_VALUES + 1024
 # The approximate memory of a value besides its text.
 _BYTES_PER_VALUE = 64

@@ -1,4 +1,4 @@
-"""Offers a service."""
+"""One service that a node offers through rclpy."""
 
 from __future__ import annotations
 
