@@ -131,7 +131,7 @@ def _parse_sections(
         line = marks[wanted] + 1 if len(marks) > wanted else 0
         between = " and ".join(each.rpartition("_")[2].lower() for each in names)
         raise DefinitionError(
-            f"{len(marks)} lines {SECTION_MARK!r} instead of {wanted} between {between}",
+            f"the number of {SECTION_MARK!r} lines between {between} is {len(marks)}, not {wanted}",
             file=file,
             line=line,
             column=1 if line else 0,

@@ -27,8 +27,9 @@ OpenAt = Callable[[int], Awaitable[Transport]]
 
 @dataclass(frozen=True, slots=True)
 class RadioSettings:
-    """The settings for a radio: `address` has 16 bits, None for its own 64.
+    """The settings for a radio.
 
+    `address` is a 16-bit address; with None, the radio uses its own 64-bit address.
     `coordinator_address` is where a board sends: 0, or the 64-bit address of the radio at the host.
     """
 

@@ -136,8 +136,8 @@ def test_splits_services() -> None:
 @pytest.mark.parametrize(
     ("text", "says"),
     [
-        ("int32 a\n", "x.srv: 0 lines '---' instead of 1 between request and response"),
-        ("---\n---\n", "x.srv:2:1: 2 lines '---' instead of 1"),
+        ("int32 a\n", "x.srv: the number of '---' lines between request and response is 0, not 1"),
+        ("---\n---\n", "x.srv:2:1: the number of '---' lines between request and response is 2, not 1"),
         ("int32 a\n---\nint32 B\n", "x.srv:3:7: 'B' is not a field name"),
     ],
 )
