@@ -17,14 +17,14 @@ from rostether.rostime import Time
 # A frame with a wrong version byte: an unconfigured board requests the time, a configured one ignores it.
 PROBE = b"\xff\x00"
 
-# Around a version 1 request while the version is not known: the last `ff` of a request would merge with the
-# next one in a sketch that reads both at once, however far apart they were sent.
+# Sent before and after a version 1 request while the version is not known: without it, a sketch that reads
+# two requests at once would take the last `ff` of one as the start of the next.
 OTHER_VERSION_GUARD = b"\x00"
 
 # For a device without endpoints: the established library's buffers on an ATmega328P, the smallest in use.
 DEFAULT_INPUT_BUFFER_BYTES = 280
 
-# The limit of unsent frames: a few hundred bytes a minute are normal, so a driver with more no longer sends.
+# The limit of unsent frames: a few hundred bytes a minute are normal, so a driver that holds more is stuck.
 MAX_WAITING_BYTES = 1 << 16
 
 

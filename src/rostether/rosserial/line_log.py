@@ -105,7 +105,7 @@ class LineLog:
 
 
 def version_of(device_bytes: bytes) -> int:
-    """Return the protocol version in which the beginning of a line has more frames; 2 when neither has."""
+    """Return the protocol version with more frames in the beginning of a line; 2 for equal numbers."""
 
     def count(version: int) -> int:
         decoder = FrameDecoder(version)

@@ -183,7 +183,7 @@ class TypeTrees:
         if not field_type.is_array:
             return element
         array = _array(element, field_type.length)
-        _check_size(f"{within[-1]}, by its {field_type},", array)
+        _check_size(f"the {field_type} in {within[-1]}", array)
         return array
 
     def _nested(self, name: str, within: tuple[str, ...]) -> Struct:

@@ -35,9 +35,10 @@ DEVICES_PSK = "devices"
 
 
 class Greeting:
-    """One side's part, for many connections; reads its files at once. Raises ConfigError.
+    """One side's part of this start, for many connections. The constructor reads the files.
 
     A listener also accepts the keys and certificates of `boards`, and with `psk=devices` no other key.
+    Raises ConfigError.
     """
 
     def __init__(

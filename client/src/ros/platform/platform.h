@@ -36,7 +36,7 @@
 #include "ros/platform/posix.h"
 #define ROS_HARDWARE EmbeddedLinuxHardware
 #else
-#error "ros_lib knows no such platform: define ROS_NO_PLATFORM and give ros::NodeHandle_ a Hardware class (platform/platform.h)"
+#error "ros_lib does not support this platform: define ROS_NO_PLATFORM and give ros::NodeHandle_ a Hardware class (platform/platform.h)"
 #endif
 
 #if defined(ROS_HARDWARE)

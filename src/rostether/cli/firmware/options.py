@@ -92,7 +92,7 @@ _OPTIONS: tuple[Callable[[Any], Any], ...] = (
     add_flag("-v --verbose", "Show every command before it runs."),
     add_option(
         "--with builder",
-        "Build with Debian's compiler (the default) or arduino-cli, also for boards without an AVR.",
+        "Build with Debian's compiler (the default), or arduino-cli, which also builds for non-AVR boards.",
         type=click.Choice([AVR_GCC, ARDUINO_CLI]),
         default=AVR_GCC,
     ),

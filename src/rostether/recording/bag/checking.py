@@ -79,7 +79,7 @@ def _check_indexes(data: Buffer, position: int, plain: Buffer, counts: dict[int,
                 or time_field(there, b"time") != secs * NS_PER_S + nsecs
             ):
                 raise RecordingError(
-                    f"there is no message of connection {number} with that time at its byte {offset}"
+                    f"byte {offset} of the chunk is not the listed message of connection {number}"
                 )
             offsets.add(offset)
         indexed[number] = indexed.get(number, 0) + len(offsets)

@@ -100,7 +100,7 @@ class ServiceServer:
             last = _refusal(query, f"service {self.service} was shut down during the call")
             self._closing_replies.append(self._threads.submit(_finish, query, last))
             raise
-        # An answer waits until its link has room, 5 s for a caller that hangs.
+        # Blocks until the caller's link has room: up to 5 s when the caller hangs.
         await asyncio.get_running_loop().run_in_executor(self._threads, _finish, query, reply)
 
     async def _work(self, query: zenoh.Query) -> Callable[[], object]:

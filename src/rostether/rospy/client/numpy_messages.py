@@ -20,7 +20,7 @@ def numpy_msg(msg_type: type[Message]) -> type[Message]:
         return self.deserialize_numpy(str, numpy)
 
     namespace: dict[str, Any] = {"__slots__": (), "deserialize": deserialize}
-    # A subclass, whose `deserialize_numpy` reads the plain form first.
+    # Reads a message of the plain class, and copies its fields.
     namespace["deserialize_numpy"] = lambda self, payload, module: _read(self, msg_type, payload, module)
     return type(f"Numpy_{msg_type._type.replace('/', '__')}", (msg_type,), namespace)
 
