@@ -35,7 +35,11 @@ def test_what_was_written_is_sound(tmp_path: Path, compression: str) -> None:
 
 @pytest.mark.parametrize(
     ("place", "reported"),
-    [(0, "no message of connection"), (4, "no message of connection"), (8, "the index after it is wrong")],
+    [
+        (0, "is not the listed message of connection"),
+        (4, "is not the listed message of connection"),
+        (8, "the index after it is wrong"),
+    ],
 )
 def test_an_index_that_names_another_time_or_place(data: bytearray, place: int, reported: str) -> None:
     _, start = _first(data, Op.INDEX)
