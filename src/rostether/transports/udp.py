@@ -2,7 +2,7 @@
 
 A datagram is a piece of the byte stream, and may end anywhere. A session writes whole frames: they are sent
 as one datagram if they fit, otherwise cut at the datagram's limit, because the reader joins datagrams. A lost
-one damages the frames that it has parts of, which their checksums show.
+datagram damages the frames of which it contained parts; their checksums then fail.
 """
 
 from __future__ import annotations

@@ -19,7 +19,7 @@ from rostether.ports.settings import NO_SETTINGS, DeviceSettings
 from rostether.rosserial.events import ServiceAnnounced, ServiceRole, TopicAnnounced, TopicRole
 from rostether.serde.store import TypeStore
 
-# The search for the difference takes about 30 ms: a board that reconnects must not cost it again.
+# The search for the difference takes about 30 ms: it must not run again whenever the board reconnects.
 MAX_MISMATCHES = 64
 
 
