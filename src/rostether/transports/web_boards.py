@@ -8,7 +8,7 @@ from rostether.transports.address import WebAddress
 from rostether.transports.web import WebSocket, WebTransport
 from rostether.transports.web_hello import WebHello
 
-# A classroom around one robot; each is a node.
+# Enough for a classroom with one robot; each board is a node.
 MAX_WEB_BOARDS = 32
 
 

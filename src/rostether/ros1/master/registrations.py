@@ -21,8 +21,8 @@ MAX_MEMBERS = 4096
 MAX_NODES = MAX_MEMBERS
 # When a node leaves, all its registrations are removed at once, in about 15 ms.
 MAX_OF_ONE_NODE = 16_384
-# A change of a whole namespace is sent to all watchers of its parameters, in about 15 ms. A roscpp node that
-# is refused requests the value each time instead.
+# A change of a whole namespace is sent to all watchers of its parameters, in about 15 ms. If the watch of a
+# roscpp node is refused, the node requests the value each time instead.
 MAX_WATCHES = 4096
 # Types stay known after their topics, for later requests of tools; at most as many as topics.
 MAX_TOPIC_TYPES = MAX_REGISTRATIONS
@@ -42,7 +42,7 @@ class Kind(Enum):
 class Node:
     """One node: its name, its XML-RPC URI, and the keys it is registered for, of every kind.
 
-    `keys` of SERVICE also has services that another node provides now.
+    `keys[Kind.SERVICE]` also contains services that another node provides now.
     """
 
     name: str
