@@ -57,8 +57,8 @@ class EchoOptions:
 def echo(options: EchoOptions, graph: GraphOptions) -> int:
     """Print the pose of the frame CHILD in the frame PARENT, RATE times a second (1).
 
-    Translations are in meters, rotations a quaternion and roll, pitch and yaw. The command waits for frames
-    that are not known yet.
+    Translations are in meters. Rotations are shown as a quaternion and as roll, pitch and yaw. The command
+    waits for frames that are not known yet.
     """
     return run(_echo(options, graph))
 
