@@ -23,7 +23,7 @@ SECONDS = 8.0
 SETTLE_S = 4.0
 # A plot keeps five minutes of data; the page's memory grows until then.
 FILLED_MINUTES = 6
-MOST_GROWTH = 0.10
+MAX_GROWTH = 0.10
 
 
 async def main(minutes: float) -> int:
@@ -66,7 +66,7 @@ async def _watch_heap(browser: Browser, page: int, minutes: float) -> int:
         print(f"{minute:3d} min  heap {heap:6.1f} MB, {count} subscriptions", flush=True)
         if minute == FILLED_MINUTES:
             filled = heap
-    if filled and heap > filled * (1 + MOST_GROWTH):
+    if filled and heap > filled * (1 + MAX_GROWTH):
         print(
             f"the heap grew by {100 * (heap / filled - 1):.0f} % since minute {FILLED_MINUTES}",
             file=sys.stderr,

@@ -10,12 +10,12 @@
 #include <ros.h>
 #include <ros/action_server.h>
 
-const uint8_t MOST_NUMBERS = 20;
+const uint8_t MAX_NUMBERS = 20;
 const uint16_t STEP_MS = 500;
 
 ros::NodeHandle nh;
 
-int32_t numbers[MOST_NUMBERS] = {0, 1};
+int32_t numbers[MAX_NUMBERS] = {0, 1};
 uint8_t count;
 uint8_t wanted;
 unsigned long stepped_ms;
@@ -26,7 +26,7 @@ void begin(const actionlib_tutorials::FibonacciGoal& goal);
 ros::ActionServer<actionlib_tutorials::FibonacciAction> server("fibonacci", &begin);
 
 void begin(const actionlib_tutorials::FibonacciGoal& goal) {
-  if (goal.order < 1 || goal.order + 1 > MOST_NUMBERS) {
+  if (goal.order < 1 || goal.order + 1 > MAX_NUMBERS) {
     server.setAborted(actionlib_tutorials::FibonacciResult(), "order must be 1 to 19");
     return;
   }

@@ -97,13 +97,13 @@ class Bus {
  private:
   // Limits for a line that never pauses: more than any driver buffers, and more than an echoed request, its answer
   // and some noise.
-  static const uint16_t MOST_WAITING_BYTES = 4096;
-  static const size_t MOST_ANSWER_BYTES = 4 * PACKET_BYTES;
+  static const uint16_t MAX_WAITING_BYTES = 4096;
+  static const size_t MAX_ANSWER_BYTES = 4 * PACKET_BYTES;
 
   bool send() {
     if (!writer_.finish()) return false;
     // A late answer to an earlier request is not the answer to this one.
-    for (uint16_t left = MOST_WAITING_BYTES; left > 0 && port_.read() >= 0; --left) {
+    for (uint16_t left = MAX_WAITING_BYTES; left > 0 && port_.read() >= 0; --left) {
     }
     reader_.restart();
     port_.write(writer_.bytes(), writer_.size());
@@ -115,7 +115,7 @@ class Bus {
   Result receive(uint8_t id, uint8_t* bytes, size_t size) {
     const uint16_t damaged = reader_.damaged();
     uint32_t heard_us = port_.microseconds();
-    size_t left = MOST_ANSWER_BYTES;
+    size_t left = MAX_ANSWER_BYTES;
     while (port_.microseconds() - heard_us < timeout_us_) {
       const int byte = port_.read();
       if (byte < 0) {

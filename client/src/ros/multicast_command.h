@@ -79,14 +79,14 @@ class MulticastCommand {
 
  private:
   // The limit for one call; more datagrams wait for the next call.
-  static const uint8_t MOST_DATAGRAMS = 8;
+  static const uint8_t MAX_DATAGRAMS = 8;
   static const size_t COMMAND_BYTES = CommandReceiver::FRAME_BYTES + PAYLOAD_BYTES;
   static const size_t STATUS_BYTES = CommandReceiver::STATUS_BYTES;
   static const size_t BUFFER_BYTES = COMMAND_BYTES > STATUS_BYTES ? COMMAND_BYTES : STATUS_BYTES;
   static const uint32_t KIND = CommandKind(M::getMD5()).value;
 
   void spin() {
-    uint8_t count = MOST_DATAGRAMS;
+    uint8_t count = MAX_DATAGRAMS;
     uint16_t now_ms;
     do now_ms = static_cast<uint16_t>(millis());
     while (receiveOne(now_ms) && --count);

@@ -38,7 +38,7 @@ class MulticastTopic {
 
   // Call it in each loop.
   void spinOnce() {
-    uint8_t count = MOST_DATAGRAMS;
+    uint8_t count = MAX_DATAGRAMS;
     uint16_t now_ms;
     do now_ms = static_cast<uint16_t>(millis());
     while (receiveOne(now_ms) && --count);
@@ -54,7 +54,7 @@ class MulticastTopic {
 
  private:
   // The limit for one call; more datagrams wait for the next call.
-  static const uint8_t MOST_DATAGRAMS = 8;
+  static const uint8_t MAX_DATAGRAMS = 8;
 
   bool receiveOne(uint16_t now_ms) {
     // Aligned for the message, which is read in place.

@@ -22,9 +22,9 @@ from rostether.firmware.elf import ElfFile
 from rostether.rosserial import topic_id
 
 # Of the established library's, without what is for Wire and a Leonardo's USB port.
-MOST_FLASH, MOST_MEDIAN_FLASH = 0.65, 0.60
+MAX_FLASH, MAX_MEDIAN_FLASH = 0.65, 0.60
 # Static RAM and the deepest stack together, without Wire's.
-MOST_SUM = 0.50
+MAX_SUM = 0.50
 RAM_BYTES = 2048
 WITH_STACK = (
     "HelloWorld",
@@ -39,7 +39,7 @@ WITH_STACK = (
     "BlinkM",
 )
 # Static RAM of a node on TCP with one publisher, without its network library; 280 bytes are for input.
-MOST_TCP_RAM_BYTES = 470
+MAX_TCP_RAM_BYTES = 470
 MODEM = """
 #define ROSSERIAL_ARDUINO_TCP
 #include <IPAddress.h>
@@ -89,8 +89,8 @@ async def test_examples_are_small(board: str, capsys: pytest.CaptureFixture[str]
         print(f"\n{board:<16}{'flash':>7}{'part':>7}{'ROS':>7}, median {median_part(sizes):.1%}")
         for each in sizes:
             print(f"{each.example:<16}{each.bytes:>7}{each.part:>7.1%}{each.ros_part:>7.1%}")
-    assert {each.example: each.ros_part for each in sizes if each.ros_part > MOST_FLASH} == {}
-    assert median_part(sizes) <= MOST_MEDIAN_FLASH
+    assert {each.example: each.ros_part for each in sizes if each.ros_part > MAX_FLASH} == {}
+    assert median_part(sizes) <= MAX_MEDIAN_FLASH
 
 
 async def test_static_ram_and_stack_are_half_of_the_established_library_s(
@@ -113,11 +113,11 @@ async def test_static_ram_and_stack_are_half_of_the_established_library_s(
         wire_bytes = WIRE_RAM_BYTES if name in USES_WIRE else 0
         part = (total - wire_bytes) / (established_bytes + ESTABLISHED_STACK_BYTES - wire_bytes)
         lines.append(f"{name:<16}{static_bytes:>7}{stack_bytes:>7}{total:>7}{part:>7.1%}")
-        if part > MOST_SUM:
+        if part > MAX_SUM:
             too_large.append(lines[-1])
     with capsys.disabled():
         print("\n" + "\n".join(lines))
-    assert not too_large, f"of the established library's: at most {MOST_SUM:.0%}"
+    assert not too_large, f"of the established library's: at most {MAX_SUM:.0%}"
 
 
 async def test_tcp_needs_little_ram_without_the_network_library(tmp_path: Path) -> None:
@@ -125,7 +125,7 @@ async def test_tcp_needs_little_ram_without_the_network_library(tmp_path: Path) 
     sketch.parent.mkdir()
     sketch.write_text(MODEM)
     built = await build_sketch(sketch, find_board("uno"))
-    assert ElfFile.read(built.elf).ram_bytes <= MOST_TCP_RAM_BYTES
+    assert ElfFile.read(built.elf).ram_bytes <= MAX_TCP_RAM_BYTES
 
 
 async def test_a_sketch_that_sleeps_a_second_answers_many_requests_once(tmp_path: Path) -> None:

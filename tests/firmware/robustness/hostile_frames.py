@@ -10,7 +10,7 @@ from rostether.rosserial.frame import encode_frame
 # As the sketch subscribes.
 NUMBERS, TEXTS, REALS, JOINTS, TRANSFORMS, DIAGNOSTICS, SERVER = range(100, 107)
 NUMBERS_OUT = 108
-MOST_BYTES = 400
+MAX_BYTES = 400
 _LENGTHS = (
     0,
     1,
@@ -78,9 +78,9 @@ class HostileFrames:
         any_id = self._random.choice((sample_id, self._random.randrange(0x10000), NUMBERS, 6, SERVER))
         kind = self._random.randrange(7)
         if kind == 0:
-            return self._noise(MOST_BYTES)
+            return self._noise(MAX_BYTES)
         if kind == 1:
-            return encode_frame(any_id, self._noise(MOST_BYTES))
+            return encode_frame(any_id, self._noise(MAX_BYTES))
         if kind == 2:
             return self._damaged(encode_frame(sample_id, payload))
         if kind == 3:
@@ -89,7 +89,7 @@ class HostileFrames:
         if kind == 4:
             return encode_frame(any_id, payload)
         # Damaged inside, whole outside: what reaches the callbacks.
-        return encode_frame(sample_id, self._damaged(payload))[: 2 * MOST_BYTES]
+        return encode_frame(sample_id, self._damaged(payload))[: 2 * MAX_BYTES]
 
     def _noise(self, longest: int) -> bytes:
         alphabet = self._random.choice((bytes(range(256)), b"\xff\xfe", bytes(5)))

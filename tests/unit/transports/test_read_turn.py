@@ -2,7 +2,7 @@ from __future__ import annotations
 
 from rostether.transports.read_turn import FIRST_READ_BYTES, MIN_READ_BYTES, TURN_S, ReadTurn
 
-MOST_BYTES = 64 * 1024
+MAX_BYTES = 64 * 1024
 CHEAP_S = 1e-8
 HOSTILE_S = 2e-6
 
@@ -13,14 +13,14 @@ def read(turn: ReadTurn, price_s: float, times: int = 1) -> None:
 
 
 def test_a_flood_that_costs_little_is_read_in_large_pieces_after_few_reads() -> None:
-    turn = ReadTurn(MOST_BYTES)
+    turn = ReadTurn(MAX_BYTES)
     assert turn.size_bytes == FIRST_READ_BYTES
     read(turn, CHEAP_S, 5)
-    assert turn.size_bytes == MOST_BYTES
+    assert turn.size_bytes == MAX_BYTES
 
 
 def test_what_costs_much_is_read_in_pieces_that_fit_a_turn() -> None:
-    turn = ReadTurn(MOST_BYTES)
+    turn = ReadTurn(MAX_BYTES)
     price_s = TURN_S / 10_000
     read(turn, price_s, 10)
     assert turn.size_bytes * price_s <= TURN_S
@@ -28,34 +28,34 @@ def test_what_costs_much_is_read_in_pieces_that_fit_a_turn() -> None:
 
 
 def test_no_piece_is_too_small_to_be_worth_it() -> None:
-    turn = ReadTurn(MOST_BYTES)
+    turn = ReadTurn(MAX_BYTES)
     read(turn, HOSTILE_S)
     assert turn.size_bytes == MIN_READ_BYTES
 
 
 def test_bytes_that_cost_much_now_and_then_are_not_trusted_between() -> None:
-    turn = ReadTurn(MOST_BYTES)
+    turn = ReadTurn(MAX_BYTES)
     read(turn, HOSTILE_S)
     read(turn, CHEAP_S, 30)
     assert turn.size_bytes * HOSTILE_S < 2 * TURN_S
 
 
 def test_a_price_is_forgotten() -> None:
-    turn = ReadTurn(MOST_BYTES)
+    turn = ReadTurn(MAX_BYTES)
     read(turn, HOSTILE_S)
     read(turn, CHEAP_S, 500)
-    assert turn.size_bytes == MOST_BYTES
+    assert turn.size_bytes == MAX_BYTES
 
 
 def test_after_quiet_the_first_read_is_small() -> None:
-    turn = ReadTurn(MOST_BYTES)
+    turn = ReadTurn(MAX_BYTES)
     read(turn, CHEAP_S, 10)
     turn.note_quiet()
     assert turn.size_bytes == FIRST_READ_BYTES
 
 
 def test_quiet_makes_no_piece_larger() -> None:
-    turn = ReadTurn(MOST_BYTES)
+    turn = ReadTurn(MAX_BYTES)
     read(turn, HOSTILE_S)
     turn.note_quiet()
     assert turn.size_bytes == MIN_READ_BYTES

@@ -20,7 +20,7 @@ from sensor_msgs.msg import JointState
 
 JOINT_NAMES = ["joint_0", "joint_1", "joint_2", "joint_3"]
 SERVO_NAMES = ["servo1", "servo2", "servo3", "servo4"]
-MOST_DEGREES = 360
+MAX_DEGREES = 360
 
 
 class Controller:
@@ -48,7 +48,7 @@ class Controller:
             if name not in JOINT_NAMES:
                 continue
             degrees = math.degrees(position)
-            if not abs(degrees) <= MOST_DEGREES:
+            if not abs(degrees) <= MAX_DEGREES:
                 rospy.logwarn_throttle(5, f"{name} at {position} rad is out of any servo's reach")
                 continue
             angles[JOINT_NAMES.index(name)] = round(degrees)

@@ -17,7 +17,7 @@ MAX_FAILURES = 3
 
 
 class Leftovers:
-    """Finds and removes such registrations, in the name of `caller_id`."""
+    """Finds and removes the registrations of nodes that have ended, in the name of `caller_id`."""
 
     def __init__(self, master_uri: str, caller_id: str) -> None:
         self._master_uri = master_uri

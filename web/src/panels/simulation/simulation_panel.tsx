@@ -14,7 +14,7 @@ const t = texts.simulation;
 const MAX_RANGE_M = 4;
 const DEFAULT_RANGE_M = 1;
 const FULL_BATTERY_V = 12;
-const MOST_BATTERY_V = 18;
+const MAX_BATTERY_V = 18;
 const SETTLE_MS = 500;
 const FAULTS = ["none", "flip=0.0001", "flip=0.001", "flip=0.01", "drop=0.001", "drop=0.01"];
 
@@ -178,7 +178,7 @@ function Battery({ state, slide }: { state: BoardState; slide: SendLine }) {
       <Slider
         label={t.battery}
         min={0}
-        max={MOST_BATTERY_V}
+        max={MAX_BATTERY_V}
         value={volts}
         onSlide={(value) => slide(`battery ${value}`)}
       />

@@ -15,21 +15,21 @@
 
 #include <sim_core.h>
 
-#define MOST_GUARDS 16
+#define MAX_GUARDS 16
 /* A faulty program repeats its fault; the first few reports show the place. */
-#define MOST_REPORTS 100
+#define MAX_REPORTS 100
 #define SCARCE_BYTES 64
 
 bool canaries_guarding;
 static struct {
     uint32_t from, end;
-} guards[MOST_GUARDS];
+} guards[MAX_GUARDS];
 static int guard_count, reports;
 static uint8_t *noise;
 static int lowest_told;
 static uint32_t highest_heap_end;
 
-static bool may_report(void) { return reports < MOST_REPORTS && ++reports; }
+static bool may_report(void) { return reports < MAX_REPORTS && ++reports; }
 
 static void on_log(avr_t *avr, const int level, const char *format, va_list values) {
     char text[256];
@@ -119,7 +119,7 @@ const char *canaries_guard(const char *place) {
         return NULL;
     }
     if (!canaries_place(place, &from, &end)) return "guard a symbol of the program, or addresses as 0x100..0x180";
-    if (guard_count == MOST_GUARDS) return "too many guards; `guard none` removes them";
+    if (guard_count == MAX_GUARDS) return "too many guards; `guard none` removes them";
     guards[guard_count].from = from;
     guards[guard_count++].end = end;
     return canaries_guarding = true, NULL;

@@ -9,7 +9,7 @@
 
 #include "board.h"
 
-#define MOST_WORDS 8
+#define MAX_WORDS 8
 #define HIGHEST_VOLTS 5.5
 #define LONGEST_READ 4096
 
@@ -301,10 +301,10 @@ static const struct {
 };
 
 const char *command_perform(char *line) {
-    char *words[MOST_WORDS], *rest = NULL;
+    char *words[MAX_WORDS], *rest = NULL;
     int count = 0;
     for (char *word = strtok_r(line, " \t\r\n", &rest); word; word = strtok_r(NULL, " \t\r\n", &rest)) {
-        if (count == MOST_WORDS) return "too many words in one line";
+        if (count == MAX_WORDS) return "too many words in one line";
         words[count++] = word;
     }
     if (count == 0 || *words[0] == '#') return NULL;

@@ -9,7 +9,7 @@
 #include "board.h"
 
 #define LISTENERS 4
-#define MOST_PINS 80
+#define MAX_PINS 80
 
 struct pin {
     const struct pin_place *place;
@@ -18,7 +18,7 @@ struct pin {
     pin_listener listeners[LISTENERS];
 };
 
-static struct pin pins[MOST_PINS];
+static struct pin pins[MAX_PINS];
 static struct {
     uint8_t mask, value;
 } driven['L' + 1];

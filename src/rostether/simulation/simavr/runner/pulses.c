@@ -7,7 +7,7 @@
 
 #include "board.h"
 
-#define MOST_WATCHED 16
+#define MAX_WATCHED 16
 #define LONGEST_SERVO_PULSE_US 3000.0
 #define SHORTEST_SERVO_PULSE_US 300.0
 /* A degree, in the whole microseconds of Servo.write. Interrupts delay the edges of a pulse made by software by
@@ -22,16 +22,16 @@ struct servo {
     double pulse_us, told_us;
 };
 
-static struct servo servos[MOST_WATCHED];
+static struct servo servos[MAX_WATCHED];
 static struct {
     struct pin *pin;
     struct pwm told;
-} watched[MOST_WATCHED];
+} watched[MAX_WATCHED];
 
 const char *pulses_watch_pwm(struct pin *pin, bool on) {
     if (on && !timers_drive(pin_place(pin))) return NULL;
     int place = -1;
-    for (int i = MOST_WATCHED; i-- > 0;)
+    for (int i = MAX_WATCHED; i-- > 0;)
         if (watched[i].pin == pin)
             place = i;
         else if (!watched[i].pin && (place < 0 || watched[place].pin != pin))
@@ -56,7 +56,7 @@ static void tell_pwm(const struct pin *pin, struct pwm pwm) {
 }
 
 static struct servo *servo_on(const struct pin *pin) {
-    for (int i = 0; i < MOST_WATCHED; i++)
+    for (int i = 0; i < MAX_WATCHED; i++)
         if (servos[i].pin == pin) return &servos[i];
     return NULL;
 }
@@ -108,7 +108,7 @@ bool pulses_report_servo(const struct pin *pin) {
 
 /* Once a slice: the timers of watched pins. */
 void pulses_look(void) {
-    for (int i = 0; i < MOST_WATCHED; i++) {
+    for (int i = 0; i < MAX_WATCHED; i++) {
         if (watched[i].pin) {
             struct pwm pwm = timers_pwm(pin_place(watched[i].pin));
             struct pwm *told = &watched[i].told;
