@@ -72,7 +72,7 @@ class JointSubscriber(JointHandle[Subscriber]):
     """A `graph.ports.Subscriber` in several graphs.
 
     Messages of nodes in several graphs come from the first graph only. Messages of relays between the graphs
-    are ignored: they come from their original publishers.
+    are ignored: the originals of these messages arrive directly.
     """
 
     def __init__(

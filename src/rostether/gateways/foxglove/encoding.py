@@ -1,4 +1,4 @@
-"""Converts the messages of Foxglove clients to ROS messages; those that take long in a thread."""
+"""Converts the messages of Foxglove clients to ROS messages; slow conversions run in a thread."""
 
 from __future__ import annotations
 
