@@ -23,7 +23,7 @@ from rostether.mechanisms.anonymous import anonymous_name
 from rostether.mechanisms.text import did_you_mean
 
 COMMANDS = ("find", "env", "optenv", "dirname", "anon", "arg")
-# The limit of one text after substitution. A robot description, the longest in use, has about 100 KB.
+# The limit of one text after substitution. A robot description, the longest in use, is about 100 KB.
 MAX_TEXT_CHARS = 4 << 20
 
 # The limit in one text: each substitution copies the text.

@@ -8,10 +8,11 @@ from typing import Any
 
 from rostether.errors import ConfigError
 
-# Settings of a thousand boards or sensors have about 200 KB; a larger file is a mistake.
+# Settings of a thousand boards or sensors take about 200 KB; a larger file is a mistake.
 MAX_FILE_BYTES = 1024 * 1024
 
-# The time for a dotted key grows with the square of its parts: 50,000 take minutes. Files use three.
+# The time for a dotted key grows with the square of the number of its parts: 50,000 parts take minutes.
+# Keys in use have three.
 MAX_KEY_PARTS = 32
 
 

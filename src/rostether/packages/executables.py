@@ -22,7 +22,7 @@ SYSTEM_LIBRARY_FOLDER = Path("/usr/lib")
 
 _BUILD_FOLDER = "build"
 
-# The CMakeLists.txt of a large package has about 50 KB.
+# The CMakeLists.txt of a large package is about 50 KB.
 _MAX_CMAKE_BYTES = 1 << 20
 _COMPILED = (".cpp", ".cc", ".cxx", ".c")
 _EXECUTABLE = re.compile(r"\badd_executable\s*\(\s*([^\s)]+)\s*([^)]*)\)", re.IGNORECASE)

@@ -16,7 +16,7 @@ from rostether.names.graph_name import validate_name
 from rostether.platform.sensor_registration import MAX_TEXT_CHARACTERS
 from rostether.platform.sensor_registry import MAX_SENSORS, MESSAGE_TYPES, Sensor
 
-# The saved state of a thousand sensors has about 400 KB, and 12 MB with the longest texts, whose characters
+# The saved state of a thousand sensors is about 400 KB, and 12 MB with the longest texts, whose characters
 # need up to 12 bytes each. With a lower limit, a restart could forget all sensors.
 _MAX_STATE_BYTES = 16 << 20
 

@@ -8,7 +8,7 @@ from types import MappingProxyType
 
 from rostether.errors import ConfigError
 
-# A certificate has about 2 KB; a longer file is not a certificate.
+# A certificate is about 2 KB; a longer file is not a certificate.
 MAX_CERTIFICATE_BYTES = 64 * 1024
 
 _NONE: Mapping[str, bytes] = MappingProxyType({})

@@ -32,7 +32,7 @@ PING_INTERVAL_S = 30.0
 _MAX_PENDING = 4096
 # Each needs a document of up to some MB until the node has received it; small calls are not limited.
 _LARGE_CALLS_AT_ONCE = 16
-# A list of this many URIs has about 4 KB.
+# A list of this many URIs is about 4 KB.
 _LARGE_LENGTH = 64
 # Descriptors are commonly limited to 1024 per process, and most are for callers of the master.
 _MAX_KEPT_CONNECTIONS = 256

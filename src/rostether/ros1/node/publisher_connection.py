@@ -28,7 +28,7 @@ UNREPORTED_FAILURES = 4
 # publisher that keeps a connection open sends nothing more.
 DRAIN_S = 1.0
 
-# Ends the connection of a publisher that is no longer registered but still publishes.
+# After this many times DRAIN_S, the connection of an unregistered publisher that still publishes is closed.
 MAX_DRAINS = 10
 
 _log = logging.getLogger("rostether.ros1")

@@ -27,7 +27,7 @@ from rostether.ros2.parameters.typed_value import NOT_SET, TypedValue, flatten
 
 PARAMETERS_KEY = "ros__parameters"
 
-# The largest files in use (navigation of a whole robot) have about 50 KB.
+# The largest files in use (navigation of a whole robot) are about 50 KB.
 MAX_FILE_BYTES = 4 << 20
 
 _FLOAT = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)[eE][-+]?\d+$")
