@@ -12,7 +12,7 @@ from collections.abc import Mapping
 
 from rostether.errors import RemoteProtocolError
 
-# A header is mostly its message_definition: the longest of Debian's message packages have 20 kB.
+# A header is mostly its message_definition: the longest in Debian's message packages is 20 KB.
 MAX_HEADER_BYTES = 1 << 20
 
 # The headers in use have ten fields.
