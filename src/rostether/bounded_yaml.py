@@ -1,7 +1,7 @@
 """Reads YAML from files and command lines within limits: the only place that calls a YAML loader.
 
 A YAML text can be much smaller than its value. Aliases (`*name`) and merges (`<<`) repeat a part, `1:1:1`
-is a number to the base 60, and brackets can be nested without a limit. So the events of the text are counted
+is a number in base 60, and brackets can be nested without a limit. So the events of the text are counted
 before any value is made; an alias costs as much as the part that it repeats.
 """
 
@@ -17,10 +17,11 @@ T = TypeVar("T")
 # As many characters as MAX_VALUES allow in long texts.
 MAX_TEXT_CHARS: Final = 64 << 20
 
-# Of one document, with aliases expanded; each takes 350 bytes. A color image of 640 x 480 has 921,600.
+# The values of one document, with aliases expanded; each takes 350 bytes. A color image of 640 x 480 has
+# 921,600 values.
 MAX_VALUES: Final = 1_000_000
 
-# Those that aliases and merges add. Files that people write repeat about a hundred.
+# The values that aliases and merges add. Files that people write repeat about a hundred.
 MAX_ALIASED_VALUES: Final = 200_000
 
 # Each `<<` moves the rest of its mapping: 300,000 in one mapping take minutes.
@@ -29,7 +30,7 @@ MAX_MERGES: Final = 1_000
 # Far deeper than any message or parameter; libyaml recurses in C and crashes at 20,000 levels.
 MAX_NESTING: Final = 1_000
 
-# A double written out has 325. The time for `1:1:1:...` grows with the square of its length.
+# A double written out has 325 characters. The time for `1:1:1:...` grows with the square of its length.
 MAX_NUMBER_CHARS: Final = 400
 
 # A longer text counts as more values, so that repeated long texts are also bounded.

@@ -10,7 +10,7 @@ from rostether.rosserial.clock_estimate import ClockEstimate
 from rostether.rosserial.packets import TopicInfo
 from rostether.rostime import Time
 
-# With fifty a second, one of any 0.8 s has little delay, even in a flood.
+# With fifty samples a second, at least one in any 0.8 s has little delay, even in a flood.
 SAMPLE_PERIOD_S = 0.02
 
 _HEADER = "std_msgs/Header"

@@ -1,7 +1,7 @@
-"""AT commands for other radios: the frames 17 and 97 of the API, and the packets between radios.
+"""AT commands for other radios: the frames 0x17 and 0x97 of the API, and the packets between radios.
 
-    17  frame id, 64-bit address, 16-bit address, options, command, value
-    97  frame id, 64-bit address, 16-bit address, command, status, value
+    0x17  frame id, 64-bit address, 16-bit address, options, command, value
+    0x97  frame id, 64-bit address, 16-bit address, command, status, value
 
 Source: Digi, XBee 802.15.4 and DigiMesh User Guides, "Remote AT Command Request", "Remote Command Response".
 """
@@ -15,7 +15,7 @@ REQUEST_BYTES = 15
 # The status of a response if the request was not acknowledged.
 NOT_SENT = 4
 
-# In the field of 64 bits: the field of 16 bits has the address.
+# With these values in the 64-bit field, the address is in the 16-bit field.
 _USES_SHORT = (0xFFFFFFFFFFFFFFFF, 0xFFFFFFFFFFFFFFFE)
 _NO_SHORT = b"\xff\xfe"
 _APPLY = 0x02
