@@ -61,7 +61,7 @@ class WebTransport:
     """One board behind a page; made by `WebBoards.open`.
 
     `connect` serves the board that the page names, or returns the reason of a refusal. `forget` is called at
-    the end. It cannot pause the board: its port loses the bytes that the page does not read in time.
+    the end. The transport cannot pause the board: the port loses bytes that the page does not read in time.
     """
 
     remote: str | None = None

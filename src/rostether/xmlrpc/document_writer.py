@@ -1,7 +1,7 @@
 """Writes XML-RPC documents: calls, responses and faults, in short steps and of limited length.
 
-roscpp's parser is not a full XML parser: it has five entities, but no numeric character references,
-attributes and `<data/>`, so these are never written.
+roscpp's parser is not a full XML parser: it knows five entities, but no numeric character references,
+no attributes and no `<data/>`, so these are never written.
 """
 
 from __future__ import annotations
