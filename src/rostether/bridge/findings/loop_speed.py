@@ -13,7 +13,7 @@ from rostether.bridge.findings.finding import Code, Finding, warning
 from rostether.mechanisms.median import median
 from rostether.rosserial.time_sync import OUR_REQUEST_PERIOD_S, REQUEST_PERIOD_S
 
-# For boards that subscribe to topics or serve calls: at 57600 baud its buffer of 64 bytes fills in 11 ms.
+# For a board that subscribes to topics or serves calls: at 57600 baud, its buffer of 64 bytes fills in 11 ms.
 SLOW_LISTENER_S = 0.1
 
 # A board that only publishes, or is on a network, loses nothing; the library's own first example sleeps a
