@@ -60,7 +60,7 @@ class SystemLoad:
         try:
             return 100 * (1 - int(values["MemAvailable"]) / int(values["MemTotal"]))
         except (KeyError, ValueError, ZeroDivisionError):
-            raise BoardError(f"{self._files.proc / 'meminfo'} has no MemTotal and MemAvailable") from None
+            raise BoardError(f"{self._files.proc / 'meminfo'} lacks MemTotal or MemAvailable") from None
 
     def temperature(self) -> float:
         """Return the temperature of the hottest zone in degrees Celsius."""

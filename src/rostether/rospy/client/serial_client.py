@@ -21,7 +21,7 @@ from rostether.serde.store import TypeStore
 from rostether.transports.address import DEFAULT_BAUD, DEFAULT_PORT, Address, SerialAddress, TcpAddress
 
 _DEFAULT_DEVICE = "/dev/ttyUSB0"
-# How long the end of the program waits until the boards were asked to stop.
+# How long the end of the program waits for the boards to be asked to stop.
 _CLOSE_LIMIT_S = 3.0
 
 _LEVELS = {
