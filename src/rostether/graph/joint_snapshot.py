@@ -96,7 +96,7 @@ async def _follow(graph: Graph, latest: dict[Graph, Snapshot], wakeup: asyncio.E
             latest[graph] = snapshot
             wakeup.set()
     except GraphError:
-        latest.pop(graph, None)  # Hidden parts are not in the snapshot.
+        latest.pop(graph, None)  # A graph that cannot be read has no part in the snapshot.
     finally:
         wakeup.set()
 
