@@ -98,9 +98,10 @@ class Peer:
 def _descendants(pid: int) -> set[int]:
     """Return the ids of a process, its children, and theirs."""
     parents: dict[int, int] = {}
-    for stat in Path("/proc").glob("[0-9]*/stat"):
+    # Not `*/stat`: a search that looks into a process that ends may raise ProcessLookupError.
+    for folder in Path("/proc").glob("[0-9]*"):
         with contextlib.suppress(OSError):
-            parents[int(stat.parent.name)] = int(stat.read_text().rpartition(")")[2].split()[1])
+            parents[int(folder.name)] = int((folder / "stat").read_text().rpartition(")")[2].split()[1])
     found = {pid}
     while added := {child for child, parent in parents.items() if parent in found} - found:
         found |= added

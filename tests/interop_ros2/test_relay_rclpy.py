@@ -209,6 +209,6 @@ async def test_one_relay_follows_when_the_other_is_killed(sides: Sides) -> None:
         relay.process.kill()
         await relay.finish()
     # DDS lists the killed one for 20 s more; ROS 1 would list it for ever.
+    await sides.relays[1].wait_for("was killed: removed its registrations", PATIENCE_S)
     while '"from ROS 2"' not in await sides.ros1.run("rosservice", "call", "/pull", check=False):
         await asyncio.sleep(0.1)
-    assert "was killed: removed its registrations" in sides.relays[1].text
