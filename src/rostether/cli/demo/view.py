@@ -7,6 +7,7 @@ import sys
 from collections import deque
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from math import ceil, degrees
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -23,8 +24,8 @@ if TYPE_CHECKING:
     from rostether.bridge.health.diagnostics import BoardView, EndpointView
     from rostether.serde.codec import Codec
 
-# The window for rates: long enough to be steady, short enough to follow a change.
-RATE_WINDOW_S = 2.0
+# The window for rates: long enough for several messages of 1 Hz, short enough to follow a change.
+RATE_WINDOW_S = 4.0
 # The widest curve in a terminal; at four values a second, 20 seconds.
 MAX_CURVE_VALUES = 80
 _CACHES = {".cache", "Caches", "Cache"}
@@ -159,9 +160,12 @@ class DemoView:
     def rate_hz(self, endpoint: EndpointView) -> float:
         """Return the rate of an endpoint's messages."""
         history = self._history.get(_key(endpoint), deque())
-        if len(history) < 2 or history[-1][0] == history[0][0]:
+        # From one arrival to another: a window would count one message of 1 Hz more or less.
+        arrivals = [now for before, now in pairwise(history) if now[1] != before[1]]
+        samples = arrivals if len(arrivals) > 1 else history
+        if len(samples) < 2 or samples[-1][0] == samples[0][0]:
             return 0.0
-        return (history[-1][1] - history[0][1]) / (history[-1][0] - history[0][0])
+        return (samples[-1][1] - samples[0][1]) / (samples[-1][0] - samples[0][0])
 
     def value(self, endpoint: EndpointView) -> str:
         """Return the last value of a topic, empty before the first."""

@@ -55,6 +55,24 @@ def drawn(view: DemoView, facts: DemoFacts, width: int, height: int) -> list[str
     return screen.getvalue().splitlines()
 
 
+def test_the_rate_of_one_message_a_second_is_steady() -> None:
+    tenths = 0
+
+    def boards() -> list[BoardView]:
+        nonlocal tenths
+        tenths += 2
+        return [board(tenths // 10)]
+
+    view = DemoView(boards, lambda: tenths / 10)
+    rates = []
+    for _ in range(50):
+        view.update()
+        assert view.board is not None
+        rates.append(view.rate_hz(view.board.endpoints[0]))
+    # Two messages have arrived after 2 s.
+    assert rates[10:] == pytest.approx([1.0] * 40)
+
+
 def test_line_without_a_terminal(view: DemoView) -> None:
     assert view.line() == "link: waiting for the board"
     measure(view, 2.0, 1.25)
