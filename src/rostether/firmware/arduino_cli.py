@@ -85,7 +85,7 @@ def _sketch_folder(sketch: Sketch, cache: BuildCache) -> Path:
 
 def _find(folder: Path, suffixes: tuple[str, ...]) -> Path:
     for suffix in suffixes:
-        # Other files may contain the boot loader.
+        # Other files may contain the bootloader.
         found = [
             each
             for each in sorted(folder.glob(f"*{suffix}"))

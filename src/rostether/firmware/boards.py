@@ -50,7 +50,7 @@ class Board:
     """One board with its processor chosen.
 
     `properties` are those of boards.txt without the board's prefix. `flash_bytes` is the flash without the
-    boot loader. Both sizes are 0 if only arduino-cli knows them.
+    bootloader. Both sizes are 0 if only arduino-cli knows them.
     """
 
     name: str

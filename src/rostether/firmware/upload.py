@@ -1,6 +1,6 @@
-"""Flashes a board through its boot loader, with avrdude or arduino-cli.
+"""Flashes a board through its bootloader, with avrdude or arduino-cli.
 
-Boards with native USB (Leonardo, Micro) enter the boot loader when their port is opened at 1200 baud and
+Boards with native USB (Leonardo, Micro) enter the bootloader when their port is opened at 1200 baud and
 closed. The port then disappears for a moment, and may come back under another name.
 """
 
@@ -30,10 +30,10 @@ ListPorts = Callable[[], Sequence["SerialPort"]]
 Show = Callable[[Sequence[str]], None]
 
 TOUCH_BAUD = 1200
-# A boot loader starts in two seconds, on a slow hub in five.
+# A bootloader starts in two seconds, on a slow hub in five.
 TOUCH_LIMIT_S = 10.0
 
-# If the port does not disappear in this time, the board was already in its boot loader.
+# If the port does not disappear in this time, the board was already in its bootloader.
 _STAYED_S = 5.0
 _POLL_S = 0.1
 # udev gives a new port its group only after it is there.
@@ -128,11 +128,11 @@ async def _find_avrdude(port: str, list_ports: ListPorts = list_serial_ports) ->
 
 
 def avrdude_command(program: str, board: Board, port: str, image: Path) -> list[str]:
-    """Return the command that flashes a HEX file through a board's boot loader."""
+    """Return the command that flashes a HEX file through a board's bootloader."""
     return [
         *(program, "-q", "-p", board.mcu, "-c", board.upload_protocol),
         *("-P", port, "-b", str(board.upload_speed_baud)),
-        # The boot loader erases the pages that it writes; a chip erase would remove the boot loader.
+        # The bootloader erases the pages that it writes; a chip erase would remove the bootloader.
         *("-D", "-U", f"flash:w:{image}:i"),
     ]
 
@@ -152,7 +152,7 @@ def check_port(port: str, list_ports: ListPorts = list_serial_ports) -> None:
 
 
 async def touch(port: str, list_ports: ListPorts = list_serial_ports, limit_s: float = TOUCH_LIMIT_S) -> str:
-    """Make a board with native USB enter its boot loader; return the boot loader's port."""
+    """Make a board with native USB enter its bootloader; return the bootloader's port."""
     loop = asyncio.get_running_loop()
     before = {each.path for each in list_ports()}
     await _open_at_touch_baud(port)
@@ -167,7 +167,7 @@ async def touch(port: str, list_ports: ListPorts = list_serial_ports, limit_s: f
             return new[0] if new else port
         has_vanished |= port not in now
         before &= now
-    raise FirmwareError(f"no boot loader answered on {port}; press the board's reset button twice")
+    raise FirmwareError(f"no bootloader answered on {port}; press the board's reset button twice")
 
 
 async def _open_at_touch_baud(port: str) -> None:
@@ -209,7 +209,7 @@ def _explain(output: str, board: Board, port: str, program: str) -> RostetherErr
         )
     if any(each in lowered for each in _SILENT):
         old = (
-            "; for a Nano with the old boot loader: --board nano:atmega328old" if "nano" in board.fqbn else ""
+            "; for a Nano with the old bootloader: --board nano:atmega328old" if "nano" in board.fqbn else ""
         )
         return FirmwareError(f"no {board.title} answers on {port}; check --board and the cable{old}")
     lines = [line.strip() for line in output.splitlines() if line.strip()]

@@ -2,7 +2,7 @@
 
 A board that receives a topic request at its own rate answers at once; at any other rate it receives noise and
 does not answer. The rates are therefore tried in turn. The likely ones come first, and are repeated while a
-boot loader may still run. A board that was configured before sends messages without a request; at a wrong
+bootloader may still run. A board that was configured before sends messages without a request; at a wrong
 rate, they are noise. But 230400 and 250000 baud are so close that short frames are received correctly: such
 a rate is accepted only if all its frames are valid.
 
@@ -27,10 +27,10 @@ from rostether.rosserial.host_link import HostLink
 # By frequency in sketches: the library's default first, then the rates in tutorials.
 USUAL_BAUDS = (57600, 115200, 9600, 250000, 500000, 1000000, 38400, 19200, 230400, 460800, 921600, 2000000)
 
-# Opening a port resets many boards; their boot loaders take up to 2 s.
+# Opening a port resets many boards; their bootloaders take up to 2 s.
 BOOT_S = 2.5
 
-# The two likeliest rates alternate while a boot loader may run.
+# The two likeliest rates alternate while a bootloader may run.
 FIRST_DWELL_S = 0.5
 
 # Two requests; most sketches answer within 50 ms.

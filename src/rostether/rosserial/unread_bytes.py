@@ -2,7 +2,7 @@
 
 The established library answers one topic request in each spinOnce and leaves the bytes after it in the UART:
 63 bytes on an AVR. While requests are unanswered, the host sends only what has room there. Requests can also
-be lost, for example in a boot loader. So a request is unread no longer if
+be lost, for example in a bootloader. So a request is unread no longer if
 
     it is answered
     a time request comes without announcements  an established board sends it when it has read all

@@ -188,7 +188,7 @@ async def test_a_touch_opens_the_port_at_1200_baud_and_waits_for_the_boot_loader
 
 async def test_a_boot_loader_that_never_comes_is_reported(terminal: tuple[int, str]) -> None:
     with pytest.raises(
-        FirmwareError, match=r"no boot loader answered .*; press the board's reset button twice"
+        FirmwareError, match=r"no bootloader answered .*; press the board's reset button twice"
     ):
         await touch(terminal[1], Reappearing(terminal[1], None), limit_s=0.5)
 

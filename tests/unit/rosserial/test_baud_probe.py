@@ -26,7 +26,7 @@ def answer(version: int = 2) -> bytes:
 class Device:
     """A device behind a port, in time that the test turns; it hears and speaks at one rate.
 
-    `deaf_until_s` is its boot loader, `talks` what it sends by itself each period.
+    `deaf_until_s` is its bootloader, `talks` what it sends by itself each period.
     """
 
     def __init__(

@@ -12,7 +12,7 @@ from rostether.rosserial.events import DiscardReason, FrameDiscarded
 WINDOW_S = 30.0
 
 MIN_DAMAGED = 3
-# A reset within a frame damages two frames, together with the output of the boot loader.
+# A reset within a frame damages two frames, together with the output of the bootloader.
 RESET_DAMAGES = 2
 
 # One in 500: users do not notice less, and radio links are never better.

@@ -35,7 +35,7 @@ from rostether.rosserial.events import (
 from rostether.rosserial.frame import MAX_PAYLOAD_BYTES
 from rostether.rosserial.link_statistics import LinkStatistics
 
-# By then a board that was reset when the port was opened has left its boot loader.
+# By then a board that was reset when the port was opened has left its bootloader.
 NO_ANSWER_S = 5.0
 
 # A lost announcement is repeated within a second; a board that lacks one never sends it.

@@ -1,4 +1,4 @@
-"""Bytes outside frames: text of a sketch or a boot loader, or bits at another baud rate."""
+"""Bytes outside frames: text of a sketch or a bootloader, or bits at another baud rate."""
 
 from __future__ import annotations
 

@@ -142,7 +142,7 @@ class Doctor:
             facts = await self._read_facts(address.path)
             return Diagnosis(str(address), (open_error_finding(facts, failure),), baud=address.baud)
         if found.baud == address.baud:
-            # The board was in its boot loader, or disconnected, during the first check.
+            # The board was in its bootloader, or disconnected, during the first check.
             return self._diagnosis(right, again, right.baud)
         wrong = error(
             Code.WRONG_BAUD,

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from rostether.firmware.elf import ElfFile
 
 # The build's own options cover these.
-_OURS = frozenset(("program", "board", "msg_paths"))
+_BUILD_OPTIONS = frozenset(("program", "board", "msg_paths"))
 
 
 @verb(
@@ -118,7 +118,7 @@ def _record(built: BuiltFirmware, elf: ElfFile, paths: tuple[Path, Path]) -> dic
     """
     rostether firmware upload blink.ino                            to the only board plugged in
     rostether firmware upload robot --board mega --port /dev/ttyACM0
-    rostether firmware upload robot --board nano:atmega328old      a Nano with the old boot loader
+    rostether firmware upload robot --board nano:atmega328old      a Nano with the old bootloader
     """,
 )
 @build_options
@@ -176,4 +176,4 @@ def firmware_sim(
     context.invoke(board_run, program=built.elf, board=board_name, msg_paths=(), **of_the_board)
 
 
-firmware_sim.params += [each for each in board_run.params if each.name not in _OURS]
+firmware_sim.params += [each for each in board_run.params if each.name not in _BUILD_OPTIONS]
