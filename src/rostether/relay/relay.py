@@ -184,8 +184,8 @@ class Relay:
         """Yield the items to relay; `left_out` gets those of another relay, with the reason."""
         first, second = self._sides
         for item, there in (
-            *self._topics(first, second, Direction.FORTH),
-            *self._topics(second, first, Direction.BACK),
+            *self._topics(first, second, Direction.FIRST_TO_SECOND),
+            *self._topics(second, first, Direction.SECOND_TO_FIRST),
             *self._services(first, second),
             *self._services(second, first),
             *self._actions(),

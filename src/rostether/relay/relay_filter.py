@@ -28,11 +28,11 @@ ACTION_TOPICS = ("goal", "cancel", "feedback", "result", "status")
 
 
 class Direction(Enum):
-    """The direction of a relay: FORTH is from the first graph to the second one."""
+    """The directions in which a relay copies messages between its two graphs."""
 
     BOTH = "both"
-    FORTH = "forth"
-    BACK = "back"
+    FIRST_TO_SECOND = "first to second"
+    SECOND_TO_FIRST = "second to first"
 
 
 @dataclass(frozen=True, slots=True)

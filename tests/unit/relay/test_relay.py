@@ -62,7 +62,11 @@ async def test_only_what_is_chosen_is_carried(world: World) -> None:
     for graph in (world.one, world.two):
         for topic in ("/forth/a", "/back/a", "/other", "/clock"):
             await graph.advertise(topic, STRING)
-    chosen = (Topics("/forth/*", Direction.FORTH), Topics("/back/*", Direction.BACK), Topics("/ro*"))
+    chosen = (
+        Topics("/forth/*", Direction.FIRST_TO_SECOND),
+        Topics("/back/*", Direction.SECOND_TO_FIRST),
+        Topics("/ro*"),
+    )
     async with world.relaying(*chosen):
         await until(lambda: world.carries("/forth/a", 1) and world.carries("/back/a", 0))
         await asyncio.sleep(0.01)
@@ -165,7 +169,7 @@ async def test_a_slow_reader_on_one_side_is_felt_on_the_other(world: World) -> N
     talker = await world.one.advertise("/chat", STRING)
     inbox = Inbox()
     slow = await world.two.subscribe("/chat", STRING, inbox.take)
-    async with world.relaying(Topics("/chat", Direction.FORTH)):
+    async with world.relaying(Topics("/chat", Direction.FIRST_TO_SECOND)):
         await until(lambda: talker.subscriber_count and slow.publisher_count)
         slow.pause()
         sent = 0
@@ -259,13 +263,13 @@ async def test_a_node_shutdown_ends_the_relay(world: World) -> None:
 @pytest.mark.parametrize(
     ("topics", "name", "direction", "carried"),
     [
-        (Topics("/a"), "/a", Direction.FORTH, True),
-        (Topics("/a"), "/a/b", Direction.FORTH, False),
-        (Topics("/a/*"), "/a/b/c", Direction.BACK, True),
-        (Topics("/a", Direction.FORTH), "/a", Direction.BACK, False),
-        (Topics("*"), "/rosout", Direction.FORTH, False),
-        (Topics("*"), "/parameter_events", Direction.FORTH, False),
-        (Topics("/clock"), "/clock", Direction.FORTH, True),
+        (Topics("/a"), "/a", Direction.FIRST_TO_SECOND, True),
+        (Topics("/a"), "/a/b", Direction.FIRST_TO_SECOND, False),
+        (Topics("/a/*"), "/a/b/c", Direction.SECOND_TO_FIRST, True),
+        (Topics("/a", Direction.FIRST_TO_SECOND), "/a", Direction.SECOND_TO_FIRST, False),
+        (Topics("*"), "/rosout", Direction.FIRST_TO_SECOND, False),
+        (Topics("*"), "/parameter_events", Direction.FIRST_TO_SECOND, False),
+        (Topics("/clock"), "/clock", Direction.FIRST_TO_SECOND, True),
     ],
 )
 def test_choosing_topics(topics: Topics, name: str, direction: Direction, *, carried: bool) -> None:

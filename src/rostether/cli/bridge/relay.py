@@ -45,10 +45,10 @@ class RelayOptions:
     """The options of `relay`."""
 
     topics: tuple[str, ...] = argument(nargs=-1, metavar="[TOPIC...]")
-    forth: tuple[str, ...] = option(
+    to_ros2: tuple[str, ...] = option(
         "--to-ros2 TOPIC", "Relay this topic from ROS 1 to ROS 2 only; may be repeated.", multiple=True
     )
-    back: tuple[str, ...] = option(
+    to_ros1: tuple[str, ...] = option(
         "--to-ros1 TOPIC", "Relay this topic from ROS 2 to ROS 1 only; may be repeated.", multiple=True
     )
     services: tuple[str, ...] = option(
@@ -73,8 +73,8 @@ class RelayOptions:
         return RelayFilter(
             (
                 *(Topics(_full(name)) for name in self.topics),
-                *(Topics(_full(name), Direction.FORTH) for name in self.forth),
-                *(Topics(_full(name), Direction.BACK) for name in self.back),
+                *(Topics(_full(name), Direction.FIRST_TO_SECOND) for name in self.to_ros2),
+                *(Topics(_full(name), Direction.SECOND_TO_FIRST) for name in self.to_ros1),
             ),
             tuple(
                 Services(_full(name), kind)

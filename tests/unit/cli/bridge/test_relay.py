@@ -36,8 +36,8 @@ def test_what_is_typed() -> None:
     assert choice.topics == (
         Topics("/chatter"),
         Topics("/odom"),
-        Topics("/sensors/*", Direction.FORTH),
-        Topics("*", Direction.BACK),
+        Topics("/sensors/*", Direction.FIRST_TO_SECOND),
+        Topics("*", Direction.SECOND_TO_FIRST),
     )
     assert choice.services == (Services("/enable"), Services("/plan", "nav_msgs/GetPlan"))
 
