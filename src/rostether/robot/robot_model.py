@@ -30,8 +30,6 @@ class Limits:
 
     lower: float = 0.0
     upper: float = 0.0
-    effort: float = 0.0
-    velocity: float = 0.0
     soft_lower: float | None = None
     soft_upper: float | None = None
 

@@ -160,11 +160,12 @@ def _limits(element: XmlElement, name: str) -> Limits | None:
     if limit is None:
         return None
     what = f"the limit of joint {name!r}"
+    # URDF requires these two.
+    for attribute in ("effort", "velocity"):
+        number(limit, attribute, what)
     return Limits(
         lower=number(limit, "lower", what, 0.0),
         upper=number(limit, "upper", what, 0.0),
-        effort=number(limit, "effort", what),
-        velocity=number(limit, "velocity", what),
         soft_lower=_soft_limit(safety, "soft_lower_limit", name),
         soft_upper=_soft_limit(safety, "soft_upper_limit", name),
     )

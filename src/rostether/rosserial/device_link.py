@@ -253,10 +253,9 @@ class DeviceLink:
             if time is None:
                 self._discard(DiscardReason.PACKET, payload, events)
                 continue
-            round_trip_s = self._clock.answered(time, now_s)
-            self.statistics.count_round_trip(round_trip_s)
+            self.statistics.count_round_trip(self._clock.answered(time, now_s))
             self._time_lost_s = now_s + SYNC_LOST_S
-            events.append(TimeAnswered(time, round_trip_s))
+            events.append(TimeAnswered(time))
 
     def _on_parameters(self, payloads: list[bytes], now_s: float, events: list[DeviceEvent]) -> None:
         for payload in payloads:

@@ -117,11 +117,6 @@ class AnnouncementRefused:
 class NegotiationSettled:
     """The set of endpoints is considered complete: asked again, the device announced nothing new."""
 
-    topic_count: int
-    service_count: int
-    rounds: int
-    duration_s: float
-
 
 @dataclass(frozen=True, slots=True)
 class TimeRequested:
@@ -204,10 +199,9 @@ class Unconfigured:
 
 @dataclass(frozen=True, slots=True)
 class TimeAnswered:
-    """The host's time came; `round_trip_s` since the request."""
+    """The host sent its time."""
 
     time: Time
-    round_trip_s: float
 
 
 @dataclass(frozen=True, slots=True)

@@ -314,8 +314,7 @@ class HostLink:
         if negotiation.round_trip_s is not None:
             self.statistics.count_round_trip(negotiation.round_trip_s)
         if changes or negotiation.requests:  # pragma: no branch - each settles after a request so far
-            counts = self._table.topic_count, self._table.service_count, negotiation.rounds
-            events.append(NegotiationSettled(*counts, now_s - negotiation.began_s))
+            events.append(NegotiationSettled())
 
     def _judge(self, verdict: Verdict | None, now_s: float, events: list[HostEvent]) -> None:
         if verdict is Verdict.PROBE:

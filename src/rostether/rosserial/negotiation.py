@@ -113,7 +113,6 @@ class Negotiation:
         self._unread = unread or UnreadBytes()
         self.version: int | None = None
         self.round_trip_s: float | None = None
-        self.began_s = 0.0
         self.requests = 0
         self._completeness = Completeness()
         self._unanswered = 0
@@ -278,7 +277,7 @@ class Negotiation:
     def _begin(self, now_s: float, *, is_lossy: bool) -> None:
         """Start a new negotiation."""
         self._completeness.begin(is_lossy=is_lossy)
-        self.began_s = self._asked_s = self._first_asked_s = now_s
+        self._asked_s = self._first_asked_s = now_s
         self.requests = 0
         self._bursts = 0
         self._unanswered = 0

@@ -155,7 +155,7 @@ CASES = [
          [FrameDiscarded(DiscardReason.VERSION, b"\xff\x00")], b"", frame(100, b"")[:6]),
     Case("message to the device", "configured_device", frame(100, b""), [MessagesReceived(100, [b""])]),
     Case("unknown id to the device", "configured_device", frame(105, b"x"), [UnknownTopicId(105)]),
-    Case("time answer", "configured_device", ANSWER, [TimeAnswered(Time(0x6553F100), 0.0)]),
+    Case("time answer", "configured_device", ANSWER, [TimeAnswered(Time(0x6553F100))]),
     Case("parameter answer", "asking_device", frame(ids.PARAMETER, ParameterResponse((10,)).encode()),
          [ParameterReceived("~rate", (10,), (), ())]),
     Case("stop", "configured_device", frame(ids.TX_STOP, b""), [StopReceived(), Unconfigured()]),

@@ -32,11 +32,6 @@ class BagReader(ChunkedReader[BagContent]):
         self._content.chunks.sort(key=lambda chunk: chunk.start_ns)
 
     @property
-    def connections(self) -> Mapping[int, Connection]:
-        """The connections by their numbers in the file."""
-        return self._content.connections
-
-    @property
     def counts(self) -> Mapping[Connection, int]:
         """How many messages each connection has."""
         counts: Counter[Connection] = Counter(dict.fromkeys(self._content.connections.values(), 0))

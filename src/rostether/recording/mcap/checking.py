@@ -13,8 +13,8 @@ from rostether.recording.compression import Buffer
 from rostether.recording.mcap.content import McapContent, footer_of
 from rostether.recording.mcap.data_check import DataCheck, kind_of
 from rostether.recording.mcap.decoding import (
+    check_header,
     decode_chunk_index,
-    decode_header,
     decode_statistics,
     read_record,
 )
@@ -66,7 +66,7 @@ class _Check:
         op, start, position = read_record(data, len(MAGIC))
         if op != Op.HEADER:
             raise RecordingError(f"there is a record ({kind_of(op)}) instead of the header")
-        decode_header(data, start, position)
+        check_header(data, start, position)
         position = self._found.run(position)
         if self._found.order.fault:
             self.report(self._found.order.fault)

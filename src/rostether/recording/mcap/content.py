@@ -12,11 +12,11 @@ from rostether.recording.chunk_order import Entry
 from rostether.recording.chunked_reader import Damage, tally
 from rostether.recording.compression import MAX_CHUNK_BYTES, Buffer, check_unpacked_size
 from rostether.recording.mcap.decoding import (
+    check_header,
     decode_channel,
     decode_chunk,
     decode_chunk_index,
     decode_footer,
-    decode_header,
     decode_schema,
     decode_statistics,
     read_record,
@@ -49,8 +49,6 @@ MAX_LOOSE_BYTES = 4 << 20
 class McapContent(Damage):
     """The content of a file."""
 
-    profile: str = ""
-    library: str = ""
     schemas: dict[int, Schema] = field(default_factory=dict)
     channels: dict[int, Channel] = field(default_factory=dict)
     chunks: list[StoredChunk] = field(default_factory=list)
@@ -112,7 +110,7 @@ def _by_summary(data: Buffer) -> McapContent:
     op, start, end = read_record(data, len(MAGIC))
     if op != Op.HEADER:
         raise RecordingError("it does not start with a header")
-    content.profile, content.library = decode_header(data, start, end)
+    check_header(data, start, end)
     position = footer_of(data)[0]
     if position == 0:
         raise RecordingError("it has no index")
@@ -247,7 +245,7 @@ def _add_record(content: McapContent, data: Buffer, op: int, start: int, end: in
     elif op in (Op.SCHEMA, Op.CHANNEL):
         content.define(op, data, start, end)
     elif op == Op.HEADER:
-        content.profile, content.library = decode_header(data, start, end)
+        check_header(data, start, end)
 
 
 def _define_channels(content: McapContent, data: Buffer) -> int:

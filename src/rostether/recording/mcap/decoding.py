@@ -91,10 +91,11 @@ class _Fields:
         return position
 
 
-def decode_header(data: Buffer, start: int, end: int) -> tuple[str, str]:
-    """Return profile and library. Raises RecordingError, like all decode functions."""
+def check_header(data: Buffer, start: int, end: int) -> None:
+    """Raise RecordingError, like all decode functions, if the header's profile or library is cut off."""
     fields = _Fields(data, start, end, "header")
-    return fields.text(), fields.text()
+    fields.text()
+    fields.text()
 
 
 def decode_schema(data: Buffer, start: int, end: int) -> Schema:

@@ -64,11 +64,6 @@ class McapReader(ChunkedReader[McapContent]):
         return {} if self._ros2 is None else self._ros2.unreadable
 
     @property
-    def profile(self) -> str:
-        """The profile in its header, such as `ros1`."""
-        return self._content.profile
-
-    @property
     def counts(self) -> Mapping[Connection, int]:
         """How many messages each connection has."""
         counts: Counter[Connection] = Counter()

@@ -30,7 +30,7 @@ from unit.bridge.nodes import World, publisher
 from unit.bridge.raw_board import RawBoard
 from waiting import until
 
-SETTLED = NegotiationSettled(1, 0, 1, 0.1)
+SETTLED = NegotiationSettled()
 OWN = "my_robot/Wheel"
 OWN_TEXT = "uint32 ticks\n"
 OWN_MD5SUM = message_md5sum(parse_message(OWN_TEXT, package="my_robot", name="Wheel"), Registry().message)
