@@ -16,7 +16,7 @@ from rostether.msgdef.spec import MessageSpec
 SEPARATOR = "=" * 80
 _HEADING = "MSG: "
 
-# The longest in use are about 50 KB; peers send them.
+# The longest in Debian's message packages is 20 KB; peers send them.
 MAX_FULL_TEXT_CHARACTERS = 1 << 20
 
 # The most in use are about 30.
