@@ -156,12 +156,13 @@ def _refusals(refused: dict[str, RostetherError]) -> list[Finding]:
 
 def _refusal(kind: type[RostetherError], text: str, topics: list[str]) -> Finding:
     listed = ", ".join(topics[:6]) + (f" and {len(topics) - 6} more" if len(topics) > 6 else "")
+    unbridged = f"{listed} {'is' if len(topics) == 1 else 'are'} not bridged"
     reason, _, step = text.rpartition("; ")
     subject = text.partition(":")[0]
     if issubclass(kind, TypeMismatchError):
         return error(
             Code.STALE_HEADERS,
-            f"the message headers in the sketch of {listed} are stale: {reason or text}",
+            f"the sketch's message headers for {listed} are stale: {reason or text}",
             step if reason else "rebuild its message headers",
             subject,
             reported=True,
@@ -169,7 +170,7 @@ def _refusal(kind: type[RostetherError], text: str, topics: list[str]) -> Findin
     if issubclass(kind, UnknownTypeError):
         return error(
             Code.UNKNOWN_TYPE,
-            f"{listed} is not bridged: {reason or text}",
+            f"{unbridged}: {reason or text}",
             step if reason else "give its package with --msg-path DIR",
             topics[0],
             reported=True,
@@ -177,9 +178,7 @@ def _refusal(kind: type[RostetherError], text: str, topics: list[str]) -> Findin
     advice = step if reason else "correct it in the sketch"
     if issubclass(kind, DefinitionError):
         advice = step if reason else "correct the definition"
-    return error(
-        Code.NOT_BRIDGED, f"{listed} is not bridged: {reason or text}", advice, topics[0], reported=True
-    )
+    return error(Code.NOT_BRIDGED, f"{unbridged}: {reason or text}", advice, topics[0], reported=True)
 
 
 def _unopened(name: str, text: str) -> Finding:
@@ -190,13 +189,11 @@ def _unopened(name: str, text: str) -> Finding:
 
 def _too_large(silent: list[PublisherEndpoint]) -> Finding:
     names = ", ".join(f"{name_of(each)} [{each.info.message_type}]" for each in silent[:4])
-    which = f"; nothing was received of {names}" if names else ""
+    which = f", so nothing arrived on {names}" if names else ""
     size = f" of {silent[0].info.buffer_size} bytes" if silent else ""
     return error(
         Code.BUFFER_TOO_SMALL,
-        f"the board dropped a message that is larger than its output buffer{size}{which}".replace(
-            "; ", ", ", 1
-        ),
+        f"the board dropped a message that is larger than its output buffer{size}{which}",
         _LARGER,
         silent[0].info.topic_name if silent else "",
     )

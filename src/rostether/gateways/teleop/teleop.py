@@ -153,7 +153,7 @@ class Teleop:
         self._join = join
         self._graph: Graph | None = None
         self._topics: dict[str, CommandTopic] = {}
-        self._turn = asyncio.Lock()
+        self._lock = asyncio.Lock()
         self._watching: asyncio.Task[None] | None = None
 
     async def enter(
@@ -162,7 +162,7 @@ class Teleop:
         """Return a topic for a driver, who must leave it. Raises RostetherError."""
         if message_type.name not in DRIVE_TYPES:
             raise ConfigError(f"only {', '.join(DRIVE_TYPES)} can be driven, not {message_type.name[:80]}")
-        async with self._turn:
+        async with self._lock:
             found = self._topics.get(topic)
             if found is None:
                 if len(self._topics) >= MAX_TOPICS:
@@ -172,7 +172,9 @@ class Teleop:
                 commands = DriveCommands(message_type.name, await _read_limits(graph))
                 found = self._topics[topic] = CommandTopic(publisher, codec, commands)
             elif found.type.md5sum != message_type.md5sum:
-                raise TypeMismatchError(f"it is driven as {found.type.name}, not as {message_type.name}")
+                raise TypeMismatchError(
+                    f"{topic[:80]} is driven as {found.type.name}, not as {message_type.name}"
+                )
             else:
                 assert self._graph is not None
                 found.commands.limits = await _read_limits(self._graph)
@@ -181,7 +183,7 @@ class Teleop:
 
     async def leave(self, driver: Driver, topic: str) -> None:
         """Remove a driver from a topic; the topic ends with its last driver."""
-        async with self._turn:
+        async with self._lock:
             found = self._topics.get(topic)
             if found is None:
                 return
@@ -192,7 +194,7 @@ class Teleop:
 
     async def close(self) -> None:
         """Stop everything, and leave the graph."""
-        async with self._turn:
+        async with self._lock:
             for topic in self._topics.values():
                 with suppress(RostetherError):
                     await topic.close()
