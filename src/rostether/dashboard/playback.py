@@ -29,7 +29,7 @@ class Playback:
     def __init__(self, find: Callable[[str], Path | None], join: Callable[[], Awaitable[Graph]]) -> None:
         self._find = find
         self._join = join
-        self._turn = asyncio.Lock()
+        self._lock = asyncio.Lock()
         self._task: asyncio.Task[None] | None = None
         self._player: Player | None = None
         self._settings = PlaySettings()
@@ -45,7 +45,7 @@ class Playback:
         """Play a recording; the current one ends. Raises ConfigError, RecordingError, GraphError."""
         if not MIN_RATE <= settings.rate <= MAX_RATE:
             raise ConfigError(f"the rate must be from {MIN_RATE:g} to {MAX_RATE:g}, not {settings.rate:g}")
-        async with self._turn:
+        async with self._lock:
             await self._end()
             path = await asyncio.to_thread(self._find, name)
             if path is None:
@@ -67,7 +67,7 @@ class Playback:
 
     async def stop(self) -> None:
         """End the playback, if there is one."""
-        async with self._turn:
+        async with self._lock:
             await self._end()
 
     def state(self) -> dict[str, Any] | None:

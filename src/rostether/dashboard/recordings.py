@@ -52,7 +52,7 @@ class Recordings:
         self._join = join
         self._report = report
         self._create = create
-        self._turn = asyncio.Lock()
+        self._lock = asyncio.Lock()
         self._recorder: Recorder | None = None
         self._task: asyncio.Task[None] | None = None
         self._began_s = 0.0
@@ -66,7 +66,7 @@ class Recordings:
 
     async def start(self, topics: Sequence[str], form: str) -> None:
         """Record topics, or all topics if none are given. Raises ConfigError, GraphError."""
-        async with self._turn:
+        async with self._lock:
             if self.is_active:
                 raise ConfigError(f"{self._name} is being recorded already; stop it first")
             if form not in FORMS:
@@ -97,7 +97,7 @@ class Recordings:
 
     async def stop(self) -> None:
         """End the recording; its file is complete then. Raises ConfigError when none runs."""
-        async with self._turn:
+        async with self._lock:
             if self._task is None or self._task.done():
                 raise ConfigError("nothing is being recorded")
             self._task.cancel()

@@ -102,7 +102,7 @@ class ServiceClient(Declared, Generic[Response]):
         self._line = line
         self._wait_connected = wait_connected
         self._in_flight: asyncio.Future[bytes] | None = None
-        self._turn = asyncio.Lock()
+        self._lock = asyncio.Lock()
 
     async def call(
         self, request: Fields | None = None, /, *, timeout_s: float = 5.0, **fields: Any
@@ -114,7 +114,7 @@ class ServiceClient(Declared, Generic[Response]):
         """
         payload = self._request_codec.encode_given(request, fields)
         try:
-            async with asyncio.timeout(timeout_s), self._turn:
+            async with asyncio.timeout(timeout_s), self._lock:
                 await self._wait_connected()
                 response = await self._exchange(payload)
         except TimeoutError:

@@ -75,9 +75,9 @@ def moment_ns(text: str, last_ns: int) -> int:
 
 
 def second_moment(text: str, start_ns: int) -> str:
-    """Return the later moment with the same local time, "" if there is none: clocks were set back.
+    """Return the second moment of a local time that occurs twice when clocks are set back, otherwise "".
 
-    `start_ns` is the moment of `text`, which may name its offset.
+    `start_ns` is the first moment. A `text` with an offset has only one.
     """
     found = _CLOCK.fullmatch(text.strip())
     if found is None or found[3]:

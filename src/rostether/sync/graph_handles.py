@@ -97,7 +97,7 @@ class Messages(Generic[M]):
         self._is_closed = is_closed
         self._stream = stream
         self._waiting: asyncio.Task[M] | None = None
-        self._turn = asyncio.Lock()
+        self._lock = asyncio.Lock()
         self._ended_count = 0
 
     @property
@@ -127,7 +127,7 @@ class Messages(Generic[M]):
 
     async def _next(self) -> M:
         ended_count = self._ended_count
-        async with self._turn:
+        async with self._lock:
             if self._ended_count != ended_count:
                 raise StopAsyncIteration
             self._waiting = asyncio.ensure_future(anext(self._stream))

@@ -109,7 +109,7 @@ class ListenerTls:
         return self._context
 
     def _read_versions(self) -> list[tuple[int, ...] | None]:
-        """Return what differs after a change of a file, None for a missing one."""
+        """Return the identity, size and times of each file, None for a missing one."""
         return [_version(each) for each in (self._files.cert, self._files.key, self._files.ca)]
 
 

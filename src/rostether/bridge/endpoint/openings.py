@@ -53,7 +53,7 @@ class EndpointOpenings:
         # Refused because of their type: the board may be about to withdraw the other endpoint.
         self._refused: set[Endpoint] = set()
         self._tasks: set[asyncio.Task[None]] = set()
-        self._turn = asyncio.Lock()
+        self._lock = asyncio.Lock()
         self._places = asyncio.Semaphore(AT_ONCE)
 
     def open(self, slot: Slot, endpoint: Endpoint) -> None:
@@ -96,7 +96,7 @@ class EndpointOpenings:
 
     async def _yield_to_loop(self) -> None:
         """Yield to the event loop: many announcements at once must not delay the messages of others."""
-        async with self._turn:
+        async with self._lock:
             await asyncio.sleep(0)
 
     async def _open(

@@ -54,7 +54,7 @@ class ServiceServerEndpoint:
         self._settings = settings
         self._line: BoardLine | None = None
         self._server: ServiceServer | None = None
-        self._turn = asyncio.Lock()
+        self._lock = asyncio.Lock()
         self._waiting = 0
         self._response: asyncio.Future[bytes] | None = None
         self._sent_s = 0.0
@@ -143,7 +143,7 @@ class ServiceServerEndpoint:
         self._waiting += 1
         try:
             async with asyncio.timeout(limit_s):
-                await self._turn.acquire()
+                await self._lock.acquire()
         except TimeoutError:
             raise ServiceTimeoutError(
                 f"{name}: waited {limit_s:g} s for earlier calls that the board has not answered"
@@ -154,7 +154,7 @@ class ServiceServerEndpoint:
             await self._wait_past_call(limit_s)
             return await self._call_board(request, limit_s)
         finally:
-            self._turn.release()
+            self._lock.release()
 
     async def _wait_past_call(self, limit_s: float) -> None:
         if self._past_call.is_set():

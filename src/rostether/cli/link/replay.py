@@ -157,7 +157,7 @@ class _Settling:
         self._known = 0
 
     async def settle(self) -> float:
-        """Wait, and return the time in seconds, 0.0 if nothing was new."""
+        """Wait; return the waiting time in seconds, 0.0 if the bridge has no new endpoint."""
         await asyncio.sleep(0)
         loop = asyncio.get_running_loop()
         began_s = loop.time()

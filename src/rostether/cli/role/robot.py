@@ -94,7 +94,7 @@ class SliderScreen:
         self._quit = asyncio.Event()
 
     async def run(self) -> None:
-        """Show the sliders and handle keys until q is pressed or cancelled."""
+        """Show the sliders and handle keys until q is pressed."""
         with typed_keys(self._press):
             sys.stdout.write(_ENTER)
             try:

@@ -29,7 +29,7 @@ class Assets:
         self._max_bytes = max_bytes
         self._folders: Mapping[str, Path] = {}
         # Clients request all meshes of a robot at the same time: one search serves them.
-        self._turn = asyncio.Lock()
+        self._lock = asyncio.Lock()
         self._large_room = asyncio.Semaphore(_LARGE_AT_ONCE)
 
     @asynccontextmanager
@@ -38,7 +38,7 @@ class Assets:
 
         Raises ConfigError with the reason if it cannot.
         """
-        async with self._turn:
+        async with self._lock:
             # In a thread: packages are searched on disk.
             path, size = await asyncio.to_thread(self._find, uri)
         async with self._large_room if size > _LARGE_BYTES else nullcontext():

@@ -79,7 +79,7 @@ class _Fields:
     def id(self, name: str) -> int:
         value = self._fields.get(name)
         if isinstance(value, bool) or not isinstance(value, int) or not 0 <= value <= _MAX_ID:
-            raise self._wrong(name, "an unsigned 32 bit number")
+            raise self._wrong(name, "an unsigned 32-bit number")
         return value
 
     def ids(self, name: str) -> tuple[int, ...]:

@@ -13,9 +13,8 @@ UNIT_BYTES: Final = 4
 class Offset:
     """An expression of an index into a payload.
 
-    With `aligned`, the payload is CDR, whose alignment counts from index 4. What is known of the position:
-    counted from there, its remainder modulo `modulus` (1, 2, 4 or 8) is `residue`. Otherwise, nothing is
-    aligned.
+    With `aligned`, the payload is CDR, whose alignment counts from index 4: the distance of the position from
+    there, modulo `modulus` (1, 2, 4 or 8), is `residue`. Otherwise, nothing is aligned.
     """
 
     __slots__ = ("aligned", "modulus", "offset", "residue", "start")
