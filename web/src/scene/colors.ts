@@ -1,5 +1,5 @@
 // Colors of values.
-/** Writes the color of a value from 0 to 1, blue over green to red ("turbo", approximated), as parts from 0 to 1. */
+/** Writes the color of a value from 0 to 1, blue over green to red ("turbo", approximated), as components from 0 to 1. */
 export function rainbow(share: number, out: Float32Array, at: number): void {
   const s = share < 0 ? 0 : Math.min(share, 1);
   out[at] = clamp(1.5 - Math.abs(4 * s - 3));
@@ -7,7 +7,7 @@ export function rainbow(share: number, out: Float32Array, at: number): void {
   out[at + 2] = clamp(1.5 - Math.abs(4 * s - 1));
 }
 
-/** Converts one part of a color (0 to 1) from sRGB, as in messages, to linear light, as in the scene. */
+/** Converts one component of a color (0 to 1) from sRGB, as in messages, to linear light, as in the scene. */
 export function toLinear(shown: number): number {
   return shown <= 0.04045 ? shown / 12.92 : ((shown + 0.055) / 1.055) ** 2.4;
 }

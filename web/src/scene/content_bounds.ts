@@ -10,7 +10,7 @@ import {
 } from "three";
 
 /** The number of points of an object that are measured: enough to find its extent. */
-const MAX_LOOKED_AT = 1000;
+const MAX_POINTS = 1000;
 /** A few wrong points far away must not make the rest a dot. */
 const MAX_DISTANCE_M = 200;
 
@@ -46,5 +46,5 @@ export function expandByContent(box: Box3, root: Object3D): void {
 }
 
 function stepOf(count: number): number {
-  return Math.ceil(count / MAX_LOOKED_AT);
+  return Math.ceil(count / MAX_POINTS);
 }

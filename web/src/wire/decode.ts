@@ -23,7 +23,7 @@ export type NumberArray =
   | BigUint64Array
   | Float32Array
   | Float64Array;
-/** A decoded value. Arrays of numbers are typed arrays (of bool: Uint8Array), 64 bit integers are bigint. */
+/** A decoded value. Arrays of numbers are typed arrays (of bool: Uint8Array), 64-bit integers are bigint. */
 export type Value = boolean | number | bigint | string | Stamp | NumberArray | Value[] | Message;
 export interface Message {
   [field: string]: Value;

@@ -1,4 +1,4 @@
-// PNG with 16 bits of gray, such as depth: browsers keep only the upper 8 bits of each pixel.
+// PNG with 16-bits of gray, such as depth: browsers keep only the upper 8 bits of each pixel.
 import type { RawImage } from "./raw_image.ts";
 import { MAX_PIXELS } from "./raw_image.ts";
 
@@ -8,7 +8,7 @@ const IDAT = 0x49444154;
 const PIXEL_BYTES = 2;
 
 /**
- * Decode a PNG of 16 bit gray pixels (PNG specification, sections 5, 7 and 9).
+ * Decode a PNG of 16-bit gray pixels (PNG specification, sections 5, 7 and 9).
  *
  * @returns undefined for other files, which the browser can decode.
  * @throws Error with a sentence when the file is damaged.

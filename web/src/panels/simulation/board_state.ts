@@ -24,7 +24,7 @@ export interface BoardState {
   /** The commands that the board accepts. */
   commands: readonly string[];
   /** The maximum voltage of an analog input. */
-  mostVolts: number;
+  maxVolts: number;
   error: string;
 }
 
@@ -33,7 +33,7 @@ export function isNumbered(name: string): boolean {
   return /^[AD]\d+$/.test(name);
 }
 
-/** Boards by their topics of state: `/sonar` by `/sonar_simulation/state`. */
+/** Boards by their state topics: `/sonar` by `/sonar_simulation/state`. */
 export function simulatedBoards(topics: Iterable<{ name: string; typeName: string }>): Map<string, string> {
   const boards = new Map<string, string>();
   for (const { name, typeName } of topics) {
@@ -71,7 +71,7 @@ export function readBoardState(text: unknown): BoardState | undefined {
     volts: numbers(words.adc),
     driven: numbers(words.pin),
     commands: Array.isArray(state.commands) ? state.commands.map(String) : [],
-    mostVolts: Number(state.most_volts) || 5,
+    maxVolts: Number(state.most_volts) || 5,
     error: String(state.error ?? ""),
   };
 }

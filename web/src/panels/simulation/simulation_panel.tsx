@@ -197,7 +197,7 @@ function Volts({ state, slide }: { state: BoardState; slide: SendLine }) {
           <Slider
             label={t.volts(pin)}
             min={0}
-            max={state.mostVolts}
+            max={state.maxVolts}
             value={state.volts[pin] ?? 0}
             onSlide={(value) => slide(`adc ${pin}=${value}`)}
           />
