@@ -55,7 +55,7 @@ def test_recorded_host_is_understood(name: str, test_library: Path) -> None:
     messages = sum(count for each, count in sent.items() if each >= topic_id.FIRST_USER_ID)
     # A response that came between two calls belongs to nobody.
     assert 0 < received <= messages if "client" in endpoints(capture) else received == messages
-    # Each question for the topics is answered, beside the introductions that nobody asked for.
+    # Each topic request is answered, beside the introductions that nobody asked for.
     assert reported.count(topic_id.PUBLISHER) >= sent[topic_id.PUBLISHER]
     assert reported.count(topic_id.TIME) >= sent[topic_id.PUBLISHER]
     answers = sent.get(topic_id.TIME, 0)

@@ -13,7 +13,7 @@ TIME = struct.pack("<II", 1_700_000_000, 0)
 
 
 async def test_messages_flow_within_two_seconds_with_a_host_that_asks_only_once() -> None:
-    # The established host asks again after 15 s; until then it only answers questions for the time.
+    # The established host asks again after 15 s; until then it only answers time requests.
     built = await build_sketch(EXAMPLES / "HelloWorld", find_board("uno"))
     host = await ScriptedHost.start(built.elf)
     host.on_frame = lambda each, _payload: host.send(10, TIME) if each == topic_id.TIME else None

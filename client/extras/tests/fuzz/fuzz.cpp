@@ -278,7 +278,7 @@ int main(int count, char** arguments) {
     }
     board->line.send(bytes);
     while (!board->line.arriving.empty()) board->node.spinOnce();
-    // Each question for the topics ends a spin.
+    // Each topic request ends a spin.
     while (board->node.spinOnce() != ros::SPIN_OK) continue;
     // A pause, so that the next frame is separate.
     for (uint16_t before = static_cast<uint16_t>(board->node.dropped() - 1); before != board->node.dropped();) {

@@ -135,7 +135,7 @@ class QueueingHardware : public PlainHardware {
   bool stuck = false;
 };
 
-// A node on a scripted line; `meet` is a host that asks for the topics and answers the question for the time.
+// A node on a scripted line; `meet` is a host that requests the topics and answers the time request.
 template <class Hardware = PlainHardware, int INPUT_SIZE = 512>
 struct Board {
   ros::NodeHandle_<Hardware, 25, 25, INPUT_SIZE, 512> node;

@@ -91,7 +91,7 @@ TEST(callbacks, nested_parameters_get_their_own_answers) {
   Robot robot;
   robot.line.on_frame = [&](const Frame& frame) {
     if (frame.id != 6) return;
-    // The host answers in order; between the first question and its answer comes a message.
+    // The host answers in order; a message arrives between the first request and its answer.
     Parser parser(frame.payload);
     const std::string name = parser.text();
     if (name == "outer") robot.line.send(robot.number(1));

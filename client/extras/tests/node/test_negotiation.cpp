@@ -82,7 +82,7 @@ TEST(negotiation, introduces_itself_after_its_own_reset_to_a_host_that_does_not_
   EXPECT_EQUAL(first.size(), 1u);
   EXPECT_EQUAL(first[0].id, 10);
   EXPECT(!board.node.connected());
-  // A host that was there all the time answers the question for the time, and messages flow.
+  // A host that was there all the time answers the time request, and messages flow.
   board.line.send(Board<>::time(1700000000));
   EXPECT_EQUAL(board.node.spinOnce(), ros::SPIN_OK);
   const std::vector<Frame> introduction = board.line.take();

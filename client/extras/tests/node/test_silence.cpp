@@ -43,7 +43,7 @@ TEST(silence, after_eleven_seconds_the_host_is_gone) {
   text.data = "nobody hears";
   EXPECT_EQUAL(chatter.publish(&text), 0);
   EXPECT_EQUAL(board.line.take().size(), 0u);
-  // It comes back by the question for the topics, or by an answer to the introductions.
+  // It comes back with the topic request, or with an answer to the introductions.
   board.line.send(frame(0));
   EXPECT_EQUAL(board.node.spinOnce(), ros::SPIN_ERR);
   EXPECT(board.node.connected());
@@ -155,7 +155,7 @@ TEST(silence, an_unconfigured_node_answers_a_wrong_version_once) {
   board.line.send({0xff, 0x00});
   EXPECT_EQUAL(board.node.spinOnce(), ros::SPIN_OK);
   EXPECT_EQUAL(board.line.take(10).size(), 1u);
-  // A burst of them is one question, also when the clock ticks meanwhile.
+  // A burst of them is one request, also when the clock ticks meanwhile.
   board.line.now_ms += 100;
   board.line.sendSlowly({0xff, 0x00, 0xff, 0x00, 0xff, 0x00, 0xff, 0x01}, 1);
   for (int i = 0; i < 15; ++i) board.line.now_ms += 1, board.node.spinOnce();

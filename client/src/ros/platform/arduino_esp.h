@@ -1,5 +1,5 @@
-// ESP8266 and ESP32: the serial port, or Wi-Fi once the sketch calls setConnection. Sketches for the established library call it
-// without ROSSERIAL_ARDUINO_TCP, which it defines for these boards. ESP_SERIAL leaves the network out.
+// ESP8266 and ESP32: the serial port, or Wi-Fi once the sketch calls setConnection. Sketches for the established library call
+// it without defining ROSSERIAL_ARDUINO_TCP: that library defines the macro for these boards. ESP_SERIAL leaves the network out.
 #ifndef ROS_PLATFORM_ARDUINO_ESP_H_
 #define ROS_PLATFORM_ARDUINO_ESP_H_
 
