@@ -77,7 +77,7 @@ def _serve(stream: bytes, parts: tuple[bytes, ...]) -> None:
     server, served = HttpServerSide(max_body_bytes=MAX_BODY_BYTES), 0
     most_bytes = MAX_BODY_BYTES + max(map(len, parts))
     for part in parts:
-        if server.ended:
+        if server.has_ended:
             break
         server.receive_data(part)
         for _ in range(MAX_REQUESTS):

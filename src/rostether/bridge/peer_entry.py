@@ -40,7 +40,7 @@ _CALL = b"\xff\x00"
 
 BOARD_ENTRY = PeerEntry(
     is_frame=holds_frame,
-    question=encode_frame(ids.TOPIC_REQUEST, b""),
+    request=encode_frame(ids.TOPIC_REQUEST, b""),
     is_answer=holds_answer,
     call=_CALL,
 )

@@ -150,7 +150,7 @@ class _Source:
         self._opening = asyncio.ensure_future(self._open())
         # The waiting subscribers, if there are any left, get the error.
         self._opening.add_done_callback(lambda task: task.cancelled() or task.exception())
-        self._is_ended = False
+        self._has_ended = False
 
     @property
     def publisher_count(self) -> int:
@@ -178,9 +178,9 @@ class _Source:
             await self.close()
 
     async def close(self) -> None:
-        if self._is_ended:
+        if self._has_ended:
             return
-        self._is_ended = True
+        self._has_ended = True
         self._on_end(self)
         # Let an unfinished subscription complete: it cannot be cancelled halfway.
         await asyncio.wait([self._opening])

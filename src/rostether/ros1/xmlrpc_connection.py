@@ -159,7 +159,7 @@ class ServerConnection(asyncio.Protocol):
         if body is not None or self._http.is_behind:
             self._waits_for_turn = True
             self._schedule(self)
-        elif self._http.ended:
+        elif self._http.has_ended:
             self._transport.close()
         elif not self._transport.is_closing() and not self._is_congested:
             self._transport.resume_reading()

@@ -152,7 +152,7 @@ class RecordedTransport:
         self._writer = writer
         self._link = link
         self._receiver: Receiver | None = None
-        self._is_ended = False
+        self._has_ended = False
 
     @property
     def write_buffer_bytes(self) -> int:
@@ -166,7 +166,7 @@ class RecordedTransport:
 
     def write(self, data: bytes | bytearray | memoryview) -> None:
         """Queue bytes. Never blocks; does nothing once the transport has ended."""
-        if not self._is_ended:
+        if not self._has_ended:
             self._writer.note(self._link, "host", bytes(data))
         self._inner.write(data)
 
@@ -189,7 +189,7 @@ class RecordedTransport:
 
     def data_received(self, data: bytes) -> None:
         """Handle a chunk from the inner transport."""
-        if not self._is_ended:
+        if not self._has_ended:
             self._writer.note(self._link, "device", data)
         if self._receiver is not None:
             self._receiver.data_received(data)
@@ -211,6 +211,6 @@ class RecordedTransport:
             self._receiver.resume_writing()
 
     def _end(self, error: TransportError | None) -> None:
-        if not self._is_ended:
-            self._is_ended = True
+        if not self._has_ended:
+            self._has_ended = True
             self._writer.note_closed(self._link, error)

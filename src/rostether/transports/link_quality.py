@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 # How many of the last packets a finding counts: some seconds of a busy link, and enough that one lost packet
 # has little weight.
 RECENT_PACKETS = 50
-# If all packets to a board are lost, so few are enough.
+# The packets that a finding needs if all were lost.
 UNREACHED_PACKETS = 10
 
 
@@ -30,13 +30,13 @@ class LinkQuality:
     last_loss: str = ""
     _recent: deque[bool] = field(default_factory=lambda: deque(maxlen=RECENT_PACKETS))
 
-    def received(self, rssi_dbm: int | None) -> None:
+    def count_received(self, rssi_dbm: int | None) -> None:
         """Count a packet from the board."""
         self.received_packets += 1
         if rssi_dbm is not None:
             self.rssi_dbm = rssi_dbm
 
-    def sent(self, status: str, *, is_lost: bool, retries: int | None = None) -> None:
+    def count_sent(self, status: str, *, is_lost: bool, retries: int | None = None) -> None:
         """Count a packet to the board, with its result in words."""
         self.sent_packets += 1
         self.lost_packets += is_lost

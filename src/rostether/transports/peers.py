@@ -32,13 +32,13 @@ SILENT_LIMIT_S = 5.0
 
 @dataclass(frozen=True, slots=True)
 class PeerEntry:
-    """How a sender becomes a peer: by a frame, which `question` requests. An answer proves its address.
+    """How a sender becomes a peer: by a frame; `request` asks for one. An answer proves its address.
 
     Only a board without a host answers `call`, so it can be broadcast.
     """
 
     is_frame: Callable[[bytes], bool]
-    question: bytes
+    request: bytes
     is_answer: Callable[[bytes], bool]
     call: bytes = b""
 
@@ -260,10 +260,10 @@ class PeerTable(Generic[PeerKey]):
         ):
             return True
         candidate.allowance_bytes += len(data)
-        if candidate.allowance_bytes >= len(entry.question):
+        if candidate.allowance_bytes >= len(entry.request):
             candidate.allowance_bytes = 0
-            candidate.sent_bytes += len(entry.question)
-            self.medium.send(key, entry.question)
+            candidate.sent_bytes += len(entry.request)
+            self.medium.send(key, entry.request)
         if len(self._candidates) >= _MAX_CANDIDATES:
             del self._candidates[next(iter(self._candidates))]
         self._candidates[key] = candidate

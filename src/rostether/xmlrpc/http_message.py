@@ -57,7 +57,7 @@ class HttpServerSide:
         self.is_behind = False
 
     @property
-    def ended(self) -> bool:
+    def has_ended(self) -> bool:
         """Whether the connection must be closed once `data_to_send` is written."""
         return self._connection.our_state in (h11.MUST_CLOSE, h11.CLOSED, h11.ERROR)
 
@@ -84,7 +84,7 @@ class HttpServerSide:
     def next_request(self) -> bytes | None:
         """Return the body of the next complete POST, None without one.
 
-        Other requests are answered here, and the connection is closed: see `ended`.
+        Other requests are answered here, and the connection is closed: see `has_ended`.
         """
         try:
             return self._next_request()
@@ -95,7 +95,7 @@ class HttpServerSide:
     def _next_request(self) -> bytes | None:
         self.is_behind = False
         for _ in range(EVENTS_AT_ONCE):
-            if self.ended:
+            if self.has_ended:
                 return None
             if self._connection.our_state is h11.DONE and self._connection.their_state is h11.DONE:
                 self._connection.start_next_cycle()
@@ -153,7 +153,7 @@ class HttpServerSide:
         ):  # pragma: no branch - true so far
             headers = [(b"Content-Type", b"text/plain"), (b"Connection", b"close")]
             self._respond(status, _REASONS.get(status, b"Bad Request"), f"{text}\n".encode(), headers)
-        if not self.ended:  # pragma: no cover - the answer above ends it
+        if not self.has_ended:  # pragma: no cover - the answer above ends it
             self._connection.send_failed()
 
     def _respond(self, status: int, reason: bytes, body: bytes, headers: list[tuple[bytes, bytes]]) -> None:

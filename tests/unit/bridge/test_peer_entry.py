@@ -83,7 +83,7 @@ class Board(asyncio.DatagramProtocol):
         self._transport.sendto(TIME_REQUEST)
 
     def datagram_received(self, data: bytes, addr: object) -> None:
-        if BOARD_ENTRY.question in data:
+        if BOARD_ENTRY.request in data:
             self._transport.sendto(self._answer)
 
 
@@ -106,7 +106,7 @@ def test_what_boards_send_first_is_a_frame(name: str) -> None:
     pytest.fail("no frame in what the board said")
 
 
-@pytest.mark.parametrize("data", [b"", b"x", b"\xff", b"\xff\xfe", BOARD_ENTRY.question, b"hello\r\n" * 200])
+@pytest.mark.parametrize("data", [b"", b"x", b"\xff", b"\xff\xfe", BOARD_ENTRY.request, b"hello\r\n" * 200])
 def test_what_is_not_a_frame_of_a_board(data: bytes) -> None:
     assert not holds_frame(data)
 
@@ -153,7 +153,7 @@ async def test_forged_frames_of_one_address_are_never_answered_with_more(site: S
         for _ in range(2):
             sent += forged.send(TIME_REQUEST)
             await asyncio.sleep(0.1)
-        # The bridge repeats its question several times a second.
+        # The bridge repeats its topic request several times a second.
         for _ in range(20):
             await asyncio.sleep(0.1)
             received += received_bytes(forged)

@@ -71,7 +71,7 @@ def test_requests_follow_each_other_on_one_connection(name: str) -> None:
         assert server.data_to_send().endswith(b"<answer/>")
     assert server.next_request() is None
     assert server.is_idle
-    assert not server.ended
+    assert not server.has_ended
 
 
 def test_a_response_is_one_that_roscpp_reads() -> None:
@@ -92,7 +92,7 @@ def test_a_client_that_wants_to_close_is_obeyed(header: bytes) -> None:
     server.receive_data(b"POST / HTTP/1.1\r\nHost: x\r\n" + header + b"\r\nContent-Length: 1\r\n\r\nx")
     server.next_request()
     server.send_response(b"y")
-    assert server.ended
+    assert server.has_ended
 
 
 def test_http_1_0_ends_after_its_answer() -> None:
@@ -100,7 +100,7 @@ def test_http_1_0_ends_after_its_answer() -> None:
     server.receive_data(REQUESTS["http 1.0"])
     server.next_request()
     server.send_response(b"y")
-    assert server.ended
+    assert server.has_ended
 
 
 def test_expect_continue_is_answered_before_the_body() -> None:
@@ -129,7 +129,7 @@ def test_expect_continue_is_answered_before_the_body() -> None:
 def test_what_is_not_ours_is_refused(request_bytes: bytes, status: bytes) -> None:
     answer, server = refused(request_bytes)
     assert answer.split(b" ", 2)[1] == status
-    assert server.ended
+    assert server.has_ended
     server.receive_data(b"more")
     assert server.next_request() is None
     assert server.data_to_send() == b""
@@ -151,7 +151,7 @@ def test_a_body_above_the_limit_is_refused_before_it_ends(body: bytes) -> None:
     answer, server = refused(b"POST / HTTP/1.1\r\nHost: x\r\n" + body, max_body_bytes=10)
     assert answer.startswith(b"HTTP/1.1 413 ")
     assert b"larger than 10 bytes" in answer
-    assert server.ended
+    assert server.has_ended
 
 
 def test_an_early_end_is_not_a_request() -> None:
@@ -159,7 +159,7 @@ def test_an_early_end_is_not_a_request() -> None:
     server.receive_data(REQUESTS["python"][:-3])
     server.receive_data(b"")
     assert server.next_request() is None
-    assert server.ended
+    assert server.has_ended
 
 
 def test_no_response_without_a_request() -> None:
@@ -270,12 +270,12 @@ def test_a_damaged_request_never_raises(pieces: list[bytes]) -> None:
     server = HttpServerSide()
     for piece in [*pieces, b""]:
         server.receive_data(piece)
-        while not server.ended and server.next_request() is not None:
+        while not server.has_ended and server.next_request() is not None:
             server.send_response(b"x")
         server.data_to_send()
-        if server.ended:
+        if server.has_ended:
             break
-    assert server.ended or pieces == []
+    assert server.has_ended or pieces == []
 
 
 @given(damaged(RESPONSES))

@@ -59,8 +59,8 @@ class ServiceServerEndpoint:
         self._response: asyncio.Future[bytes] | None = None
         self._sent_s = 0.0
         self._asked_s = 0.0
-        self._past_call = asyncio.Event()
-        self._past_call.set()
+        self._earlier_call_ended = asyncio.Event()
+        self._earlier_call_ended.set()
         self._quarantine: asyncio.TimerHandle | None = None
 
     def attach(self, line: BoardLine, info: ServiceAnnounced) -> None:
@@ -108,7 +108,7 @@ class ServiceServerEndpoint:
         if self._quarantine is not None:
             self._quarantine.cancel()
             self._quarantine = None
-        self._past_call.set()
+        self._earlier_call_ended.set()
 
     def receive(self, payloads: list[bytes]) -> None:
         """Handle responses from the board."""
@@ -151,17 +151,17 @@ class ServiceServerEndpoint:
         finally:
             self._waiting -= 1
         try:
-            await self._wait_past_call(limit_s)
+            await self._wait_for_earlier_call(limit_s)
             return await self._call_board(request, limit_s)
         finally:
             self._lock.release()
 
-    async def _wait_past_call(self, limit_s: float) -> None:
-        if self._past_call.is_set():
+    async def _wait_for_earlier_call(self, limit_s: float) -> None:
+        if self._earlier_call_ended.is_set():
             return
         try:
             async with asyncio.timeout(limit_s):
-                await self._past_call.wait()
+                await self._earlier_call_ended.wait()
         except TimeoutError:
             raise ServiceTimeoutError(
                 f"{self.info.name}: the board is still busy with an earlier call; no answer for {limit_s:g} s"
@@ -208,5 +208,5 @@ class ServiceServerEndpoint:
                 self._quarantine_call()
 
     def _quarantine_call(self) -> None:
-        self._past_call.clear()
+        self._earlier_call_ended.clear()
         self._quarantine = asyncio.get_running_loop().call_later(QUARANTINE_S, self._end_quarantine)

@@ -89,7 +89,7 @@ class PutQueue:
         self._job: asyncio.Future[Puts] | None = None
         self._thread_timer: asyncio.TimerHandle | None = None
         self._long_s = float("-inf")
-        self._is_ended = False
+        self._has_ended = False
 
     @property
     def is_open(self) -> bool:
@@ -136,7 +136,7 @@ class PutQueue:
         except TimeoutError:
             _log.debug("%d messages were dropped because a link is full", len(self._waiting))
         finally:
-            self._is_ended = True
+            self._has_ended = True
             self.dropped_count += len(self._waiting)
             self._waiting.clear()
             self._backlog.end()
@@ -159,9 +159,9 @@ class PutQueue:
         if job.cancelled() or job.exception() is not None:
             # The session or the publication has ended in the meantime.
             _log.debug("messages were not sent: %s", "ended" if job.cancelled() else job.exception())
-        elif not self._is_ended:
+        elif not self._has_ended:
             self._note(job.result())
-        if self._is_ended:
+        if self._has_ended:
             return
         if self._waiting:
             self._backlog.note_sent()

@@ -34,7 +34,7 @@ class CommandLine(SmallWriter):
         self._received = bytearray()
         self._changed = asyncio.Event()
         self._error: TransportError | None = None
-        self._is_ended = False
+        self._has_ended = False
         transport.start(self)
 
     async def __aenter__(self) -> Self:
@@ -53,7 +53,7 @@ class CommandLine(SmallWriter):
 
     def connection_lost(self, error: TransportError | None) -> None:
         """Note the end of the port."""
-        self._is_ended, self._error = True, error
+        self._has_ended, self._error = True, error
         self._changed.set()
 
     async def leave_api_mode(self) -> bool:
@@ -117,7 +117,7 @@ class CommandLine(SmallWriter):
 
     async def _wait(self) -> None:
         self._changed.clear()
-        if not self._is_ended:
+        if not self._has_ended:
             await self._changed.wait()
-        if self._is_ended:
+        if self._has_ended:
             raise self._error or TransportClosedError(f"{self._transport.peer} is closed")

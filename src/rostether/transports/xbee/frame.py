@@ -50,7 +50,7 @@ class XbeeFrameDecoder:
     def _frames(self, data: bytes) -> Iterator[bytes]:
         for byte in data:
             if byte == _DELIMITER and (self._escapes or self._frame is None):
-                # Escaped it can only begin a frame, whatever was in progress.
+                # In escaped mode, this byte can only begin a frame, whatever was in progress.
                 self._frame = bytearray()
                 self._after_escape = False
                 continue

@@ -218,7 +218,7 @@ class XbeeListener(SmallWriter):
         # A board that was refused, because there are too many, has no link quality.
         if (quality := self._qualities.get(packet.source)) is None:
             return
-        quality.received(packet.rssi_dbm)
+        quality.count_received(packet.rssi_dbm)
         self._queue.note_received(packet.source)
         self._last_source = packet.source
         if packet.rssi_dbm is None:
@@ -239,7 +239,7 @@ class XbeeListener(SmallWriter):
 
     def _send(self, key: int, data: bytes | bytearray | memoryview) -> None:
         if not self._queue.put(key, data) and (quality := self._qualities.get(key)) is not None:
-            quality.sent("queue full", is_lost=True)
+            quality.count_sent("queue full", is_lost=True)
         self._pump()
 
     def _pump(self) -> None:
@@ -274,8 +274,8 @@ class XbeeListener(SmallWriter):
     def _finished(self, finished: Finished[int]) -> None:
         if (quality := self._qualities.get(finished.key)) is not None:
             if (status := finished.status) is None:
-                quality.sent("no report", is_lost=True)
+                quality.count_sent("no report", is_lost=True)
             else:
-                quality.sent(
+                quality.count_sent(
                     status_text(status.status), is_lost=not status.is_delivered, retries=status.retries
                 )

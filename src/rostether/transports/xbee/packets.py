@@ -11,8 +11,8 @@
     81 | source u16 BE | signal | options | payload
     90 | source u64 BE | FF FE | options | payload
     88 | frame id | two letters | status | value        answer to an AT command
-    89 | frame id | status                              what became of a packet
-    8B | frame id | FF FE | retries | status | discovery
+    89 | frame id | status                              whether a packet was delivered
+    8B | frame id | FF FE | retries | status | discovery      the same, in DigiMesh
 
 A packet with frame id 0 gets no status.
 """

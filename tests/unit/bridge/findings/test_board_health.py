@@ -45,7 +45,7 @@ async def test_the_finding_of_a_radio_names_the_last_packet_that_was_lost() -> N
     health.radio = LinkQuality(rssi_dbm=-71)
     for number in range(RECENT_PACKETS):
         is_lost = number % 2 == 0
-        health.radio.sent("no acknowledgement" if is_lost else "delivered", is_lost=is_lost)
+        health.radio.count_sent("no acknowledgement" if is_lost else "delivered", is_lost=is_lost)
     health.connected(57600, LinkStatistics(), 0.0)
     (finding,) = health.find(1.0)
     assert finding.seen.startswith(
@@ -60,7 +60,7 @@ async def test_a_board_that_no_radio_packet_reaches_is_found_soon() -> None:
     health.connected(57600, LinkStatistics(), 0.0)
     for number in range(1, UNREACHED_PACKETS + 1):
         assert health.find(1.0) == []
-        health.radio.sent("no acknowledgement", is_lost=True)
+        health.radio.count_sent("no acknowledgement", is_lost=True)
         assert health.radio.lost_packets == number
     (finding,) = health.find(1.0)
     assert finding.seen == "100 % of the last 10 radio packets to the board were lost (no acknowledgement)"
