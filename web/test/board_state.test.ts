@@ -17,7 +17,7 @@ test("a state is read", () => {
     }),
   );
   assert.ok(state);
-  assert.deepEqual([state.commands, state.mostVolts], [["adc", "pin"], 3.3]);
+  assert.deepEqual([state.commands, state.maxVolts], [["adc", "pin"], 3.3]);
   assert.deepEqual(state.pins, [
     { name: "D9", direction: "pwm", level: 0.503 },
     { name: "D13", direction: "out", level: 1 },

@@ -33,7 +33,7 @@ test("a server that does not answer is connected again", () => {
   const socket = new ReconnectingSocket(() => "ws://robot", [], {
     onMessage: (data) => data === "hello",
     onClose: () => seen.push("closed"),
-    question: { op: "ask" },
+    probe: { op: "ask" },
     onSilence: () => seen.push("silent"),
   });
   const first = FakeSocket.made[0] as FakeSocket;

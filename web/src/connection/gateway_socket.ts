@@ -39,6 +39,6 @@ export function gatewaySocket(url: () => string, handlers: GatewaySocketHandlers
       return true;
     },
     onClose: handlers.onClose,
-    ...(handlers.onSilence && { question: { op: "askTime", id: 0 }, onSilence: handlers.onSilence }),
+    ...(handlers.onSilence && { probe: { op: "askTime", id: 0 }, onSilence: handlers.onSilence }),
   });
 }

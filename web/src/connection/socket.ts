@@ -7,7 +7,7 @@ const MAX_RETRY_MS = 5000;
 // A server that accepts the connection must answer within this time.
 const OPEN_TIMEOUT_MS = 10_000;
 // Browsers do not report a network that has failed. When nothing has arrived for one to two of these periods, the
-// server is asked; after two more without an answer, the connection has failed.
+// socket sends a probe; after two more without an answer, the connection has failed.
 const QUIET_MS = 5000;
 
 export interface SocketHandlers {
@@ -18,8 +18,8 @@ export interface SocketHandlers {
   /** `retryMs` is how long it waits until it tries again. */
   onClose(reason: string, retryMs: number): void;
   /** A request that the server answers at once, to find out whether the network has failed. */
-  question?: object;
-  /** The question had no answer; the connection is closed next. */
+  probe?: object;
+  /** The probe was not answered; the connection is closed next. */
   onSilence?(): void;
 }
 
@@ -102,7 +102,7 @@ export class ReconnectingSocket {
       clearTimeout(timeout);
       this.retryMs = FIRST_RETRY_MS;
       clearInterval(this.watch);
-      if (this.handlers.question) this.watch = setInterval(this.checkSilence, QUIET_MS);
+      if (this.handlers.probe) this.watch = setInterval(this.checkSilence, QUIET_MS);
     };
     socket.onclose = (event) => {
       clearTimeout(timeout);
@@ -115,7 +115,7 @@ export class ReconnectingSocket {
 
   private readonly checkSilence = () => {
     this.quietPeriods++;
-    if (this.quietPeriods === 2) this.send(this.handlers.question as object);
+    if (this.quietPeriods === 2) this.send(this.handlers.probe as object);
     else if (this.quietPeriods === 4) {
       this.handlers.onSilence?.();
       this.drop();

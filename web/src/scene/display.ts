@@ -13,7 +13,7 @@ export interface Placed {
 }
 
 export interface Display {
-  /** Draw a decoded message. */
+  /** Draws a decoded message. */
   update(message: unknown): void;
   /** The placed things. Most displays have one, markers many. */
   placed(): Iterable<Placed>;
@@ -81,7 +81,7 @@ export function disposeTree(root: Object3D): void {
   });
 }
 
-/** Put an object at a pose. An orientation of all zeros counts as none. */
+/** Puts an object at a pose. An orientation of all zeros counts as none. */
 export function setPose(object: Object3D, position: Xyz, orientation: Xyzw): void {
   object.position.set(position.x, position.y, position.z);
   object.quaternion.set(...normalized([orientation.x, orientation.y, orientation.z, orientation.w]));

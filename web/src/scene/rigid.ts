@@ -10,7 +10,7 @@ export interface Transform {
 
 export const IDENTITY: Transform = { translation: [0, 0, 0], rotation: [0, 0, 0, 1] };
 
-/** The rotation with length 1; none at all (all zeros, as unset messages have) is the identity. */
+/** The rotation with length 1; the identity if all values are zero, as in unset messages. */
 export function normalized([x, y, z, w]: Quaternion): Quaternion {
   const length = Math.hypot(x, y, z, w);
   if (!(length > 1e-9)) return IDENTITY.rotation;

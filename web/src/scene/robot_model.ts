@@ -76,7 +76,7 @@ export class RobotModel {
     for (const group of this.visuals.values()) group.removeFromParent();
   }
 
-  /** Put the links back into one robot that joint states move. */
+  /** Puts the links back into one robot that joint states move. */
   join(): void {
     for (const [name, group] of this.visuals) {
       group.matrixAutoUpdate = true;

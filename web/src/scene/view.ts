@@ -102,7 +102,7 @@ export class SceneView {
     this.fit(new Box3(new Vector3(-0.5, -0.5, 0), new Vector3(0.5, 0.5, 0.5)));
   }
 
-  /** Read the colors from the page's style again, after a switch between dark and light. */
+  /** Reads the colors from the page's style again, after a switch between dark and light. */
   applyTheme(): void {
     const style = getComputedStyle(this.host);
     const color = (name: string, fallback: string) =>
@@ -112,12 +112,12 @@ export class SceneView {
     this.markDirty();
   }
 
-  /** Turn the camera to another side of the same point. */
+  /** Turns the camera to another side of the same point. */
   lookFrom(direction: keyof typeof DIRECTIONS): void {
     this.standAt(direction, this.camera.position.distanceTo(this.controls.target));
   }
 
-  /** Look at the whole of a box, and lay the ground below it; returns the side of the ground's cells in meters. */
+  /** Shows the whole of a box, and lays the ground below it; returns the side of the ground's cells in meters. */
   fit(box: Box3): number {
     const halfAngle = MathUtils.degToRad(this.camera.fov) / 2;
     box.getCenter(this.controls.target);

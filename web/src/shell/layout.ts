@@ -1,4 +1,4 @@
-// The user's changes of the automatic overview: order, widths, hidden and added cards.
+// The user's changes to the automatic overview: order, widths, hidden and added cards.
 import type { Settings } from "../panels/setting_checks.ts";
 
 export type Width = 1 | 2 | 3;
@@ -22,7 +22,7 @@ export const NO_LAYOUT: Layout = { order: [], hidden: [], widths: {}, added: [] 
 // Links and storage may hold anything.
 const MAX_ITEMS = 200;
 
-/** Reads a layout of a link or of the storage; invalid parts are omitted. */
+/** Reads a layout from a link or from storage; invalid parts are omitted. */
 export function readLayout(value: Settings | undefined): Layout {
   if (!value) return NO_LAYOUT;
   const widths: Record<string, Width> = {};
@@ -33,7 +33,7 @@ export function readLayout(value: Settings | undefined): Layout {
   return { order: strings(value.order), hidden: strings(value.hidden), widths, added };
 }
 
-/** Returns the cards in the form of the layout. */
+/** Arranges the cards as in the layout. */
 export function arranged<Card extends { id: string; width?: Width }>(
   cards: readonly Card[],
   layout: Layout,

@@ -13,7 +13,7 @@ export class Topic {
   /** Such as `sensor_msgs/Range`. */
   readonly typeName: string;
   readonly definition: string;
-  /** Undefined for a topic that is subscribed only: nothing can be received from it. */
+  /** Undefined for a topic that only has subscribers: nothing can be received from it. */
   readonly channelId: number | undefined;
   private parsed: StructNode | Error | undefined;
 

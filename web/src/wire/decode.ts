@@ -44,7 +44,7 @@ export class Cursor {
     this.bytes = bytes;
     this.view = new DataView(bytes.buffer, bytes.byteOffset, bytes.byteLength);
   }
-  /** Moves on by `size` bytes, returns where they begin. */
+  /** Moves on by `size` bytes and returns where they begin. */
   skip(size: number): number {
     const start = this.offset;
     if (size > this.bytes.length - start) {

@@ -11,7 +11,7 @@ class Writer {
   bytes = new Uint8Array(256);
   view = new DataView(this.bytes.buffer);
   length = 0;
-  /** Makes room for `size` bytes, returns where they begin. */
+  /** Makes room for `size` bytes and returns where they begin. */
   grow(size: number): number {
     const start = this.length;
     const end = start + size;

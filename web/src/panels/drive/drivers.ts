@@ -23,12 +23,12 @@ export function driverOf(robot: Robot, topicName: string): Driver | undefined {
   }
 }
 
-/** Create the drivers in advance, so that the first stop need not wait for the robot to accept their topics. */
+/** Creates the drivers in advance, so that the first stop need not wait for the robot to accept their topics. */
 export function prepareStop(robot: Robot): void {
   if (robot.mayAct.peek()) for (const topic of drivableTopics(graphOf(robot))) driverOf(robot, topic);
 }
 
-/** Stop everything that this page can drive. */
+/** Stops everything that this page can drive. */
 export function stopAll(robot: Robot): void {
   for (const topic of drivableTopics(graphOf(robot))) driverOf(robot, topic)?.stop();
 }

@@ -10,7 +10,7 @@ export function isCompressedDepth(format: string): boolean {
 }
 
 /**
- * Decode the picture of a message.
+ * Decodes the picture of a message.
  *
  * @param format of the message, such as "32FC1; compressedDepth png".
  * @returns millimeters (16UC1) or, of the encoding 32FC1, meters.

@@ -8,7 +8,7 @@ const IDAT = 0x49444154;
 const PIXEL_BYTES = 2;
 
 /**
- * Decode a PNG of 16-bit gray pixels (PNG specification, sections 5, 7 and 9).
+ * Decodes a PNG of 16-bit gray pixels (PNG specification, sections 5, 7 and 9).
  *
  * @returns undefined for other files, which the browser can decode.
  * @throws Error with a sentence when the file is damaged.

@@ -37,7 +37,7 @@ export class ImageView {
     this.frame.markDirty();
   }
 
-  /** Draw the current picture again, after a change of `turn`. */
+  /** Draws the current picture again, after a change of `turn`. */
   redraw(): void {
     if (this.bitmap === undefined) return;
     const { quarters, mirrored } = this.turn;

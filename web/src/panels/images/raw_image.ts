@@ -175,7 +175,7 @@ function shownEncoding(encoding: string): string {
 }
 
 /**
- * Convert to red, green, blue and alpha.
+ * Converts to red, green, blue and alpha.
  *
  * @returns width * height * 4 bytes.
  * @throws Error with a sentence when the picture cannot be shown.
