@@ -57,9 +57,7 @@ def shown_line(text: str) -> str:
 
 
 def reason_of(error: Exception) -> str:
-    """Return the text to report for an error; an unexpected error is a defect, and the text asks to report
-    it.
-    """
+    """Return the text to report for an error; if the error is unexpected, the text asks to report it."""
     if isinstance(error, RostetherError):
         return str(error)
     return f"{type(error).__name__}: {error}; please report it"

@@ -50,7 +50,7 @@ _DEBUG_SECTIONS = (".debug_", ".zdebug_", ".eh_frame")
 _ADDRESS_OPERATION = 0x03
 # A damaged file may have entries that refer to each other.
 _MAX_INDIRECTIONS = 16
-# From this version on, the first file has the number 0.
+# From this version of DWARF on, the first file has the number 0.
 _FILES_FROM_ZERO = 5
 
 

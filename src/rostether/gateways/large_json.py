@@ -1,5 +1,6 @@
-"""JSON with many values, parsed so that other threads can run: the parser of the standard library keeps them
-waiting until it has finished, half a second for 10 MB of numbers.
+"""JSON with many values, parsed so that other threads can run.
+
+The parser of the standard library blocks them until it has finished, half a second for 10 MB of numbers.
 """
 
 from __future__ import annotations

@@ -89,7 +89,7 @@ async def publish_static_transform(graph: TypedGraph, static: StaticTransform) -
             return
         publisher = await tf_publisher(graph)
         while not left.done():
-            # Like in tf, the stamp is in the future, so that the transform is valid until the next one
+            # As in tf, the stamp is in the future, so that the transform is valid until the next one
             # arrives.
             ahead_ns = graph.now().to_ns() + round(static.period_s * 1e9)
             publisher.publish(to_message([_stamped(static, ahead_ns)]))

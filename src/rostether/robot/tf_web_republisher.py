@@ -1,4 +1,4 @@
-"""tf2_web_republisher: sends web pages the transforms that they request, at their rate, when they change.
+"""tf2_web_republisher: sends web pages the changed transforms that they request, at the requested rate.
 
 A page calls the service `republish_tfs`, which returns a topic for this page. Or it uses the action
 `tf2_web_republisher`, like roslibjs' `TFClient`; the feedback contains the transforms.

@@ -79,7 +79,7 @@ class Roscore:
         await self._master.wait_closed()
 
     async def close(self) -> None:
-        """Stop both. Idempotent."""
+        """Stop the node /rosout and the master. Idempotent."""
         if self._keeper is not None:
             self._keeper.cancel()
             await asyncio.wait((self._keeper,))

@@ -39,8 +39,9 @@ class QosReport:
 
 @dataclass(frozen=True, slots=True)
 class EndpointInfo:
-    """One endpoint. Fields that the middleware does not report are empty or None; `type` is
-    `std_msgs/msg/String`.
+    """One endpoint, with a type such as `std_msgs/msg/String`.
+
+    Fields that the middleware does not report are empty or None.
     """
 
     node_name: str

@@ -29,9 +29,7 @@ class History(IntEnum):
 
 @dataclass(frozen=True, slots=True)
 class Qos:
-    """The quality of service of one endpoint; other policies (deadline, lifespan, liveliness) are
-    infinite.
-    """
+    """The quality of service of one endpoint; deadline, lifespan and liveliness lease are infinite."""
 
     reliability: Reliability = Reliability.RELIABLE
     durability: Durability = Durability.VOLATILE

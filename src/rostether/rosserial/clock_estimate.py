@@ -1,5 +1,4 @@
-"""Estimates the offset and the rate of a board's clock, from the time answers it received and the stamps it
-sends.
+"""Estimates the offset and the rate of a board's clock from the host's time answers and the board's stamps.
 
 A board's time request does not show its clock (the established library leaves the value zero), but its stamps
 do. Each time answer sets its clock; until the next one the clock runs freely:

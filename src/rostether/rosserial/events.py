@@ -140,8 +140,9 @@ class ParameterRequested:
 
 @dataclass(frozen=True, slots=True)
 class FrameDiscarded:
-    """Rejected bytes: `data` has them in order, and none is also part of a frame. `topic_id` is the reserved
-    id of a packet with a wrong layout.
+    """Rejected bytes: `data` has them in order, and none is also part of a frame.
+
+    `topic_id` is the reserved id of a packet with a wrong layout.
     """
 
     reason: DiscardReason

@@ -48,8 +48,9 @@ FORMS = {1: FrameForm(0xFF, 6, 7), 2: FrameForm(0xFE, 7, 8)}
 
 
 class Header(NamedTuple):
-    """The content of a frame header; `base` is the sum that the payload's bytes and checksum complete to
-    255.
+    """The content of a frame header.
+
+    The sum of `base`, the payload's bytes and the checksum is 255.
     """
 
     topic_id: int

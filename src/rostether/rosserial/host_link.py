@@ -53,9 +53,9 @@ _LOG = logging.getLogger(__name__)
 
 
 class HostLink:
-    """The host's link to one device. Bytes, messages and `now_s` (any monotonic clock) in; events and bytes
-    out.
+    """The host's link to one device: bytes, messages and `now_s` go in, events and bytes come out.
 
+    `now_s` is the time of any monotonic clock.
     After every call that may have changed something, send `data_to_send()` and wait for `get_timer()`; after
     `receive_data` only if it was not quiet, which halves the cost of boards that send one message at a time.
     """

@@ -70,8 +70,10 @@ class HostOutput:
         return data
 
     def queue_parameter(self, response: ParameterResponse) -> None:
-        """Queue the answer to a parameter request; raises LocalProtocolError if it does not fit: even an
-        empty one takes 12 bytes."""
+        """Queue the answer to a parameter request; even an empty one takes 12 bytes.
+
+        Raises LocalProtocolError if it does not fit.
+        """
         payload = response.encode()
         limit = self._table.input_buffer_bytes
         limit = DEFAULT_INPUT_BUFFER_BYTES if limit is None else limit

@@ -26,8 +26,9 @@ _KINDS = (
 
 @dataclass(frozen=True, slots=True)
 class LineEntry:
-    """A frame, or bytes outside frames: then `topic_id` is None and `fault` describes them. `what` is a
-    description; `data` is its payload, or the bytes.
+    """A frame, described by `what`, with its payload as `data`; or bytes outside frames.
+
+    For those, `data` has the bytes, `topic_id` is None, and `fault` is the reason.
     """
 
     time_s: float

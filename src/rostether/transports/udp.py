@@ -190,8 +190,9 @@ class _UdpClient(_DatagramSocket):
 
 
 async def connect_udp(address: UdpAddress) -> Transport:
-    """Create a socket that is connected to one peer only. Raises TransportOpenError,
-    TransportTimeoutError.
+    """Create a socket that is connected to one peer only.
+
+    Raises TransportOpenError, TransportTimeoutError.
     """
     place = show_endpoint(address.host, address.port)
     try:

@@ -60,7 +60,7 @@ class WebSocket(Protocol):
 class WebTransport:
     """One board behind a page; made by `WebBoards.open`.
 
-    `connect` serves the board that the page names, or returns the reason of a refusal. `forget` is called at
+    `connect` serves the board that the page names, or returns the reason for a refusal. `forget` is called at
     the end. The transport cannot pause the board: the port loses bytes that the page does not read in time.
     """
 

@@ -37,7 +37,9 @@ def read_hello(text: str) -> WebHello:
     message = _read(text, "connect")
     name, key, baud = message.get("name"), message.get("key"), message.get("baud")
     if not isinstance(name, str) or not _NAME.fullmatch(name):
-        raise RemoteProtocolError("the name of a board has 1 to 40 letters, digits or _, first a letter")
+        raise RemoteProtocolError(
+            "the name of a board has 1 to 40 letters, digits or _, and begins with a letter"
+        )
     if not isinstance(key, str) or not _ID.fullmatch(key):
         raise RemoteProtocolError("the key of a board has 8 to 64 letters, digits or -")
     if isinstance(baud, bool) or not isinstance(baud, int) or not 1 <= baud <= MAX_BAUD:

@@ -1,5 +1,4 @@
-"""Diagnoses one link: checks the port, opens it, bridges the board into a private graph, and reports
-findings.
+"""Diagnoses one link: checks and opens the port, bridges the board into a private graph, reports findings.
 
     port facts ── bad ──> findings
         │

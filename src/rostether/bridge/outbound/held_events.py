@@ -1,8 +1,7 @@
-"""Holds a board's announcements and messages while its types are searched on disk, so that the event loop is
-free.
+"""Holds a board's announcements and messages while a thread searches the disk for its types.
 
-Most types are known. Another one is searched in a thread; from its announcement on, announcements
-and the messages of topics that are not served yet wait here, in their order.
+Most types are known. The search for another one does not block the event loop. From its announcement on,
+announcements and the messages of topics that are not served yet wait here, in their order.
 """
 
 from __future__ import annotations
@@ -50,9 +49,7 @@ class HeldEvents:
         return self._wait is not None
 
     def hold_back(self, event: HostEvent) -> bool:
-        """Keep an announcement whose type must be searched, and the events after it; otherwise return
-        False.
-        """
+        """Keep an announcement whose type needs a search, and later events; return whether it was kept."""
         if isinstance(event, (TopicAnnounced, ServiceAnnounced)):
             if self._wait is None:
                 if self._can_answer(event):

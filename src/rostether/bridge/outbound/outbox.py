@@ -97,8 +97,10 @@ class Outbox:
         return sum(queue.queued_bytes for queue in self._ready)
 
     def put(self, queue: TopicQueue, payloads: Sequence[bytes]) -> None:
-        """Queue messages of one topic; they are written by the end of this turn of the event loop if the link
-        accepts them."""
+        """Queue messages of one topic.
+
+        They are written by the end of this turn of the event loop if the link accepts them.
+        """
         if len(payloads) <= EAGER_MESSAGES and self._is_idle():
             self._send_now(queue, payloads)
             return

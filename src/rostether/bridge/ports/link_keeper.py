@@ -163,7 +163,7 @@ def _comes_and_goes(address: Address) -> bool:
 
 
 def _terminal_created_ns(path: str) -> int | None:
-    """Return when a pseudo-terminal was created; None for other ports, and for a link that its program moves.
+    """Return when a pseudo-terminal was created; None for other ports and for symbolic links.
 
     The system gives the number of a closed pseudo-terminal to the next program that makes one.
     """

@@ -50,7 +50,7 @@ class _Probing(SmallWriter):
         self._lost: TransportError | None = None
 
     async def run(self) -> BoardFound | NoBoard:
-        """Probe to the end."""
+        """Return the result of the probe. Raises TransportError if the port is lost."""
         self._probe.start(self._loop.time())
         self._apply()
         self._transport.start(self)

@@ -54,9 +54,7 @@ class ChooseLink(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class HostRole:
-    """An established rosserial host to replace: its usual node name, its parameters, and the board they
-    select.
-    """
+    """An established rosserial host to replace: its node name, its parameters, and the board they select."""
 
     node_name: str
     greeting: str

@@ -19,7 +19,7 @@ from rostether.ros1.node.node_calls import ping
 if TYPE_CHECKING:
     from rostether.graph.typed_graph import TypedGraph
 
-# Takes a node's full name, returns whether a node of that name answers. Raises GraphError.
+# Takes a node's full name and returns whether a node of that name answers. Raises GraphError.
 IsLive: TypeAlias = Callable[[str], Awaitable[bool]]
 
 

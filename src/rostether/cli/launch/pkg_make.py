@@ -151,8 +151,9 @@ def _show(contents: PackageContents, problems: list[str], workspace: Path, *, as
 @click.argument("packages", nargs=-1, metavar="[PACKAGE]...")
 @click.pass_context
 def make_libraries(context: click.Context, directory: Path, packages: tuple[str, ...]) -> None:
-    """Write ros_lib for Arduino to DIR (default: this folder), with the messages of all packages or of the
-    named ones. Messages of other packages that are there already are kept, and written again.
+    """Write ros_lib for Arduino to DIR (default: this folder), with the messages of all or of some packages.
+
+    Messages of other packages that are there already are kept, and written again.
     """
     wanted = (*packages, *_generated_packages(directory)) if packages else ()
     context.invoke(

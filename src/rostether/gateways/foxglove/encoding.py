@@ -25,7 +25,7 @@ _MANY_DEFAULTS: Final = 1000
 
 @dataclass(frozen=True, slots=True)
 class Encoder:
-    """Returns the ROS message of a client's message, and raises SerializationError."""
+    """Converts a client's message to a ROS message. `encode` raises SerializationError."""
 
     encode: Callable[[bytes], bytes]
     max_quick_bytes: int

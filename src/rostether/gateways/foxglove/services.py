@@ -87,7 +87,7 @@ class Services:
             self._on_offer(new)
 
     async def call(self, service: OfferedService, encoding: str, payload: bytes, timeout_s: float) -> bytes:
-        """Call; request and response have the same encoding. Raises RostetherError."""
+        """Call a service; request and response have the same encoding. Raises RostetherError."""
         types = service.type
         if encoding == JSON_ENCODING:
             encoder = Encoder.of_json(self._store.codec(types.request.name))

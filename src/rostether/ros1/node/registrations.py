@@ -167,7 +167,7 @@ class Registrations:
             except MasterUnreachableError as error:
                 if not is_away:
                     _log.warning(
-                        "%s: %s; keeping the connections, waiting for it", self._master.caller_id, error
+                        "%s: %s; keeping the connections until it is back", self._master.caller_id, error
                     )
                 is_away = True
             except GraphError as error:

@@ -88,7 +88,7 @@ class ServiceClient:
                         return
                     await asyncio.sleep(POLL_INTERVAL_S)
         except TimeoutError:
-            raise ServiceUnavailableError(f"{reason}, for {timeout_s:g} s") from None
+            raise ServiceUnavailableError(f"{reason} (waited {timeout_s:g} s)") from None
 
     async def close(self) -> None:
         """Close a kept connection. Idempotent."""

@@ -51,7 +51,7 @@ class ParameterClient:
         """Set parameters; `NOT_SET` deletes.
 
         Whole numbers and empty lists get the type that the parameter has: texts, YAML and JSON often do not
-        distinguish 2 and 2.0. Raises GraphError with the reason of the first refused parameter.
+        distinguish 2 and 2.0. Raises GraphError with the reason for the first refusal.
         """
         types = await self._types(node, [name for name, value in values.items() if value.may_have_other_type])
         fitting = {name: value.as_type(types.get(name)) for name, value in values.items()}

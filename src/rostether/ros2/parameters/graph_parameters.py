@@ -48,8 +48,9 @@ class GraphParameters:
         self._watches = ParameterWatches(own, graph, self._value_or_none)
 
     async def get(self, name: str) -> ParamValue:
-        """Return a value or tree; on our own node, an unset parameter is declared. Raises
-        UnknownNameError.
+        """Return a value or tree; on our own node, an unset parameter is declared.
+
+        Raises UnknownNameError.
         """
         place = await self._locate(name)
         values = await self._values(place)

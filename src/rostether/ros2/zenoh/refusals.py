@@ -66,7 +66,7 @@ def report_refusals() -> None:
 
 
 def explain(line: bytes) -> str:
-    """Return the reason of a refusal in a line of zenoh's log; empty for other lines."""
+    """Return the reason for a refusal in a line of zenoh's log; empty for other lines."""
     found = _LINE.search(_COLOR.sub(b"", line.rstrip()))
     if found is None:
         return ""

@@ -39,7 +39,7 @@ class FollowedGoal:
         return str(self.action_goal.goal_id.id)
 
     def cancel(self) -> None:
-        """Ask the server to cancel it."""
+        """Ask the server to cancel the goal."""
         with self.mutex:
             self._send_cancel(GoalID(id=self.id))
             if self.state != CommState.DONE:

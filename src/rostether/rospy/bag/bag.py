@@ -1,6 +1,6 @@
 """rosbag.Bag: lets scripts read and write bags, like rosbag's Python module.
 
-Recordings of other formats, MCAP and ROS 2's, are read as well. Source: wiki.ros.org/rosbag/Code API
+It also reads MCAP files and ROS 2 bags. Source: wiki.ros.org/rosbag/Code API
 """
 
 from __future__ import annotations
