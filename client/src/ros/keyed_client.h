@@ -38,13 +38,13 @@ class KeyedClient : public NetworkClient {
  public:
   enum Refusal { NONE, NO_ANSWER, NO_HELLO, WRONG_KEY };
 
-  KeyedClient() : chance_(0), refusal_(NONE) {}
+  KeyedClient() : seed_(0), refusal_(NONE) {}
 
-  // The text of the key file, which is not copied. `chance` is a value that an attacker cannot know, such as the
+  // The text of the key file, which is not copied. `seed` is a value that an attacker cannot know, such as the
   // noise of an open analog input. Without it, an attacker who can start a board at a chosen microsecond could replay
   // the host's part.
-  void setKey(const char* key, uint32_t chance = 0) { set(KeyText(key), chance); }
-  void setKey(const __FlashStringHelper* key, uint32_t chance = 0) { set(KeyText(key), chance); }
+  void setKey(const char* key, uint32_t seed = 0) { set(KeyText(key), seed); }
+  void setKey(const __FlashStringHelper* key, uint32_t seed = 0) { set(KeyText(key), seed); }
 
   // The reason why the hello of the last connection failed: the host sent nothing in time or closed the connection,
   // did not ask for a key, or could not prove that it has this board's key.
@@ -58,9 +58,9 @@ class KeyedClient : public NetworkClient {
   // The host gives up after five seconds.
   static const uint16_t LIMIT_MS = 5000;
 
-  void set(const KeyText& key, uint32_t chance) {
+  void set(const KeyText& key, uint32_t seed) {
     key_ = key;
-    chance_ = chance;
+    seed_ = seed;
   }
 
   int greeted(int made) {
@@ -118,10 +118,10 @@ class KeyedClient : public NetworkClient {
     mac.text().add("nonce ");
     mac.text().add(theirs);
     mac.text().add(&now_us, sizeof now_us);
-    mac.text().add(&chance_, sizeof chance_);
+    mac.text().add(&seed_, sizeof seed_);
     uint8_t digest[Sha256::DIGEST_BYTES];
     mac.finish(digest);
-    memcpy(&chance_, digest + NONCE_HEX / 2, sizeof chance_);
+    memcpy(&seed_, digest + NONCE_HEX / 2, sizeof seed_);
     toHex(digest, NONCE_HEX, ours);
   }
 
@@ -146,7 +146,7 @@ class KeyedClient : public NetworkClient {
   }
 
   KeyText key_;
-  uint32_t chance_;
+  uint32_t seed_;
   Refusal refusal_;
 };
 

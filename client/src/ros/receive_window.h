@@ -58,7 +58,7 @@ class ReceiveWindow {
 
   enum Finding {
     NOTHING_WHOLE = 0,
-    NOISE_BEFORE_FRAME = 1,  // bytes that were no frame, and are dropped
+    NOISE_BEFORE_FRAME = 1,  // bytes that were not a frame, and are dropped
     WHOLE_FRAME = 2          // a whole, undamaged frame is at the front
   };
   // Examines the received bytes.

@@ -214,12 +214,12 @@ class SipHash {
     size_t done = 0;
     for (; length - done >= sizeof word; done += sizeof word) {
       memcpy(&word, bytes + done, sizeof word);
-      takeIn(state, word);
+      absorb(state, word);
     }
     // The last word ends with the length.
     word = static_cast<uint64_t>(length) << 56;
     memcpy(&word, bytes + done, length - done);
-    takeIn(state, word);
+    absorb(state, word);
     state[2] ^= 0xff;
     for (int i = 0; i < 4; ++i) round(state);
     memcpy(&word, bytes + length, sizeof word);
@@ -229,7 +229,7 @@ class SipHash {
   }
 
  private:
-  static void takeIn(uint64_t* v, uint64_t word) {
+  static void absorb(uint64_t* v, uint64_t word) {
     v[3] ^= word;
     round(v);
     round(v);

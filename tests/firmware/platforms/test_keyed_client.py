@@ -86,9 +86,9 @@ def test_a_silent_host_is_abandoned_in_time(program: Path) -> None:
 
 
 def test_noise_never_gets_through(program: Path) -> None:
-    chance = random.Random(7)
+    rng = random.Random(7)
     for _ in range(30):
         data = bytearray(GREETING + b"RSPSK1 " + b"0" * 64 + b"\n")
-        for _ in range(chance.randrange(1, 5)):
-            data[chance.randrange(len(data))] = chance.randrange(256)
+        for _ in range(rng.randrange(1, 5)):
+            data[rng.randrange(len(data))] = rng.randrange(256)
         assert run_client(program, bytes(data))[0] != NONE

@@ -71,7 +71,7 @@ def status_of(line: str) -> RobotStatus:
 
 
 def test_it_obeys_and_answers_as_our_receiver(robot: Path) -> None:
-    chance = random.Random(16)
+    rng = random.Random(16)
     to_robot = SenderSettings(3, to_groups=False, kind=KIND, key=KEY)
     first = CommandSender(to_robot, 1_700_000_000_000_000)
     second = CommandSender(replace(to_robot, target=2, to_groups=True), 1_700_000_000_000_001)
@@ -81,14 +81,14 @@ def test_it_obeys_and_answers_as_our_receiver(robot: Path) -> None:
     for round_number in range(400):
         # Two senders that never overlap in time to live; the counts of others are not kept on a board.
         sender = second if round_number > 250 else first
-        payload = struct.pack("<dd", chance.randrange(-180, 180), chance.random())
-        sent = chance.choice(
+        payload = struct.pack("<dd", rng.randrange(-180, 180), rng.random())
+        sent = rng.choice(
             [
                 sender.command(payload, 0.0),
                 sender.command(payload, 0.0)[:1],
                 [sender.release()] if round_number % 40 == 39 else sender.repeat(1.0),
                 sender.halt(1.0),
-                [chance.choice(recorded)] if recorded else [],
+                [rng.choice(recorded)] if recorded else [],
                 [CommandFrame(3, 5, 1, kind=KIND, payload=payload).encode(bytes(16))],
                 [CommandFrame(2, 9, 1, kind=KIND, payload=payload).encode(KEY)],
             ]
@@ -96,13 +96,13 @@ def test_it_obeys_and_answers_as_our_receiver(robot: Path) -> None:
         for datagram in sent:
             recorded.append(datagram)
             damaged = bytearray(datagram)
-            damaged[chance.randrange(len(damaged))] ^= 1 << chance.randrange(8)
+            damaged[rng.randrange(len(damaged))] ^= 1 << rng.randrange(8)
             series += [
                 (now_ms, bytes(damaged)),
-                (now_ms, datagram[: chance.randrange(len(datagram))] or b"\0"),
+                (now_ms, datagram[: rng.randrange(len(datagram))] or b"\0"),
             ]
             series.append((now_ms, datagram))
-        now_ms += chance.choice([17, 57, 261, 1100]) if round_number != 250 else 5000
+        now_ms += rng.choice([17, 57, 261, 1100]) if round_number != 250 else 5000
     answers = expected(series)
     assert {each.split()[0] for each in answers} == {"0", "1", "2", "3"}
     obeyed = actual(robot, series)

@@ -26,7 +26,7 @@
 #include "../node/scripted_hardware.h"
 
 static uint64_t state;
-static uint32_t chance(uint32_t below) {
+static uint32_t randomBelow(uint32_t below) {
   state ^= state << 13;
   state ^= state >> 7;
   state ^= state << 17;
@@ -95,7 +95,7 @@ class FuzzHardware : public QueueingHardware {
  public:
   int writable() {
     const int room = QueueingHardware::writable();
-    if (faulty && chance(500) == 0) stuck = !stuck;
+    if (faulty && randomBelow(500) == 0) stuck = !stuck;
     return room;
   }
 
@@ -129,7 +129,7 @@ static void look(const M& message) {
   ++delivered;
   Look reader;
   reader.message(message);
-  switch (chance(40)) {
+  switch (randomBelow(40)) {
     case 0:
       board->node.spinOnce();
       reader.message(message);
@@ -183,36 +183,36 @@ static void hearNumber(const std_msgs::Int16& message) {
 static std::vector<Bytes> samples(const uint16_t* ids, size_t count);
 
 static Bytes damaged(Bytes bytes) {
-  for (uint32_t i = chance(4) + 1; i > 0 && !bytes.empty(); --i) {
-    const size_t at = chance(static_cast<uint32_t>(bytes.size()));
+  for (uint32_t i = randomBelow(4) + 1; i > 0 && !bytes.empty(); --i) {
+    const size_t at = randomBelow(static_cast<uint32_t>(bytes.size()));
     static const uint32_t lengths[] = {0, 1, 2, 3, 4, 7, 8, 127, 255, 256, 300, 400, 65535, 0x10000, 0x20000000, 0x7fffffff,
                                        0x80000000, 0xfffffffc, 0xffffffff};
-    switch (chance(6)) {
+    switch (randomBelow(6)) {
       case 0:
-        bytes[at] = static_cast<uint8_t>(bytes[at] ^ 1 << chance(8));
+        bytes[at] = static_cast<uint8_t>(bytes[at] ^ 1 << randomBelow(8));
         break;
       case 1:
-        bytes[at] = static_cast<uint8_t>(chance(256));
+        bytes[at] = static_cast<uint8_t>(randomBelow(256));
         break;
       case 2:
-        bytes.erase(bytes.begin() + static_cast<long>(at), bytes.begin() + static_cast<long>(at + 1 + chance(static_cast<uint32_t>(bytes.size() - at))));
+        bytes.erase(bytes.begin() + static_cast<long>(at), bytes.begin() + static_cast<long>(at + 1 + randomBelow(static_cast<uint32_t>(bytes.size() - at))));
         break;
       case 3:
-        bytes.insert(bytes.begin() + static_cast<long>(at), chance(30), static_cast<uint8_t>(chance(2) ? 0xff : chance(256)));
+        bytes.insert(bytes.begin() + static_cast<long>(at), randomBelow(30), static_cast<uint8_t>(randomBelow(2) ? 0xff : randomBelow(256)));
         break;
       default:
         if (at + 4 > bytes.size()) break;
-        memcpy(&bytes[at], &lengths[chance(sizeof lengths / sizeof *lengths)], 4);
+        memcpy(&bytes[at], &lengths[randomBelow(sizeof lengths / sizeof *lengths)], 4);
     }
   }
   return bytes;
 }
 
 static Bytes noise(uint32_t longest) {
-  Bytes bytes(chance(longest));
-  const uint32_t flavour = chance(3);
+  Bytes bytes(randomBelow(longest));
+  const uint32_t flavour = randomBelow(3);
   for (size_t i = 0; i < bytes.size(); ++i) {
-    bytes[i] = static_cast<uint8_t>(flavour == 0 ? chance(256) : flavour == 1 ? (chance(2) ? 0xff : 0xfe) : chance(5));
+    bytes[i] = static_cast<uint8_t>(flavour == 0 ? randomBelow(256) : flavour == 1 ? (randomBelow(2) ? 0xff : 0xfe) : randomBelow(5));
   }
   return bytes;
 }
@@ -253,27 +253,27 @@ int main(int count, char** arguments) {
 
   for (unsigned long fed = 0; fed < wanted; ++fed) {
     Bytes bytes;
-    const uint16_t id = chance(8) ? known[chance(static_cast<uint32_t>(known.size()))] : static_cast<uint16_t>(chance(65536));
-    const Bytes& sample = valid[chance(static_cast<uint32_t>(valid.size()))];
-    switch (chance(8)) {
+    const uint16_t id = randomBelow(8) ? known[randomBelow(static_cast<uint32_t>(known.size()))] : static_cast<uint16_t>(randomBelow(65536));
+    const Bytes& sample = valid[randomBelow(static_cast<uint32_t>(valid.size()))];
+    switch (randomBelow(8)) {
       case 0:
         bytes = noise(700);
         break;
       case 1:
-        bytes = frame(id, noise(chance(10) ? 420 : 3000));
+        bytes = frame(id, noise(randomBelow(10) ? 420 : 3000));
         break;
       case 2:
         bytes = damaged(sample);
         break;
       case 3:
-        bytes = Bytes(sample.begin(), sample.begin() + static_cast<long>(chance(static_cast<uint32_t>(sample.size()))));
+        bytes = Bytes(sample.begin(), sample.begin() + static_cast<long>(randomBelow(static_cast<uint32_t>(sample.size()))));
         break;
       case 4:
-        bytes = sample + damaged(sample) + valid[chance(static_cast<uint32_t>(valid.size()))];
+        bytes = sample + damaged(sample) + valid[randomBelow(static_cast<uint32_t>(valid.size()))];
         break;
       default:
         // A damaged payload in a valid frame: it reaches the reader.
-        bytes = frame(chance(8) ? static_cast<uint16_t>(sample[5] | sample[6] << 8) : id,
+        bytes = frame(randomBelow(8) ? static_cast<uint16_t>(sample[5] | sample[6] << 8) : id,
                       damaged(Bytes(sample.begin() + 7, sample.end() - 1)));
     }
     board->line.send(bytes);
@@ -290,7 +290,7 @@ int main(int count, char** arguments) {
     board->line.frames.clear();
     board->line.written.clear();
     board->line.noise = 0;
-    const int number = static_cast<int>(chance(30000));
+    const int number = static_cast<int>(randomBelow(30000));
     const unsigned before = number_count;
     // Each topic request is answered with all endpoints, so it is sent rarely.
     const bool asks = fed % 16 == 0;

@@ -67,7 +67,7 @@ class ArduinoTcpHardware {
     const uint32_t began_ms = millis();
     if (client_.connect(server_, port_) > 0) {
       sendAtOnce(client_, 0);
-      link_.made();
+      link_.succeeded();
     } else {
       client_.stop();
       link_.failed(began_ms, millis());

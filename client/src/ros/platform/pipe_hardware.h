@@ -97,7 +97,7 @@ class PipeHardware {
     const uint32_t began_ms = Pipe::milliseconds();
     const PipeState state = pipe_.open(wait_ms);
     if (state == PIPE_OPEN) {
-      link_.made();
+      link_.succeeded();
       reported_ = false;
     } else if (state == PIPE_FAILED) {
       link_.failed(began_ms, Pipe::milliseconds());

@@ -25,7 +25,7 @@ class Reconnection {
     if (pause_ms_ > LONGEST_PAUSE_MS) pause_ms_ = LONGEST_PAUSE_MS;
     if (pause_ms_ < took_ms) pause_ms_ = took_ms < LONGEST_WAIT_MS ? static_cast<uint16_t>(took_ms) : LONGEST_WAIT_MS;
   }
-  void made() {
+  void succeeded() {
     connected_ = changed_ = true;
     pause_ms_ = 0;
   }
