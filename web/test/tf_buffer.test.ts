@@ -65,14 +65,14 @@ test("transforms that tf2 ignores are ignored, with the reason", () => {
   );
 });
 
-test("a loop of parents ends a lookup", () => {
+test("a loop of frames ends a lookup", () => {
   const tf = new TfBuffer();
   tf.insert("a", "b", 1, turned(0, 1), false, 0);
   tf.insert("b", "a", 1, turned(0, 1), false, 0);
   assert.equal(typeof tf.lookup("a", "b"), "object");
   assert.equal(typeof tf.lookup("a", "z"), "string");
   tf.insert("b", "c", 1, turned(0, 1), false, 0);
-  assert.deepEqual(tf.problems(), ["These frames are in a loop of parents: a, b."]);
+  assert.deepEqual(tf.problems(), ["These frames form a loop: a, b."]);
 });
 
 test("histories are bounded in time and number", () => {

@@ -108,7 +108,7 @@ export class RangeDisplay extends HeaderDisplay<Range> {
     if (this.cone.visible) this.stretch(this.cone, range.range, fov);
     this.limit.visible = Number.isFinite(max) && max > 0;
     if (this.limit.visible) this.stretch(this.limit, max, fov);
-    // The picture shows the obstacle; how far the sensor could see may be much farther.
+    // The picture shows the obstacle; the sensor's maximum range may be much farther away.
     this.limit.userData.isOutOfView = this.cone.visible;
   }
 

@@ -95,10 +95,7 @@ export class TfBuffer {
       const above = this.edges.get(chain.at(-1)!)?.parent;
       if (above !== undefined) loops.add(chain.slice(chain.indexOf(above)).sort().join(", "));
     }
-    return [
-      ...this.ignored.values(),
-      ...[...loops].map((each) => `These frames are in a loop of parents: ${each}.`),
-    ];
+    return [...this.ignored.values(), ...[...loops].map((each) => `These frames form a loop: ${each}.`)];
   }
 
   /** All frames, including those that have no parent. */
@@ -170,7 +167,7 @@ export class TfBuffer {
     return newestS;
   }
 
-  /** The frame and all above it. A loop of parents ends it. */
+  /** The frame and all above it. A loop ends it. */
   private chain(frame: string): string[] {
     const names = [frame];
     const seen = new Set(names);

@@ -12,7 +12,7 @@ export function useRowSubscriptions(
   const open = useRef(new Map<string, { close(): void }>());
   const names = rows.map((each) => each.name).join("\n");
   useEffect(() => {
-    const seen = new IntersectionObserver(
+    const observer = new IntersectionObserver(
       (entries) => {
         for (const { target, isIntersecting } of entries) {
           const topic = (target as HTMLElement).dataset.topic!;
@@ -26,9 +26,9 @@ export function useRowSubscriptions(
       },
       { root: scroll.current },
     );
-    for (const row of body.current!.querySelectorAll("tr[data-topic]")) seen.observe(row);
+    for (const row of body.current!.querySelectorAll("tr[data-topic]")) observer.observe(row);
     return () => {
-      seen.disconnect();
+      observer.disconnect();
       for (const each of open.current.values()) each.close();
       open.current.clear();
     };
