@@ -44,14 +44,14 @@ def same_transforms(ours: list[Any], theirs: list[Any], *, with_stamps: bool) ->
 
 def states_of(robot: str) -> list[tuple[int, list[str], list[float], bool]]:
     """Return joint states, and whether each one comes late enough to be published."""
-    chance = random.Random(robot)
+    rng = random.Random(robot)
     states = []
     stamp_ns = START_NS
     for number in range(25):
         names = MOVED[robot] if number % 5 else MOVED[robot][:1]
         is_early = number % 7 == 3
         stamp_ns += 4_000_000 if is_early else 100_000_000
-        states.append((stamp_ns, names, [chance.uniform(-7, 7) for _ in names], not is_early))
+        states.append((stamp_ns, names, [rng.uniform(-7, 7) for _ in names], not is_early))
     return states
 
 

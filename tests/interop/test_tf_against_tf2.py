@@ -98,37 +98,37 @@ def compare(operations: list[list[Any]]) -> dict[str, int]:
     return counts
 
 
-def random_rotation(chance: random.Random) -> list[float]:
-    numbers = [chance.gauss(0, 1) for _ in range(4)]
+def random_rotation(rng: random.Random) -> list[float]:
+    numbers = [rng.gauss(0, 1) for _ in range(4)]
     length = math.sqrt(sum(each * each for each in numbers))
     return [each / length for each in numbers]
 
 
 def random_session(seed: int) -> list[list[Any]]:
-    chance = random.Random(seed)
+    rng = random.Random(seed)
     frames = [f"f{number}" for number in range(12)]
-    parents = {frame: chance.choice(frames[:place]) for place, frame in enumerate(frames) if place}
+    parents = {frame: rng.choice(frames[:place]) for place, frame in enumerate(frames) if place}
     parents["f11"] = "elsewhere"
-    static = {frame for frame in parents if chance.random() < 0.3}
+    static = {frame for frame in parents if rng.random() < 0.3}
     operations: list[list[Any]] = []
     for _ in range(400):
-        at = chance.randrange(100 * SECOND, 112 * SECOND)
-        what = chance.random()
+        at = rng.randrange(100 * SECOND, 112 * SECOND)
+        what = rng.random()
         if what < 0.45:
-            child = chance.choice(list(parents))
-            place = [chance.uniform(-2, 2) for _ in range(3)]
-            parent = parents[child] if chance.random() < 0.98 else "f0"
-            operations.append(["set", parent, child, at, place, random_rotation(chance), child in static])
+            child = rng.choice(list(parents))
+            place = [rng.uniform(-2, 2) for _ in range(3)]
+            parent = parents[child] if rng.random() < 0.98 else "f0"
+            operations.append(["set", parent, child, at, place, random_rotation(rng), child in static])
         elif what < 0.8:
-            target, source = chance.choices([*frames, "elsewhere", "nowhere"], k=2)
-            operations.append(["lookup", target, source, 0 if chance.random() < 0.4 else at])
+            target, source = rng.choices([*frames, "elsewhere", "nowhere"], k=2)
+            operations.append(["lookup", target, source, 0 if rng.random() < 0.4 else at])
         elif what < 0.9:
-            target, source, fixed = chance.choices(frames, k=3)
+            target, source, fixed = rng.choices(frames, k=3)
             operations.append(["through", target, 0, source, at, fixed])
         elif what < 0.95:
-            operations.append(["why", *chance.choices([*frames, "nowhere"], k=2), at])
+            operations.append(["why", *rng.choices([*frames, "nowhere"], k=2), at])
         else:
-            operations.append([chance.choice(["string", "yaml"])])
+            operations.append([rng.choice(["string", "yaml"])])
     return operations
 
 

@@ -69,13 +69,13 @@ def test_what_we_write_is_read_and_written_back(bench: Bench) -> None:
 
 
 def test_what_we_refuse_is_refused(bench: Bench) -> None:
-    chance = random.Random(5)
+    rng = random.Random(5)
     draw = _CStrings(seed=6)
     cases = []
     for name in bench.types:
         codec = bench.store.codec(name)
         for _ in range(DAMAGES_PER_TYPE):
-            cases.append((name, _damaged(codec.encode(draw.message(codec)), chance)))
+            cases.append((name, _damaged(codec.encode(draw.message(codec)), rng)))
     refused = 0
     for (name, payload), answer in zip(cases, bench.program.round_trips(cases), strict=True):
         accepted = bench.store.layout(name).accepts(payload)
@@ -84,13 +84,13 @@ def test_what_we_refuse_is_refused(bench: Bench) -> None:
     assert refused > len(cases) / 4
 
 
-def _damaged(payload: bytes, chance: random.Random) -> bytes:
-    kind = chance.randrange(4)
+def _damaged(payload: bytes, rng: random.Random) -> bytes:
+    kind = rng.randrange(4)
     if kind == 0:
-        return payload[: chance.randrange(len(payload) + 1)]
+        return payload[: rng.randrange(len(payload) + 1)]
     if kind == 1:
-        return payload + chance.randbytes(chance.randrange(1, 9))
+        return payload + rng.randbytes(rng.randrange(1, 9))
     damaged = bytearray(payload)
     for _ in range(min(kind, len(damaged))):
-        damaged[chance.randrange(len(damaged))] = chance.choice((0, 1, 2, 127, 128, 255))
+        damaged[rng.randrange(len(damaged))] = rng.choice((0, 1, 2, 127, 128, 255))
     return bytes(damaged)

@@ -11,13 +11,13 @@ from rostether.pictures.layered_layout import MAX_PAGE_WIDTH, MAX_RATIO, lay_out
 
 def robot(nodes: int, topics: int, seed: int) -> tuple[list[str], list[tuple[str, str]]]:
     """Nodes and topics with one publisher and up to three subscribers each: a graph with many cycles."""
-    chance = random.Random(seed)
+    rng = random.Random(seed)
     names = [f"/robot/node_{number}" for number in range(nodes)]
     edges = []
     for number in range(topics):
         topic = f"/robot/some_topic_{number}"
-        edges.append((chance.choice(names), topic))
-        edges += [(topic, each) for each in chance.sample(names, chance.randrange(min(nodes, 4)))]
+        edges.append((rng.choice(names), topic))
+        edges += [(topic, each) for each in rng.sample(names, rng.randrange(min(nodes, 4)))]
     return [*names, *(f"/robot/some_topic_{number}" for number in range(topics))], edges
 
 

@@ -55,10 +55,10 @@ def test_a_source_is_left_of_its_first_target() -> None:
 
 @pytest.mark.parametrize("seed", range(20))
 def test_nothing_covers_anything(seed: int) -> None:
-    chance = random.Random(seed)
-    keys = [f"v{number}" for number in range(chance.randint(2, 30))]
-    edges = [(chance.choice(keys), chance.choice(keys)) for _ in range(chance.randint(0, 50))]
-    sizes = {key: (chance.uniform(20, 200), chance.uniform(10, 40)) for key in keys}
+    rng = random.Random(seed)
+    keys = [f"v{number}" for number in range(rng.randint(2, 30))]
+    edges = [(rng.choice(keys), rng.choice(keys)) for _ in range(rng.randint(0, 50))]
+    sizes = {key: (rng.uniform(20, 200), rng.uniform(10, 40)) for key in keys}
     layout = lay_out(sizes, edges)
     boxes = [(*layout.places[key], *sizes[key]) for key in keys]
     for number, (x1, y1, w1, h1) in enumerate(boxes):
@@ -99,10 +99,10 @@ def test_a_large_system_is_laid_out() -> None:
 
 @pytest.mark.parametrize("seed", range(5))
 def test_every_bend_of_every_edge_is_within(seed: int) -> None:
-    chance = random.Random(seed)
+    rng = random.Random(seed)
     nodes, topics = ([f"{kind}{number}" for number in range(count)] for kind, count in (("n", 20), ("t", 60)))
-    edges = [(chance.choice(nodes), topic) for topic in topics]
-    edges += [(topic, chance.choice(nodes)) for topic in topics for _ in range(3)]
+    edges = [(rng.choice(nodes), topic) for topic in topics]
+    edges += [(topic, rng.choice(nodes)) for topic in topics for _ in range(3)]
     layout = lay_out(dict.fromkeys([*nodes, *topics], SIZE), edges)
     for points in layout.routes.values():
         assert all(0 <= x <= layout.width and 0 <= y <= layout.height for x, y in points)

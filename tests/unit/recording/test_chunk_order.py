@@ -45,8 +45,8 @@ class _File:
 
 
 def _overlapping(count: int) -> _File:
-    chance = random.Random(5)
-    return _File(*(_chunk(*(chance.randrange(1000) for _ in range(20))) for _ in range(count)))
+    rng = random.Random(5)
+    return _File(*(_chunk(*(rng.randrange(1000) for _ in range(20))) for _ in range(count)))
 
 
 def test_chunks_one_after_the_other_are_opened_one_at_a_time() -> None:
