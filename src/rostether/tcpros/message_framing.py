@@ -126,5 +126,5 @@ class MessageDecoder:
 
     def _too_long(self, length_bytes: int) -> RemoteProtocolError:
         return RemoteProtocolError(
-            f"peer announced a message of {length_bytes} bytes, the limit is {self._max_message_bytes}"
+            f"the peer announced a message of {length_bytes} bytes, more than {self._max_message_bytes}"
         )

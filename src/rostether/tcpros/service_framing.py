@@ -61,7 +61,7 @@ class AnswerDecoder:
             ok, length = _HEAD.unpack_from(self._buffer, position)
             if length > self._max_message_bytes:
                 raise RemoteProtocolError(
-                    f"service announced an answer of {length} bytes, the limit is {self._max_message_bytes}"
+                    f"the service announced an answer of {length} bytes, more than {self._max_message_bytes}"
                 )
             start = position + _HEAD.size
             if start + length > end:

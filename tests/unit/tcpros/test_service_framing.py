@@ -36,7 +36,7 @@ def test_long_error_texts_are_cut() -> None:
 
 
 def test_a_length_above_the_limit_is_refused_before_its_bytes_come() -> None:
-    with pytest.raises(RemoteProtocolError, match="limit is 10"):
+    with pytest.raises(RemoteProtocolError, match="more than 10"):
         AnswerDecoder(max_message_bytes=10).feed(struct.pack("<BI", 1, 11))
 
 
