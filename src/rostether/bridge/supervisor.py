@@ -358,7 +358,7 @@ class Supervisor:
         try:
             await work
         except SessionError:
-            # Another node shut its node down; `_watch` has reported it.
+            # Another program shut down the board's node; `_watch` has reported it.
             return
         except RostetherError as error:
             self._has_failed = True

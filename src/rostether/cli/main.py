@@ -69,7 +69,7 @@ def _flush_output(code: int) -> int:
             from rostether.cli.shell.output import discard_output
 
             discard_output(stream)
-            # A closed pipe (`| head`) is no failure; a full disk is one, because output is lost.
+            # A closed pipe (`| head`) is not a failure; a full disk is one, because output is lost.
             if code == EXIT_DONE and not isinstance(error, BrokenPipeError):
                 print_error(error_text(error))
                 code = EXIT_FAILED

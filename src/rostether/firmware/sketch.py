@@ -13,7 +13,7 @@ from rostether.packages.locate import package_around
 
 INO_SUFFIXES = (".ino", ".pde")
 SOURCE_SUFFIXES = (".c", ".cpp", ".cc", ".cxx", ".S")
-# If a home folder is given by mistake, not all of its files must be read.
+# If a home folder is given by mistake, the search must not read all of its files.
 MAX_SKETCH_FILES = 2000
 
 _INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]*[<"]([^>"\n]+)[>"]', re.MULTILINE)

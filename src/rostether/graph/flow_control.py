@@ -109,7 +109,7 @@ class SubscriberFlow:
 
     @property
     def hangs(self) -> bool:
-        """Whether it read almost nothing in all pauses for it."""
+        """Whether the subscriber read almost nothing in all pauses for it."""
         return self._mark_bytes >= self._limit_bytes
 
     def update(self) -> None:

@@ -104,7 +104,7 @@ def is_python(file: Path) -> bool:
 
 
 def shebang(file: Path) -> str:
-    """Return the interpreter line of a script without `#!`; empty when there is none."""
+    """Return what follows `#!` in the first line of a script; empty if it does not start with `#!`."""
     try:
         with file.open("rb") as stream:
             line = stream.read(_MAX_SHEBANG_BYTES).split(b"\n", 1)[0]

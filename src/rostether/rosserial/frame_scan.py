@@ -175,8 +175,8 @@ class FrameScanner:
                 continue
             following = buffer[end : end + header_bytes]
             if sums is not None:
-                is_sound = sums.one_plus_sum(position + header_bytes, end) & 0xFF == target
-                good = [buffer[position + header_bytes : end - 1]] if is_sound else []
+                is_valid = sums.one_plus_sum(position + header_bytes, end) & 0xFF == target
+                good = [buffer[position + header_bytes : end - 1]] if is_valid else []
             elif following == header:
                 good = _split_run(buffer, position, header, known)
                 end = position + len(good) * stride
@@ -312,7 +312,7 @@ class _Waste:
         return found if found >= 0 else self._last_start(position + 1, wanted)
 
     def reject_payload(self, position: int, stride: int) -> int:
-        """Do the same for a frame whose payload failed its check, which cost more the longer it was."""
+        """Reject a frame whose payload failed its check; a longer payload counts as more false starts."""
         false_starts = 1 + stride // FALSE_START_SUMS_BYTES
         return self.reject(position, DiscardReason.PAYLOAD_CHECKSUM, false_starts)
 

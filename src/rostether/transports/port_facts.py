@@ -38,7 +38,7 @@ class NamedPort(Protocol):
 class PortFacts:
     """The state of one port; `group` may use it, None if membership would not help.
 
-    `near` are ports of this machine with a similar name, `others` are all, both as text for users.
+    `near` are the ports with a similar name, `others` all ports of this machine, as text for users.
     """
 
     path: str

@@ -47,8 +47,8 @@ def list_ports() -> list[SerialPort]:
 async def open_serial(address: SerialAddress) -> SerialTransport:
     """Open a port exclusively. Raises TransportOpenError with the next step.
 
-    Linux asserts DTR whenever a port is opened; with `reset=False` it stays asserted at close, so that from
-    the second opening on nothing changes on the line and the board keeps running.
+    Linux asserts DTR whenever a port is opened; with `reset=False` it stays asserted at close. Then the next
+    openings change nothing on the line, and the board keeps running.
     """
     is_pty = is_pseudo_terminal(address.path)
     transport = SerialTransport(address.path, is_pty=is_pty)
@@ -68,7 +68,7 @@ async def open_serial(address: SerialAddress) -> SerialTransport:
             rts_on_close=on_close,
         )
     except (OSError, serialx.SerialException, ValueError) as error:
-        # In a thread like the opening itself: it walks through /proc and /sys.
+        # In a thread, because the explanation reads /proc and /sys.
         raise await asyncio.to_thread(explain_open_error, address, error, list_ports) from error
     return transport
 

@@ -172,7 +172,11 @@ class WebTransport:
 
     def closed(self) -> None:
         """Handle the end of the connection."""
-        self._end(PeerClosedError(f"{self.peer} is away: its page was closed or hidden, or lost its network"))
+        self._end(
+            PeerClosedError(
+                f"{self.peer} is disconnected: its page was closed or hidden, or lost its network"
+            )
+        )
 
     # Internal methods.
 
@@ -236,7 +240,7 @@ class WebTransport:
         is_read = self._receiver is not None and self._is_reading
         if is_read and self._loop.time() - self._received_at_s > ALIVE_LIMIT_S:
             self._socket.abort()
-            self._end(TransportClosedError(f"{self.peer} is away: its page does not answer"))
+            self._end(TransportClosedError(f"{self.peer} is disconnected: its page does not answer"))
             return
         self._timer = self._loop.call_later(ALIVE_CHECK_S, self._check_alive)
 

@@ -104,7 +104,7 @@ async def _watch(session: Session, clock: Callable[[], float], watch_s: float) -
         if session.watch.was_alive:
             alive_s = now_s if alive_s is None else alive_s
             is_unstable = session.link.statistics.resets > 0 or session.watch.loop_speed.is_suspect
-            # On a slow machine the types of its topics may be found after the time.
+            # On a slow machine, the search for the types of the topics may take longer than the watch.
             wanted_s = max(UNSTABLE_WATCH_S, watch_s) if is_unstable or session.is_searching else watch_s
             if now_s - alive_s >= wanted_s:
                 break

@@ -40,7 +40,7 @@ class ParameterApi:
         steps = self._parameters.set_steps(name, value)
         for _ in steps:
             return self._set_large_param(steps, name, value, caller_id)
-        return self._has_set_param(name, value, caller_id)
+        return self._finish_set(name, value, caller_id)
 
     async def _set_large_param(
         self, steps: Iterator[None], name: str, value: XmlRpcValue, caller_id: str
@@ -49,9 +49,9 @@ class ParameterApi:
             await run_in_slices(steps)
         except GraphError as error:
             return refusal(error, 0)
-        return self._has_set_param(name, value, caller_id)
+        return self._finish_set(name, value, caller_id)
 
-    def _has_set_param(self, name: str, value: XmlRpcValue, caller_id: str) -> Answer:
+    def _finish_set(self, name: str, value: XmlRpcValue, caller_id: str) -> Answer:
         self._notify_watchers(name, value, caller_id)
         _log.debug("+PARAM [%s] by %s", name, caller_id)
         return 1, f"parameter {name} set", 0
@@ -65,16 +65,16 @@ class ParameterApi:
                 return self._delete_large_param(steps, name, caller_id)
         except UnknownNameError:
             return _not_set(name)
-        return self._has_deleted_param(name, caller_id)
+        return self._finish_delete(name, caller_id)
 
     async def _delete_large_param(self, steps: Iterator[None], name: str, caller_id: str) -> Answer:
         try:
             await run_in_slices(steps)
         except UnknownNameError:
             return _not_set(name)
-        return self._has_deleted_param(name, caller_id)
+        return self._finish_delete(name, caller_id)
 
-    def _has_deleted_param(self, name: str, caller_id: str) -> Answer:
+    def _finish_delete(self, name: str, caller_id: str) -> Answer:
         self._notify_watchers(name, {}, None)
         _log.debug("-PARAM [%s] by %s", name, caller_id)
         return 1, f"parameter {name} deleted", 0

@@ -15,7 +15,7 @@ from rostether.errors import GraphError
 # A graph of a thousand nodes with a hundred registrations each; only a program that registers in a loop has
 # more.
 MAX_REGISTRATIONS = 100_000
-# Each change of a topic sends the list of its publishers to every subscriber. /rosout has one of each node.
+# Each change of a topic sends the list of its publishers to every subscriber. /rosout has one for each node.
 MAX_MEMBERS = 4096
 # /rosout has a publisher in each node.
 MAX_NODES = MAX_MEMBERS

@@ -15,7 +15,7 @@ from rostether.graph.shared_snapshots import SharedSnapshots
 from rostether.msgdef.interface import ANY_TYPE
 from rostether.ros1.node.master_client import MasterClient
 
-# Users do not notice a shorter delay; two small calls a second do not load a master.
+# Users would not notice a shorter delay; two small calls a second do not load a master.
 POLL_INTERVAL_S = 1.0
 
 

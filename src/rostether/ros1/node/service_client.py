@@ -75,7 +75,7 @@ class ServiceClient:
             ) from None
 
     async def wait_until_available(self, timeout_s: float | None = None) -> None:
-        """Wait until a server answers. Raises ServiceUnavailableError after the time."""
+        """Wait until a server answers. Raises ServiceUnavailableError after `timeout_s`."""
         reason = f"no node offers the service {self.service}"
         try:
             async with asyncio.timeout(timeout_s):

@@ -8,7 +8,7 @@
 lab:                          namespaces may nest
   board: {ros__parameters: {port: /dev/ttyACM0}}
 
-If several entries match a node, the last entry counts, and the last file.
+If several entries set the same parameter of a node, the last one counts; later files override earlier ones.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ class _Entry:
 
 @dataclass(frozen=True, slots=True)
 class ParameterRules:
-    """The parameters of nodes according to files."""
+    """The initial parameters that files set for nodes."""
 
     entries: tuple[_Entry, ...] = ()
 

@@ -48,7 +48,7 @@ def publisher_profile(*, latch: bool) -> Any:
 
 
 def subscriber_quality(publishers: Sequence[Any]) -> SubscriberQuality:
-    """Return the most that all publishers (endpoint infos of rclpy) offer; reliable if there are none."""
+    """Return the strictest quality that all publishers (rclpy endpoint infos) offer; with none, reliable."""
     return SubscriberQuality(
         is_reliable=all(each.qos_profile.reliability.name != "BEST_EFFORT" for each in publishers),
         is_latched=bool(publishers) and all(map(is_latching, publishers)),

@@ -100,9 +100,9 @@ async def watch_changes(
                 yield latest
 
 
-def ask_node(question: Callable[[str, str], Any], name: str, namespace: str) -> Any:
-    """Return rclpy's answer to a question about a node; empty if the node has gone since it was named."""
+def ask_node(query: Callable[[str, str], Any], name: str, namespace: str) -> Any:
+    """Return the result of a query about a node; empty if the node has disappeared since it was listed."""
     try:
-        return question(name, namespace)
+        return query(name, namespace)
     except Exception:  # noqa: BLE001 - rclpy's error has several names
         return ()

@@ -56,7 +56,10 @@ class ServiceClient:
         self._sequence = 0
 
     async def call(self, request: bytes, timeout_s: float | None) -> bytes:
-        """Call. Raises ServiceTimeoutError, ServiceUnavailableError, ServiceCallError, SerializationError."""
+        """Call the service.
+
+        Raises ServiceTimeoutError, ServiceUnavailableError, ServiceCallError, SerializationError.
+        """
         cdr = self.support.request.to_cdr(request)
         await self._reach(timeout_s)
         loop = self._loop

@@ -24,10 +24,10 @@ from rostether.ros2.zenoh.entities import NodeEntities
 from rostether.ros2.zenoh.thread_state import keep_thread_state
 from rostether.ros2.zenoh.tokens import Kind, data_key
 
-# The limit of pending calls; a board answers one after the other, so more calls would wait too long.
+# The limit of pending calls; a board answers one call at a time, so more calls would wait too long.
 MAX_CALLS = 1000
 
-# The limit of pending refusals; further calls get no answer and end by the caller's time limit.
+# The limit of pending refusals; further calls get no answer and end at the caller's time limit.
 MAX_REFUSALS = 100
 
 # The time that a closing service waits until its callers have received an error.

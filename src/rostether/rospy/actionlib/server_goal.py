@@ -79,36 +79,36 @@ class ServerGoalHandle:
         return None if self.goal is None else self.goal.goal
 
     def get_goal_id(self) -> Any:
-        """Return its GoalID."""
+        """Return the goal's GoalID."""
         found = self._found("get a goal id")
         return GoalID() if found is None else found[1].status.goal_id
 
     def get_goal_status(self) -> Any:
-        """Return its GoalStatus."""
+        """Return the goal's GoalStatus."""
         found = self._found("get goal status")
         return GoalStatus() if found is None else found[1].status
 
     def set_accepted(self, text: str = "") -> None:
-        """Start work on it: ACTIVE, or PREEMPTING after a cancel request."""
+        """Start work on the goal: ACTIVE, or PREEMPTING after a cancel request."""
         self._change(_ACCEPTED, "an active state, the goal must be in a pending or recalling state", text)
 
     def set_canceled(self, result: Any = None, text: str = "") -> None:
-        """End it as cancelled: RECALLED or PREEMPTED."""
+        """End the goal as cancelled: RECALLED or PREEMPTED."""
         wanted = "a cancelled state, the goal must be in a pending, recalling, active, or preempting state"
         self._end(_CANCELLED, wanted, result, text)
 
     def set_rejected(self, result: Any = None, text: str = "") -> None:
-        """Refuse it."""
+        """Refuse the goal."""
         wanted = "a rejected state, the goal must be in a pending or recalling state"
         self._end(_REJECTED, wanted, result, text)
 
     def set_aborted(self, result: Any = None, text: str = "") -> None:
-        """End it as failed."""
+        """End the goal as failed."""
         wanted = "an aborted state, the goal must be in a preempting or active state"
         self._end(_from_work_to(GoalStatus.ABORTED), wanted, result, text)
 
     def set_succeeded(self, result: Any = None, text: str = "") -> None:
-        """End it as done."""
+        """End the goal as done."""
         wanted = "a succeeded state, the goal must be in a preempting or active state"
         self._end(_from_work_to(GoalStatus.SUCCEEDED), wanted, result, text)
 

@@ -74,5 +74,5 @@ class XbeeFrameDecoder:
         if len(frame) < _LENGTH_BYTES + length + 1:
             return None
         self._frame = None
-        is_sound = sum(frame[_LENGTH_BYTES:]) & 0xFF == 0xFF
-        return bytes(frame[_LENGTH_BYTES:-1]) if is_sound else None
+        is_valid = sum(frame[_LENGTH_BYTES:]) & 0xFF == 0xFF
+        return bytes(frame[_LENGTH_BYTES:-1]) if is_valid else None

@@ -31,7 +31,7 @@ class HostRadio:
         self._api_mode = _API_MODE
         self._asked_signal_s = float("-inf")
 
-    def questions(self) -> bytes:
+    def queries(self) -> bytes:
         """Return the frames that ask the radio for its mode and limits."""
         return b"".join(encode_at(command, frame_id=_FRAME_ID) for command in _QUESTIONS)
 

@@ -168,7 +168,7 @@ class XbeeListener(SmallWriter):
         )
         self._forget_radio()
         self._serial.start(self)
-        self._write(self._radio.questions())
+        self._write(self._radio.queries())
         self._answer_limit = self._loop.call_later(ANSWER_LIMIT_S, self._check_answer)
         for peer in self._xbee_address.peers:
             self.peers.add(peer, expires=False)

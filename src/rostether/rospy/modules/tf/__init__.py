@@ -1,4 +1,4 @@
-"""The first tf, on rostether's tf buffer."""
+"""tf, the predecessor of tf2, on rostether's tf buffer."""
 
 # ruff: noqa: F401, A004
 from importlib import import_module as _import_module

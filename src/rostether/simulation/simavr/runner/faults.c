@@ -19,7 +19,8 @@ static struct rates lines[2] = {
     {0, 0, 0, DEFAULT_DELAY_MS, 2},
 };
 
-static double chance(struct rates *line) {
+/* Returns a random number from 0 up to 1. */
+static double next_random(struct rates *line) {
     /* splitmix64 */
     uint64_t mixed = line->state += 0x9e3779b97f4a7c15ull;
     mixed = (mixed ^ mixed >> 30) * 0xbf58476d1ce4e5b9ull;
@@ -32,10 +33,10 @@ struct faulty_byte faults_apply(enum direction direction, uint8_t byte) {
     struct faulty_byte result = {byte, false, false};
     if (line->flip == 0 && line->drop == 0 && line->delay == 0) return result;
     /* Always four draws a byte, so that one rate does not move another's faults. */
-    bool flips = chance(line) < line->flip;
-    unsigned bit = (unsigned)(chance(line) * 8);
-    result.lost = chance(line) < line->drop;
-    result.delayed = chance(line) < line->delay;
+    bool flips = next_random(line) < line->flip;
+    unsigned bit = (unsigned)(next_random(line) * 8);
+    result.lost = next_random(line) < line->drop;
+    result.delayed = next_random(line) < line->delay;
     if (flips) result.byte = (uint8_t)(byte ^ 1u << bit);
     return result;
 }
