@@ -17,7 +17,7 @@ class Publisher : public Endpoint {
         nh_(nullptr) {}
 
   // Returns the number of bytes sent; 0 if the topic is not advertised or no host is connected; -1 if the message has
-  // another type than the topic, is too long for a frame, or was not accepted by the line.
+  // a different type than the topic, is too long for a frame, or was not accepted by the line.
   template <class M>
   int publish(const M* message) {
     if (!nh_) return 0;

@@ -8,7 +8,7 @@ const SERVICE_GPS = 1;
 const APPROXIMATED = 1;
 // A phone that does not move keeps its position for long; later subscribers need it too.
 const REPEAT_MS = 1000;
-// Accuracies are of 95 %, covariances of one standard deviation.
+// An accuracy is the radius of 95 % confidence, a covariance is the square of one standard deviation.
 const DEVIATIONS = 1.96;
 
 export const gps: Sensor = {

@@ -60,7 +60,7 @@ export function moved(layout: Layout, shown: readonly { id: string }[], id: stri
   return { ...layout, order };
 }
 
-/** Adds a card; the same one is added once. */
+/** Adds a card; if it was already added, it moves to the end. */
 export function withCard(layout: Layout, card: AddedCard): Layout {
   const id = `${card.panelId} ${card.key}`;
   return {

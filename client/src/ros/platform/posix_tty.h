@@ -55,7 +55,7 @@ class TtyPipe {
     line.c_cc[VMIN] = 1;
     line.c_cc[VTIME] = 0;
     if (!setPosixBaud(fd_, line, baud_)) {
-      reason_ = "does not take this baud rate";
+      reason_ = "does not support this baud rate";
       close();
       return PIPE_FAILED;
     }

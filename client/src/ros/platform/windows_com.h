@@ -54,7 +54,7 @@ class ComPipe {
     line.fDtrControl = DTR_CONTROL_ENABLE;
     line.fRtsControl = RTS_CONTROL_ENABLE;
     if (!SetCommState(handle_, &line)) {
-      reason_ = "does not take this baud rate";
+      reason_ = "does not support this baud rate";
       close();
       return PIPE_FAILED;
     }
