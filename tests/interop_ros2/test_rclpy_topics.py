@@ -178,7 +178,7 @@ async def test_a_subscriber_that_asks_for_too_much_is_explained(
     node = await join("/board")
     await node.advertise("/fleeting", store.registry.message_type("std_msgs/String"))
     await peer.ask("subscribe", topic="/fleeting", type="std_msgs/msg/String", quality="latched")
-    await until(lambda: "a subscriber receives nothing of /fleeting" in caplog.text)
+    await until(lambda: "a subscriber receives nothing on /fleeting" in caplog.text)
     assert "subscribe with durability volatile" in caplog.text
 
 

@@ -175,7 +175,7 @@ def _check_answer(fields: Mapping[str, str]) -> None:
         kind = TypeMismatchError if "md5sum" in text or "types do not match" in text else GraphError
         raise kind(_short(text))
     if "md5sum" not in fields:
-        raise RemoteProtocolError("connection header lacks the field md5sum")
+        raise RemoteProtocolError("the connection header lacks the field md5sum")
 
 
 def _shown(fields: Mapping[str, str], name: str) -> str:

@@ -43,25 +43,25 @@ def decode_fields(body: bytes) -> dict[str, str]:
     position, end, count = 0, len(body), 0
     while position < end:
         if end - position < 4:
-            raise RemoteProtocolError("connection header ends inside a field's length")
+            raise RemoteProtocolError("the connection header ends inside a field's length")
         (length,) = _LENGTH.unpack_from(body, position)
         position += 4
         count += 1
         if count > MAX_FIELDS:
-            raise RemoteProtocolError(f"connection header has more than {MAX_FIELDS} fields")
+            raise RemoteProtocolError(f"the connection header has more than {MAX_FIELDS} fields")
         if length > end - position:
             raise RemoteProtocolError(
-                f"connection header field claims {length} bytes, only {end - position} are left"
+                f"a connection header field claims {length} bytes, but only {end - position} are left"
             )
         following = position + length
         equals = body.find(b"=", position, min(following, position + MAX_KEY_BYTES))
         if equals < 0:
             start = body[position : min(following, position + 80)].decode("utf-8", "replace")
-            raise RemoteProtocolError(f"connection header field {start!r} has no '='")
+            raise RemoteProtocolError(f"the connection header field {start!r} has no '='")
         key = body[position:equals].decode("utf-8", "surrogateescape").strip()
         if following - equals > MAX_VALUE_BYTES and key != "message_definition":
             raise RemoteProtocolError(
-                f"connection header field {key!r} is longer than {MAX_VALUE_BYTES} bytes"
+                f"the connection header field {key!r} is longer than {MAX_VALUE_BYTES} bytes"
             )
         fields[key] = body[equals + 1 : following].decode("utf-8", "surrogateescape")
         position = following
@@ -92,7 +92,7 @@ class HeaderDecoder:
         (length,) = _LENGTH.unpack_from(self._buffer)
         if length > self._max_header_bytes:
             raise RemoteProtocolError(
-                f"connection header claims {length} bytes, more than {self._max_header_bytes}: "
+                f"the connection header claims {length} bytes, more than {self._max_header_bytes}: "
                 "not a TCPROS peer?"
             )
         if len(self._buffer) < 4 + length:

@@ -171,10 +171,10 @@ class Publication:
         advice = (
             "it requests earlier messages, but this publisher keeps none; subscribe with durability volatile"
             if policy == "durability"
-            else f"it requests another {policy} than this publisher offers; change its quality of service"
+            else f"it requests a different {policy} than this publisher offers; change its quality of service"
         )
         self._own.report_from_thread(
             Level.WARN,
-            f"a subscriber receives nothing of {self.topic}: {advice} (ros2 topic info --verbose "
+            f"a subscriber receives nothing on {self.topic}: {advice} (ros2 topic info --verbose "
             f"{self.topic})",
         )

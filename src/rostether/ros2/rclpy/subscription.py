@@ -215,8 +215,8 @@ class RclpySubscriber:
         # `adapt` adapts to these two policies.
         if policy not in ("reliability", "durability"):
             self._report_once(
-                f"a publisher of {self.topic} offers another {policy} than a subscriber of this node "
-                f"requests; change its quality of service"
+                f"a publisher of {self.topic} offers a different {policy} than a subscriber of this node "
+                f"requests; change the publisher's quality of service"
             )
 
     def _receive_rest(self, subscription: Any, received: list[tuple[bytes, Mapping[str, Any]]]) -> None:
