@@ -177,7 +177,7 @@ class Session:
         self.outbox.pause_writing()
 
     def resume_writing(self) -> None:
-        """Write again: the transport takes more."""
+        """Write again: the transport accepts more."""
         if not self._ended.done():
             self.outbox.resume_writing()
 

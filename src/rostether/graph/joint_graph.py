@@ -243,7 +243,7 @@ class JointGraph:
                 return await ask(graph)
             except passing as fault:
                 faults.append(fault)
-        # A graph that does not answer must not hide what the others answer.
+        # A graph that does not answer must not hide the answers of the others.
         answered = (UnknownNameError, ServiceUnavailableError)
         raise next((fault for fault in faults if isinstance(fault, answered)), faults[0])
 

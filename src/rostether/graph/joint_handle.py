@@ -80,7 +80,7 @@ class JointHandle(ABC, Generic[PartT]):
                 raise result
 
     def stop(self) -> None:
-        """Do not open it in further graphs; open ones end with their graph."""
+        """Do not open the handle in further graphs; the open parts end with their graphs."""
         self.is_closed = True
         for task in self._tasks:
             task.cancel()

@@ -1,6 +1,6 @@
 """Explains why a device announces a type with an md5sum that differs from the known one.
 
-A device only sends the md5sum. Its definition is found by trials: the known types, bundled earlier versions,
+A device only sends the md5sum. Its definition is found by trial: the known types, bundled earlier versions,
 then the known type with one change (a missing field or constant, another width, another order, with or
 without Header), then the same in the messages below it, then two changes at once.
 """

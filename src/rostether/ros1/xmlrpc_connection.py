@@ -19,7 +19,7 @@ class ServerConnection(asyncio.Protocol):
     closes connections that are not allowed. After one request, or a large part of one, other connections are
     served first: `schedule` calls `resume` soon.
 
-    While an answer is computed, or the client does not take what was written, at most one more chunk is read
+    While an answer is computed, or the client does not read what was written, at most one more chunk is read
     (to notice that the client has disconnected). This bounds the memory for each client.
     """
 

@@ -8,9 +8,9 @@ a rate is accepted only if all its frames are valid.
 
     phase    until                              then
     LISTEN   1.2 s of silence                   ASK                       (only if asked to listen first)
-             bytes came                         SURVEY
+             bytes arrived                      SURVEY
     SURVEY   listened 1.1 s at each rate        ASK, if it has been quiet for long; else the end: not a board
-             text came twice at one rate        the end: not a board
+             text arrived twice at one rate     the end: not a board
     ASK      two requests at each rate          the end: no answer
     any      frames that only a board sends     the end: found
 """

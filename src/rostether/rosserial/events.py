@@ -152,7 +152,7 @@ class FrameDiscarded:
 
 @dataclass(frozen=True, slots=True)
 class UnknownTopicId:
-    """`count` messages came on a topic id that was never announced; the link asks for the topics again."""
+    """`count` messages arrived on a topic id that was never announced; the link asks for the topics again."""
 
     topic_id: int
     count: int = 1
@@ -176,7 +176,7 @@ class DeviceReset:
 
 @dataclass(frozen=True, slots=True)
 class DeviceSilent:
-    """No valid frame for longer than a healthy device stays silent; reported once a silence."""
+    """No valid frame for longer than a healthy device stays silent; reported once per silence."""
 
     silence_s: float
 

@@ -37,7 +37,7 @@ _V2_HEAD = struct.Struct("<BBHBH")
 
 
 class FrameForm(NamedTuple):
-    """The differences of the versions: the second byte, and the sizes of header and checksum."""
+    """The differences between the versions: the second byte, and the sizes of header and checksum."""
 
     version_byte: int
     header_bytes: int

@@ -130,12 +130,12 @@ class QemuBoard(BlockClosable):
             await stdin.drain()
 
     async def wait_end(self) -> None:
-        """Wait until it has ended by itself."""
+        """Wait until qemu has ended by itself."""
         await asyncio.shield(self._reading)
         await self._process.wait()
 
     async def close(self) -> None:
-        """End it, and wait for the end. Idempotent."""
+        """End qemu, and wait for its end. Idempotent."""
         self._link.remove()
         await _end(self._process)
         await self._reading

@@ -165,7 +165,7 @@ class EndpointTable:
             endpoint.fail_call(reason)
 
     async def close(self) -> None:
-        """Close all within a second."""
+        """Close all endpoints within a second."""
         for key in list(self._endpoints):
             self._retire(key)
         await self._openings.finish()

@@ -170,7 +170,7 @@ class LineWatch:
 
     def _topic_announced(self, event: TopicAnnounced, _now_s: float) -> None:
         # Only rostether's client library sends without a buffer.
-        self.loop_speed.is_ours |= event.info.buffer_size >= MAX_PAYLOAD_BYTES
+        self.loop_speed.has_own_library |= event.info.buffer_size >= MAX_PAYLOAD_BYTES
         self._is_listener |= event.role is TopicRole.SUBSCRIBER
 
     def _unknown_topic(self, event: UnknownTopicId, now_s: float) -> None:

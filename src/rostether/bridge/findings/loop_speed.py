@@ -45,8 +45,8 @@ class LoopSpeed:
     """The time requests of one connection; `may_lose`: each request may be lost or delayed."""
 
     def __init__(self, *, may_lose: bool = False) -> None:
-        # Whether the board is known to run our library.
-        self.is_ours = False
+        # Whether the board is known to run rostether's library.
+        self.has_own_library = False
         self._last_s: float | None = None
         self._asked = 0
         self._least_count = MIN_COUNT_DATAGRAMS if may_lose else MIN_COUNT
@@ -101,7 +101,7 @@ class LoopSpeed:
 
     @property
     def _period_s(self) -> float:
-        is_ours = self.is_ours or (
+        has_own_library = self.has_own_library or (
             len(self._intervals_s) >= MIN_COUNT and median(self._intervals_s) < MAX_OUR_PERIOD_S
         )
-        return OUR_REQUEST_PERIOD_S if is_ours else REQUEST_PERIOD_S
+        return OUR_REQUEST_PERIOD_S if has_own_library else REQUEST_PERIOD_S

@@ -99,11 +99,11 @@ async def native_session(graph: GraphOptions, msg_paths: Sequence[Path]) -> Asyn
 
 @dataclass(frozen=True, slots=True)
 class UsedMaster:
-    """The environment to join with, a line for users about its master, and whether we started that master."""
+    """The environment to join with, a line for users about its master, and whether that master was started here."""
 
     environment: RosEnvironment
     line: str
-    is_ours: bool = False
+    is_started_here: bool = False
 
 
 @asynccontextmanager
@@ -144,7 +144,7 @@ async def own_master(environment: RosEnvironment) -> AsyncIterator[UsedMaster]:
 
     async with closed_at_end(await Roscore.start(environment, port=environment.master.port)) as core:
         line = f"Started a ROS master: ROS_MASTER_URI={core.uri.rstrip('/')}"
-        yield UsedMaster(environment, line, is_ours=True)
+        yield UsedMaster(environment, line, is_started_here=True)
 
 
 async def wait_for_answer(environment: RosEnvironment, poll_s: float) -> None:

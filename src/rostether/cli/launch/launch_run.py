@@ -55,7 +55,7 @@ async def run_launch(
                     environ=loaded.environ,
                     locate=loaded.locate,
                     report=_report,
-                    options=replace(options, stays=used.is_ours or dashboard is not None),
+                    options=replace(options, stays=used.is_started_here or dashboard is not None),
                 )
         except MasterUnreachableError as error:
             raise no_master(used.environment, error) from error

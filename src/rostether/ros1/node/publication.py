@@ -129,7 +129,7 @@ class Publisher(PublisherHandle[Publication]):
         return list(self.publication.connections)
 
     def latch(self) -> None:
-        """Latch: keep the last message from now on for those who come later."""
+        """Latch: from now on, keep the last message for later subscribers."""
         self.publication.latch()
 
     def watch_subscribers(self, on_subscriber: OnSubscriber) -> None:

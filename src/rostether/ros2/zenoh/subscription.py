@@ -228,8 +228,8 @@ class Subscription:
     def _of_token(self, end: Token) -> MessageSupport | None:
         if self._support is None:
             return self._only_learned(self._types.find(end.type, end.type_hash, end.node_name))
-        is_ours = end.type == dds_name(self._support.name) and end.type_hash == self._support.type_hash
-        return self._support if is_ours else None
+        is_own = end.type == dds_name(self._support.name) and end.type_hash == self._support.type_hash
+        return self._support if is_own else None
 
     def _is_of_learned_type(self, end: Token) -> bool:
         support = self._learned_type

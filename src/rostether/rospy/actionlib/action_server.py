@@ -132,7 +132,7 @@ class ActionServer:
             )
 
     def publish_result(self, status: Any, result: Any) -> None:
-        """Publish how a goal ended, and the list."""
+        """Publish the result of a goal, and the status list."""
         with self.lock:
             message = self.ActionResult(status=status, result=result)
             message.header.stamp = Time.now()

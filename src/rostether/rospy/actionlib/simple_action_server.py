@@ -1,4 +1,4 @@
-"""actionlib.SimpleActionServer: one goal at a time, a new one preempts it."""
+"""actionlib.SimpleActionServer: one goal at a time; a new goal preempts the previous one."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ _ACCEPTED = "This goal has been accepted by the simple action server"
 class SimpleActionServer:
     """A server that runs `execute_cb(goal)` in its own thread, or returns goals on request.
 
-    Its lock is taken after that of its `action_server`, never before.
+    Its lock is acquired after that of its `action_server`, never before.
     """
 
     def __init__(

@@ -1,6 +1,6 @@
 """The functions of tf.transformations for 4x4 matrices that are not rigid. They need numpy.
 
-A matrix acts on column vectors (x, y, z, 1). M is its upper left part of 3x3, t its last column.
+A matrix acts on column vectors (x, y, z, 1). M is its upper left 3x3 part, t its last column.
 """
 
 from __future__ import annotations

@@ -104,13 +104,13 @@ class RunnerProcess:
         raise BoardError(f"the simulated board sent no {what} within {timeout_s:g} s")
 
     async def wait_end(self) -> None:
-        """Wait until it has ended by itself."""
+        """Wait until the runner has ended by itself."""
         if self._reading is not None:
             await asyncio.shield(self._reading)
         await self._process.wait()
 
     async def close(self) -> None:
-        """End it, and wait for the end."""
+        """End the runner, and wait for its end."""
         process = self._process
         assert process.stdin is not None
         process.stdin.close()

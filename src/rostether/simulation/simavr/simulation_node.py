@@ -52,7 +52,7 @@ class NodeBoard(Protocol):
         """Execute a command whose answer is an event."""
 
     def events(self) -> AsyncIterator[BoardEvent]:
-        """Yield its events until it has ended."""
+        """Yield the board's events until it has ended."""
 
 
 class SimulationNode:

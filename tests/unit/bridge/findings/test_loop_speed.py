@@ -81,7 +81,7 @@ def test_a_single_late_request_is_worth_another_look() -> None:
 
 def test_our_own_library_asks_sooner() -> None:
     speed = LoopSpeed()
-    speed.is_ours = True
+    speed.has_own_library = True
     for number in range(5):
         speed.request(number * 2.4, 0)
     assert speed.late_s == pytest.approx(0.2)
