@@ -42,7 +42,7 @@ def test_a_header_without_fields_is_complete() -> None:
     ("body", "reason"),
     [
         (b"\x01\0", "ends inside a field's length"),
-        (b"\x09\0\0\0a=b", "claims 9 bytes, only 3"),
+        (b"\x09\0\0\0a=b", "claims 9 bytes, but only 3"),
         (b"\x03\0\0\0abc", "has no '='"),
         (b"\0\0\0\0", "has no '='"),
         (b"\x01\0\0\0=" * 65, "more than 64 fields"),

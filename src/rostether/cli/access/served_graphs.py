@@ -99,7 +99,7 @@ async def native_session(graph: GraphOptions, msg_paths: Sequence[Path]) -> Asyn
 
 @dataclass(frozen=True, slots=True)
 class UsedMaster:
-    """The environment to join with, a line for users about its master, and whether that master was started here."""
+    """The environment to join with, a line for users about its master, and whether it was started here."""
 
     environment: RosEnvironment
     line: str
