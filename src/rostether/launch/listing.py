@@ -61,7 +61,7 @@ def find_node(plan: LaunchPlan, name: str, namespace: str) -> LaunchNode:
 
 
 def command_words(node: LaunchNode, environ: Mapping[str, str], master_uri: str, locate: Locate) -> str:
-    """Return the shell line that starts a node: its changes of the environment, and the command.
+    """Return the shell line that starts a node: its changes to the environment, and the command.
 
     Raises RostetherError if there is no such program.
     """

@@ -85,7 +85,7 @@ class TopicInfo:
         topic_id = reader.number(_ID)
         name, message_type, md5sum = (reader.text(MAX_NAME_BYTES, errors="replace") for _ in range(3))
         buffer_size = reader.number(_BUFFER_SIZE)
-        return cls(topic_id, name, message_type, md5sum, buffer_size) if reader.is_spent else None
+        return cls(topic_id, name, message_type, md5sum, buffer_size) if reader.is_complete else None
 
     def fault(self) -> str | None:
         """Return the impossible value and the change that the sketch needs, None if all are possible."""
@@ -131,7 +131,7 @@ class Log(NamedTuple):
             return None
         reader = _Reader(payload, 1)
         text = reader.text(len(payload), errors="replace")
-        return cls(LogLevel(min(payload[0], LogLevel.FATAL)), text) if reader.is_spent else None
+        return cls(LogLevel(min(payload[0], LogLevel.FATAL)), text) if reader.is_complete else None
 
 
 class ParameterRequest(NamedTuple):
@@ -148,7 +148,7 @@ class ParameterRequest(NamedTuple):
         """Decode a request; a printable name is enough, because the device waits for an answer."""
         reader = _Reader(payload)
         name = reader.text(MAX_NAME_BYTES)
-        return cls(name) if reader.is_spent and name and name.isprintable() else None
+        return cls(name) if reader.is_complete and name and name.isprintable() else None
 
 
 class ParameterResponse(NamedTuple):
@@ -179,7 +179,7 @@ class ParameterResponse(NamedTuple):
         if count * _COUNT.size > reader.left_bytes:
             return None
         strings = tuple(reader.text(len(payload)) for _ in range(count))
-        return cls(ints, floats, strings) if reader.is_spent else None
+        return cls(ints, floats, strings) if reader.is_complete else None
 
 
 def encode_time(time: Time) -> bytes:
@@ -217,7 +217,7 @@ def _string(text: str) -> bytes:
 
 
 class _Reader:
-    """Reads fields in order; after one that does not fit, all fields are zero and `is_spent` is false."""
+    """Reads fields in order; after one that does not fit, all fields are zero and `is_complete` is false."""
 
     def __init__(self, payload: bytes, position: int = 0) -> None:
         self._payload = payload
@@ -228,7 +228,7 @@ class _Reader:
         return max(len(self._payload) - self._position, 0)
 
     @property
-    def is_spent(self) -> bool:
+    def is_complete(self) -> bool:
         """Whether every byte was read exactly once."""
         return self._position == len(self._payload)
 

@@ -78,7 +78,7 @@ async def _kill(environment: RosEnvironment, names: list[str]) -> list[tuple[str
 
 
 def cleanup(environment: RosEnvironment, *, yes: bool) -> None:
-    """Remove nodes that do not answer from the master; with `yes`, without a question."""
+    """Unregister dead nodes at the master, after a confirmation unless `yes`."""
     silent = run(_silent(environment))
     if not silent:
         return

@@ -116,7 +116,7 @@ def kill_nodes(names: tuple[str, ...], kill_all: bool, graph: GraphOptions) -> N
 @add_flag("-y --yes", "Do not ask.")
 @graph_options()
 def cleanup_nodes(yes: bool, graph: GraphOptions) -> None:
-    """Unregister nodes that do not answer from the master, after confirmation."""
+    """Remove the master's registrations of nodes that do not answer, after confirmation."""
     environment = _ros1(graph, "node cleanup", "ROS 2 removes dead nodes automatically")
     from rostether.cli.node.ros1_kill import cleanup
 

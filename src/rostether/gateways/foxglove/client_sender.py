@@ -28,7 +28,7 @@ class SenderUser(Protocol):
         """A complete message arrived."""
 
     def dropped(self, count: int) -> None:
-        """This number of further messages was lost because the client reads slowly."""
+        """`count` more messages were lost because the client reads slowly."""
 
     def closed(self) -> None:
         """The connection has ended."""
@@ -43,7 +43,7 @@ class ClientSender:
         self.connection = connection
         self._limits = limits
         self.data = DataOutlet(limits.waiting_bytes, connection.write, lambda count: self.user.dropped(count))
-        self._large_turn = asyncio.Lock()
+        self._large_lock = asyncio.Lock()
         self._large_bytes = 0
 
     # Events of the connection.
@@ -81,7 +81,7 @@ class ClientSender:
 
         A client that reads almost nothing is disconnected.
         """
-        async with self._large_turn:
+        async with self._large_lock:
             await self._wait_for_room()
             self._large_bytes = len(message)
             self.send(message)

@@ -67,14 +67,14 @@ class OfferedService:
             payload = await self._forms.payload(self.type.response.name, values, request)
         except Exception as error:
             if not waiting.done():
-                reason = f"the client that offers {self.name} answers: {error}"
+                reason = f"the client that offers {self.name} sent an invalid answer: {error}"
                 waiting.set_exception(ServiceCallError(reason))
             raise
         if not waiting.done():
             waiting.set_result(payload)
 
     async def close(self, reason: str) -> None:
-        """Stop offering it; waiting calls fail."""
+        """Stop offering the service; waiting calls fail."""
         failing = [waiting for waiting in self._waiting.values() if not waiting.done()]
         for waiting in failing:
             waiting.set_exception(ServiceCallError(f"service {self.name} {reason}"))

@@ -18,8 +18,8 @@ MAX_REASONS = 5
 class ConnectionLimiter:
     """Admits and counts connections, and reports those that it refuses at a limited rate.
 
-    `allow` are the networks that may connect (none: all networks); `max_connections` is their limit.
-    `make_room` ends a connection when the limit is reached, and returns whether it did.
+    `allow` are the networks that may connect (none: all networks). At most `max_connections` are open;
+    `make_room` ends one of them when the limit is reached, and returns whether it did.
     """
 
     def __init__(

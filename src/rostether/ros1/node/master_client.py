@@ -157,7 +157,7 @@ class _Connections:
         self._users = 0
         # A burst, such as the fifty topics of a board, uses the kept connections: a new one for each call
         # would take three times as long.
-        self._turns = asyncio.Semaphore(MAX_IDLE_CONNECTIONS)
+        self._free_connections = asyncio.Semaphore(MAX_IDLE_CONNECTIONS)
         self._client = XmlRpcClient(
             uri,
             peer="the ROS master",
@@ -191,7 +191,7 @@ class _Connections:
         """
         try:
             async with asyncio.timeout(DEFAULT_TIMEOUT_S):
-                await self._turns.acquire()
+                await self._free_connections.acquire()
         except TimeoutError:
             raise MasterUnreachableError(
                 f"the ROS master at {self._key[0]} does not answer; check whether it hangs"
@@ -199,7 +199,7 @@ class _Connections:
         try:
             return await self._client.call_status(method, *args)
         finally:
-            self._turns.release()
+            self._free_connections.release()
 
 
 def _strings(value: XmlRpcValue) -> list[str]:

@@ -106,9 +106,9 @@ class PublisherConnection(asyncio.Protocol):
 class PublisherLink:
     """Keeps one publisher connected: requests its address, and again when the connection breaks.
 
-    `accept` creates the connection of its header, as in `HandshakeProtocol`. `report` gets one line for users
-    if the publisher is unreachable for some time, or if its type does not match; then there is no retry,
-    because a publisher that changes its type registers again.
+    `accept` creates the connection from its header, as in `HandshakeProtocol`. `report` gets one line for
+    users if the publisher is unreachable for some time, or if its type does not match; then there is no
+    retry, because a publisher that changes its type registers again.
     """
 
     def __init__(
