@@ -27,12 +27,12 @@ _NOT_TYPED_HERE = re.compile(r'test="not run|test="on |title="[\w.]+\.sh"')
 # What differs from run to run: bars, hexadecimal numbers with a digit, numbers, and widths of columns.
 _VARYING = re.compile(
     r"(?P<bar>[█▒·▁▂▃▄▅▆▇]+(?:\s+[█▒·]+)*)|(?P<hex>\b(?=[a-f]*\d)[0-9a-f]{8,}\b)"
-    r"|(?P<number>[+-]?(?:\b\d[\d,]*(?:\.\d+)?(?:e[+-]?\d+)?|\b(?:inf|null)\b))|(?P<space>\s+)"
+    r"|(?P<number>[+-]?(?:\b\d[\d,]*(?:\.\d+)?(?:e[+-]?\d+)?|\b(?:inf|null)\b)(?:[kM]\b)?)|(?P<space>\s+)"
 )
 _PATTERNS = {
     "bar": r"[█▒·▁▂▃▄▅▆▇\s]*",
     "hex": r"[0-9a-f]+",
-    "number": r"\s*[+-]?(?:\d[\d,]*(?:\.\d+)?(?:e[+-]?\d+)?|inf|null)",
+    "number": r"\s*[+-]?(?:\d[\d,]*(?:\.\d+)?(?:e[+-]?\d+)?|inf|null)(?:[kM]\b)?",
     "space": r"\s*",
 }
 # What is printed on the first run only, or by commands that wait for others.
