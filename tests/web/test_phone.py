@@ -6,12 +6,14 @@ import asyncio
 import math
 import time
 from collections.abc import AsyncIterator
+from pathlib import Path
 from typing import Any
 
 import pytest
+import pytest_asyncio
 
 import rostether
-from web.browser import Browser
+from web.browser import CHROMIUM, Browser
 from web.robot import PATIENCE_S, Robot
 
 pytestmark = pytest.mark.asyncio(loop_scope="session")
@@ -31,6 +33,14 @@ TOPICS = {
     "Battery": ("/phone/battery", "sensor_msgs/BatteryState"),
 }
 NAMED = "localStorage['rostether.phone.name'] = JSON.stringify('phone')"
+
+
+@pytest_asyncio.fixture(scope="module", loop_scope="session")
+async def browser(packages: Path) -> AsyncIterator[Browser]:
+    """Chromium with a camera."""
+    browser = await Browser.start(packages, CHROMIUM)
+    yield browser
+    await browser.close()
 
 
 async def first(messages: AsyncIterator[Any]) -> Any:
