@@ -66,7 +66,8 @@ def _commands() -> list[tuple[str, click.Command]]:
 
 
 def _context(command: click.Command, path: str) -> click.Context:
-    return click.Context(command, info_name=path)
+    # Also has the names of the option for help, which click keeps in the command.
+    return click.Context(command, info_name=path, **command.context_settings)
 
 
 def _page(command: click.Command, context: click.Context, level: int) -> Iterator[str]:

@@ -26,6 +26,7 @@ def test_each_command_has_a_page(monkeypatch: pytest.MonkeyPatch) -> None:
     demo = pages["reference/commands/demo.md"]
     assert "`--port INTEGER RANGE`\n:   Start the ROS master at this port" in demo
     assert "&#91;1&#60;=x&#60;=65535&#93;" in demo
+    assert "`-h, --help`" in demo
     assert "rostether demo --join" in demo
 
 

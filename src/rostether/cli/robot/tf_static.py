@@ -10,6 +10,7 @@ from rostether.cli.access.graph_options import ROS2_CHOICE
 from rostether.cli.role.node import RoleVerb, node_arguments, role_node
 from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import verb
+from rostether.names.graph_name import validate_name
 from rostether.names.remap import Arguments
 from rostether.robot.static_transforms import (
     StaticTransform,
@@ -59,7 +60,11 @@ def static_transform_publisher(words: tuple[str, ...]) -> None:
 
 def _run(words: tuple[str, ...], default_name: str, ros2: str | None = None) -> None:
     arguments = node_arguments(words)
-    transform = None if len(arguments.rest) == 1 else parse_static_transform(arguments.rest)
+    if len(arguments.rest) == 1:
+        transform = None
+        validate_name(arguments.rest[0])
+    else:
+        transform = parse_static_transform(arguments.rest)
     run(_publish(arguments, transform, default_name, ros2), is_service=True)
 
 

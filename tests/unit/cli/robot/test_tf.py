@@ -119,3 +119,4 @@ def test_static_publishes_until_interrupted(
 
 def test_static_without_a_transform_shows_the_usage(graph: LiveGraph, shell: Shell) -> None:
     assert "write X Y Z YAW PITCH ROLL PARENT CHILD" in shell.failure("tf", "static", "1", "2")
+    assert "'--frequency' is not a ROS name" in shell.failure("tf", "static", "--frequency")
