@@ -91,8 +91,8 @@ PEERS: dict[str, Callable[[], str]] = {
 }
 
 
-# With `--dist worksteal` a test process runs its part of the tests from its start; idle ones take the end.
-FIRST = ("tests/firmware/node/", "tests/firmware/findings/", "tests/interop/test_fleet")
+# The folders whose tests mostly wait for programs.
+WAITING = ("tests/architecture/", "tests/docs/", "tests/firmware/", "tests/interop", "tests/reference/", "tests/web/")
 
 # In CI a test may be skipped for no other reason.
 SKIPPED_IN_CI = ("this graph has not:",)
@@ -109,21 +109,44 @@ def _own_settings(tmp_path_factory: pytest.TempPathFactory) -> None:
 
 
 def pytest_xdist_auto_num_workers() -> int:
-    """Return how many test processes `-n auto` means: most tests wait for more than half of their time."""
+    """Return how many test processes `-n auto` means: most tests wait for three quarters of their time."""
     processors = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-    return min(2 * processors + 2, MAX_WORKERS)
+    return min(4 * processors, MAX_WORKERS)
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Begin with tests that would end last, or that compile what other test processes would wait for."""
-    items.sort(key=lambda item: not item.nodeid.startswith(FIRST))
+    """Give each test process some files of the tests that take long, and then short tests.
+
+    With `--dist worksteal` a test process begins with its part of the list, and takes over the end of another's
+    part when it has run its own. So no long test is the last.
+    """
+    count = pytest_xdist_auto_num_workers()
+    files: dict[str, list[pytest.Item]] = {}
+    short = []
+    for item in items:
+        file = item.nodeid.partition("::")[0]
+        if file.startswith(WAITING):
+            files.setdefault(file, []).append(item)
+        else:
+            short.append(item)
+    parts: list[list[pytest.Item]] = [[] for _ in range(count)]
+    for number, tests in enumerate(files.values()):
+        parts[number % count] += tests
+    left = len(items)
+    for number, part in enumerate(parts):
+        more = max(0, left // (count - number) - len(part))
+        part += short[:more]
+        del short[:more]
+        left -= len(part)
+    items[:] = [item for part in parts for item in part]
 
 
 def pytest_collection_finish(session: pytest.Session) -> None:
     """Keep the tests that were collected out of each search for garbage, which would take 0.2 s."""
     gc.collect()
     gc.freeze()
-    # Tests of the bridge, which freezes as well, end this state.
+    # Tests of the bridge, which freezes as well, end this state: then all objects are searched, so less often.
+    gc.set_threshold(700, 10, 100)
     session.config.stash[FROZEN_OBJECTS] = gc.get_freeze_count(), len(gc.get_objects())
 
 
