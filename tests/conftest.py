@@ -92,7 +92,14 @@ PEERS: dict[str, Callable[[], str]] = {
 
 
 # The folders whose tests mostly wait for programs.
-WAITING = ("tests/architecture/", "tests/docs/", "tests/firmware/", "tests/interop", "tests/reference/", "tests/web/")
+WAITING = (
+    "tests/architecture/",
+    "tests/docs/",
+    "tests/firmware/",
+    "tests/interop",
+    "tests/reference/",
+    "tests/web/",
+)
 
 # In CI a test may be skipped for no other reason.
 SKIPPED_IN_CI = ("this graph has not:",)
@@ -117,8 +124,8 @@ def pytest_xdist_auto_num_workers() -> int:
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Give each test process some files of the tests that take long, and then short tests.
 
-    With `--dist worksteal` a test process begins with its part of the list, and takes over the end of another's
-    part when it has run its own. So no long test is the last.
+    With `--dist worksteal` a test process runs its part of the list from the start, and then takes over the
+    end of another's part. So no long test is the last.
     """
     count = pytest_xdist_auto_num_workers()
     files: dict[str, list[pytest.Item]] = {}
@@ -145,7 +152,7 @@ def pytest_collection_finish(session: pytest.Session) -> None:
     """Keep the tests that were collected out of each search for garbage, which would take 0.2 s."""
     gc.collect()
     gc.freeze()
-    # Tests of the bridge, which freezes as well, end this state: then all objects are searched, so less often.
+    # Tests of the bridge, which freezes as well, end this state. Then all objects are searched: less often.
     gc.set_threshold(700, 10, 100)
     session.config.stash[FROZEN_OBJECTS] = gc.get_freeze_count(), len(gc.get_objects())
 
