@@ -136,7 +136,7 @@ class CheckedClient(SmallWriter):
             if await self.find(is_announcement, ANSWER_S / 2):
                 break
         else:
-            raise Deviation("no announcement followed a request for the topics")
+            raise Deviation("no announcement followed a topic request")
         self._position -= 1
         found: list[Announcement] = []
         while len(found) < known:
@@ -149,7 +149,7 @@ class CheckedClient(SmallWriter):
         return found
 
     def require_configuration(self) -> None:
-        """Make the next case start with a request for the topics."""
+        """Make the next case start with a topic request."""
         self._is_configured = False
 
     def send(self, topic_id: int, payload: bytes = b"") -> None:

@@ -31,7 +31,7 @@ class Announcement(NamedTuple):
 
 
 def is_time_request(frame: Frame) -> bool:
-    """Return whether a frame is a request for the time."""
+    """Return whether a frame is a time request."""
     return frame.topic_id == ids.TIME and len(frame.payload) in (0, TIME_BYTES)
 
 

@@ -26,7 +26,7 @@ class LoopThread:
 
     def __init__(self, interrupted: Callable[[], BaseException] = concurrent.futures.CancelledError) -> None:
         self._interrupted = interrupted
-        # Reentrant: a signal may end the node while its main thread is in here.
+        # Reentrant: a signal may end the node while its main thread holds the lock.
         self._lock = threading.RLock()
         self._loop: asyncio.AbstractEventLoop | None = None
         self._process_id = 0

@@ -18,7 +18,7 @@ from rostether.rostime import Time
 PROBE = b"\xff\x00"
 
 # Sent before and after a version 1 request while the version is not known: without it, a sketch that reads
-# two requests at once would take the last `ff` of one as the start of the next.
+# two requests at once would mistake the last `ff` of one for the start of the next.
 OTHER_VERSION_GUARD = b"\x00"
 
 # For a device without endpoints: the established library's buffers on an ATmega328P, the smallest in use.

@@ -72,7 +72,7 @@ class Greeting:
             self._context = lambda: own
 
     async def exchange(self, transport: StreamTransport) -> Proof:
-        """Greet over a transport that was not started, and leave it so; return the peer's proof.
+        """Greet over a transport that was not started, and leave it unstarted; return the peer's proof.
 
         Raises TransportError or RemoteProtocolError with the peer's mistake.
         """

@@ -219,7 +219,7 @@ FAULTS = (
     Fault("subscribers announced only once", "announce-again", _forgetful),
     Fault("only the first request answered", "announce-again", _silent_later),
     Fault("torn frames never dropped", "frame-torn", _patient),
-    Fault("no request for the time", "time-period", sent(_without_time)),
+    Fault("no time request", "time-period", sent(_without_time)),
     Fault("log levels from 1", "log-levels", sent(_one_level_up)),
     Fault("doubles of 4 bytes", "message-real", sent(_short_doubles)),
     Fault("prints between the frames", "frame-sent", sent(_with_prints)),

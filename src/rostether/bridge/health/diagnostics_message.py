@@ -106,7 +106,7 @@ def _radio_values(radio: LinkQuality) -> Iterator[tuple[str, str]]:
 
 
 def state_of(view: BoardView) -> str:
-    """Return the state of a board's connection, in one word."""
+    """Return the state of a board's connection in one or two words."""
     if not view.is_connected:
         return "disconnected"
     if view.protocol_version is None:

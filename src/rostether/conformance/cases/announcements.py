@@ -85,17 +85,17 @@ async def check_again(client: CheckedClient) -> None:
 
 @case("announce-time")
 async def check_time_request(client: CheckedClient) -> None:
-    """A request for the topics is answered with a request for the time: id 10, 8 or 0 bytes."""
+    """A topic request is answered with a time request: id 10, 8 or 0 bytes."""
     client.send(ids.TOPIC_REQUEST)
-    frame = await client.expect(lambda each: each.topic_id == ids.TIME, "a request for the time")
+    frame = await client.expect(lambda each: each.topic_id == ids.TIME, "a time request")
     client.require_configuration()
     if not is_time_request(frame):
-        raise Deviation(f"the request for the time has {len(frame.payload)} bytes")
+        raise Deviation(f"the time request has {len(frame.payload)} bytes")
 
 
 @case("announce-split")
 async def check_split(client: CheckedClient) -> None:
-    """A request for the topics is answered if its bytes arrive one by one."""
+    """A topic request is answered if its bytes arrive one by one."""
     client.require_configuration()
     await client.send_slowly(encode_frame(ids.TOPIC_REQUEST, b""))
     await client.expect(lambda each: each.topic_id in ids.ANNOUNCEMENTS, "an announcement")

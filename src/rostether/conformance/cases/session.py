@@ -35,7 +35,7 @@ async def check_period(client: CheckedClient) -> None:
     """A configured client asks for the time at least every 5 s."""
     # The first one may be the answer to an earlier case.
     for _ in range(2):
-        await client.expect(is_time_request, "a request for the time", LONGEST_PERIOD_S)
+        await client.expect(is_time_request, "a time request", LONGEST_PERIOD_S)
 
 
 @case("time-clock", Part.PING)
@@ -81,7 +81,7 @@ async def check_stop(client: CheckedClient) -> None:
 
 @case("stop-resume", Part.TEXT)
 async def check_resume(client: CheckedClient) -> None:
-    """After a stop and a new request for the topics, the client sends messages again."""
+    """After a stop and a new topic request, the client sends messages again."""
     _stop(client)
     await client.configure()
     client.send(client.id_of("text_in"), text_payload("again"))
@@ -90,7 +90,7 @@ async def check_resume(client: CheckedClient) -> None:
 
 @case("probe-waiting")
 async def check_probe(client: CheckedClient) -> None:
-    """A client that waits for a request answers a wrong version byte with a request for the time."""
+    """A client that waits for a request answers a wrong version byte with a time request."""
     _stop(client)
     for _ in range(2):
         # One answer is enough for a burst of probes.

@@ -160,7 +160,7 @@ class WebSocketServer:
         return True
 
     def _make_room(self) -> bool:
-        """End the oldest connection that is not a WebSocket, of the address with most of them.
+        """End the oldest connection that is not a WebSocket, of the address that has the most.
 
         A connection that has sent no request ends first.
         """
