@@ -143,9 +143,10 @@ def load_all_sizes(text: str) -> list[int]:
 def test_no_other_module_calls_a_loader() -> None:
     root = Path(rostether.__file__).parent
     for path in root.rglob("*.py"):
-        if path.name == "bounded_yaml.py":
+        text = path.read_text()
+        if path.name == "bounded_yaml.py" or "yaml" not in text:
             continue
-        for node in ast.walk(ast.parse(path.read_text())):
+        for node in ast.walk(ast.parse(text)):
             if (
                 isinstance(node, ast.Attribute)
                 and isinstance(node.value, ast.Name)
