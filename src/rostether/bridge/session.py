@@ -292,7 +292,7 @@ class Session:
             f"flood of {what}",
             Level.WARN,
             f"the board sends too many {what}; the rest is ignored; let loop() in the sketch wait between "
-            f"them",
+            "them",
             count=event.count,
         )
 

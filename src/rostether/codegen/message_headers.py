@@ -97,7 +97,7 @@ def _differing_only_in_case(paths: Iterable[str]) -> Iterator[str]:
         if len(same) > 1:
             yield (
                 f"{' and '.join(same)} differ only in case; on Windows and macOS only one of them can exist;"
-                f" rename one"
+                " rename one"
             )
 
 

@@ -80,7 +80,7 @@ class CheckedClient(SmallWriter):
                 return
         raise TransportTimeoutError(
             f"no client announced a topic within {FIRST_ANSWER_S:g} s; check its address, its baud rate, and "
-            f"that it runs the conformance program"
+            "that it runs the conformance program"
         )
 
     async def reconnect(self) -> None:

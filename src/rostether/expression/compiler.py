@@ -101,7 +101,7 @@ def compile_expression(expression: str, names: frozenset[str], *, source: str) -
     except ConfigError as error:
         raise ConfigError(f"{source}: {error}") from None
     except (SyntaxError, ValueError, RecursionError, MemoryError) as error:
-        # A line number does not help in a text of one line.
+        # A line number does not help in a text that is one line.
         problem = error.msg if isinstance(error, SyntaxError) else error
         if re.search(r"[^=!<>]=(?!=)", expression):
             problem = "write == to compare"

@@ -67,7 +67,7 @@ def expand_action(text: str, *, name: str, file: str = "") -> dict[str, str]:
             sections[-1].append(line)
     if len(sections) != 3:
         raise DefinitionError(
-            f"an action consists of goal, result and feedback with '---' between them; this has "
+            "an action consists of goal, result and feedback with '---' between them; this has "
             f"{len(sections)} parts",
             file=file or name,
         )

@@ -128,7 +128,7 @@ class SensingManager:
 
     def _record_publisher(self, sensor: Sensor, now_s: float) -> None:
         topic = self._snapshot.topics.get(self._graph.resolve(sensor.topic))
-        self._registry.connect(sensor.id, topic is not None and bool(topic.publishers), now_s)
+        self._registry.record_connection(sensor.id, topic is not None and bool(topic.publishers), now_s)
 
     def _adopt(self, snapshot: Snapshot, now_s: float) -> None:
         """Add the sensors that publish on topics of this manager, but are not in its saved state."""

@@ -56,7 +56,7 @@ def _sensor(path: Path, topic: str, entry: Any) -> Sensor:
             raise ConfigError(f"{path}: {topic} has an unknown key {key!r:.100}; known: {', '.join(_KEYS)}")
         if not isinstance(value, str) or not value.isprintable() or len(value) > MAX_TEXT_CHARACTERS:
             raise ConfigError(
-                f"{path}: {key} of {topic} must be a text of up to {MAX_TEXT_CHARACTERS} characters"
+                f"{path}: {key} of {topic} must be text of up to {MAX_TEXT_CHARACTERS} characters"
             )
     sensor_type = entry.get("type", "ANALOG")
     if sensor_type not in MESSAGE_TYPES:

@@ -191,9 +191,9 @@ class SensorRegistry:
         self._sensors[sensor_id] = replace(self._sensors[sensor_id], name=name)
         return self._sensors[sensor_id]
 
-    def connect(self, sensor_id: str, is_connected: bool, now_s: float) -> None:
+    def record_connection(self, sensor_id: str, is_connected: bool, now_s: float) -> None:
         """Record whether the sensor's topic has a publisher now."""
-        self._conditions[sensor_id].connect(is_connected, now_s)
+        self._conditions[sensor_id].record_connection(is_connected, now_s)
 
     def record_message(self, sensor_id: str, now_s: float) -> None:
         """Record a message of the sensor; ignores unknown sensors."""

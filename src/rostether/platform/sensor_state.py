@@ -42,7 +42,7 @@ class Condition:
     reported: str = "init"
     reported_text: str = ""
 
-    def connect(self, is_connected: bool, now_s: float) -> None:
+    def record_connection(self, is_connected: bool, now_s: float) -> None:
         """Record whether the sensor's topic has a publisher now."""
         self.has_publisher = is_connected
         if self.is_connected and not is_connected:
@@ -61,7 +61,7 @@ class Condition:
         before = self.state, self.text
         # A message may arrive after the graph has reported the end of its publisher.
         if self.is_connected and not self.has_publisher and self._is_silent(now_s):
-            self.connect(False, now_s)
+            self.record_connection(False, now_s)
         self.state = self._next_state(is_camera, now_s)
         self.text = self.reported_text if self.state == self.reported else ""
         if self.state != before[0]:

@@ -158,7 +158,7 @@ class _ChangeSignal:
         return self._events is not None and self._events.watch()
 
     def read_and_clear(self) -> bool:
-        """Whether something happened since the last time."""
+        """Return whether something happened since the last time."""
         has_changed, self._has_changed = self._has_changed, False
         return has_changed
 

@@ -181,7 +181,7 @@ def _check_host(source: str, host: str) -> None:
     if not (_is_ip_address(host) or _HOST.fullmatch(host)):
         raise ConfigError(
             f"{source}={host!r:.200} is not an address; give an IP address or a host name, without http:// "
-            f"and port"
+            "and port"
         )
 
 

@@ -77,7 +77,7 @@ class XmlRpcClient:
         except TimeoutError:
             raise self._unreachable(
                 f"{self.peer} at {self.uri} did not answer {method} in {limit_s:g} s; check that it does not"
-                f" hang"
+                " hang"
             ) from None
         except (OSError, UnicodeError) as error:
             reason = _reason(error)

@@ -116,7 +116,7 @@ class MethodTable:
             return dump_fault(
                 _FAULT,
                 f"the answer of {method} would need more than {self._answer_bytes} bytes; request less at a"
-                f" time, or raise --limit xmlrpc-bytes of the server",
+                " time, or raise --limit xmlrpc-bytes of the server",
             )
         return _dump_error(method, error)
 

@@ -58,7 +58,7 @@ def _check_discovery_range(text: str) -> None:
     if text.strip().upper() not in _DISCOVERY_RANGES:
         raise ConfigError(
             f"ROS_AUTOMATIC_DISCOVERY_RANGE={text!r:.80} is unknown; give SUBNET, LOCALHOST, OFF or "
-            f"SYSTEM_DEFAULT"
+            "SYSTEM_DEFAULT"
         )
 
 

@@ -75,7 +75,7 @@ class Announcements:
         return [*self._refusals.refuse_lone_halves(self._table.lone_halves())]
 
     def is_refused_sender(self, topic_id: int) -> bool:
-        """Whether the device sends messages on this id that are not bridged."""
+        """Return whether the device sends messages on this id that are not bridged."""
         return self._refusals.is_sender(topic_id)
 
     def should_ask(self, topic_id: int, now_s: float) -> bool:
@@ -137,7 +137,7 @@ class Refusals:
         self.keys.discard(key_of(kind, info))
 
     def is_sender(self, topic_id: int) -> bool:
-        """Whether the device sends messages on this id that are not bridged."""
+        """Return whether the device sends messages on this id that are not bridged."""
         return EndpointKey(True, topic_id) in self.keys
 
     def _report(self, announcement: _Announcement, reason: str) -> list[AnnouncementRefused]:

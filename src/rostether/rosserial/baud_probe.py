@@ -211,7 +211,7 @@ class BaudProbe:
             self._link.start(now_s)
 
     def _is_busy(self, now_s: float) -> bool:
-        """Whether the device still sends without a request, unlike a board that waits for one."""
+        """Return whether the device still sends without a request, unlike a board that waits for one."""
         return self._step is not Step.ASK and now_s - self._received_at_s < QUIET_S
 
     def _judge_text(self) -> None:

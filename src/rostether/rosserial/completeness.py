@@ -83,7 +83,7 @@ class Completeness:
         self.rounds, self._quiet_rounds = self._before_close
 
     def is_known(self, kind: int, info: TopicInfo) -> bool:
-        """Whether the announcement equals the last complete state."""
+        """Return whether the announcement equals the last complete state."""
         return self._complete.get(key_of(kind, info)) == (kind, info)
 
     def is_continued_by(self, kind: int, info: TopicInfo) -> bool:

@@ -62,11 +62,11 @@ class DeviceEndpoints:
         return ServiceIds(request_id, response_id)
 
     def is_sender(self, topic_id: int) -> bool:
-        """Whether the device sends on this id."""
+        """Return whether the device sends on this id."""
         return topic_id in self._senders
 
     def is_listener(self, topic_id: int) -> bool:
-        """Whether the device receives on this id."""
+        """Return whether the device receives on this id."""
         return topic_id in self._listeners
 
     def announcements(self) -> Iterator[tuple[int, TopicInfo]]:

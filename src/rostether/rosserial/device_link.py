@@ -196,7 +196,7 @@ class DeviceLink:
         if largest > room:
             raise LocalProtocolError(
                 f"a message of {largest} bytes does not fit the output buffer, which has room for {room} "
-                f"bytes; send smaller messages, or increase output_buffer_bytes"
+                "bytes; send smaller messages, or increase output_buffer_bytes"
             )
         if self._state is not State.CONFIGURED or self._outgoing_bytes > MAX_WAITING_BYTES:
             return False
@@ -253,7 +253,7 @@ class DeviceLink:
             if time is None:
                 self._discard(DiscardReason.PACKET, payload, events)
                 continue
-            self.statistics.count_round_trip(self._clock.answered(time, now_s))
+            self.statistics.note_round_trip(self._clock.answered(time, now_s))
             self._time_lost_s = now_s + SYNC_LOST_S
             events.append(TimeAnswered(time))
 

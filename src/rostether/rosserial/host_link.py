@@ -312,7 +312,7 @@ class HostLink:
             events += self._announcements.refuse_lone_halves()
         self._presence.sign(now_s)
         if negotiation.round_trip_s is not None:
-            self.statistics.count_round_trip(negotiation.round_trip_s)
+            self.statistics.note_round_trip(negotiation.round_trip_s)
         if changes or negotiation.requests:  # pragma: no branch - each settles after a request so far
             events.append(NegotiationSettled())
 

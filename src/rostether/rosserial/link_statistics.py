@@ -31,7 +31,7 @@ class LinkStatistics:
         self.discarded[reason] = self.discarded.get(reason, 0) + 1
         self.discarded_bytes += size
 
-    def count_round_trip(self, round_trip_s: float) -> None:
+    def note_round_trip(self, round_trip_s: float) -> None:
         """Note the response time of a device for a request that needs no work."""
         shortest = self.shortest_round_trip_s
         self.shortest_round_trip_s = round_trip_s if shortest is None else min(shortest, round_trip_s)

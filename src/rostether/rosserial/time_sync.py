@@ -78,7 +78,7 @@ class AnswerGate:
         self._calls = 0
 
     def is_closed(self, now_s: float) -> bool:
-        """Whether a time answer must wait."""
+        """Return whether a time answer must wait."""
         if self._calls == 0:
             return False
         return self._held_since_s is None or now_s < self._held_since_s + HOLD_LIMIT_S

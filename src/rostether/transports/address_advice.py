@@ -29,7 +29,7 @@ def address_advice(place: str) -> str | None:
         return baud + (listening if int(place) <= MAX_PORT else "")
     if _IPV4.fullmatch(place):
         return (
-            f"boards connect to this machine: write tcp://:11411, and give them this machine's address; "
+            "boards connect to this machine: write tcp://:11411, and give them this machine's address; "
             f"to connect to a board, write tcp://{place}:PORT?connect=yes"
         )
     if place.lower().endswith(_SKETCH_ENDINGS):

@@ -86,7 +86,7 @@ def explain_permission(path: str) -> str:
         return f"no permission to open {path}: only root may use it; run: sudo chmod a+rw {path}"
     return (
         f"no permission to open {path}: it belongs to group {group}; run: sudo usermod -aG {group} $USER, "
-        f"then log out and in again"
+        "then log out and in again"
     )
 
 

@@ -115,7 +115,7 @@ def explain_bind_error(scheme: str, host: str, port: int, error: OSError) -> Tra
     if error.errno == errno.EADDRNOTAVAIL:
         return TransportOpenError(
             f"{host} is not an address of this machine; write {scheme}://0.0.0.0:{port} to listen on all its"
-            f" addresses"
+            " addresses"
         )
     if error.errno == errno.EACCES:
         return TransportOpenError(

@@ -134,7 +134,7 @@ class HttpServerSide:
             self._refuse(
                 403,
                 f"{host!r:.200} is not a name of this machine; use its address, or set ROS_HOSTNAME or "
-                f"--listen to this name",
+                "--listen to this name",
             )
         elif any(_media_type(value) not in _XML_TYPES for name, value in request.headers if name == _TYPE):
             # A web page can send forms or plain text without permission. Some ROS clients send no type.

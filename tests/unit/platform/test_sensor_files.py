@@ -37,7 +37,7 @@ def test_a_line_makes_a_topic_a_sensor(tmp_path: Path, monkeypatch: pytest.Monke
         ('"arm/x" = {}', 'write the topic "arm/x" with a slash'),
         ('"/x" = 1', 'write "/x" = { name ='),
         ('"/x" = { colour = "red" }', "unknown key 'colour'; known: name, platform, type, unit"),
-        ('"/x" = { name = 1 }', "name of /x must be a text"),
+        ('"/x" = { name = 1 }', "name of /x must be text"),
         ('"/x" = { type = "RADAR" }', "type of /x must be one of CAMERA, ANALOG, DIGITAL, not 'RADAR'"),
         ('"/sensor_node1" = {}', "belongs to a registered sensor"),
     ],

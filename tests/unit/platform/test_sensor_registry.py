@@ -45,12 +45,12 @@ def test_states_by_age(registry: SensorRegistry) -> None:
     key = registry.register("Robot", "ANALOG", 0.0).id
     assert state(registry, key, 59.9) == "init"
     assert state(registry, key, 60.0) == "lost"
-    registry.connect(key, True, 61.0)
+    registry.record_connection(key, True, 61.0)
     assert state(registry, key, 61.0) == "init"
     registry.record_message(key, 62.0)
     assert state(registry, key, 64.9) == "ready"
     assert state(registry, key, 65.0) == "sleeping"
-    registry.connect(key, False, 70.0)
+    registry.record_connection(key, False, 70.0)
     assert state(registry, key, 70.0) == "disconnected"
     assert state(registry, key, 129.9) == "disconnected"
     assert state(registry, key, 130.0) == "lost"
@@ -63,7 +63,7 @@ def test_states_by_age(registry: SensorRegistry) -> None:
 
 def test_a_camera_is_ready_without_pictures(registry: SensorRegistry) -> None:
     key = registry.register("Robot", "CAMERA", 0.0).id
-    registry.connect(key, True, 1.0)
+    registry.record_connection(key, True, 1.0)
     assert state(registry, key, 100.0) == "ready"
 
 
@@ -73,7 +73,7 @@ def test_a_sensor_that_comes_back_is_itself(registry: SensorRegistry) -> None:
     # Two of a kind that start together are two sensors.
     assert registry.register("Robot", "ANALOG", 0.1).topic == "sensor_node1"
     registry.record_message(first.id, 1.0)
-    registry.connect(first.id, False, 2.0)
+    registry.record_connection(first.id, False, 2.0)
     assert registry.register("Robot", "DIGITAL", 3.0).topic == "sensor_node2"
     again = registry.register("Robot", "ANALOG", 3.0)
     assert (again.id, again.name) == (first.id, "Front distance")
@@ -84,7 +84,7 @@ def test_after_a_restart_numbers_continue() -> None:
     kept = Sensor("sensor_node4", 4, "Robot", "ANALOG", "sensor_node4", "Front", "std_msgs/Float64")
     registry = SensorRegistry([kept], 10.0)
     assert state(registry, kept.id, 10.0) == "disconnected"
-    registry.connect(kept.id, True, 10.1)
+    registry.record_connection(kept.id, True, 10.1)
     assert registry.register("Robot", "ANALOG", 11.0).topic == "sensor_node5"
 
 
@@ -130,7 +130,7 @@ def test_a_sensor_with_an_id_reports_its_state(registry: SensorRegistry) -> None
     sensor, refusal = registry.register_by_id(CAMERA, 0.0)
     assert (sensor.topic, sensor.name, refusal) == ("/sensors/robot3/front", "Front camera", "")
     assert state(registry, sensor.id, 0.0) == "init"
-    registry.connect(sensor.id, True, 1.0)
+    registry.record_connection(sensor.id, True, 1.0)
     assert state(registry, sensor.id, 1.0) == "ready"
     registry.register_by_id(replace(CAMERA, state="alert", state_text="no camera"), 4.0)
     assert registry.update_states(4.0)
@@ -144,7 +144,7 @@ def test_a_sensor_with_an_id_reports_its_state(registry: SensorRegistry) -> None
     assert registry.state(sensor.id)[1] == ""
     registry.register_by_id(CAMERA, 30.0)
     assert state(registry, sensor.id, 30.0) == "ready"
-    registry.connect(sensor.id, False, 31.0)
+    registry.record_connection(sensor.id, False, 31.0)
     assert state(registry, sensor.id, 31.0) == "disconnected"
 
 
@@ -162,13 +162,13 @@ def test_the_name_given_last_is_valid(registry: SensorRegistry) -> None:
 def test_one_node_holds_the_lease_of_an_id(registry: SensorRegistry) -> None:
     other = replace(CAMERA, instance="/camera on robot4")
     registry.register_by_id(CAMERA, 0.0)
-    registry.connect(CAMERA.id, True, 1.0)
+    registry.record_connection(CAMERA.id, True, 1.0)
     refusal = registry.register_by_id(other, 2.0)[1]
     assert refusal == "/camera on robot3 is registered as robot3/front for 10 s more"
     # Its publisher has gone, or its lease has passed.
-    registry.connect(CAMERA.id, False, 3.0)
+    registry.record_connection(CAMERA.id, False, 3.0)
     assert registry.register_by_id(other, 3.0)[1] == ""
-    registry.connect(CAMERA.id, True, 4.0)
+    registry.record_connection(CAMERA.id, True, 4.0)
     assert registry.register_by_id(CAMERA, 14.9)[1] != ""
     assert registry.register_by_id(CAMERA, 15.0)[1] == ""
 

@@ -16,5 +16,5 @@ def test_counts() -> None:
 def test_round_trips() -> None:
     statistics = LinkStatistics()
     for round_trip_s in (0.3, 0.1, 0.2):
-        statistics.count_round_trip(round_trip_s)
+        statistics.note_round_trip(round_trip_s)
     assert statistics.shortest_round_trip_s == 0.1

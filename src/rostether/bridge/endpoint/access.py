@@ -36,5 +36,5 @@ def _check(access: Access, kind: str, name: str) -> None:
     if reason is not None:
         raise AccessDeniedError(
             f"this board may not {_WORDS[kind]} {name}: access.{kind}.{reason}; change devices.toml to allow"
-            f" it"
+            " it"
         )

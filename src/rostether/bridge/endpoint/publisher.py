@@ -152,7 +152,7 @@ class PublisherEndpoint:
                 "messages_hz",
                 Level.WARN,
                 f"the board sends more than {rate.per_s:g} messages a second (its limit messages_hz), and "
-                f"the rest is dropped; publish less often, or raise the limit",
+                "the rest is dropped; publish less often, or raise the limit",
                 count=dropped,
             )
         return payloads[:admitted]

@@ -200,7 +200,7 @@ class ServiceServerEndpoint:
             )
             raise ServiceTimeoutError(
                 f"the board did not answer {name} within {limit_s:g} s; check that its loop() is not busy "
-                f"and that the line is good"
+                "and that the line is good"
             ) from None
         finally:
             self._response = None

@@ -70,7 +70,7 @@ class EndpointTable:
         return {name_of(endpoint): reason for endpoint, reason in self._openings.reasons.items()}
 
     def is_attached(self, endpoint: Endpoint) -> bool:
-        """Whether the board has announced it on the current connection."""
+        """Return whether the board has announced it on the current connection."""
         return any(self._endpoints.get(key) is endpoint for key in self._attached)
 
     def announced_topics(self) -> list[str]:
@@ -138,7 +138,7 @@ class EndpointTable:
                 f"two types {name}",
                 Level.ERROR,
                 f"the board has {name} with two types, and only the last is bridged; give one of them "
-                f"another name in the sketch",
+                "another name in the sketch",
             )
 
     def detach_all(self) -> None:

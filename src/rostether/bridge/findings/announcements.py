@@ -65,7 +65,7 @@ class Announcements:
                 error(
                     Code.RAM_OVERFLOW,
                     f"{what} are damaged inside the board ({_describe(payload)}), but the checksums are "
-                    f"right: its RAM is overwritten",
+                    "right: its RAM is overwritten",
                     "use fewer topics and smaller buffers (ros::NodeHandle_<ArduinoHardware, 6, 6, 150, "
                     "150>), keep texts in flash with F(), and do not publish strings from local buffers "
                     "that no longer exist",

@@ -127,7 +127,7 @@ class EndpointFindings:
                 warning(
                     Code.MESSAGES_LOST,
                     f"{info.topic_name} is faster than the board can receive: {endpoint.dropped_count} of "
-                    f"its messages were dropped, the oldest first",
+                    "its messages were dropped, the oldest first",
                     "publish it less often, or choose a higher baud rate",
                     info.topic_name,
                     reported=True,

@@ -219,7 +219,7 @@ class LineWatch:
         if self._settled_s is None and now_s - began_s >= UNSETTLED_S and starts >= MIN_STARTS:
             seen = (
                 f"the board started to announce its topics {starts} times in {now_s - began_s:.0f} s but "
-                f"never finished; it probably resets in a loop"
+                "never finished; it probably resets in a loop"
             )
             return reset_loop(seen, crash_line)
         return None
@@ -250,7 +250,7 @@ class LineWatch:
         return warning(
             Code.UNANNOUNCED_MESSAGES,
             f"{self._unknown_count} messages have topic id {self._unknown_id[0]}, which the board never "
-            f"announces",
+            "announces",
             "call nh.advertise() for every publisher in setup(), before the first nh.spinOnce()",
         )
 
@@ -262,7 +262,7 @@ def absence(noise: Noise, baud: int | None, waited_s: float) -> Finding:
         return error(
             Code.NOTHING_RECEIVED,
             f"no answer from the board for {waited_s:.0f} s: no byte was received",
-            f"check that its sketch runs rosserial on this port (nh.initNode() in setup(), nh.spinOnce() in "
+            "check that its sketch runs rosserial on this port (nh.initNode() in setup(), nh.spinOnce() in "
             f"loop()){hint}, and that the cable carries data",
         )
     what = (

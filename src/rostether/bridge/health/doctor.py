@@ -206,7 +206,7 @@ async def _read_facts(list_ports: Callable[[], Sequence[NamedPort]], path: str) 
 
 
 def _needs_search(watched: Watched) -> bool:
-    """Whether another baud rate may be the reason: readable text arrives only at the right one."""
+    """Return whether another baud rate may be the reason: readable text arrives only at the right one."""
     codes = {each.code for each in watched.findings}
     return (
         watched.view.protocol_version is None

@@ -132,7 +132,7 @@ class _Publication:
         return self._publisher is not None and self._publisher.subscriber_count > 0
 
     def has_new_subscriber(self) -> bool:
-        """Whether a subscriber came since the last call."""
+        """Return whether a subscriber came since the last call."""
         before = self._known_subscribers
         self._known_subscribers = self._publisher.subscriber_count if self._publisher is not None else 0
         return self._known_subscribers > before

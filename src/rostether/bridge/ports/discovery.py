@@ -83,7 +83,7 @@ class Discovery:
                 self._consider(port)
 
     def _is_here(self, port: SerialPort) -> bool:
-        """Whether a port is still there, with the same board."""
+        """Return whether a port is still there, with the same board."""
         now = self._present.get(port.path)
         return now is not None and identify(now).key == identify(port).key
 

@@ -181,7 +181,7 @@ async def warn_without_router(*, is_error: bool = False) -> None:
     if not configures_endpoints(Ros2Environment.read()) and not await is_router_there():
         advice = (
             f"no zenoh router answers at {ROUTER_ENDPOINT}, so nodes cannot be found; start one with "
-            f"`rostether core --ros2 zenoh`, `rostether serve --ros2 zenoh`, or ROS 2's rmw_zenohd"
+            "`rostether core --ros2 zenoh`, `rostether serve --ros2 zenoh`, or ROS 2's rmw_zenohd"
         )
         if is_error:
             raise GraphError(advice)

@@ -105,7 +105,7 @@ class _TableFiles:
             if not is_file and not is_folder and path.suffix[1:2].isalpha():
                 raise ConfigError(
                     f"-o {output}: the name of a table must end with .csv or .parquet; a folder must exist "
-                    f"already, or have no ending"
+                    "already, or have no ending"
                 )
             self._folder = path
             self._file = path if is_file else None

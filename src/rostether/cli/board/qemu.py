@@ -29,7 +29,7 @@ async def start_in_qemu(
     if has_other_options:
         raise ConfigError(
             f"{machine} is simulated without pins and devices; it does not accept the commands and options "
-            f"of other boards"
+            "of other boards"
         )
     if program.suffix.lower() != ".elf":
         raise ConfigError(f"{machine} runs only ELF files; compile {program} with arm-none-eabi-g++ first")

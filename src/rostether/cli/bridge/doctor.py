@@ -144,7 +144,7 @@ def _explain_no_board(ports: Sequence[SerialPort]) -> None:
         beside = f"; other ports: {listed}" if ports else ""
         warn(
             f"no board found on USB{beside}; use a USB cable that carries data (some only charge), or "
-            f"give the board's address, for example tcp://0.0.0.0:11411"
+            "give the board's address, for example tcp://0.0.0.0:11411"
         )
 
 

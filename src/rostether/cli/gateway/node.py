@@ -92,7 +92,7 @@ async def check_free(name: str, namespace: str, is_live: IsLive | None) -> None:
     if is_live is not None and await is_live(full_name):
         raise GraphError(
             f"a node {full_name} is already running; stop it, or give this one another port or name "
-            f"(__name:=other)"
+            "(__name:=other)"
         )
 
 

@@ -47,7 +47,7 @@ class GatewayOptions:
             if not _ORIGIN.fullmatch(origin):
                 raise ConfigError(
                     f"--origin: {origin!r} is not an origin; write it like https://panel.example or "
-                    f"http://192.168.1.7:8000"
+                    "http://192.168.1.7:8000"
                 )
         if self.view_token and not self.token:
             raise ConfigError("--view-token needs --token: without one, every client may do everything")

@@ -76,7 +76,7 @@ def warned_duplicates() -> Iterator[OnDuplicate]:
     def note(name: str, used: Path, other: Path) -> None:
         lines.append(
             f"rostether: warning: two packages have the name {name}: using {used}, ignoring {other}; rename "
-            f"one, or create a file CATKIN_IGNORE in its folder"
+            "one, or create a file CATKIN_IGNORE in its folder"
         )
 
     yield note

@@ -261,7 +261,7 @@ class Ros2Definitions:
         return self._installed_last.of(package, kind).get(name)
 
     def _is_replaced(self, package: str) -> bool:
-        """Whether the user's own package hides the bundled one of its name."""
+        """Return whether the user's own package hides the bundled one of its name."""
         if any(self._installed.of(package, kind) for kind in Kind):
             return True
         files = self._on_path().get(package)

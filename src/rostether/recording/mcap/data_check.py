@@ -129,7 +129,7 @@ class DataCheck:
         if listed != there and _pairs(listed) != _pairs(there):
             self._report(
                 f"the message index at byte {position} does not list the messages of channel {number} "
-                f"in the chunk before it"
+                "in the chunk before it"
             )
 
     def _check_indexed(self, found: FoundChunk | None) -> None:

@@ -173,7 +173,7 @@ class PublisherLink:
                 if failures == UNREPORTED_FAILURES:
                     self._report(
                         f"{error}; still trying. If the node runs, check its ROS_IP or ROS_HOSTNAME; "
-                        f"otherwise remove it with `rostether node cleanup`"
+                        "otherwise remove it with `rostether node cleanup`"
                     )
             finally:
                 if self.connection is not None:

@@ -71,7 +71,7 @@ class ServiceClient:
         except TimeoutError:
             raise ServiceTimeoutError(
                 f"service {self.service} did not answer within {timeout_s:g} s; check that its node does not"
-                f" hang"
+                " hang"
             ) from None
 
     async def wait_until_available(self, timeout_s: float | None = None) -> None:

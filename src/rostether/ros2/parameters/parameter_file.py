@@ -124,7 +124,7 @@ def _pattern(node: str) -> re.Pattern[str]:
 def _loader() -> Any:
     base = safe_loader()
     loader: Any = type(
-        "Loader", (base,), {"__doc__": "YAML as rcl reads it: 1e-3 is a number, a date is a text."}
+        "Loader", (base,), {"__doc__": "YAML as rcl reads it: 1e-3 is a number, a date is text."}
     )
     loader.yaml_implicit_resolvers = {
         first: [(tag, pattern) for tag, pattern in resolvers if tag != _TIMESTAMP_TAG]

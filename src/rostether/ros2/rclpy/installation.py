@@ -92,7 +92,7 @@ def interface_class(name: str) -> Any:
             raise _not_usable(name, error) from error
         raise UnknownTypeError(
             f"rclpy cannot use {name}: the package {package} is not installed for this Python; build and "
-            f"source the workspace that contains it, or use zenoh, which reads .msg files"
+            "source the workspace that contains it, or use zenoh, which reads .msg files"
         ) from None
     except ImportError as error:
         raise _not_usable(name, error) from error

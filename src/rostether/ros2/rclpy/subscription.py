@@ -216,7 +216,7 @@ class RclpySubscriber:
         if policy not in ("reliability", "durability"):
             self._report_once(
                 f"a publisher of {self.topic} offers a different {policy} than a subscriber of this node "
-                f"requests; change the publisher's quality of service"
+                "requests; change the publisher's quality of service"
             )
 
     def _receive_rest(self, subscription: Any, received: list[tuple[bytes, Mapping[str, Any]]]) -> None:

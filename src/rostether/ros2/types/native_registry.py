@@ -52,7 +52,7 @@ class NativeRegistry(Registry):
         )
 
     def can_answer(self, query: Callable[[], object]) -> bool:
-        """Whether the folders have already been searched."""
+        """Return whether the folders have already been searched."""
         return self.definitions.is_searched and self._ros1.can_answer(query)
 
     def search(self) -> None:
@@ -125,7 +125,7 @@ class NativeRegistry(Registry):
         return self.definitions.services(package)
 
     def _is_of_action(self, package: str, name: str) -> bool:
-        """Whether a name is a part of an action, such as `Fibonacci_Goal`; no other type has a `_`."""
+        """Return whether a name is a part of an action, such as `Fibonacci_Goal`; no other type has a `_`."""
         return "_" in name and self.definitions.has(f"{package}/action/{name}")
 
     def _has_service(self, package: str, name: str) -> bool:

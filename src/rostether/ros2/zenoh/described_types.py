@@ -109,7 +109,7 @@ class DescribedTypes:
                 Level.WARN,
                 f"cannot receive {self._topic}: its {name} is not the known one ({type_hash:.80}, not "
                 f"{support.type_hash}); set ROS_DISTRO to its distribution, or give its definition with "
-                f"--msg-path",
+                "--msg-path",
             )
             return None
         return support

@@ -228,5 +228,5 @@ def _check_type(service: str, support: ServiceSupport, servers: list[Token]) -> 
         )
     raise TypeMismatchError(
         f"service {service} has type {_type_of(other):.200}, not {support.name}; make both ends use one "
-        f"definition"
+        "definition"
     )

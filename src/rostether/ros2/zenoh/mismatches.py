@@ -37,10 +37,10 @@ class Mismatches:
             other = type_of_dds_name(end.type) or end.type
             return (
                 f"{node} {verb} {self._topic} as {other:.200}, this node uses {self._support.name},"
-                f" so they do not connect; make both use the same type"
+                " so they do not connect; make both use the same type"
             )
         return (
             f"{node} {verb} {self._topic} with another definition of {self._support.name} "
             f"({end.type_hash:.80}, not {self._support.type_hash}), so they do not connect; set ROS_DISTRO "
-            f"to its distribution, or give its definition with --msg-path"
+            "to its distribution, or give its definition with --msg-path"
         )

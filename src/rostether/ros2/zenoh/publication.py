@@ -170,7 +170,7 @@ class Publication:
             self._report(
                 Level.WARN,
                 f"{self.topic}: a subscriber hangs or is too slow, and messages are lost; find it with ros2"
-                f" topic info -v (zenoh does not report which subscriber, or how many messages are lost)",
+                " topic info -v (zenoh does not report which subscriber, or how many messages are lost)",
             )
         if puts.error is not None:
             self._refuse(puts.misfits, puts.error)

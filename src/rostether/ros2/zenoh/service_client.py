@@ -126,7 +126,7 @@ class ServiceClient:
         except TimeoutError:
             raise ServiceUnavailableError(
                 f"service {self.service} is listed, but zenoh cannot reach it; check that its node is still "
-                f"running"
+                "running"
             ) from None
 
     def _match(self, status: zenoh.MatchingStatus) -> None:

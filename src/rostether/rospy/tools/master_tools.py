@@ -117,7 +117,7 @@ def set_param(param: str, value: str, verbose: bool = False) -> None:
 
 
 def set_param_raw(param: str, value: Any, verbose: bool = False) -> None:
-    """Set a parameter, or those of a tree, beside the others that are there. Raises RosParamException."""
+    """Set a parameter, or those of a tree, and keep all others. Raises RosParamException."""
     if not isinstance(value, dict):
         parameters.set_param(param, value)
         return

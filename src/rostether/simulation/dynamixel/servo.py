@@ -55,7 +55,7 @@ class Servo:
         return int.from_bytes(data, "little", signed=register.signed)
 
     def is_restarting(self, now_s: float) -> bool:
-        """Whether it is restarting, and receives nothing."""
+        """Return whether it is restarting, and receives nothing."""
         return now_s < self._restarting_until_s
 
     def set_voltage(self, volts: float) -> None:

@@ -4,7 +4,7 @@ export interface Place {
   readonly longitude: number;
 }
 
-/** Meters between points of the track; a GPS is not more exact. */
+/** Meters between points of the track; GPS is no more accurate. */
 const STEP_M = 0.5;
 const MAX_POINTS = 20_000;
 const EARTH_RADIUS_M = 6_371_000;
