@@ -59,7 +59,7 @@ class Soaked:
 
 
 async def one_line(board: Board, received: list[int], count: Count, number: int, rng: random.Random) -> int:
-    """Connect, negotiate, send with faults for some seconds, disconnect; return the next number."""
+    """Connect, negotiate, send with faults for a few seconds, disconnect; return the next number."""
     await board.connect(rng.randbytes(rng.randrange(2000)))
     await board.settle(received, number)
     number += 1

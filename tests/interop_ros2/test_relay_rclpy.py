@@ -135,7 +135,7 @@ async def received(peer: RclpyPeer, topic: str, count: int) -> list[Any]:
 async def test_ros2_receives_each_message_of_ros1_once(sides: Sides) -> None:
     await sides.ros2.ask("subscribe", topic="/sensors/joints", type="sensor_msgs/msg/JointState")
     counter = await sides.ros1.rospy(COUNTER)
-    # The peer's queue holds 100, which is enough for it to pause some seconds on a busy machine.
+    # The peer's queue holds 100, which is enough for it to pause a few seconds on a busy machine.
     joints = await received(sides.ros2, "/sensors/joints", 40)
     await counter.stop()
     assert joints[0]["name"] == ["left", "right"]

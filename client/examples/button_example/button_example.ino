@@ -8,7 +8,7 @@
 
 const int BUTTON = 7;
 const int LED = 13;
-const unsigned long SETTLE_MS = 20;  // contacts bounce for some milliseconds
+const unsigned long SETTLE_MS = 20;  // contacts bounce for a few milliseconds
 
 ros::NodeHandle nh;
 

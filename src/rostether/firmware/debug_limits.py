@@ -16,7 +16,7 @@ from rostether.errors import FirmwareError
 MAX_FILE_BYTES = 64 * 1024 * 1024
 MAX_ATTRIBUTES = 20_000_000
 MAX_LINES = 5_000_000
-# The limit of a line program: some thousand files.
+# The limit of a line program: a few thousand files.
 _MAX_HEADER_BYTES = 1024 * 1024
 _VERSION = 5
 _DATA1, _DATA2, _DATA4, _DATA8, _DATA16 = 0x0B, 0x05, 0x06, 0x07, 0x1E

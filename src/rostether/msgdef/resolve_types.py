@@ -14,7 +14,7 @@ SpecT = TypeVar("SpecT", bound="_Message")
 # The deepest in use nest about 8; definitions also come from peers.
 MAX_DEPTH = 32
 # The values that every message contains because of fixed arrays and nesting: with two fields of the next type
-# on each of 32 levels, 1 KB of text would mean 4e9 values; the largest in use have some thousand.
+# on each of 32 levels, 1 KB of text would mean 4e9 values; the largest in use have a few thousand.
 MAX_FIXED_VALUES = 1 << 20
 
 # A fixed array of bytes is one value in memory, so it counts by size only.

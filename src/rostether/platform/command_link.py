@@ -166,7 +166,7 @@ class CommandReceiver:
 
     @property
     def deadline_s(self) -> float | None:
-        """When to call `expired` next; None if no sender is active."""
+        """When to call `expire` next; None if no sender is active."""
         return self._deadline_s
 
     @property
@@ -184,7 +184,7 @@ class CommandReceiver:
 
         A frame with the flag STOP or RELEASE, or without ARMED, ends all motion.
         """
-        self.expired(now_s)
+        self.expire(now_s)
         self.last_frame, self.refusal = None, Refusal.NONE
         try:
             frame = decode_frame(datagram, self._settings.key)
@@ -206,7 +206,7 @@ class CommandReceiver:
         self.is_moving = frame.flags & _MOTION == Flags.ARMED
         return frame
 
-    def expired(self, now_s: float) -> bool:
+    def expire(self, now_s: float) -> bool:
         """End the sender's control if it was silent too long; return whether the robot must stop now."""
         if self._deadline_s is None or now_s < self._deadline_s:
             return False

@@ -239,7 +239,7 @@ class _Receiver:
             self._watch(commands)
 
     def _stop_if_expired(self, commands: CommandReceiver, now_s: float) -> bool:
-        has_expired = commands.expired(now_s)
+        has_expired = commands.expire(now_s)
         if has_expired:
             self._report(Level.WARN, f"no command within the time to live; stopping {self._publisher.topic}")
             self._publisher.publish()

@@ -20,7 +20,7 @@ class GraphLimits:
     room for other machines; the programs of this machine need no such limit.
     `xmlrpc_request_s`: the time of the largest request over a slow radio link; slower ones are refused.
     `parameter_bytes`, `parameters_bytes`: the memory for the parameters of one call to the master, and for
-    all parameters together. A few robot descriptions have some MB; larger data belongs in files.
+    all parameters together. A few robot descriptions have a few MB; larger data belongs in files.
     `message_bytes`: a message, request or answer of a node: four times the largest in practice.
     `header_bytes`: a connection header, mostly its message definition; Debian's longest one is 20 KB.
     `header_s`: how long a peer may take for it. TCP repeats what a bad radio link lost within 3 s.

@@ -64,7 +64,7 @@ MAX_RETRY_S = 1.0
 # A sketch that rarely spins answers late every time: wait for its last answer's delay times this factor.
 ANSWER_MARGIN = 1.5
 
-# The number of requests to a device that answered the first one, but no later one: some seconds.
+# The number of requests to a device that answered the first one, but no later one: a few seconds.
 MAX_UNANSWERED = 6
 
 

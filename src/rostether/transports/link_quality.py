@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import deque
 from dataclasses import dataclass, field
 
-# How many of the last packets a finding counts: some seconds of a busy link, and enough that one lost packet
+# How many of the last packets a finding counts: a few seconds of a busy link, and enough that one lost packet
 # has little weight.
 RECENT_PACKETS = 50
 # The packets that a finding needs if all were lost.

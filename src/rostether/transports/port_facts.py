@@ -52,7 +52,7 @@ class PortFacts:
 
 
 def read_port_facts(path: str, list_ports: Callable[[], Sequence[NamedPort]]) -> PortFacts:
-    """Return the facts about a port. Takes some ms, because it reads /proc."""
+    """Return the facts about a port. Takes a few ms, because it reads /proc."""
     if os.name == "nt":
         return _windows_facts(path, list_ports())
     exists = os.path.exists(path)  # noqa: PTH110 - follows links as opening does

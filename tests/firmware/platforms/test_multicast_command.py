@@ -51,7 +51,7 @@ def expected(series: list[tuple[int, bytes]]) -> list[str]:
     robot, reporter, lines = CommandReceiver(ROBOT), StatusReporter(3, KEY), []
     for now_ms, datagram in series:
         now_s = now_ms / 1000
-        if robot.expired(now_s):
+        if robot.expire(now_s):
             lines.append("3 -")
         frame = robot.receive(datagram, now_s)
         status = reporter.answer(robot, ADDRESS, now_s, lambda: -61)

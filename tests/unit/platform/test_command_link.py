@@ -51,9 +51,9 @@ def test_a_robot_stops_when_its_sender_is_silent(robot: CommandReceiver) -> None
     sender = CommandSender(replace(TO_ROBOT, ttl_ms=500), 1_000)
     robot.receive(sender.command(b"go", 0.0)[0], 10.0)
     assert robot.deadline_s == 10.5
-    assert not robot.expired(10.49)
-    assert robot.expired(10.5)
-    assert not robot.expired(10.6)
+    assert not robot.expire(10.49)
+    assert robot.expire(10.5)
+    assert not robot.expire(10.6)
     assert not robot.is_moving
 
 

@@ -129,4 +129,4 @@ def test_robots_whose_sender_is_killed_stop_within_their_time_to_live() -> None:
         assert robot.link.deadline_s is not None
         assert robot.link.deadline_s == robot.accepted_s[-1] + ttl_s
         assert robot.accepted_s[-1] < 1.0 + JITTER_S
-        assert robot.link.expired(robot.link.deadline_s)
+        assert robot.link.expire(robot.link.deadline_s)

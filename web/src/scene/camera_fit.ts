@@ -4,9 +4,11 @@ import { type Box3, Vector3 } from "three";
 /** The part of the picture's width and height that the box fills. */
 const FILLED = 0.8;
 
-/** The distance from the box's middle, seen from direction `toCamera` with z up, in the unit of the box.
+/**
+ * The distance from the box's middle, seen from direction `toCamera` with z up, in the unit of the box.
  *
- * `halfAngle` is half of the vertical field of view in radians, `aspect` the picture's width by its height. */
+ * `halfAngle` is half of the vertical field of view in radians, `aspect` the picture's width by its height.
+ */
 export function distanceToFit(box: Box3, toCamera: Vector3, halfAngle: number, aspect: number): number {
   const back = toCamera.clone().normalize();
   const right = new Vector3(0, 0, 1).cross(back).normalize();

@@ -19,9 +19,11 @@ export class Caption extends Sprite {
   }
 }
 
-/** Give captions their size in a picture of this many pixels, and hide those that would cover an earlier one.
+/**
+ * Gives captions their size in a picture of this many pixels, and hides those that would cover an earlier one.
  *
- * Things behind the camera have a place in the picture too, but cover nothing. */
+ * Things behind the camera have a place in the picture too, but cover nothing.
+ */
 export function arrangeCaptions(captions: Iterable<Caption>, camera: PerspectiveCamera, size: Vector2): void {
   const unitsPerPx = (2 * Math.tan((camera.fov * Math.PI) / 360)) / size.y;
   const shown: { at: Vector2; widthPx: number }[] = [];

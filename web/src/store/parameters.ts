@@ -1,4 +1,4 @@
-// The robot's parameters: read once a panel asks, then followed.
+// The robot's parameters: read when a panel asks, then followed.
 import { type Signal, signal } from "@preact/signals";
 import type { Gateway } from "../connection/gateway.ts";
 import type { Parameter } from "../connection/protocol.ts";

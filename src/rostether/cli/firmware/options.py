@@ -57,7 +57,7 @@ async def build(sketch: Path, board_name: str, options: BuildOptions) -> BuiltFi
 
     try:
         board = find_board(board_name)
-        with reported_when_long(_show_wait, f"building {sketch} for {board.title}; this takes some seconds"):
+        with reported_when_long(_show_wait, f"building {sketch} for {board.title}; this takes a few seconds"):
             built = await build_sketch(sketch, board, options)
     except SketchError as error:
         warn(error.diagnostics.rstrip("\n"))

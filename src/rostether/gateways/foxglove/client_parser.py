@@ -16,10 +16,10 @@ from rostether.gateways.foxglove import client_messages as requests
 from rostether.gateways.large_json import check_few_values, parse_json
 from rostether.gateways.shown_values import show
 
-# Subscriptions, channels or names in one message; a large system has some thousand topics.
+# Subscriptions, channels or names in one message; a large system has a few thousand topics.
 MAX_ITEMS = 4096
 
-# Checking a longer text takes longer than 10 ms. The longest texts set a robot description of some MB.
+# Checking a longer text takes longer than 10 ms. The longest texts set a robot description of a few MB.
 MAX_TEXT_MESSAGE_CHARACTERS = 4 << 20
 
 # The limit of a name, an encoding or an id; ROS names have less than 256 characters.

@@ -20,7 +20,7 @@ from rostether.gateways.foxglove.settings import NameFilter
 from rostether.graph.ports import Graph, ParamValue, Watch
 from rostether.serde.plain_form import clean_text
 
-# The limit in one response; a large robot has some thousand parameters.
+# The limit in one response; a large robot has a few thousand parameters.
 MAX_PARAMETERS = 20_000
 
 _ASKED_AT_ONCE = 16

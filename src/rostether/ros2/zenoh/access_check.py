@@ -21,7 +21,7 @@ from rostether.ros2.zenoh.tokens import Kind, Token, all_tokens, data_key, parse
 # The number of topics to probe; rules usually cover groups of topics.
 MAX_TOPICS = 64
 
-# The time limit of a probe: about 1 s on busy Wi-Fi, some seconds on a busy machine.
+# The time limit of a probe: about 1 s on busy Wi-Fi, a few seconds on a busy machine.
 PROBE_LIMIT_S = 10.0
 
 # The time for a subscription to become known before the next probe.

@@ -24,8 +24,8 @@ from rostether.ros2.zenoh.shared_session import LiveToken
 from rostether.ros2.zenoh.subscription import Receiver, Subscription
 from rostether.ros2.zenoh.tokens import Kind, Token
 
-# The time to wait for an unknown service to appear: 1 ms on one machine, less than this through several
-# routers.
+# The time to wait for news of an unknown service: it takes 1 ms on one machine, and less than this through
+# several routers.
 NEWS_TIME_S = 0.2
 
 # The number of service clients that a node keeps; a board's sketch has only a few.

@@ -12,7 +12,7 @@
 
 #include "board.h"
 
-/* A reader that pauses for a second at some thousand events a second loses none. */
+/* A reader that pauses for a second at a few thousand events a second loses none. */
 #define ROOM (512 * 1024)
 #define LONGEST_EVENT (64 * 1024)
 /* A write of that size to a pipe that poll calls writable does not block. */
