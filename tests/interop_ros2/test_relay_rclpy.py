@@ -194,7 +194,7 @@ async def test_actions_of_each_are_called_in_the_other(sides: Sides) -> None:
     text = Registry([sides.definitions]).message_type(f"{ACTION}Action").definition
     counting = await sides.ros1.start("python", "-c", COUNTING, stdin=text.encode())
     acted = await ros2.ask("act", action="/count_1", type=action, goal={"order": 5})
-    assert acted["status"] == SUCCEEDED
+    assert acted["status"] == SUCCEEDED, (acted, counting.text, [relay.text for relay in sides.relays])
     assert acted["result"] == {"sequence": [0, 1, 1, 2, 3, 5]}
     await counting.wait_for("SUCCEEDED [0, 1, 1, 2]")
     await counting.stop()
