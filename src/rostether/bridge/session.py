@@ -205,7 +205,7 @@ class Session:
         due_s = self.link.get_timer()
         if due_s is None:
             return
-        # A timer that fires too early costs one check; a reset for each chunk would cost more.
+        # A timer that fires too early costs one check; setting it again for each chunk would cost more.
         if self._timer is None or due_s < self._timer_due_s:
             if self._timer is not None:
                 self._timer.cancel()

@@ -60,8 +60,8 @@ def write_library(
 ) -> WrittenLibrary:
     """Write the library to `directory`/ros_lib, replacing an older generated one as a whole.
 
-    Has the arguments and errors of `render_library`; also raises CodegenError if the path is in use or
-    cannot be written.
+    Takes the arguments and raises the errors of `render_library`; also raises CodegenError if the path is in
+    use or cannot be written.
     """
     return write_rendered(
         directory, lambda: render_library(registry, for_sketch=for_sketch, packages=packages, search=search)

@@ -43,8 +43,8 @@ def write_micropython_library(
 ) -> WrittenLibrary:
     """Write the library to `directory`/ros_lib, replacing an older generated one as a whole.
 
-    Has the arguments and errors of `render_micropython_library`; also raises CodegenError if the path is in
-    use or it cannot be written.
+    Takes the arguments and raises the errors of `render_micropython_library`; also raises CodegenError if the
+    path is in use or cannot be written.
     """
     return write_rendered(
         directory,

@@ -61,7 +61,7 @@ class MessageSpec:
 
     @property
     def full_name(self) -> str:
-        """Return `package/Name`."""
+        """The name `package/Name`."""
         return f"{self.package}/{self.name}"
 
 
@@ -77,5 +77,5 @@ class ServiceSpec:
 
     @property
     def full_name(self) -> str:
-        """Return `package/Name`."""
+        """The name `package/Name`."""
         return f"{self.package}/{self.name}"

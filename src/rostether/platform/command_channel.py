@@ -62,7 +62,7 @@ class CommandChannel:
 
     @property
     def is_overtaken(self) -> bool:
-        """Return whether a robot has obeyed a sender with a later epoch, so that it refuses this one."""
+        """Whether a robot has obeyed a sender with a later epoch, so that it refuses this one."""
         return self._last_epoch_us > self.epoch_us
 
     def start_sender(self, settings: SenderSettings) -> CommandSender:

@@ -57,7 +57,7 @@ class FleetSender:
 
     @property
     def robots(self) -> list[Robot]:
-        """Return the robots that have answered, by id and host."""
+        """The robots that have answered, by id and host."""
         return [robot for _, robot in sorted(self._channel.table.robots.items())]
 
     async def query(self, duration_s: float = QUERY_S, period_s: float = REPEAT_S) -> None:

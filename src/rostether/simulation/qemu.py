@@ -111,7 +111,7 @@ class QemuBoard(BlockClosable):
 
     @property
     def address(self) -> str:
-        """Return the link address of the board's UART for `serve`."""
+        """The link address of the board's UART for `serve`."""
         return self._terminal
 
     @property

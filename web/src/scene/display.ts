@@ -66,7 +66,7 @@ export abstract class HeaderDisplay<Message> implements Display {
   protected abstract draw(message: Message): void;
 }
 
-/** Release the resources of an object on the graphics card. */
+/** Releases the resources of an object on the graphics card. */
 export function disposeTree(root: Object3D): void {
   root.removeFromParent();
   root.traverse((object) => {

@@ -42,7 +42,7 @@ function checkTextStl(text: string): void {
     throw new Error("a solid or a triangle has no end");
 }
 
-/** Throw an Error if a Collada file has too many nodes; a node counts as often as other nodes contain it. */
+/** Throws an Error if a Collada file has too many nodes; a node counts as often as other nodes contain it. */
 export function checkCollada(text: string): void {
   const file: Content = { own: 0, instances: [] };
   const inside = new Map<string, Content>();

@@ -8,7 +8,7 @@ import { checkCollada, checkStl } from "./mesh_limits.ts";
 type FetchAsset = (uri: string) => Promise<Uint8Array>;
 
 /**
- * Load a mesh.
+ * Loads a mesh.
  *
  * @param uri package:// or file://
  * @param material replaces the file's own; undefined keeps the file's.

@@ -71,7 +71,7 @@ export class RobotModel {
     for (const [frame, object] of this.visuals) yield { frame, stampS: null, object };
   }
 
-  /** Detach the links, so that the view can place each one. */
+  /** Detaches the links, so that the view can place each one. */
   separate(): void {
     for (const group of this.visuals.values()) group.removeFromParent();
   }

@@ -15,7 +15,7 @@ interface Received {
   readonly receivedMs: number;
 }
 
-/** Follow the frames; `onChange` runs after each message. The subscriptions end with the panel. */
+/** Follows the frames; `onChange` runs after each message. The subscriptions end with the panel. */
 export function followTf(context: PanelContext, onChange: () => void): TfBuffer {
   const tf = new TfBuffer();
   for (const { transform, receivedMs } of staticsOf(context.robot.feed(STATIC_TOPIC)).values())

@@ -68,7 +68,7 @@ class Ros2Message:
 
     @property
     def full_name(self) -> str:
-        """Return `package/kind/Name`."""
+        """The name `package/kind/Name`."""
         return f"{self.package}/{self.kind}/{self.name}"
 
     @property
@@ -89,7 +89,7 @@ class Ros2Service:
 
     @property
     def full_name(self) -> str:
-        """Return `package/kind/Name`."""
+        """The name `package/kind/Name`."""
         return f"{self.package}/{self.kind}/{self.name}"
 
     @property
@@ -110,7 +110,7 @@ class Ros2Action:
 
     @property
     def full_name(self) -> str:
-        """Return `package/action/Name`."""
+        """The name `package/action/Name`."""
         return f"{self.package}/action/{self.name}"
 
     @property

@@ -46,7 +46,7 @@ class TypedValue:
 
     @property
     def may_have_other_type(self) -> bool:
-        """Return whether the value may be meant as another type: a whole number, or an empty list."""
+        """Whether the value may be meant as another type: a whole number, or an empty list."""
         is_whole = self.type in (ParameterType.INTEGER, ParameterType.INTEGER_ARRAY)
         return is_whole or (self.type is ParameterType.STRING_ARRAY and not self.value)
 

@@ -131,7 +131,7 @@ class OpenCrBoard(BlockClosable):
 
     @property
     def address(self) -> str:
-        """Return the link address of the board's USB port for `serve`."""
+        """The link address of the board's USB port for `serve`."""
         return self._terminal
 
     @property
@@ -141,7 +141,7 @@ class OpenCrBoard(BlockClosable):
 
     @property
     def time_s(self) -> float:
-        """Return for how long the program has been running, in seconds."""
+        """How long the program has been running, in seconds."""
         return self._loop.time() - self._started_s
 
     def event(self, name: str, **values: object) -> BoardEvent:

@@ -104,7 +104,7 @@ class SimulatedBoard(BlockClosable):
 
     @property
     def address(self) -> str:
-        """Return the link address of the board's serial line for `serve`; empty without a link."""
+        """The link address of the board's serial line for `serve`; empty without a link."""
         return self._terminal
 
     @property
