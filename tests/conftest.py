@@ -152,8 +152,7 @@ def pytest_collection_finish(session: pytest.Session) -> None:
     """Keep the tests that were collected out of each search for garbage, which would take 0.2 s."""
     gc.collect()
     gc.freeze()
-    # Tests of the bridge, which freezes as well, end this state. Then all objects are searched: less often.
-    gc.set_threshold(700, 10, 100)
+    # Tests of the bridge, which freezes as well, end this state.
     session.config.stash[FROZEN_OBJECTS] = gc.get_freeze_count(), len(gc.get_objects())
 
 
