@@ -20,6 +20,7 @@ from effort import effort
 from frozen_objects import FROZEN_OBJECTS
 from interop.ros1_peers import MAX_WORKERS, missing_robot, missing_ros1, missing_roscpp
 from interop_web.web_peers import missing_web
+from programs import last_output
 from rostether.errors import ConfigError
 from rostether.pictures.png import png
 from rostether.pictures.scene import Scene
@@ -165,8 +166,11 @@ def pytest_runtest_setup(item: pytest.Item) -> None:
 
 @pytest.hookimpl(wrapper=True)
 def pytest_runtest_makereport() -> Generator[None, pytest.TestReport, pytest.TestReport]:
-    """Let a skipped test fail in CI, where every peer is installed."""
-    return _fail_when_skipped((yield))
+    """Let a skipped test fail in CI, where every peer is installed; show what programs printed."""
+    report = _fail_when_skipped((yield))
+    if report.failed:
+        report.sections += last_output()
+    return report
 
 
 @pytest.hookimpl(wrapper=True)

@@ -12,6 +12,7 @@ import subprocess
 import sys
 import threading
 import time
+import weakref
 from collections.abc import AsyncIterator, Callable, Iterator, Mapping, Sequence
 from contextlib import asynccontextmanager, contextmanager
 from dataclasses import dataclass, field
@@ -24,7 +25,11 @@ PATIENCE_S = 60.0
 OURS = (sys.executable, "-m", "rostether")
 
 
-@dataclass
+# The last lines of each program that a failed test's report shows.
+SHOWN_LINES = 20
+
+
+@dataclass(eq=False)
 class Peer:
     """One running program; `lines` grows as it prints (standard error too)."""
 
@@ -95,6 +100,9 @@ class Peer:
                 await asyncio.wait_for(self.reader, PATIENCE_S / 4)
 
 
+_peers: weakref.WeakKeyDictionary[Peer, str] = weakref.WeakKeyDictionary()
+
+
 def _descendants(pid: int) -> set[int]:
     """Return the ids of a process, its children, and theirs."""
     parents: dict[int, int] = {}
@@ -120,8 +128,17 @@ async def start_program(*command: str, environment: Mapping[str, str], reads: bo
         limit=1 << 22,
     )
     peer = Peer(process)
+    _peers[peer] = Path(command[0]).name + " " + " ".join(command[1:])
     peer.reader = asyncio.create_task(peer.read())
     return peer
+
+
+def last_output() -> list[tuple[str, str]]:
+    """Return the command and the last lines of every program that a test or its fixtures hold."""
+    return [
+        (f"{command[:200]} printed last", "\n".join(peer.lines[-SHOWN_LINES:]))
+        for peer, command in _peers.items()
+    ]
 
 
 async def start_command(

@@ -14,6 +14,7 @@ from _pytest.runner import runtestprotocol
 # The attribute of a report with the failure of the first try. pytest-xdist carries it to the controller.
 _FIRST_FAILURE = "first_failure"
 _MAX_FAILURE_CHARS = 600
+_MAX_OUTPUT_CHARS = 10_000
 
 _failures: list[tuple[str, str]] = []
 
@@ -59,4 +60,5 @@ def _summary(report: pytest.TestReport) -> str:
     ]
     crash = getattr(report.longrepr, "reprcrash", None)
     place = "" if crash is None else f"{crash.path}:{crash.lineno}: "
-    return place + " ".join(" ".join(message).split())[:_MAX_FAILURE_CHARS]
+    output = "".join(f"\n--- {title}:\n{lines}" for title, lines in report.sections)
+    return place + " ".join(" ".join(message).split())[:_MAX_FAILURE_CHARS] + output[:_MAX_OUTPUT_CHARS]

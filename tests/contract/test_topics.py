@@ -260,6 +260,16 @@ async def test_closing_a_publisher_disconnects_its_subscribers(join: JoinGraph) 
     await until(lambda: again.subscriber_count == 1)
 
 
+async def test_a_publisher_of_a_closed_node_has_no_subscribers_and_drops_messages(join: JoinGraph) -> None:
+    talker, listener = await join("/talker"), await join("/listener")
+    publisher = await talker.advertise("/chat", STRING)
+    await listener.subscribe("/chat", STRING, Inbox().take)
+    await until(lambda: publisher.subscriber_count)
+    await talker.close()
+    assert publisher.publish_raw([string("late")])
+    assert publisher.subscriber_count == 0
+
+
 async def test_no_callback_runs_after_a_subscriber_is_closed(join: JoinGraph) -> None:
     talker, listener = await join("/talker"), await join("/listener")
     closed, witness = Inbox(), Inbox()

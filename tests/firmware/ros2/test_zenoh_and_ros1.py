@@ -115,7 +115,8 @@ async def received_back(world: World, name: str, payload: bytes, there: str, bac
     message_type, inbox = STORE.registry.message_type(name), Inbox()
     await world.ros2.subscribe(back, message_type, inbox.take, on_connection=inbox.take_header)
     publisher = await world.ros2.advertise(there, message_type)
-    await until(lambda: publisher.subscriber_count and inbox.headers)
+    await until(lambda: publisher.subscriber_count, f"a subscriber of {there}")
+    await until(lambda: inbox.headers, f"a publisher of {back}")
     assert inbox.headers[0]["callerid"] == "/lab/arm"
     publisher.publish_raw([payload])
     await until(lambda: inbox.payloads)

@@ -80,9 +80,7 @@ class Publication:
         )
         self._refusal_reported = False
         self._loss_reported = False
-        # zenoh's notification arrives for every subscriber, even one without a token; a token may arrive
-        # before it.
-        self._is_matched = False
+        self._is_closed = False
         self._subscribers: list[Token] = []
         self._declare()
         node.session.graph.listen(Kind.SUBSCRIBER, topic, self._update_subscribers)
@@ -96,7 +94,7 @@ class Publication:
     @property
     def subscriber_count(self) -> int:
         """How many subscribers of the same type there are; 0 before zenoh has a route to them."""
-        return len(self._subscribers) if self._is_matched or self._qos.is_latching else 0
+        return len(self._subscribers) if self._subscribers and self._has_route() else 0
 
     def share(self, message_type: MessageType, *, latch: bool) -> None:
         """Add a handle to this publication. Raises TypeMismatchError if it has a different type."""
@@ -108,7 +106,7 @@ class Publication:
 
     def publish(self, payloads: Sequence[bytes]) -> bool:
         """Put a batch, or queue it while a link is full; see `Publisher.publish_raw`."""
-        if not (self._is_matched or self._subscribers or self._qos.is_latching):
+        if self._is_closed or not (self._subscribers or self._has_route()):
             return True
         queue = self._queue
         if queue.is_idle:
@@ -126,6 +124,7 @@ class Publication:
 
     async def close(self) -> None:
         """Unadvertise, after the queued messages are sent."""
+        self._is_closed = True
         try:
             await self._queue.finish()
         finally:
@@ -178,7 +177,6 @@ class Publication:
     def _declare(self) -> None:
         session = self._node.session.zenoh
         if self._qos.is_latching:
-            self._matching = None
             self._publisher: _Putting = ext.declare_advanced_publisher(
                 session,
                 self._key,
@@ -187,17 +185,11 @@ class Publication:
                 publisher_detection=True,
             )
         else:
-            publisher = session.declare_publisher(
+            self._publisher = session.declare_publisher(
                 self._key,
                 congestion_control=zenoh.CongestionControl.DROP,
                 reliability=zenoh.Reliability.RELIABLE,
             )
-            self._matching = publisher.declare_matching_listener(
-                zenoh.handlers.Callback(self._match, indirect=False)
-            )
-            # The type stubs declare it as bool.
-            self._is_matched = cast(zenoh.MatchingStatus, publisher.matching_status).matching
-            self._publisher = publisher
         self._token: LiveToken = self._node.declare(
             Kind.PUBLISHER, self.topic, self._type_name, self._support.type_hash, self._qos
         )
@@ -208,9 +200,13 @@ class Publication:
         self._token.withdraw()
         self._publisher.undeclare()
 
-    def _match(self, status: zenoh.MatchingStatus) -> None:
-        # In one of zenoh's threads: a single assignment needs no lock.
-        self._is_matched = status.matching
+    def _has_route(self) -> bool:
+        """Return whether zenoh has a subscriber, even one without a token, or stores messages."""
+        if not isinstance(self._publisher, zenoh.Publisher):
+            return True
+        # This takes 1 us. A listener may report its first match before the status at the start is stored.
+        # The type stubs declare the status as bool.
+        return cast(zenoh.MatchingStatus, self._publisher.matching_status).matching
 
     def _update_subscribers(self) -> None:
         ends = self._node.session.graph.endpoints(Kind.SUBSCRIBER, self.topic)

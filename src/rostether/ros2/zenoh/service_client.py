@@ -24,6 +24,7 @@ ENDLESS_S = 7 * 24 * 3600.0
 
 # The delay between a server's token and its queryable; about 1 ms on one machine.
 REACH_S = 2.0
+REACH_POLL_S = 0.001
 
 # A server's error is one line of text.
 MAX_ERROR_CHARACTERS = 2000
@@ -41,18 +42,12 @@ class ServiceClient:
         self._token = node.declare(Kind.CLIENT, service, type_name, support.type_hash, SERVICES_QOS)
         self._gid = gid_of(self._token.text)
         self._loop = asyncio.get_running_loop()
-        self._reachable = asyncio.Event()
         self._querier = node.session.zenoh.declare_querier(
             self._key,
             target=zenoh.QueryTarget.ALL_COMPLETE,
             consolidation=zenoh.ConsolidationMode.NONE,
             timeout=ENDLESS_S,
         )
-        self._matching = self._querier.declare_matching_listener(
-            zenoh.handlers.Callback(self._match, indirect=False)
-        )
-        # The stubs call it a bool.
-        self._set_reachable(cast(zenoh.MatchingStatus, self._querier.matching_status).matching)
         self._sequence = 0
 
     async def call(self, request: bytes, timeout_s: float | None) -> bytes:
@@ -114,28 +109,16 @@ class ServiceClient:
     def close(self) -> None:
         """Withdraw the client's token."""
         self._token.withdraw()
-        self._matching.undeclare()
         self._querier.undeclare()
 
     async def _reach(self, timeout_s: float | None) -> None:
         """Wait until zenoh has a route to the server: its token may come earlier."""
-        limit_s = REACH_S if timeout_s is None else min(timeout_s, REACH_S)
-        try:
-            async with asyncio.timeout(limit_s):
-                await self._reachable.wait()
-        except TimeoutError:
-            raise ServiceUnavailableError(
-                f"service {self.service} is listed, but zenoh cannot reach it; check that its node is still "
-                "running"
-            ) from None
-
-    def _match(self, status: zenoh.MatchingStatus) -> None:
-        # In one of zenoh's threads; the event loop may have ended by then.
-        if not self._loop.is_closed():
-            self._loop.call_soon_threadsafe(self._set_reachable, status.matching)
-
-    def _set_reachable(self, is_reachable: bool) -> None:
-        if is_reachable:
-            self._reachable.set()
-        else:
-            self._reachable.clear()
+        deadline_s = time.monotonic() + (REACH_S if timeout_s is None else min(timeout_s, REACH_S))
+        # The type stubs declare the status as bool.
+        while not cast(zenoh.MatchingStatus, self._querier.matching_status).matching:
+            if time.monotonic() > deadline_s:
+                raise ServiceUnavailableError(
+                    f"service {self.service} is listed, but zenoh cannot reach it; check that its node is "
+                    "still running"
+                )
+            await asyncio.sleep(REACH_POLL_S)
