@@ -1,4 +1,4 @@
-"""A second try for a test that failed beside others, reported at the end of the run.
+"""A second try for a test that failed beside others, with new fixtures, reported at the end of the run.
 
 The test processes keep a machine so busy that boards and peers in real time may be late. A test that is run
 alone has one try.
@@ -7,6 +7,7 @@ alone has one try.
 from __future__ import annotations
 
 import os
+from typing import Any
 
 import pytest
 from _pytest.runner import runtestprotocol
@@ -27,7 +28,11 @@ def pytest_runtest_protocol(item: pytest.Item, nextitem: pytest.Item | None) -> 
     reports = runtestprotocol(item, nextitem=nextitem, log=False)
     failed = [each for each in reports if each.failed]
     if failed:
-        # The fixtures are made again.
+        # The module's fixtures, too, are made again: what is wrong may be there. Their errors do not matter.
+        module = item.getparent(pytest.Module)
+        folder = module and module.parent
+        state: Any = item.session._setupstate
+        pytest.CallInfo.from_call(lambda: state.teardown_exact(folder), "teardown")
         item._initrequest()  # type: ignore[attr-defined]
         reports = runtestprotocol(item, nextitem=nextitem, log=False)
         setattr(reports[-1], _FIRST_FAILURE, _summary(failed[0]))

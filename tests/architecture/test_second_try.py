@@ -22,8 +22,16 @@ async def number():
     TRIES.append(1)
     yield len(TRIES)
 
-async def test_late(number):
+@pytest.fixture(scope="module")
+def place():
+    yield TRIES.copy()
+
+def test_first(place):
+    pass
+
+async def test_late(place, number):
     assert number == 2, "too late"
+    assert place, "not made again"
 
 def test_wrong():
     assert False, "never true"
@@ -49,7 +57,7 @@ def test_a_test_beside_others_has_two_tries(processes: int, tmp_path: Path) -> N
     )
     output = finished.stdout
     assert finished.returncode == 1
-    assert f"{2 - processes} failed, {1 + processes} passed" in output
+    assert f"{2 - processes} failed, {2 + processes} passed" in output
     assert ("= second tries =" in output) == bool(processes)
     assert output.count("test_it.py::test_late: ") == processes
     assert ("too late" in output.partition("= second tries =")[2]) == bool(processes)
