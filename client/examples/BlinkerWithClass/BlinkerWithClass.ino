@@ -3,7 +3,7 @@
 // Wiring: none, the LED on pin 13 is on the board.
 // Try it:  rostether serve /dev/ttyACM0
 //          rostether topic pub -1 /set_blink_period std_msgs/UInt16 100        100 ms on, 100 ms off
-//          rostether service call /activate_blinker false                      and off
+//          rostether service call /activate_blinker false                      off
 
 #include <ros.h>
 #include <std_msgs/UInt16.h>

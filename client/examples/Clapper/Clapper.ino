@@ -1,6 +1,6 @@
 // Clapper: publishes on the topic "clap" when you clap twice.
 //
-// Wiring:  a piezo disc between A0 and GND, a resistor of 1 megaohm beside it.
+// Wiring:  a piezo disc between A0 and GND, and a resistor of 1 megaohm in parallel.
 // Try it:  rostether serve /dev/ttyACM0          rostether topic echo /clap
 
 #include <ros.h>

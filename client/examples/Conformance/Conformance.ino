@@ -1,4 +1,5 @@
-// Conformance: the program that the conformance kit checks: returns texts and numbers, calls, asks and logs on command.
+// Conformance: the program that `rostether conformance` checks. It returns texts and numbers. On command, it calls a
+// service, gets parameters and logs.
 //
 // Wiring:  none.
 // Try it:  rostether conformance /dev/ttyACM0
@@ -76,7 +77,7 @@ void log() {
   nh.logfatal("fatal");
 }
 
-// The command waits in loop(): a call or a parameter inside of a callback would keep the callback's message.
+// loop() handles the command: a service call or a parameter request inside a callback would keep its message in memory.
 uint8_t command = 0;
 void keep(const std_msgs::UInt8& message) { command = message.data; }
 

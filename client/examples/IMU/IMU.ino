@@ -3,9 +3,9 @@
 // Wiring:  sensor VCC - 3.3V, GND - GND, SDA - A4, SCL - A5 (on a Mega SDA - 20, SCL - 21).
 // Try it:  rostether serve /dev/ttyACM0          rostether topic echo /imu_data          rviz, fixed frame base_link
 //
-// A gyroscope follows every movement, but drifts; gravity and the Earth's magnetic field show the true attitude, but
-// shake with every movement. A complementary filter combines the fast changes of the first with the slow ones of the
-// others.
+// A gyroscope follows every movement, but drifts. Gravity and the Earth's magnetic field show the true attitude, but
+// every movement disturbs their measurement. A complementary filter combines the fast changes of the gyroscope with the slow
+// ones of the others.
 // Roll, pitch and yaw are zero when the sensor lies flat and its x axis points to magnetic north.
 
 #include <Wire.h>

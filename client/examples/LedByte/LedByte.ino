@@ -1,7 +1,7 @@
 // LedByte: four LEDs show the bits of the number that is received on the topic "led_out": 5 lights the first and the
 // third.
 //
-// Wiring:  none on an OpenCR, its LEDs USER1 to USER4 are on the board. On others an LED with a resistor of 1 kiloohm
+// Wiring:  OpenCR: none, its LEDs USER1 to USER4 are on the board. Other boards: an LED with a resistor of 1 kiloohm
 //          from each of the pins 4, 5, 6, 7 to GND.
 // Try it:  rostether serve /dev/ttyACM0          rostether topic pub -1 /led_out std_msgs/Byte 5
 

@@ -33,7 +33,7 @@ void loop() {
   const float dt = (now_ms - last_ms) * 0.001;
   last_ms = now_ms;
 
-  // Over a short time it drives straight ahead, in its direction at half of the time.
+  // Each step is a straight line, in the direction at the middle of the step.
   const float halfway = heading + 0.5 * TURN_RATE * dt;
   x += FORWARD_SPEED * dt * cos(halfway);
   y += FORWARD_SPEED * dt * sin(halfway);

@@ -11,7 +11,7 @@ const int TRIG = 6;
 const int ECHO = 5;
 
 const float SPEED_OF_SOUND = 343.0e-6;        // meters in a microsecond, at 20 degrees Celsius
-const unsigned long PERIOD_MS = 50;           // under 25 ms the last echo would disturb the next
+const unsigned long PERIOD_MS = 50;           // below 25 ms, the last echo would disturb the next one
 const unsigned long LONGEST_ECHO_US = 25000;  // there and back over 4 m
 
 ros::NodeHandle nh;
@@ -20,8 +20,8 @@ sensor_msgs::Range range_msg;
 ros::Publisher pub_range("ultrasound", &range_msg);
 unsigned long measured_ms;
 
-// The time at which the echo pin no longer has a level; 0 when it keeps it. Other than pulseIn(), micros() does not
-// lose time while bytes are received and sent on the serial line.
+// The time at which the echo pin leaves the level; 0 if it does not. Unlike pulseIn(), micros() does not lose time
+// while bytes are received and sent on the serial line.
 unsigned long endOf(int level) {
   const unsigned long began_us = micros();
   while (digitalRead(ECHO) == level) {
@@ -32,7 +32,7 @@ unsigned long endOf(int level) {
 
 // Meters; infinite when no echo came back.
 float measureRange() {
-  digitalWrite(TRIG, HIGH);  // ten microseconds make it send
+  digitalWrite(TRIG, HIGH);  // a pulse of 10 us starts a measurement
   delayMicroseconds(10);
   digitalWrite(TRIG, LOW);
   const unsigned long sent_us = endOf(LOW);

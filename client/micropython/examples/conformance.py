@@ -1,5 +1,5 @@
-# Conformance: the program that the conformance kit checks. It returns texts and numbers, and calls, asks and
-# logs on command.
+# Conformance: the program that `rostether conformance` checks. It returns texts and numbers. On command, it
+# calls a service, gets parameters and logs.
 #
 # Wiring:  none.
 # Try it:  rostether conformance /dev/ttyACM0
@@ -35,7 +35,7 @@ class Conformance:
     def spin(self):
         while True:
             self.nh.spinOnce()
-            # A call or a parameter waits: not inside of a callback.
+            # A service call or a parameter request blocks, so do not make it inside a callback.
             command, self.command = self.command, 0
             if command:
                 self.obey(command)

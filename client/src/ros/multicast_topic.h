@@ -1,5 +1,5 @@
 // The messages of a topic from a multicast group, in bare datagrams, as sent by rostether's multicast bridge without
-// `_framed`, and always by the reference's bridge.
+// `_framed`, and by the original multicast_topic_bridge.
 //
 //   ros::MulticastTopic<arduino_control::ArduinoControl, EthernetUDP> commands(&drive, &halt);
 //   ...

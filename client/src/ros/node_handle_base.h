@@ -72,7 +72,7 @@ class NodeHandleBase_ : public FrameWriter {
     client.nh_ = this;
     return add(client, 2);
   }
-  // Of ros/action_server.h.
+  // For the class in ros/action_server.h.
   template <class Action, class Object, uint8_t ID_BYTES>
   bool advertiseAction(ActionServer<Action, Object, ID_BYTES>& server) {
     server.nh_ = this;

@@ -86,7 +86,7 @@ VERBS: dict[str, VerbEntry] = {
             "pkg": ("launch.pkg:pkg", "Create, list and find packages."),
             "urdf": ("robot.urdf:urdf", "Check and show robot descriptions."),
             "xacro": ("robot.urdf:xacro", "Expand a xacro file."),
-            "env": ("launch.shims:env", "Type roslaunch, rostopic and other ROS 1 commands as before."),
+            "env": ("launch.shims:env", "Add roslaunch, rostopic and other ROS 1 commands to PATH."),
         },
         heading="Packages and launch files",
     ),

@@ -18,8 +18,8 @@ enum PipeState { PIPE_FAILED, PIPE_PENDING, PIPE_OPEN };
 // A Pipe has
 //   PipeState open(uint32_t wait_ms)        begins or continues opening, for about this time
 //   int read(uint8_t* bytes, size_t size)   bytes read; 0 if there are none; less if the pipe is broken
-//   int write(const uint8_t* bytes, size_t) likewise
-//   void wait(uint32_t wait_ms)             until it takes or gives bytes again, or so long
+//   int write(const uint8_t* bytes, size_t) bytes written; 0 if it accepts none; less if the pipe is broken
+//   void wait(uint32_t wait_ms)             until it can be read or written, at most this long
 //   void close()
 //   bool isNetwork()                        whether it can fail without an error
 //   const char* name(), const char* reason()  what is opened, and why that failed

@@ -60,11 +60,11 @@ class Controller:
                 self.publish(self.joint_angles if self.pose is None else self.pose)
 
     def take_servo_angles(self, angles):
-        """Remember where the board holds its servos."""
+        """Store the angles at which the board holds its servos."""
         self.held_by_board = [getattr(angles, name) for name in SERVO_NAMES]
 
     def set_servo_pose(self, request):
-        """Move the servos to a pose in small steps; answers when they have got there."""
+        """Move the servos to a pose in small steps, and answer when they have reached it."""
         goal = self.find_pose(request.position_id)
         if goal is None:
             return MoveArmResponse(success=False)
@@ -86,7 +86,7 @@ class Controller:
 
     @staticmethod
     def find_pose(position_id):
-        """Return the angles of a pose; None when there is none, or one that does not fit."""
+        """Return the angles of a pose; None if it does not exist or is not valid."""
         poses = rospy.get_param("servo_poses", [])
         if not 0 <= position_id < len(poses):
             rospy.logwarn("Servo pose %d not found; there are %d, from 0", position_id, len(poses))

@@ -25,7 +25,7 @@ class JointMover:
         self.service = rospy.Service("select_position_set", MoveJoints, self.select_position_set)
 
     def select_position_set(self, request):
-        """Take over a position set; a set that is not there or does not fit is refused by name."""
+        """Use a position set; log the name of a set that does not exist or does not fit, and refuse it."""
         sets = rospy.get_param("position_sets", {})
         if request.set_name not in sets:
             known = ", ".join(sorted(sets))

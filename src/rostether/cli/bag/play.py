@@ -56,7 +56,7 @@ class PlayOptions:
     with_clock: bool = flag("--clock", "Publish the recorded time on /clock.")
     hz: float = option("--hz", "The rate of /clock, in Hz (100).", type=POSITIVE, default=100.0)
     topics: tuple[str, ...] = option(
-        "--topics TOPIC", "Play only these topics; takes several.", multiple=True
+        "--topics TOPIC", "Play only these topics; accepts several.", multiple=True
     )
     pause_topics: tuple[str, ...] = option(
         "--pause-topics TOPIC", "Pause at each message of these topics.", multiple=True

@@ -104,7 +104,8 @@ def relay(
     """Relay topics, services and actions between ROS 1 and ROS 2.
 
     A TOPIC is relayed in both directions while it has a publisher; * in a name matches anything. Types are
-    converted as for boards; ROS 1 types unknown to ROS 2 keep their name there.
+    converted as for boards; ROS 1 types unknown to ROS 2 keep their name there. The command always uses both
+    graphs: without --ros2, it uses an installed rclpy, else zenoh.
     """
     choice = options.choice()
     if not (choice.topics or choice.services or choice.actions):

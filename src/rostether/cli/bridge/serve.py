@@ -156,8 +156,8 @@ def serve(
     devices are left alone.
 
     An ADDRESS is a serial port, tcp://HOST:PORT or udp://HOST:PORT to listen on, pty:PATH for a new
-    pseudo-terminal, xbee:PORT, sim:SKETCH for a simulated board, or web: for boards that pages of the
-    dashboard connect (always, with --dashboard). Options follow a question mark:
+    pseudo-terminal, xbee:PORT, sim:SKETCH for a simulated board, or web: for boards that are plugged into
+    a device that shows the dashboard (--dashboard adds it). Options follow a question mark:
     baud=115200, name=arm, ns=lab, reset=no. If a port does not exist yet, the bridge waits for it.
     """
     twice = next((address for address in addresses if addresses.count(address) > 1), None)

@@ -42,8 +42,8 @@ def link_record(
 ) -> None:
     """Serve the board at ADDRESS, as `rostether serve` does, and record its line to FILE until Ctrl-C.
 
-    The bridge itself records, so it opens the port only once. FILE must not exist. It is complete up to the
-    last moment even if the command is killed. It contains every message between board and host.
+    The bridge itself records, so it opens the port only once. FILE must not exist. If the command is
+    killed, only the last 0.2 s are missing. FILE contains every message between board and host.
     """
     ctx.invoke(
         serve,

@@ -61,7 +61,7 @@ AFTER_S = 1.0
     type=NumberRange(min=0.01, max=1000.0),
     default=1.0,
 )
-@add_flag("--fast", "Replay without pauses, except half a second after each new topic.")
+@add_flag("--fast", "Replay without pauses, but wait for the subscribers of each new topic.")
 @add_option("--name NAME", "The board's node name (default: the name of the file).")
 @graph_options(ros=False)
 @msg_path_option

@@ -47,7 +47,9 @@ class Answers:
     interface: str | None = option(
         "--interface NAME", "Network interface of the fleet; gives the address at boot."
     )
-    boards: tuple[str, ...] = option("--board LINK", "A board's link; may be repeated.", multiple=True)
+    boards: tuple[str, ...] = option(
+        "--board LINK", "A board's link address; may be repeated.", multiple=True
+    )
     parts: tuple[str, ...] = option("--part NAME=COMMAND", "Another part; may be repeated.", multiple=True)
     given: Path | None = option("--from", "A robot.toml, instead of questions.", type=EXISTING_FILE)
 
@@ -55,7 +57,7 @@ class Answers:
 def _target_options(function: Function) -> Function:
     root = add_option(
         "--root",
-        "Write below this folder, such as a mounted image, and start nothing.",
+        "Use the files below this folder, such as a mounted image; start and stop nothing.",
         type=click.Path(file_okay=False, path_type=Path),
     )
     user = add_option(

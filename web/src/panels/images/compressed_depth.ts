@@ -1,4 +1,4 @@
-// Depth as compressed_depth_image_transport sends it: a header, then a PNG with 16 bits of gray.
+// Depth as compressed_depth_image_transport sends it: a header, then a 16-bit grayscale PNG.
 import { decodeGray16 } from "./gray_png.ts";
 import type { RawImage } from "./raw_image.ts";
 
@@ -20,7 +20,8 @@ export async function decodeDepth(format: string, data: Uint8Array<ArrayBuffer>)
   if (format.includes("rvl"))
     throw new Error("Depth that is compressed with RVL cannot be shown. Send it as PNG.");
   const picture = await decodeGray16(data.subarray(HEADER_BYTES));
-  if (picture === undefined) throw new Error("This compressedDepth picture has no PNG with 16 bits of gray.");
+  if (picture === undefined)
+    throw new Error("This compressedDepth picture contains no 16-bit grayscale PNG.");
   if (!format.startsWith("32FC1")) return picture;
   const header = new DataView(data.buffer, data.byteOffset, HEADER_BYTES);
   const [a, b] = [header.getFloat32(4, true), header.getFloat32(8, true)];

@@ -52,7 +52,7 @@ async function inflate(parts: Uint8Array<ArrayBuffer>[], size: number): Promise<
   } finally {
     await reader.cancel().catch(() => undefined);
   }
-  if (length < size) throw new Error("This PNG picture is shorter than its size needs.");
+  if (length < size) throw new Error("This PNG picture ends too early.");
   return out;
 }
 

@@ -198,7 +198,7 @@ export function toRgba(image: RawImage): Uint8ClampedArray<ArrayBuffer> {
   if (encoding.startsWith("bayer") && (width < 2 || height < 2))
     throw new Error("This picture is too small.");
   if (EVEN_WIDTH.test(encoding) && width % 2 === 1)
-    throw new Error(`A ${encoding} picture has an even width.`);
+    throw new Error(`A ${encoding} picture must have an even width.`);
   const out = new Uint8ClampedArray(width * height * 4);
   fill(image, out);
   return out;
