@@ -136,7 +136,7 @@ def _line(source: random.Random) -> str:
 
 def run(data: bytes) -> None:
     """Send all lines to a gateway with low limits, and then request a parameter."""
-    with lowered(client_module, MAX_REPORTED_MISTAKES=MAX_MISTAKES):
+    with lowered(client_module, MAX_REPORTED_ERRORS=MAX_MISTAKES):
         asyncio.run(_converse(data.decode("utf-8", "replace").split("\n")))
 
 

@@ -28,5 +28,5 @@ def __getattr__(name: str) -> object:
 
 
 def __dir__() -> list[str]:
-    """Return the public names, also those not imported yet: shells complete them."""
+    """Return the public names, including those not imported yet: shells complete them."""
     return list(__all__)

@@ -33,7 +33,7 @@ class ActionServer : public ActionServerBase_ {
       : ActionServerBase_(action, &drive, id_text_), callback_(callback, object) {}
 
   // Publishes feedback of the goal in progress. Returns the same as Publisher::publish; 0 if there is no goal.
-  int publishFeedback(const Feedback& feedback) { return reachWithGoal() ? send(FEEDBACK, goal_, status_, feedback, "") : 0; }
+  int publishFeedback(const Feedback& feedback) { return checkActive() ? send(FEEDBACK, goal_, status_, feedback, "") : 0; }
 
   // Ends the goal in progress with its result. Returns the same as Publisher::publish; 0 if there is no goal.
   int setSucceeded(const Result& result = Result(), const char* text = "") { return end(Status::SUCCEEDED, result, text); }
@@ -69,7 +69,7 @@ class ActionServer : public ActionServerBase_ {
   }
 
   ROS_APART int end(uint8_t status, const Result& result, const char* text) {
-    if (!reachWithGoal()) return 0;
+    if (!checkActive()) return 0;
     status_ = status;
     const int sent = send(RESULT, goal_, status, result, text);
     publishStatus();

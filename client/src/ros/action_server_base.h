@@ -69,9 +69,9 @@ class ActionServerBase_ : public Endpoint {
     readId(reader, id);
   }
 
-  // Whether a goal is in progress, after messages from a host that was disconnected are handled.
-  bool reachWithGoal() {
-    nh_->reach();
+  // Whether a goal is in progress. Without a host, received bytes are handled first; see checkConnected.
+  bool checkActive() {
+    nh_->checkConnected();
     return isActive();
   }
 

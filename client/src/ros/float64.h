@@ -3,7 +3,7 @@
 //   float   s eeeeeeee    mmmmmmm mmmmmmmm mmmmmmmm                  bias 127
 //   float64 s eeeeeeeeeee mmmm mmmmmmmm mmmmmmmm mmm.. (29 bits more)  bias 1023
 //
-// Widening is always exact. Narrowing rounds to nearest, ties to even, also to subnormals and to infinity; a NaN
+// Widening is always exact. Narrowing rounds to nearest, ties to even, including to subnormals and to infinity; a NaN
 // stays a NaN with its sign. It works byte by byte, because an AVR has no barrel shifter.
 #ifndef ROS_FLOAT64_H_
 #define ROS_FLOAT64_H_

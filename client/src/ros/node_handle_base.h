@@ -130,7 +130,7 @@ class NodeHandleBase_ : public FrameWriter {
   // Sends a message. Returns the bytes sent; 0 without a host; -1 if it is too long for a frame or the line did not accept it.
   template <class M>
   ROS_APART int send(uint16_t id, const M& message) {
-    if (!reach()) return 0;
+    if (!checkConnected()) return 0;
     const typename WireFormat<M>::Written written(message);
     const size_t length = written.length();
     if (isTooLong(length)) return -1;
@@ -151,7 +151,7 @@ class NodeHandleBase_ : public FrameWriter {
   // For drivers: whether the host is connected. Received bytes are handled first: after a reset, the host's answer
   // may be waiting, and a sketch that publishes, spins and sleeps for a second must not sleep again before its first
   // message.
-  bool reach() {
+  bool checkConnected() {
     if (!connected_) spinOnce();
     return connected_;
   }

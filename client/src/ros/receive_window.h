@@ -123,7 +123,7 @@ class ReceiveWindow {
   // Keeps the arena of the frame's arrays until the frame is released.
   void keepArena(uint8_t* arena_end) { limit_ = arena_end; }
 
-  // Keeps the bytes of the last frame in place until `release`, also after its callback.
+  // Keeps the bytes of the last frame in place until `release`, even after its callback.
   void hold() { held_ = true; }
   void release() { held_ = false; }
   bool held() const { return held_; }
@@ -132,7 +132,7 @@ class ReceiveWindow {
   class Taken {
    public:
     explicit Taken(ReceiveWindow& window) : window_(window), base_(window.base_), limit_(window.limit_) {
-      // Bytes that arrive while the callback sends need room, also if other frames were before this one.
+      // Bytes that arrive while the callback sends need room, even if other frames were before this one.
       if (window.begin_ - window.base_ > window.limit_ - window.end_) window.compact();
       frame_ = window.begin_;
       window.begin_ += length() + FRAME_OVERHEAD_BYTES;

@@ -181,7 +181,7 @@ class Session:
         if not self._ended.done():
             self.outbox.resume_writing()
 
-    def congested(self, wait: Callable[[], Awaitable[object]]) -> bool:
+    def pause_until(self, wait: Callable[[], Awaitable[object]]) -> bool:
         """Read nothing from the board until `wait()` ends; return False at once if the line cannot pause."""
         return not self._ended.done() and self._pause.until(wait)
 

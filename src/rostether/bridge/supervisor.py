@@ -82,7 +82,7 @@ DEFAULT_LINKS = Links()
 class Supervisor:
     """Serves boards at many addresses at once; each board is a separate node, created by `join`.
 
-    `devices` has the settings of single boards.
+    `devices` has the settings of individual boards.
     """
 
     def __init__(

@@ -37,7 +37,7 @@ def rostether() -> None:
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run the command line and return the exit code; never raises for a user's mistake."""
+    """Run the command line and return the exit code; never raises for a user error."""
     _prepare_output()
     if not sys.warnoptions:
         # Python warns about some valid expressions of users, such as "1if m else 0".

@@ -136,7 +136,7 @@ class Budget:
         return left * right
 
     def modulo(self, left: Any, right: Any) -> Any:
-        """Return `left % right`, also for string formatting."""
+        """Return `left % right`: the remainder, or a formatted string."""
         if isinstance(left, str | bytes):
             text = left if isinstance(left, str) else left.decode("latin-1")
             formats = _FORMAT.findall(text)

@@ -1,4 +1,4 @@
-"""Splits C++ code into tokens: enough of the language to find declarations, also in invalid code."""
+"""Splits C++ code into tokens: enough of the language to find declarations, even in invalid code."""
 
 from __future__ import annotations
 

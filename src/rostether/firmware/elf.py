@@ -137,7 +137,7 @@ class ElfFile:
         section = self.section(name)
         return b"" if section is None else section.data
 
-    def in_memory(self, section: Section) -> bool:
+    def is_in_memory(self, section: Section) -> bool:
         """Return whether a section uses flash or RAM."""
         is_elsewhere = self.is_avr and section.address >= _AVR_NO_MEMORY
         return section.is_allocated and section.size > 0 and not is_elsewhere
@@ -145,12 +145,12 @@ class ElfFile:
     @property
     def flash_bytes(self) -> int:
         """The flash use: code, constants, and initial values of variables."""
-        return sum(each.size for each in self.sections if self.in_memory(each) and each.has_bits)
+        return sum(each.size for each in self.sections if self.is_in_memory(each) and each.has_bits)
 
     @property
     def ram_bytes(self) -> int:
         """The RAM use of variables."""
-        return sum(each.size for each in self.sections if self.in_memory(each) and each.is_writable)
+        return sum(each.size for each in self.sections if self.is_in_memory(each) and each.is_writable)
 
     @cached_property
     def symbols(self) -> list[Symbol]:
@@ -163,7 +163,7 @@ class ElfFile:
     def read_at(self, address: int, size: int) -> bytes:
         """Return the bytes at an address; fewer if the section ends before."""
         for section in self.sections:
-            if self.in_memory(section) and section.address <= address < section.address + section.size:
+            if self.is_in_memory(section) and section.address <= address < section.address + section.size:
                 start = address - section.address
                 return section.data[start : start + size]
         return b""

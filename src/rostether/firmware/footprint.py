@@ -158,7 +158,7 @@ class _Count:
     def groups(self) -> list[Group]:
         """Return the groups, the largest first."""
         for section in self._elf.sections:
-            if self._elf.in_memory(section):
+            if self._elf.is_in_memory(section):
                 self._count(section)
         found = [
             Group(name, flash, ram, tuple(self._largest(name)))

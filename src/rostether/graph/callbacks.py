@@ -16,7 +16,7 @@ def call_safely(
     """Call back; an exception becomes one line in the log that names `what`."""
     try:
         callback(*args, **kwargs)
-    except Exception as error:  # noqa: BLE001 - a user's mistake must not end a connection
+    except Exception as error:  # noqa: BLE001 - an error in a callback must not end a connection
         report_error(what, error)
 
 

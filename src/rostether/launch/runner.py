@@ -47,7 +47,7 @@ async def run_plan(
     report: Callable[[Level, str], None],
     options: RunOptions = RunOptions(),
 ) -> bool:
-    """Run a plan to its end, and end all its processes, also when cancelled.
+    """Run a plan to its end, and end all its processes, even when cancelled.
 
     Returns False if a required node failed, or if no node could be started. Raises MasterUnreachableError,
     GraphError, ConfigError before it starts any node.

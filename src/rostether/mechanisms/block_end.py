@@ -47,7 +47,7 @@ async def closed_at_end(opened: T) -> AsyncIterator[T]:
 
 @asynccontextmanager
 async def task_beside(work: Coroutine[Any, Any, object]) -> AsyncIterator[asyncio.Task[object]]:
-    """Run `work` during the block; at its end, cancel it and wait until it has ended, also with an error."""
+    """Run `work` during the block; at its end, cancel it and wait for its end. Its errors are ignored."""
     task = asyncio.get_running_loop().create_task(work)
     try:
         yield task

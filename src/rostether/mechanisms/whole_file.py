@@ -11,7 +11,7 @@ from pathlib import Path
 def write_whole(path: Path, content: bytes, *, durable: bool = False) -> None:
     """Create or replace a file. Devices and pipes are written directly. Raises OSError.
 
-    `durable`: also after a power cut, the file is the old or the new one. This can take seconds on a memory
+    `durable`: even after a power cut, the file is the old or the new one. This can take seconds on a memory
     card, so call it in a thread.
     """
     target = path.resolve()

@@ -37,7 +37,7 @@ _MAX_BOOL_CHARACTERS = 100
 
 
 def parse_message(text: str, *, package: str, name: str, file: str = "", first_line: int = 1) -> MessageSpec:
-    """Parse a definition. Raises DefinitionError with file, line and column of the first mistake.
+    """Parse a definition. Raises DefinitionError with file, line and column of the first error.
 
     Types without a package belong to `package`, and a plain `Header` is std_msgs/Header.
     `first_line` is the number of the text's first line in its file.

@@ -16,7 +16,7 @@ ACTION_SUFFIXES = ("ActionGoal", "ActionResult", "ActionFeedback", "Action", "Go
 def parse_service(text: str, *, package: str, name: str, file: str = "") -> ServiceSpec:
     """Parse a definition; a text without `---` has an empty response, as in genmsg.
 
-    Raises DefinitionError with file, line and column of the first mistake.
+    Raises DefinitionError with file, line and column of the first error.
     """
     file = file or f"{package}/{name}"
     request_lines: list[str] = []

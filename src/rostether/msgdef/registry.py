@@ -141,7 +141,7 @@ class Registry:
     def message_type(self, name: str) -> MessageType:
         """Return a message's md5sum and full text.
 
-        Raises the same errors as `message`, also for nested types.
+        Raises the same errors as `message`, for nested types too.
         """
         found = self._message_types.get(name)
         if found is None:
@@ -151,7 +151,7 @@ class Registry:
     def service_type(self, name: str) -> ServiceType:
         """Return a service's md5sum, request and response.
 
-        Raises the same errors as `service`, also for nested types.
+        Raises the same errors as `service`, for nested types too.
         """
         found = self._service_types.get(name)
         if found is None:

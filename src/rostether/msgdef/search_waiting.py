@@ -39,7 +39,7 @@ async def wait_for_definitions(registry: Registry, query: Callable[[], object]) 
 def _run(registry: Registry, search: Future[None]) -> None:
     try:
         registry.search()
-    except Exception as error:  # noqa: BLE001 - those who wait raise it
+    except Exception as error:  # noqa: BLE001 - the waiting callers raise it
         search.set_exception(error)
     else:
         search.set_result(None)

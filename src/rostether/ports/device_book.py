@@ -25,7 +25,7 @@ class DeviceBook:
         self.discovery = discovery if discovery is not None else DiscoverySettings()
 
     def board_keys(self) -> BoardKeys:
-        """Read the keys and certificates of single boards from their files. Raises ConfigError."""
+        """Read the keys and certificates of individual boards from their files. Raises ConfigError."""
         matches = [device.match for device in self.devices if device.match is not None]
         keys = [match.psk for match in matches if match.psk is not None]
         certificates = [match.certificate for match in matches if match.certificate is not None]

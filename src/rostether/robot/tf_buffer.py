@@ -80,7 +80,7 @@ class TransformBuffer:
         Raises UnknownFrameError, UnconnectedFramesError, ExtrapolationError, TransformError.
         """
         if source == target:
-            # As in tf2, also for an unknown frame.
+            # As in tf2, even for an unknown frame.
             cache = self._caches.get(target)
             at = cache.latest_ns if cache is not None and time_ns == 0 else time_ns
             return StampedTransform(target, source, at, Transform())

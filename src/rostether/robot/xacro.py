@@ -51,7 +51,7 @@ def parse_mappings(words: Iterable[str]) -> dict[str, str]:
 def expand_xacro(file: Path, mappings: Mapping[str, str], *, packages: Mapping[str, Path]) -> str:
     """Return the URDF that a xacro file expands to.
 
-    `packages` are the folders for $(find). Raises RobotModelError, also if the package xacro is not
+    `packages` are the folders for $(find). Raises RobotModelError, for example if the package xacro is not
     installed.
     """
     xacro = _xacro(file)

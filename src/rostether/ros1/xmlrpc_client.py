@@ -134,7 +134,7 @@ class XmlRpcClient:
                     return await self._exchange_on(connection, body)
                 except (OSError, RemoteProtocolError):
                     # The server may have closed a kept connection while our request was on its way.
-                    if connection.answer_began:
+                    if connection.has_answer_begun:
                         raise
                     break
         loop = asyncio.get_running_loop()
@@ -176,8 +176,8 @@ class _Connection(asyncio.Protocol):
         return not self._is_lost and self._http.is_reusable
 
     @property
-    def answer_began(self) -> bool:
-        return self._http.answer_began
+    def has_answer_begun(self) -> bool:
+        return self._http.has_answer_begun
 
     async def exchange(self, body: bytes) -> bytes:
         assert self._transport is not None

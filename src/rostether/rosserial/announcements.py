@@ -70,9 +70,9 @@ class Announcements:
         """Keep only the endpoints that a settled negotiation found and that can be bridged."""
         return self._table.withdraw_all_but(frozenset(complete) - self._refusals.keys)
 
-    def refuse_lone_halves(self) -> list[HostEvent]:
-        """Refuse service halves whose other half will not arrive any more."""
-        return [*self._refusals.refuse_lone_halves(self._table.lone_halves())]
+    def refuse_incomplete_services(self) -> list[HostEvent]:
+        """Refuse service requests whose response will not be announced any more, and vice versa."""
+        return [*self._refusals.refuse_incomplete_services(self._table.incomplete_services())]
 
     def is_refused_sender(self, topic_id: int) -> bool:
         """Return whether the device sends messages on this id that are not bridged."""
@@ -128,9 +128,9 @@ class Refusals:
             self.keys.add(key_of(kind, info))
         return self._report(announcement, reason)
 
-    def refuse_lone_halves(self, halves: Iterable[tuple[int, TopicInfo]]) -> list[AnnouncementRefused]:
-        """Record service halves whose other half will not arrive any more."""
-        return [event for half in halves for event in self._report(half, _half_reason(half[0]))]
+    def refuse_incomplete_services(self, topics: Iterable[_Announcement]) -> list[AnnouncementRefused]:
+        """Record requests without a response, and responses without a request."""
+        return [event for topic in topics for event in self._report(topic, _reason_for_incomplete(topic[0]))]
 
     def forget(self, kind: int, info: TopicInfo) -> None:
         """Remove an endpoint that has now been announced correctly."""
@@ -148,10 +148,10 @@ class Refusals:
         return [AnnouncementRefused(info.topic_name, info.message_type, reason)]
 
 
-def _half_reason(kind: int) -> str:
+def _reason_for_incomplete(kind: int) -> str:
     role = "server" if kind in (SERVICE_SERVER_REQUEST, SERVICE_SERVER_RESPONSE) else "client"
-    halves = ("request", "response")
-    has, lacks = halves if kind in (SERVICE_SERVER_REQUEST, SERVICE_CLIENT_REQUEST) else halves[::-1]
+    is_request = kind in (SERVICE_SERVER_REQUEST, SERVICE_CLIENT_REQUEST)
+    has, lacks = ("request", "response") if is_request else ("response", "request")
     return (
         f"the service {role} announces its {has}, but no {lacks} of this name and type;"
         " announce both in the sketch"

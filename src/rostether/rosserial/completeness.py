@@ -2,8 +2,8 @@
 
 A round is one topic request and the burst that answers it; any part of both may be lost. The announcements
 of a round count as complete if later rounds announce nothing new: one more round on a clean line, three if
-there is a sign of loss (rounds that differ, damage, gaps in the ids, half a service, less than before), none
-if the round equals the last complete state.
+there is a sign of loss (rounds that differ, damage, gaps in the ids, a service without request or response,
+less than before), none if the round equals the last complete state.
 """
 
 from __future__ import annotations
@@ -137,7 +137,7 @@ class Completeness:
 
 
 def _looks_whole(announced: dict[EndpointKey, Announcement]) -> bool:
-    """Return whether the ids have no gaps in both directions, and services have both halves."""
+    """Return whether the ids have no gaps in either direction, and each service has request and response."""
     for sends in (False, True):
         numbers = [key.topic_id for key in announced if key.sends is sends]
         if numbers and max(numbers) - min(numbers) >= len(numbers):

@@ -19,7 +19,7 @@ class Allowance(NamedTuple):
     burst: int
 
 
-# A negotiation of the largest device, 256 halves, takes some rounds; 115200 baud can transfer 150/s.
+# A negotiation of the largest device, 256 endpoints, takes some rounds; 115200 baud can transfer 150/s.
 ANNOUNCEMENTS = Allowance(512.0, 2048)
 
 # Each opens or closes an endpoint in the graph. The largest device can start at once, and change in 5 s.

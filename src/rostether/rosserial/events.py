@@ -77,9 +77,9 @@ class TopicWithdrawn:
 
 @dataclass(frozen=True, slots=True)
 class ServiceAnnounced:
-    """The device serves or calls a service; reported once both halves are known.
+    """The device serves or calls a service; reported once its request and its response are known.
 
-    The `md5sum` of `request` and `response` is that of the half's message, not the service's.
+    The `md5sum` of `request` and `response` is that of their message, not the service's.
     For a SERVER the host sends on `request.topic_id`, for a CLIENT on `response.topic_id`.
     """
 

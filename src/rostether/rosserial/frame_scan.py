@@ -107,7 +107,7 @@ class FrameScanner:
         self._known: dict[bytes, _Known] = {}
 
     def refuse_above(self, refused_above: Mapping[int | None, int]) -> None:
-        """Apply these limits from now on, also to known headers."""
+        """Apply these limits from now on, even to known headers."""
         self._refused_above = refused_above
         self._known.clear()
 

@@ -232,7 +232,7 @@ class HostLink:
 
     def _receive_messages(self, frames: Frames, now_s: float) -> MessagesReceived:
         self._note_frames(frames, now_s)
-        self._presence.message(now_s)
+        self._presence.message_received(now_s)
         return MessagesReceived(frames.topic_id, frames.payloads)
 
     def _note_frames(self, frames: Frames, now_s: float) -> None:
@@ -260,7 +260,7 @@ class HostLink:
         for event in announced:
             self._report(event, now_s, events)
         if info is not None:
-            self._presence.sign(now_s)
+            self._presence.sign_received(now_s)
             self.unread.announced(info.buffer_size, now_s)
             self._negotiation.announced(kind, info, now_s)
 
@@ -276,14 +276,15 @@ class HostLink:
             self.unread.time_requested(now_s)
             if meaning is TimeRequestMeaning.INTRODUCTION:
                 self.unread.read_all(for_ever=True)
-                self._presence.answered(now_s)
+                self._presence.answer_received(now_s)
                 self._on_reset(now_s, events)
             elif is_settled:
                 may_be_early = meaning is TimeRequestMeaning.ANSWER
-                self._judge(self._presence.time_request(now_s, may_be_early=may_be_early), now_s, events)
+                verdict = self._presence.time_request_received(now_s, may_be_early=may_be_early)
+                self._judge(verdict, now_s, events)
             else:
                 # A time request after the announcements may have waited for them: the next may be due sooner.
-                self._presence.answered(now_s, is_timely=not is_listening)
+                self._presence.answer_received(now_s, is_timely=not is_listening)
 
     def _report(self, event: HostEvent, now_s: float, events: list[HostEvent]) -> None:
         if isinstance(event, FrameDiscarded):
@@ -309,8 +310,8 @@ class HostLink:
         negotiation = self._negotiation
         events += (changes := self._announcements.withdraw_all_but(negotiation.complete))
         if negotiation.rounds > 1:
-            events += self._announcements.refuse_lone_halves()
-        self._presence.sign(now_s)
+            events += self._announcements.refuse_incomplete_services()
+        self._presence.sign_received(now_s)
         if negotiation.round_trip_s is not None:
             self.statistics.note_round_trip(negotiation.round_trip_s)
         if changes or negotiation.requests:  # pragma: no branch - each settles after a request so far

@@ -3,7 +3,7 @@
 A board that has been reset sends nothing on user ids, although the host continues to send. A frame start with
 a wrong version byte (`ff 00`) makes an unconfigured board request the time; a configured board ignores it,
 and requests the time only every 2.5 s. Without that request, the host requests the topics: every board
-answers that, also boards of protocol version 1, which ignore probes.
+answers that, even a board of protocol version 1, which ignores probes.
 
     state     input      next      verdict
     ABSENT    SIGN       PRESENT             a sign of a configured board: a message, an announcement
@@ -139,25 +139,25 @@ class Presence:
         self._note_stall(now_s)
         self.received_at_s = now_s
 
-    def message(self, now_s: float) -> None:
+    def message_received(self, now_s: float) -> None:
         """Handle a message on an announced id: only a configured board sends one."""
         self._alarms = 0
-        self.sign(now_s)
+        self.sign_received(now_s)
 
-    def sign(self, now_s: float) -> None:
+    def sign_received(self, now_s: float) -> None:
         """Handle another sign of a configured board."""
         self.received_at_s = now_s
         if self.state is not State.PRESENT:
             self._step(Input.SIGN, now_s)
         self._changed_s = now_s
 
-    def answered(self, now_s: float, *, is_timely: bool = True) -> None:
+    def answer_received(self, now_s: float, *, is_timely: bool = True) -> None:
         """Handle the time request that answers a topic request; `is_timely`: it was not delayed."""
         if is_timely:
             self._time_request_s = now_s
-        self.sign(now_s)
+        self.sign_received(now_s)
 
-    def time_request(self, now_s: float, *, may_be_early: bool = False) -> Verdict | None:
+    def time_request_received(self, now_s: float, *, may_be_early: bool = False) -> Verdict | None:
         """Handle a time request; `may_be_early`: it may be the answer to a topic request."""
         self.received_at_s = now_s
         # After a pause of this process, a request that waited seems late, and the next one early.
@@ -165,7 +165,7 @@ class Presence:
         is_early = now_s - self._time_request_s < EARLY_S and is_measured and not may_be_early
         self._time_request_s = now_s
         if now_s < self._quarantine_until_s:
-            self.sign(now_s)
+            self.sign_received(now_s)
             return None
         verdict = self._step(Input.EARLY if is_early else Input.ON_TIME, now_s)
         if verdict is Verdict.RESET:

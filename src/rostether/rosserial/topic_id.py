@@ -12,7 +12,7 @@
     11       empty: stop sending, the host leaves                  host to device
     100 ..   user topics                                           both
 
-Directions are the device's: 2 and 4 announce the half that the device publishes, 3 and 5 the half that it
+Directions are the device's: 2 and 4 announce the topic that the device publishes, 3 and 5 the topic that it
 subscribes to.
 """
 

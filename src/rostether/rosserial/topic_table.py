@@ -79,12 +79,12 @@ class TopicTable:
 
     @property
     def topic_count(self) -> int:
-        """How many endpoints are topics, not halves of a service."""
+        """How many endpoints are topics, not the request or response of a service."""
         return sum(endpoint.kind in _ROLES for endpoint in self._endpoints.values())
 
     @property
     def service_count(self) -> int:
-        """How many services have both halves."""
+        """How many services have both a request and a response."""
         return len(self._services)
 
     @property
@@ -94,8 +94,8 @@ class TopicTable:
             self._limits = self._make_limits()
         return self._limits
 
-    def lone_halves(self) -> list[tuple[int, TopicInfo]]:
-        """Return the service halves without the other half, with the ids on which they were announced."""
+    def incomplete_services(self) -> list[tuple[int, TopicInfo]]:
+        """Return the requests without a response and the responses without a request, each with its kind."""
         paired = {
             key
             for pair in self._services.values()
@@ -202,15 +202,15 @@ class TopicTable:
         return PayloadLimits(possible, refused_above)
 
     def _pair_services(self) -> list[HostEvent]:
-        """Pair halves of one role, name and type in the order of their ids; return the changes."""
+        """Pair the requests and responses of each service in the order of their ids; return the changes."""
         pairs: dict[tuple[ServiceRole, int, int], ServiceAnnounced] = {}
         for role, kinds in _SERVICES.items():
-            halves: dict[tuple[str, str], tuple[list[TopicInfo], list[TopicInfo]]] = {}
+            found: dict[tuple[str, str], tuple[list[TopicInfo], list[TopicInfo]]] = {}
             for _, endpoint in sorted(self._endpoints.items()):
                 if endpoint.kind in kinds:
                     service = endpoint.info.topic_name, endpoint.info.message_type
-                    halves.setdefault(service, ([], []))[kinds.index(endpoint.kind)].append(endpoint.info)
-            for (name, service_type), (requests, responses) in halves.items():
+                    found.setdefault(service, ([], []))[kinds.index(endpoint.kind)].append(endpoint.info)
+            for (name, service_type), (requests, responses) in found.items():
                 if len(requests) == len(responses):
                     for request, response in zip(requests, responses, strict=True):
                         pairs[role, request.topic_id, response.topic_id] = ServiceAnnounced(

@@ -15,7 +15,7 @@ from rostether.errors import SerializationError
 from rostether.rostime import Duration, Time
 from rostether.serde.encoder_source import ENCODE_ERRORS, FLAGS, to_bytes
 from rostether.serde.type_tree import Array, Node, Number, Stamp, Struct, Text
-from rostether.serde.values import Message, MessageClasses, does_not_fit, unknown_field
+from rostether.serde.values import Message, MessageClasses, misfit_error, unknown_field
 
 
 class Conform:
@@ -34,7 +34,7 @@ class Conform:
         if isinstance(value, Message):
             return self._from_message(tree, value, path)
         if not isinstance(value, Mapping):
-            raise self._wants(path, f"a {tree.name} or a mapping of its fields", value)
+            raise self._misfit(path, f"a {tree.name} or a mapping of its fields", value)
         message = self._classes.of(tree)()
         rest = dict(value)
         for member in tree.members:
@@ -48,7 +48,7 @@ class Conform:
 
     def _from_message(self, tree: Struct, value: Message, path: str) -> Message:
         if value._type != tree.name:
-            raise self._wants(path, f"a {tree.name}", value._type)
+            raise self._misfit(path, f"a {tree.name}", value._type)
         message = self._classes.of(tree)()
         for member in tree.members:
             field = f"{path}.{member.name}" if path else member.name
@@ -72,7 +72,7 @@ class Conform:
                 return bool(FLAGS[value])
             struct.pack(f"<{node.code}", value)
         except ENCODE_ERRORS:
-            raise self._wants(path, _number_text(node), value) from None
+            raise self._misfit(path, _number_text(node), value) from None
         return float(value) if node.code in "fd" else int(value)
 
     def _text(self, value: object, path: str) -> str:
@@ -82,9 +82,9 @@ class Conform:
             try:
                 value.encode("utf-8", "surrogateescape")
             except UnicodeEncodeError:
-                raise self._wants(path, "a string that UTF-8 can encode", value) from None
+                raise self._misfit(path, "a string that UTF-8 can encode", value) from None
             return value
-        raise self._wants(path, "a string", value)
+        raise self._misfit(path, "a string", value)
 
     def _stamp(self, node: Stamp, value: Any, path: str) -> Time | Duration:
         if isinstance(value, Mapping):
@@ -103,7 +103,7 @@ class Conform:
             struct.pack(f"<{node.code}", secs, nsecs)
         except ENCODE_ERRORS:
             kind = "uint32" if node.name == "time" else "int32"
-            raise self._wants(path, f"a {node.name} (secs and nsecs, each {kind})", value) from None
+            raise self._misfit(path, f"a {node.name} (secs and nsecs, each {kind})", value) from None
         return Time(secs, nsecs) if node.name == "time" else Duration(secs, nsecs)
 
     def _array(self, node: Array, value: Any, path: str) -> bytes | list[Any]:
@@ -111,11 +111,11 @@ class Conform:
         if node.is_bytes:
             items = self._bytes(node, value, path)
         elif not _is_list(value):
-            raise self._wants(path, f"a list ({node.name})", value)
+            raise self._misfit(path, f"a list ({node.name})", value)
         if node.length is not None and len(items) != node.length:
-            raise self._wants(path, f"{node.length} elements ({node.name})", f"{len(items)}", quote=False)
+            raise self._misfit(path, f"{node.length} elements ({node.name})", f"{len(items)}", quote=False)
         if node.max_count is not None and len(items) > node.max_count:
-            raise self._wants(path, f"at most {node.max_count} elements", f"{len(items)}", quote=False)
+            raise self._misfit(path, f"at most {node.max_count} elements", f"{len(items)}", quote=False)
         if isinstance(items, bytes):
             return items
         return [self._node(node.element, item, f"{path}[{index}]") for index, item in enumerate(items)]
@@ -124,12 +124,12 @@ class Conform:
         try:
             return to_bytes(value)
         except ENCODE_ERRORS:
-            raise self._wants(
+            raise self._misfit(
                 path, f"bytes or a list of integers from 0 to 255 ({node.name})", value
             ) from None
 
-    def _wants(self, path: str, wanted: str, got: object, *, quote: bool = True) -> SerializationError:
-        return does_not_fit(self._tree.name, path, wanted, got, quote=quote)
+    def _misfit(self, path: str, wanted: str, got: object, *, quote: bool = True) -> SerializationError:
+        return misfit_error(self._tree.name, path, wanted, got, quote=quote)
 
 
 def _is_seconds(value: Any, *, is_signed: bool) -> bool:

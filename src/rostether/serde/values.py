@@ -188,7 +188,7 @@ def unknown_field(type_name: str, field: object, known: list[str]) -> Serializat
     return SerializationError(f"{type_name} has no field {_show(field)}; {has}")
 
 
-def does_not_fit(
+def misfit_error(
     type_name: str, path: str, wanted: str, got: object, *, quote: bool = True
 ) -> SerializationError:
     """Return the error for a value that does not fit a field, or the whole type where the path is empty."""

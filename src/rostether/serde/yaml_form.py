@@ -23,7 +23,7 @@ from rostether.mechanisms.text import counted
 from rostether.rostime import Duration, Time
 from rostether.serde.codec import Codec
 from rostether.serde.type_tree import Array, Node, Number, Stamp, Struct, Text
-from rostether.serde.values import Message, does_not_fit
+from rostether.serde.values import Message, misfit_error
 
 _FLOAT_TEXT: Final = re.compile(r"[-+]?(nan|inf|infinity|\d+(\.\d*)?e[-+]?\d+|\.\d+e[-+]?\d+)", re.IGNORECASE)
 _HEADER: Final = "std_msgs/Header"
@@ -41,7 +41,7 @@ def parse_documents(codec: Codec, text: str, *, now: Callable[[], Time]) -> Iter
 
 
 def load_arguments(arguments: str | Sequence[str]) -> list[Any]:
-    """Return the YAML value of each argument. Raises SerializationError with the place of a mistake."""
+    """Return the YAML value of each argument. Raises SerializationError with the place of an error."""
     texts = [arguments] if isinstance(arguments, str) else arguments
     if len(texts) > 1 and texts[0].endswith(":"):
         # The shell has split `data: hello`.
@@ -56,7 +56,7 @@ def load_documents(text: str) -> Iterator[list[Any]]:
             if document is not None:
                 yield document if isinstance(document, list) else [document]
     except YamlError as error:
-        raise _mistake(text, error) from None
+        raise _syntax_error(text, error) from None
 
 
 def fill_message(codec: Codec, values: list[Any], *, now: Callable[[], Time]) -> Message:
@@ -84,10 +84,10 @@ class _Form:
             if len(value) != len(nodes):
                 names = f" ({', '.join(nodes)})" if nodes else ""
                 wanted = f"{counted(len(nodes), 'value')}{names}, or a mapping"
-                raise self._wants(path, wanted, f"{len(value)}", quote=False)
+                raise self._misfit(path, wanted, f"{len(value)}", quote=False)
             value = dict(zip(nodes, value, strict=True))
         if not isinstance(value, dict):
-            raise self._wants(path, f"a {tree.name}, as {{field: value}}", value)
+            raise self._misfit(path, f"a {tree.name}, as {{field: value}}", value)
         prefix = f"{path}." if path else ""
         return {
             name: self._value(nodes[name], each, f"{prefix}{name}") if name in nodes else each
@@ -118,7 +118,7 @@ class _Form:
         if array.is_bytes:
             return value.encode("utf-8", "surrogateescape") if isinstance(value, str) else value
         if not isinstance(value, list):
-            raise self._wants(path, f"a list ({array.name})", value)
+            raise self._misfit(path, f"a list ({array.name})", value)
         return [self._value(array.element, each, f"{path}[{index}]") for index, each in enumerate(value)]
 
     def _stamp(self, node: Stamp, value: Any, path: str) -> Any:
@@ -135,7 +135,7 @@ class _Form:
         if not isinstance(value, dict):
             now = ", or now" if node.name == "time" else ""
             forms = f"a {node.name}, as {{secs: 1, nsecs: 5}}, [1, 5], whole nanoseconds{now}"
-            raise self._wants(path, forms, value)
+            raise self._misfit(path, forms, value)
         return value
 
     def _text(self, value: Any, path: str) -> Any:
@@ -143,15 +143,15 @@ class _Form:
             return ""
         if isinstance(value, str | bytes):
             return value
-        raise self._wants(path, "a string (put it in quotes: \"'5'\")", value)
+        raise self._misfit(path, "a string (put it in quotes: \"'5'\")", value)
 
     def _number(self, node: Number, value: Any) -> Any:
         if node.code in "fd" and isinstance(value, str) and _FLOAT_TEXT.fullmatch(value):
             return float(value)
         return value
 
-    def _wants(self, path: str, wanted: str, got: object, *, quote: bool = True) -> SerializationError:
-        return does_not_fit(self._type_name, path, wanted, got, quote=quote)
+    def _misfit(self, path: str, wanted: str, got: object, *, quote: bool = True) -> SerializationError:
+        return misfit_error(self._type_name, path, wanted, got, quote=quote)
 
 
 def _load_one(text: str) -> Any:
@@ -164,9 +164,9 @@ def _load_one(text: str) -> Any:
         try:
             return json.loads(text)
         except (ValueError, RecursionError):
-            raise _mistake(text, error) from None
+            raise _syntax_error(text, error) from None
 
 
-def _mistake(text: str, error: YamlError) -> SerializationError:
+def _syntax_error(text: str, error: YamlError) -> SerializationError:
     shown = repr(text if len(text) <= 60 else f"{text[:57]}...")
     return SerializationError(f'{shown} is {error}; write, for example, "{{data: 1}}"')

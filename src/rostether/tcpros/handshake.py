@@ -152,7 +152,7 @@ def check_server(fields: Mapping[str, str], service: str, service_type: ServiceT
 
 
 def type_of(fields: Mapping[str, str]) -> MessageType:
-    """Return the type in a publisher's header; a field that is missing is `*`."""
+    """Return the type in a publisher's header; a missing name or md5sum is `*`."""
     return MessageType(
         fields.get("type", ANY_TYPE), fields.get("md5sum", ANY_MD5SUM), fields.get("message_definition", "")
     )

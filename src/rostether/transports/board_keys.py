@@ -1,4 +1,4 @@
-"""The keys and certificates of single boards, and those with which a board has authenticated."""
+"""The keys and certificates of individual boards, and those with which a board has authenticated."""
 
 from __future__ import annotations
 

@@ -30,7 +30,7 @@ from rostether.transports.transport import SmallWriter
 if TYPE_CHECKING:
     import ssl
 
-# `psk=devices`: only the keys that devices.toml has for single boards.
+# `psk=devices`: only the keys that devices.toml has for individual boards.
 DEVICES_PSK = "devices"
 
 
@@ -74,7 +74,7 @@ class Greeting:
     async def exchange(self, transport: StreamTransport) -> Proof:
         """Greet over a transport that was not started, and leave it unstarted; return the peer's proof.
 
-        Raises TransportError or RemoteProtocolError with the peer's mistake.
+        Raises TransportError or RemoteProtocolError with the peer's error.
         """
         if self._context is not None:
             try:

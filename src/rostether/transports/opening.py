@@ -80,7 +80,7 @@ async def listen(
     Raises the same errors as `open_transport`.
 
     `connections` is the limit at a time, `connections_per_host` that of one address (None: the default of
-    the kind of link; only links with connections have one). `board_keys` are those of single boards.
+    the kind of link; only links with connections have one). `board_keys` are those of individual boards.
     `entry` decides which senders of datagrams become links. `web_boards` are those that the dashboard's pages
     connect.
     """

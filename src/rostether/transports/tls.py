@@ -49,7 +49,7 @@ def clear_handshake(error: OSError) -> None:
 
 
 def listener_context(files: TlsFiles, certificates: Collection[bytes] = ()) -> ssl.SSLContext:
-    """Return the context of a listener, which also accepts the `certificates` of single boards (DER).
+    """Return the context of a listener, which also accepts the `certificates` of individual boards (DER).
 
     Raises ConfigError.
     """
@@ -75,7 +75,7 @@ class ListenerTls:
 
     Args:
         files: The listener's files; programs that renew certificates replace them.
-        certificates: Also accepts these certificates of single boards (DER).
+        certificates: Also accepts these certificates of individual boards (DER).
 
     Raises ConfigError.
     """

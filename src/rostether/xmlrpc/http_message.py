@@ -180,7 +180,7 @@ class HttpClientSide:
         self._body = bytearray()
         self._chunk_count = 0
         self._status = 0
-        self.answer_began = False
+        self.has_answer_begun = False
 
     @property
     def is_reusable(self) -> bool:
@@ -191,7 +191,7 @@ class HttpClientSide:
         """Return the bytes of a POST. Raises LocalProtocolError while another exchange is in progress."""
         self._body.clear()
         self._chunk_count = 0
-        self.answer_began = False
+        self.has_answer_begun = False
         length = (b"Content-Length", b"%d" % len(body))
         request = h11.Request(method=b"POST", target=self._target, headers=[*self._headers, length])
         try:
@@ -209,7 +209,7 @@ class HttpClientSide:
         """
         try:
             self._connection.receive_data(data)
-            self.answer_began = self.answer_began or bool(data)
+            self.has_answer_begun = self.has_answer_begun or bool(data)
             return self._read()
         except h11.RemoteProtocolError as error:
             raise RemoteProtocolError(f"the answer is not HTTP: {error}") from None

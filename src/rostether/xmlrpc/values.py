@@ -22,7 +22,7 @@ XmlRpcValue: TypeAlias = (
 
 # The nesting of arrays and structs: deeper than any parameter tree, and far below the recursion limit.
 MAX_NESTING = 100
-# XML-RPC integers have 32 bits, also in rospy and roscpp.
+# XML-RPC integers have 32 bits, in rospy and roscpp too.
 MIN_INT, MAX_INT = -(2**31), 2**31 - 1
 
 # Characters that XML does not allow.

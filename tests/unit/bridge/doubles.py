@@ -199,7 +199,7 @@ class FakeLine:
             settings=settings,
         )
 
-    def congested(self, wait: Callable[[], Awaitable[object]]) -> bool:
+    def pause_until(self, wait: Callable[[], Awaitable[object]]) -> bool:
         if self.transport.can_pause:
             self.waits.append(wait)
         return self.transport.can_pause

@@ -151,11 +151,11 @@ def test_an_endpoint_that_is_announced_well_is_refused_no_longer() -> None:
 
 def test_the_half_of_a_service_is_reported_once_with_what_is_missing() -> None:
     refusals = Refusals()
-    (event,) = refusals.refuse_lone_halves([(ids.SERVICE_SERVER_RESPONSE, RESPONSE)])
+    (event,) = refusals.refuse_incomplete_services([(ids.SERVICE_SERVER_RESPONSE, RESPONSE)])
     assert (event.topic_name, event.message_type) == ("ask", TEST_SRV)
     assert "server announces its response, but no request of" in event.reason
-    assert refusals.refuse_lone_halves([(ids.SERVICE_SERVER_RESPONSE, RESPONSE)]) == []
-    (event,) = refusals.refuse_lone_halves([(ids.SERVICE_CLIENT_REQUEST, RESPONSE)])
+    assert refusals.refuse_incomplete_services([(ids.SERVICE_SERVER_RESPONSE, RESPONSE)]) == []
+    (event,) = refusals.refuse_incomplete_services([(ids.SERVICE_CLIENT_REQUEST, RESPONSE)])
     assert "client announces its request, but no response of" in event.reason
 
 

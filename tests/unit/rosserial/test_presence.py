@@ -30,7 +30,7 @@ def test_the_table_is_the_one_that_is_drawn() -> None:
 
 def present(now_s: float = 0.0) -> Presence:
     presence = Presence()
-    presence.answered(now_s)
+    presence.answer_received(now_s)
     assert presence.state is State.PRESENT
     return presence
 
@@ -43,7 +43,7 @@ def test_nothing_is_due_before_the_first_data_of_the_device() -> None:
 def test_a_board_that_publishes_is_not_probed() -> None:
     presence = present()
     for tenth in range(1, 100):
-        presence.message(tenth / 10)
+        presence.message_received(tenth / 10)
         assert presence.handle_timer(tenth / 10, probes=True) is None
 
 
@@ -60,16 +60,16 @@ def test_silence_leads_to_probes() -> None:
 
 def test_an_answer_to_the_probe_means_reset() -> None:
     presence = present()
-    presence.message(1.5)
+    presence.message_received(1.5)
     assert presence.handle_timer(2.5, probes=True) is Verdict.PROBE
-    assert presence.time_request(2.51) is Verdict.PROBE  # or was it just due?
-    assert presence.time_request(2.52) is Verdict.RESET
+    assert presence.time_request_received(2.51) is Verdict.PROBE  # or was it just due?
+    assert presence.time_request_received(2.52) is Verdict.RESET
 
 
 def test_an_answer_much_too_early_means_reset_at_once() -> None:
     presence = present()
     assert presence.handle_timer(PROBE_AFTER_S, probes=True) is Verdict.PROBE
-    assert presence.time_request(PROBE_AFTER_S + 0.01) is Verdict.RESET
+    assert presence.time_request_received(PROBE_AFTER_S + 0.01) is Verdict.RESET
 
 
 def test_a_healthy_silent_board_is_never_taken_for_reset() -> None:
@@ -80,7 +80,7 @@ def test_a_healthy_silent_board_is_never_taken_for_reset() -> None:
         assert due_s is not None
         now_s = min(due_s, next_request_s)
         if now_s == next_request_s:
-            assert presence.time_request(now_s) is not Verdict.RESET
+            assert presence.time_request_received(now_s) is not Verdict.RESET
             next_request_s += 2.5
         else:
             assert presence.handle_timer(now_s, probes=True) in (None, Verdict.PROBE)
@@ -89,28 +89,28 @@ def test_a_healthy_silent_board_is_never_taken_for_reset() -> None:
 def test_the_answer_to_a_second_probe_may_be_lost() -> None:
     presence = present()
     assert presence.handle_timer(2.0, probes=True) is Verdict.PROBE
-    assert presence.time_request(2.5) is Verdict.PROBE
+    assert presence.time_request_received(2.5) is Verdict.PROBE
     assert presence.handle_timer(2.5 + NEXT_PROBE_S, probes=True) is Verdict.PROBE
-    assert presence.time_request(2.51 + NEXT_PROBE_S) is Verdict.RESET
+    assert presence.time_request_received(2.51 + NEXT_PROBE_S) is Verdict.RESET
 
 
 def test_an_early_time_request_is_only_probed() -> None:
     presence = present()
-    assert presence.time_request(EARLY_S - 0.1) is Verdict.PROBE
-    presence.message(EARLY_S)
+    assert presence.time_request_received(EARLY_S - 0.1) is Verdict.PROBE
+    presence.message_received(EARLY_S)
     assert presence.state is State.PRESENT
 
 
 def test_announcements_do_not_move_the_time_request_that_is_due() -> None:
     presence = present()
-    presence.sign(1.0)
-    assert presence.time_request(2.5) is None
+    presence.sign_received(1.0)
+    assert presence.time_request_received(2.5) is None
 
 
 def test_a_time_request_that_waited_behind_others_makes_the_next_one_not_early() -> None:
     presence = present()
-    presence.answered(3.3, is_timely=False)
-    assert presence.time_request(5.0) is None
+    presence.answer_received(3.3, is_timely=False)
+    assert presence.time_request_received(5.0) is None
 
 
 def test_an_overdue_time_request_is_asked_for_once() -> None:
@@ -118,7 +118,7 @@ def test_an_overdue_time_request_is_asked_for_once() -> None:
     assert presence.handle_timer(OVERDUE_S, probes=True) is Verdict.ASK
     assert presence.get_timer(probes=True) == SILENT_AFTER_S
     assert presence.handle_timer(OVERDUE_S + 0.5, probes=True) is None
-    presence.answered(OVERDUE_S + 0.6)
+    presence.answer_received(OVERDUE_S + 0.6)
     assert presence.state is State.PRESENT
 
 
@@ -128,7 +128,7 @@ def test_silence_is_reported_once() -> None:
     assert presence.handle_timer(SILENT_AFTER_S - 0.1, probes=False) is None
     assert presence.handle_timer(SILENT_AFTER_S, probes=False) is Verdict.SILENT
     assert presence.handle_timer(SILENT_AFTER_S + 9, probes=False) is None
-    presence.time_request(20.0)
+    presence.time_request_received(20.0)
     assert presence.state is State.PRESENT
 
 
@@ -142,24 +142,24 @@ def test_a_device_that_answers_every_probe_is_believed_ever_more_rarely() -> Non
         verdict = presence.handle_timer(now_s, probes=True)
         while verdict is Verdict.PROBE:
             now_s += 0.01
-            verdict = presence.time_request(now_s)
+            verdict = presence.time_request_received(now_s)
         if verdict is Verdict.RESET:
             resets.append(now_s)
-            presence.answered(now_s)
+            presence.answer_received(now_s)
     assert len(resets) < 20
     assert resets[-1] - resets[-2] > 50
 
 
 def test_a_stall_of_this_process_is_not_a_reset_of_the_board() -> None:
     presence = present()
-    presence.time_request(2.5)
+    presence.time_request_received(2.5)
     verdicts = []
     resumed_s = 5.0 + 0.7
     assert (due_s := presence.get_timer(probes=True)) is not None
     assert resumed_s > due_s + LATE_S
     for now_s in (resumed_s, 7.5):
         presence.frame_received(now_s)
-        verdicts.append(presence.time_request(now_s))
+        verdicts.append(presence.time_request_received(now_s))
         if (due_s := presence.get_timer(probes=True)) is not None:
             verdicts.append(presence.handle_timer(due_s, probes=True))
     assert Verdict.RESET not in verdicts
@@ -169,7 +169,7 @@ def test_a_pause_of_this_process_is_not_silence_of_the_board() -> None:
     presence = present()
     due_s = presence.get_timer(probes=True)
     assert due_s is not None
-    presence.message(due_s - 0.1)
+    presence.message_received(due_s - 0.1)
     assert presence.handle_timer(due_s + 12.0, probes=True) is None
     assert presence.is_certain
     assert presence.get_timer(probes=True) == due_s + 12.0 + PROBE_AFTER_S
@@ -178,12 +178,12 @@ def test_a_pause_of_this_process_is_not_silence_of_the_board() -> None:
 
 def test_a_reset_after_a_stall_is_found() -> None:
     presence = present()
-    presence.time_request(2.5)
+    presence.time_request_received(2.5)
     now_s, verdicts = 6.0, [Verdict.PROBE]
     while Verdict.RESET not in verdicts and now_s < 12.0:
         # A board that was reset answers each probe.
         presence.frame_received(now_s)
-        if (verdict := presence.time_request(now_s)) is not None:
+        if (verdict := presence.time_request_received(now_s)) is not None:
             verdicts.append(verdict)
         due_s = presence.get_timer(probes=True)
         assert due_s is not None

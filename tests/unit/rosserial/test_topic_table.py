@@ -99,12 +99,12 @@ def test_halves_that_lack_the_other_one() -> None:
     table = TopicTable(10)
     table.announce(ids.PUBLISHER, CHATTER)
     table.announce(ids.SERVICE_SERVER_RESPONSE, RESPONSE)
-    assert table.lone_halves() == [(ids.SERVICE_SERVER_RESPONSE, RESPONSE)]
+    assert table.incomplete_services() == [(ids.SERVICE_SERVER_RESPONSE, RESPONSE)]
     other_type = replace(REQUEST, message_type="std_srvs/Empty")
     table.announce(ids.SERVICE_SERVER_REQUEST, other_type)
-    assert len(table.lone_halves()) == 2
+    assert len(table.incomplete_services()) == 2
     table.announce(ids.SERVICE_SERVER_REQUEST, REQUEST)
-    assert table.lone_halves() == []
+    assert table.incomplete_services() == []
 
 
 def test_two_clients_of_one_service_pair_in_order() -> None:

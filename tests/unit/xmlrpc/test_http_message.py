@@ -180,11 +180,11 @@ def test_a_response_is_read_however_it_is_cut(name: str) -> None:
             assert request.startswith(b"POST / HTTP/1.1\r\nHost: localhost:11311\r\n")
             assert request.endswith(b"\r\n\r\n<call/>")
             assert not client.is_reusable
-            assert not client.answer_began
+            assert not client.has_answer_begun
             answers = [client.receive_data(piece) for piece in pieces]
             assert answers[-1] == b"<ans/>"
             assert answers[:-1] == [None] * (len(pieces) - 1)
-            assert client.answer_began
+            assert client.has_answer_begun
             assert client.is_reusable
 
 
@@ -244,7 +244,7 @@ def test_an_end_before_the_answer_is_an_error(begin: bytes) -> None:
         assert client.receive_data(begin) is None
     with pytest.raises(RemoteProtocolError):
         client.receive_data(b"")
-    assert client.answer_began is bool(begin)
+    assert client.has_answer_begun is bool(begin)
 
 
 def test_one_exchange_at_a_time() -> None:

@@ -41,7 +41,7 @@ export class Robot {
   readonly recordings: Signal<Recordings | undefined> = signal(undefined);
   readonly info: Signal<ServerInfo | undefined> = signal(undefined);
   /**
-   * Topics by name, also those that only have subscribers (`isPublished` is false).
+   * Topics by name, including those that only have subscribers (`isPublished` is false).
    * After a lost connection they stay until the new one has announced its own.
    */
   readonly topics: Signal<ReadonlyMap<string, Topic>> = signal(new Map());

@@ -21,7 +21,7 @@ class BoardLine(Protocol):
     def outbox(self) -> Outbox:
         """The queue of messages to the board."""
 
-    def congested(self, wait: Callable[[], Awaitable[object]]) -> bool:
+    def pause_until(self, wait: Callable[[], Awaitable[object]]) -> bool:
         """Read nothing from the board until `wait()` ends; return False at once if the line cannot pause."""
 
     def rescan(self, payload: bytes) -> None:

@@ -126,7 +126,7 @@ class PublisherEndpoint:
         if self._has_header:
             payloads = self._count(payloads)
         if not publisher.publish_raw(payloads) and self._line is not None:
-            self._line.congested(partial(self._pause, publisher))
+            self._line.pause_until(partial(self._pause, publisher))
 
     async def _pause(self, publisher: Publisher) -> None:
         while not publisher.publish_raw([]):
@@ -190,7 +190,7 @@ class PublisherEndpoint:
         self._held_bytes += sum(map(len, payloads)) + MESSAGE_OVERHEAD_BYTES * len(payloads)
         if self._held_bytes <= HELD_BYTES:
             return
-        if self._line is None or not self._line.congested(self._wait_opened):
+        if self._line is None or not self._line.pause_until(self._wait_opened):
             self._drop_held()
 
     async def _wait_opened(self) -> None:

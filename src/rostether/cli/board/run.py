@@ -173,5 +173,5 @@ async def _run(program: Path, start: BoardOptions, msg_paths: Sequence[Path], as
                 show_event(event, as_json=as_json)
             async for event in board.events():
                 show_event(event, as_json=as_json)
-        if not board.ended_as_requested:
+        if not board.has_ended_as_requested:
             raise BoardError("the simulated board ended unexpectedly; please report it")

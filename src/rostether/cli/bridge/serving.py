@@ -38,7 +38,7 @@ def read_links(text: str, hosts: Sequence[str] = (LOOPBACK,), allowed: tuple[str
     A listener without its own `allow=` accepts boards from the networks `allowed` (from --allow).
 
     ROS_IP and ROS_HOSTNAME do not allow boards from the network: scripts set them for the graph. Raises
-    ConfigError, also for a serial port that was typed wrongly.
+    ConfigError, for example for a mistyped serial port.
     """
     link = parse_address(text)
     check_typed_port(link, list_serial_ports)

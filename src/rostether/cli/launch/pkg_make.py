@@ -153,7 +153,7 @@ def _show(contents: PackageContents, problems: list[str], workspace: Path, *, as
 def make_libraries(context: click.Context, directory: Path, packages: tuple[str, ...]) -> None:
     """Write ros_lib for Arduino to DIR (default: this folder), with the messages of all or of some packages.
 
-    Messages of other packages that are there already are kept, and written again.
+    Messages of other packages that DIR already contains are kept, and generated again.
     """
     wanted = (*packages, *_generated_packages(directory)) if packages else ()
     context.invoke(

@@ -164,7 +164,7 @@ async def _store(environment: RosEnvironment, values: list[tuple[str, Any]], *, 
         full_name = param_name(name, environment)
         if full_name == "/" and not isinstance(value, dict):
             raise ConfigError("/ can only be set to a mapping of names to values")
-        # Read them all before the first is set: a file with a mistake sets nothing.
+        # Read them all before the first is set: a file with an error sets nothing.
         settings += leaves(full_name, value)
     _warn_of_illegal([name for name, _ in settings])
     async with master_client(environment) as client:

@@ -90,7 +90,7 @@ async def _publish(
     values = load_arguments(given)
     text = read_text(options.file) if options.file is not None else None
     is_typed = bool(given) or not codec.message_class._fields
-    # Mistakes are reported before anything is advertised.
+    # Errors are reported before anything is advertised.
     if is_typed:
         fill_message(codec, values, now=_wall_time)
     elif text is None and sys.stdin.isatty():

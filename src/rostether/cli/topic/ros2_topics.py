@@ -72,7 +72,7 @@ async def _publish(
 ) -> None:
     from rostether.serde.yaml_form import load_arguments, load_documents
 
-    # Mistakes are reported before anything is advertised.
+    # Errors are reported before anything is advertised.
     values = [load_arguments(given)]
     if options.file is not None:
         values = list(load_documents(read_text(options.file)))

@@ -110,7 +110,7 @@ def xbee_setup(
 
     ADDRESS is the radio's own 16-bit address, from 1 for boards. A board's radio without one, and every
     DigiMesh radio, needs --to instead. All other settings get their factory values. The radio is found at any
-    usual baud rate, also in API mode.
+    usual baud rate, even in API mode.
     """
     if coordinator and coordinator_address is not None:
         raise click.UsageError("--to is for the radios of boards; give --to or --coordinator, not both")

@@ -21,8 +21,8 @@ from rostether.gateways.foxglove.server_messages import Channel, StatusLevel
 from rostether.gateways.foxglove.subscription import DroppedReport, Subscription
 from rostether.gateways.websocket.admission import Rights
 
-# The limit of statuses about a client's mistakes; more statuses would only flood the client.
-MAX_REPORTED_MISTAKES = 100
+# The limit of statuses about a client's errors; more statuses would only flood the client.
+MAX_REPORTED_ERRORS = 100
 
 # The refusal for a client that may only view.
 _VIEW_ONLY = "this connection may only view: open the page with the full token to publish, call and set"
@@ -47,10 +47,10 @@ class Client:
         self._by_channel: dict[int, Subscription] = {}
         self._topics: dict[int, ClientTopic | DrivenTopic] = {}
         self._work = ClientWork()
-        self._parameters = ClientParameters(context, self._work, sender.send, self.report_mistake)
-        self._recordings = ClientRecordings(context, self._work, sender.send, self.report_mistake)
+        self._parameters = ClientParameters(context, self._work, sender.send, self.report_error)
+        self._recordings = ClientRecordings(context, self._work, sender.send, self.report_error)
         self._fetching = asyncio.Semaphore(1)
-        self._mistakes = 0
+        self._error_count = 0
         self._dropped = DroppedReport(sender.send)
         self._waiting_publishers = 0
         self._handlers: dict[type, Callable[[Any], None]] = {
@@ -83,10 +83,10 @@ class Client:
         try:
             request = parse_text(message) if isinstance(message, str) else parse_binary(message)
         except RemoteProtocolError as error:
-            self.report_mistake(str(error))
+            self.report_error(str(error))
             return
         if request.capability and request.capability not in self._context.settings.capabilities:
-            self.report_mistake(f"this gateway does not offer {request.capability}")
+            self.report_error(f"this gateway does not offer {request.capability}")
             return
         if self.rights is Rights.VIEW and isinstance(request, requests.Action):
             self._refuse(request)
@@ -118,10 +118,10 @@ class Client:
         """Show a line to the client's user."""
         self.sender.send(replies.status(level, text, status_id))
 
-    def report_mistake(self, text: str) -> None:
-        """Report a mistake to the client, up to a limit."""
-        self._mistakes += 1
-        if self._mistakes <= MAX_REPORTED_MISTAKES:
+    def report_error(self, text: str) -> None:
+        """Report an error to the client, up to a limit."""
+        self._error_count += 1
+        if self._error_count <= MAX_REPORTED_ERRORS:
             self.status(StatusLevel.ERROR, text)
 
     def channel_ended(self, channel: Channel) -> None:
@@ -136,21 +136,21 @@ class Client:
         for subscription_id, channel_id in request.subscriptions:
             channel = self._context.channels.by_id.get(channel_id)
             if channel is None:
-                # The channel may have just ended, which is not a mistake of the client.
-                self.report_mistake(f"there is no channel {channel_id}")
+                # The channel may have just ended, which is not an error of the client.
+                self.report_error(f"there is no channel {channel_id}")
             elif subscription_id in self._subscriptions or channel_id in self._by_channel:
-                self.report_mistake(
+                self.report_error(
                     f"channel {channel_id} or subscription {subscription_id} is already subscribed"
                 )
             elif len(self._subscriptions) >= self._context.limits.subscriptions:
                 most = self._context.limits.subscriptions
-                self.report_mistake(f"a client may have at most {most} subscriptions; unsubscribe some")
+                self.report_error(f"a client may have at most {most} subscriptions; unsubscribe some")
             else:
                 subscription = Subscription(
                     subscription_id, channel, self.sender, self._context.channels, self._context.clock.now_ns
                 )
                 self._subscriptions[subscription_id] = self._by_channel[channel_id] = subscription
-                subscription.open(self._context.shared, self.report_mistake)
+                subscription.open(self._context.shared, self.report_error)
 
     def _unsubscribe(self, request: requests.Unsubscribe) -> None:
         for subscription_id in request.subscription_ids:
@@ -162,14 +162,14 @@ class Client:
     def _advertise(self, request: requests.Advertise) -> None:
         for channel in request.channels:
             if channel.id in self._topics:
-                self.report_mistake(f"channel {channel.id} is already advertised")
+                self.report_error(f"channel {channel.id} is already advertised")
             elif len(self._topics) >= self._context.limits.client_channels:
                 most = self._context.limits.client_channels
-                self.report_mistake(f"a client may publish at most {most} topics; unadvertise some")
+                self.report_error(f"a client may publish at most {most} topics; unadvertise some")
             elif not channel.topic.strip("/"):
-                self.report_mistake(f"channel {channel.id} has no topic")
+                self.report_error(f"channel {channel.id} has no topic")
             elif not self._may_publish(channel.topic):
-                self.report_mistake(f"this gateway does not let clients publish {channel.topic[:200]}")
+                self.report_error(f"this gateway does not let clients publish {channel.topic[:200]}")
             else:
                 topic = self._topics[channel.id] = self._topic(channel)
                 topic.open(self._context.graph, self._context.store)
@@ -177,9 +177,9 @@ class Client:
     def _topic(self, channel: requests.ClientChannel) -> ClientTopic | DrivenTopic:
         teleop = self._context.teleop
         if channel.driver is None or teleop is None:
-            return ClientTopic(channel, self.report_mistake)
+            return ClientTopic(channel, self.report_error)
         return DrivenTopic(
-            channel, self.sender.connection.peer, teleop, self._report_drive, self.report_mistake
+            channel, self.sender.connection.peer, teleop, self._report_drive, self.report_error
         )
 
     def _report_drive(self, state: Mapping[str, Any]) -> None:
@@ -197,12 +197,12 @@ class Client:
             if topic := self._topics.pop(channel_id, None):
                 self._context.run(topic.close())
             else:
-                self.report_mistake(f"channel {channel_id} is not advertised")
+                self.report_error(f"channel {channel_id} is not advertised")
 
     def _publish(self, message: requests.MessageData) -> None:
         topic = self._topics.get(message.channel_id)
         if topic is None:
-            self.report_mistake(f"channel {message.channel_id} is not advertised")
+            self.report_error(f"channel {message.channel_id} is not advertised")
         elif (room := topic.publish(message.payload)) is not None:
             self._work.start(self._wait_for(room))
 
@@ -266,4 +266,4 @@ class Client:
         if isinstance(request, requests.ServiceRequest):
             self.sender.send(replies.service_failure(request.service_id, request.call_id, _VIEW_ONLY))
         else:
-            self.report_mistake(_VIEW_ONLY)
+            self.report_error(_VIEW_ONLY)

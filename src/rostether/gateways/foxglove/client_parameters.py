@@ -14,19 +14,19 @@ from rostether.gateways.foxglove.gateway_context import GatewayContext
 
 
 class ClientParameters:
-    """Requests of one client; `send` sends the answers, `report_mistake` reports mistakes."""
+    """Requests of one client; `send` sends the answers, `report_error` reports errors."""
 
     def __init__(
         self,
         context: GatewayContext,
         work: ClientWork,
         send: Callable[[str], None],
-        report_mistake: Callable[[str], None],
+        report_error: Callable[[str], None],
     ) -> None:
         self._context = context
         self._work = work
         self._send = send
-        self._report_mistake = report_mistake
+        self._report_error = report_error
         self._watched: set[str] = set()
         self._changed: dict[str, dict[str, Any]] = {}
 
@@ -43,9 +43,9 @@ class ClientParameters:
         """Set values, and answer with the new values if requested."""
 
         async def set_values() -> None:
-            values, mistakes = await self._context.parameters.set(request.parameters)
-            for text in mistakes:
-                self._report_mistake(text)
+            values, errors = await self._context.parameters.set(request.parameters)
+            for text in errors:
+                self._report_error(text)
             if request.request_id is not None:
                 self._send(replies.parameter_values(values, request.request_id))
 
@@ -76,7 +76,7 @@ class ClientParameters:
                 await work()
 
         self._work.ask(
-            in_time, lambda text: self._report_mistake(f"{failed}: {text}"), self._context.limits.calls
+            in_time, lambda text: self._report_error(f"{failed}: {text}"), self._context.limits.calls
         )
 
     def _watch_each(self, names: Sequence[str]) -> None:
@@ -84,7 +84,7 @@ class ClientParameters:
             if name in self._watched:
                 continue
             if len(self._watched) >= self._context.limits.watched_parameters:
-                self._report_mistake(
+                self._report_error(
                     f"a client may watch at most {self._context.limits.watched_parameters} parameters; "
                     "unsubscribe some"
                 )
@@ -97,7 +97,7 @@ class ClientParameters:
             await self._context.parameters.watch(name, self._queue_change)
         except RostetherError as error:
             self._watched.discard(name)
-            self._report_mistake(f"parameter {name[:80]} cannot be watched: {error}")
+            self._report_error(f"parameter {name[:80]} cannot be watched: {error}")
 
     def _unwatch_each(self, names: Sequence[str]) -> None:
         for name in names:

@@ -24,19 +24,19 @@ MAX_REQUESTS = 4
 
 
 class ClientRecordings:
-    """The recordings for one client; `send` sends a message, `report_mistake` reports a line."""
+    """The recordings for one client; `send` sends a message, `report_error` reports a line."""
 
     def __init__(
         self,
         context: GatewayContext,
         work: ClientWork,
         send: Callable[[str], None],
-        report_mistake: Callable[[str], None],
+        report_error: Callable[[str], None],
     ) -> None:
         self._context = context
         self._work = work
         self._send = send
-        self._report_mistake = report_mistake
+        self._report_error = report_error
         self._changes = 0
 
     def follow(self, _: ListRecordings) -> None:
@@ -45,7 +45,7 @@ class ClientRecordings:
             self._refuse()
             return
         reports.follow(self._report)
-        self._work.ask(reports.report, self._report_mistake, MAX_REQUESTS, "requests about recordings")
+        self._work.ask(reports.report, self._report_error, MAX_REQUESTS, "requests about recordings")
 
     def start(self, request: StartRecording) -> None:
         """Start a recording."""
@@ -79,7 +79,7 @@ class ClientRecordings:
             self._refuse()
             return
         if self._changes >= MAX_REQUESTS:
-            self._report_mistake(f"more than {MAX_REQUESTS} changes of the recording at once")
+            self._report_error(f"more than {MAX_REQUESTS} changes of the recording at once")
             return
         self._changes += 1
 
@@ -87,7 +87,7 @@ class ClientRecordings:
             try:
                 await change(reports.control)
             except RostetherError as error:
-                self._report_mistake(str(error))
+                self._report_error(str(error))
             finally:
                 self._changes -= 1
             await reports.report()
@@ -96,7 +96,7 @@ class ClientRecordings:
         self._context.run(work())
 
     def _refuse(self) -> None:
-        self._report_mistake("this gateway does not record")
+        self._report_error("this gateway does not record")
 
     def _report(self, state: Mapping[str, Any]) -> None:
         self._send(replies.recordings(state))

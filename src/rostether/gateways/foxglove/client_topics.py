@@ -23,12 +23,12 @@ MAX_EARLY_MESSAGES = 10_000
 # Messages that a client sends before its topic is advertised: a second of a flood, or two large images.
 MAX_EARLY_BYTES = 32 << 20
 
-# The limit of different mistakes per topic; each is reported once.
-MAX_REPORTED_MISTAKES = 20
+# The limit of different errors per topic; each is reported once.
+MAX_REPORTED_ERRORS = 20
 
 
 class ClientTopic:
-    """One channel of one client; `report` gets a line for each kind of mistake, once."""
+    """One channel of one client; `report` gets a line for each kind of error, once."""
 
     def __init__(self, channel: ClientChannel, report: Callable[[str], None]) -> None:
         self.channel = channel
@@ -110,11 +110,11 @@ class ClientTopic:
 
 
 def report_once(report: Callable[[str], None]) -> Callable[[str], None]:
-    """Return a function that reports each text once, and at most `MAX_REPORTED_MISTAKES` texts."""
+    """Return a function that reports each text once, and at most `MAX_REPORTED_ERRORS` texts."""
     reported: set[str] = set()
 
     def report_new(text: str) -> None:
-        if text not in reported and len(reported) < MAX_REPORTED_MISTAKES:
+        if text not in reported and len(reported) < MAX_REPORTED_ERRORS:
             reported.add(text)
             report(text)
 

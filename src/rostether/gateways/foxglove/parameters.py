@@ -61,7 +61,7 @@ class Parameters:
     async def set(self, given: Iterable[GivenParameter]) -> tuple[list[dict[str, Any]], list[str]]:
         """Set or unset parameters; returns the new values, and a line for each that could not be set."""
         now: list[dict[str, Any]] = []
-        mistakes: list[str] = []
+        errors: list[str] = []
         for each in given:
             before: ParamValue = None
             try:
@@ -76,9 +76,9 @@ class Parameters:
                 await self._graph.set_param(each.name, value)
                 now.append(describe(each.name, value))
             except RostetherError as error:
-                mistakes.append(f"parameter {each.name[:80]} is not set: {error}")
+                errors.append(f"parameter {each.name[:80]} is not set: {error}")
                 now.append(describe(each.name, before))
-        return now, mistakes
+        return now, errors
 
     async def names(self) -> list[str]:
         """Return the names of all parameters that are offered. Raises GraphError."""

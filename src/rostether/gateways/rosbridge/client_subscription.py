@@ -85,7 +85,7 @@ class ClientSubscription:
     """A topic that a client subscribes to; `topic` is the name that the client uses."""
 
     def __init__(
-        self, topic: str, outbox: Outbox[ClientSubscription], report_mistake: Callable[[str], None]
+        self, topic: str, outbox: Outbox[ClientSubscription], report_error: Callable[[str], None]
     ) -> None:
         self.topic = topic
         self.delivery = Delivery()
@@ -96,7 +96,7 @@ class ClientSubscription:
         self.queue_length = MAX_QUEUED_MESSAGES
         self.share: SharedSubscription | None = None
         self._outbox = outbox
-        self._report_mistake = report_mistake
+        self._report_error = report_error
         self._settings: dict[object, Delivery] = {}
         self._type = ""
         self._refused: set[str] = set()
@@ -139,7 +139,7 @@ class ClientSubscription:
         """Report once for each type why its messages are not sent."""
         if connection.type.name not in self._refused and len(self._refused) < MAX_REQUESTS:
             self._refused.add(connection.type.name)
-            self._report_mistake(f"subscribe: {self.topic}: {reason}")
+            self._report_error(f"subscribe: {self.topic}: {reason}")
 
     async def close(self) -> None:
         """End the subscription, and discard waiting messages. Idempotent."""

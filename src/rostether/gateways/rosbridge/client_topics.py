@@ -26,11 +26,11 @@ class ClientTopics:
         self,
         context: GatewayContext,
         outbox: Outbox[ClientSubscription],
-        report_mistake: Callable[[str], None],
+        report_error: Callable[[str], None],
     ) -> None:
         self._context = context
         self._outbox = outbox
-        self._report_mistake = report_mistake
+        self._report_error = report_error
         self._publications: dict[str, Publication] = {}
         self._subscriptions: dict[str, ClientSubscription] = {}
 
@@ -75,7 +75,7 @@ class ClientTopics:
         self._check_glob(topic)
         if len(self._subscriptions) >= MAX_SUBSCRIPTIONS:
             raise RemoteProtocolError(f"subscribe: at most {MAX_SUBSCRIPTIONS} are allowed; unsubscribe some")
-        subscription = ClientSubscription(topic, self._outbox, self._report_mistake)
+        subscription = ClientSubscription(topic, self._outbox, self._report_error)
         subscription.add_request(request.id, delivery, type_name)
         self._subscriptions[topic] = subscription
         try:

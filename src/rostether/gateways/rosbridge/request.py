@@ -59,7 +59,7 @@ class Request:
         return value
 
     def word(self, name: str) -> str:
-        """Return a name or id. Raises RemoteProtocolError, also if it is too long."""
+        """Return a name or id, a text of limited length. Raises RemoteProtocolError."""
         value = self.text(name)
         self._check_length(name, value)
         return value

@@ -44,7 +44,7 @@ REPORT_INTERVAL_S = 5.0
 # Frames are written together up to this size: for small messages, system calls cost most.
 MAX_WRITE_BYTES = 64 << 10
 
-# The limit of different mistakes of one client in the log; further mistakes are only sent as statuses.
+# The limit of different errors of one client in the log; further errors are only sent as statuses.
 MAX_LOGGED = 10
 
 # Enough for a message in an image in fragments; deeper nesting has no use.
@@ -65,7 +65,7 @@ class Session:
         self._token = token
         self._outbox: Outbox[ClientSubscription] = Outbox(MAX_QUEUED_BYTES, MAX_CONTROL_BYTES)
         self._topics = topics = ClientTopics(
-            context, self._outbox, lambda text: self._report_mistake(text, None)
+            context, self._outbox, lambda text: self._report_error(text, None)
         )
         self._services = services = ClientServices(context, self._send)
         self._actions = actions = ClientActions(context, self._send)
@@ -183,15 +183,15 @@ class Session:
                 async with asyncio.timeout(OPERATION_LIMIT_S):
                     await waiting
         except RostetherError as error:
-            self._report_mistake(str(error), request_id)
+            self._report_error(str(error), request_id)
         except TimeoutError:
-            self._report_mistake(
+            self._report_error(
                 f"{request.op}: the graph did not answer within {OPERATION_LIMIT_S:g} s", request_id
             )
         except Exception as error:  # noqa: BLE001 - a client's message must not end its connection
-            self._report_mistake(f"{type(error).__name__}: {error}", request_id)
+            self._report_error(f"{type(error).__name__}: {error}", request_id)
 
-    def _report_mistake(self, text: str, request_id: object) -> None:
+    def _report_error(self, text: str, request_id: object) -> None:
         text = fold_line(text)
         self._report_status(StatusLevel.ERROR, text, request_id)
         if len(self._logged) < MAX_LOGGED and text not in self._logged:

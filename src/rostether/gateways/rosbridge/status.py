@@ -1,4 +1,4 @@
-"""Statuses: a rosbridge server's reports of mistakes and losses, at the level that the client wants."""
+"""Statuses: a rosbridge server's reports of errors and losses, at the level that the client wants."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 """Converts a JSON value to the payload of a message; an error names the field that does not fit.
 
-It accepts what web pages send: fields may be missing, also a header's stamp (it becomes the current time),
+It accepts what web pages send: fields may be missing, even a header's stamp (it becomes the current time),
 bytes are base64 or a list, null is NaN for a float, and times have the field names of ROS 1 or ROS 2.
 """
 
@@ -151,7 +151,7 @@ class _Reader:
 def _decoded(text: str) -> bytes:
     """Return decoded base64.
 
-    Raises ValueError, also for data URLs, whose prefix would decode to wrong data.
+    Raises ValueError for invalid base64 and for data URLs, whose prefix would decode to wrong data.
     """
     try:
         return a2b_base64(text, strict_mode=True)

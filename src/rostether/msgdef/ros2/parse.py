@@ -64,7 +64,7 @@ def is_constant_name(name: str) -> bool:
 def parse_message(
     text: str, *, package: str, name: str, kind: str = "msg", file: str = "", first_line: int = 1
 ) -> Ros2Message:
-    """Parse a definition. Raises DefinitionError with file, line and column of the first mistake.
+    """Parse a definition. Raises DefinitionError with file, line and column of the first error.
 
     Types without a package belong to `package`. `first_line` is the number of the text's first line in
     its file.
@@ -100,7 +100,7 @@ def parse_message(
 def parse_service(text: str, *, package: str, name: str, file: str = "") -> Ros2Service:
     """Parse a definition: the request, one line `---`, the response.
 
-    Raises DefinitionError with file, line and column of the first mistake.
+    Raises DefinitionError with file, line and column of the first error.
     """
     names = [name + REQUEST_SUFFIX, name + RESPONSE_SUFFIX]
     request, response = _parse_sections(

@@ -1,6 +1,6 @@
 """The content of a ROS 2 .msg, .srv or .action text, as values.
 
-Type names are `package/msg/Name` and `package/srv/Name`, as in ROS 2; the halves of a service are
+Type names are `package/msg/Name` and `package/srv/Name`, as in ROS 2; the messages of a service are
 `package/srv/Name_Request` and `package/srv/Name_Response`. The parts of an action are
 `package/action/Name_Goal`, `_Result` and `_Feedback`.
 """

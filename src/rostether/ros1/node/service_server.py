@@ -69,7 +69,7 @@ class ServiceServer:
             return encode_response(await self._handler(request))
         except RostetherError as error:
             return encode_error(str(error))
-        except Exception as error:  # noqa: BLE001 - a handler's mistake must not end the service
+        except Exception as error:  # noqa: BLE001 - an error in a handler must not end the service
             report_error(f"handler of service {self.service}", error)
             return encode_error(f"error processing request: {error}")
 

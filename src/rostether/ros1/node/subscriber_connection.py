@@ -56,7 +56,7 @@ class SubscriberConnection(asyncio.Protocol):
         self._queued_bytes = 0
         self._loop = asyncio.get_running_loop()
         self._accepts_more = True
-        self._is_losing = False
+        self._is_dropping = False
         # The earliest time of the next report.
         self._may_report_s = 0.0
         self._on_drop = on_drop
@@ -116,7 +116,7 @@ class SubscriberConnection(asyncio.Protocol):
             self._queued_bytes -= size_bytes
             self._transport.write(parts[0] if len(parts) == 1 else b"".join(parts))
         if not self._queue:
-            self._is_losing = False
+            self._is_dropping = False
         self._flow.note_sent()
 
     def connection_lost(self, exc: Exception | None) -> None:
@@ -152,8 +152,8 @@ class SubscriberConnection(asyncio.Protocol):
             excess_bytes -= len(data)
             dropped += count
         self.dropped_count += dropped
-        if dropped and not self._is_losing:
-            self._is_losing = True
+        if dropped and not self._is_dropping:
+            self._is_dropping = True
             if self._loop.time() >= self._may_report_s:
                 self._may_report_s = self._loop.time() + SLOW_REPORT_INTERVAL_S
                 self._on_drop(self)

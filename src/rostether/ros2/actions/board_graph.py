@@ -103,7 +103,7 @@ class _BoardGraph:
             (RESULT, BoardAction.handle_results),
             (STATUS, BoardAction.handle_statuses),
         ):
-            if _is(part, name, message_type):
+            if _is_part(part, name, message_type):
                 return _ActionPublisher(name, message_type, self._topics(part, name), handle)
         return await self._graph.advertise(topic, message_type, latch=latch, queue_bytes=queue_bytes)
 
@@ -115,13 +115,13 @@ class _BoardGraph:
         Also raises DefinitionError, ConfigError.
         """
         name = self._graph.resolve(topic)
-        if _is(CANCEL, name, message_type):
+        if _is_part(CANCEL, name, message_type):
             topics = self._topics(CANCEL, name)
             topics.on_cancels = on_messages
             if topics.action is not None:
                 topics.action.on_cancels = on_messages
             return _ActionSubscriber(name, topics)
-        if _is(GOAL, name, message_type):
+        if _is_part(GOAL, name, message_type):
             topics = self._topics(GOAL, name)
             await self._open(topics, name, message_type, on_messages)
             return _ActionSubscriber(name, topics, is_goal=True)
@@ -211,7 +211,7 @@ class _ActionSubscriber:
             self._topics.on_cancels = None
 
 
-def _is(part: tuple[str, str], name: str, message_type: MessageType) -> bool:
+def _is_part(part: tuple[str, str], name: str, message_type: MessageType) -> bool:
     """Return whether a topic is this part of an action."""
     suffix, type_name = part
     return name.endswith(suffix) and message_type.name.endswith(type_name)

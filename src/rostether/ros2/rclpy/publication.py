@@ -31,7 +31,7 @@ MAX_BACKLOG = 1000
 class Publication:
     """One publisher of rclpy. Opened and closed in the executor's thread.
 
-    A latched publisher keeps one message, also for connected subscribers that have not acknowledged it: the
+    A latched publisher keeps one message, even for connected subscribers that have not acknowledged it: the
     next message waits, so that a burst arrives whole.
     """
 

@@ -100,7 +100,7 @@ class RclpyServiceServer:
             cdr = self._support.response.to_cdr(response)
         except RostetherError as error:
             self._own.report(Level.WARN, f"no answer to a call of {self.service}: {error}")
-        except Exception as error:  # noqa: BLE001 - a user's mistake must not end the node
+        except Exception as error:  # noqa: BLE001 - an error in a handler must not end the node
             report_error(f"handler of service {self.service}", error)
             self._own.log(Level.ERROR, f"no answer to a call of {self.service}: {error}")
         finally:

@@ -2,11 +2,11 @@
 
 States and transitions:
 
-    is_idle      the owner puts messages        -- a batch that was not put to its end -->    busy
-                                                -- one put blocks it for long, or two do -->  wary
-    busy         a thread puts the queue        -- the queue is empty -->                     is_idle or wary
-    wary         as busy, for the link may      -- a minute without such a put -->            is_idle
-                 be full again at any time
+    idle         the owner puts messages        -- a batch is not finished -->                busy
+                                                -- a very long put, or two long ones -->      cautious
+    busy         a thread puts the queue        -- the queue is empty -->                     idle or cautious
+    cautious     as busy: the link may be       -- a minute without such a put -->            idle
+                 full again at any time
 
 zenoh shows only by the duration of a put whether a link has room: if the link is full, it waits for
 `WAIT_BEFORE_DROP_US` and then drops the message. So a subscriber that hangs costs the loop one such wait per

@@ -113,7 +113,7 @@ class ServiceServer:
             response = self._support.response.to_cdr(await self._handler(request))
         except RostetherError as error:
             return _refusal(query, str(error))
-        except Exception as error:  # noqa: BLE001 - a user's mistake must not end the service
+        except Exception as error:  # noqa: BLE001 - an error in a handler must not end the service
             report_error(f"handler of service {self.service}", error)
             return _refusal(query, f"error processing request: {error}")
         echo = Attachment(attachment.sequence, time.time_ns(), attachment.gid)

@@ -183,6 +183,6 @@ class SimpleActionServer:
                     "goal to aborted"
                 )
                 self.set_aborted(None, "No terminal state was set.")
-        except Exception as error:  # noqa: BLE001 - a program's mistake ends its goal, not its server
+        except Exception as error:  # noqa: BLE001 - an error in a callback ends the goal, not the server
             logerr("Exception in your execute callback: %s\n%s", error, traceback.format_exc())
             self.set_aborted(None, f"Exception in execute callback: {error}")

@@ -279,7 +279,7 @@ class Bag:
 
     @contextmanager
     def _facts(self) -> Iterator[RecordingReader]:
-        """Return the facts about the bag, also after it is closed, like rosbag."""
+        """Return the facts about the bag, even after it is closed, like rosbag."""
         if self._reader is not None:
             yield self._reader
             return

@@ -221,7 +221,7 @@ def args_kwds_to_message(data_class: type[Message], args: tuple[Any, ...], kwds:
 def _run_contained(function: Callable[[], object]) -> None:
     try:
         function()
-    except Exception:  # noqa: BLE001 - a listener's mistake ends nothing
+    except Exception:  # noqa: BLE001 - an error in a listener ends nothing
         import traceback
 
         traceback.print_exc()

@@ -159,7 +159,7 @@ def _invoke(message: Message, callback: Callable[..., object], arguments: Any) -
             callback(message)
         else:
             callback(message, arguments)
-    except Exception:  # noqa: BLE001 - a program's mistake must not end its subscription
+    except Exception:  # noqa: BLE001 - an error in a callback must not end the subscription
         if not is_shutdown():
             logerr("bad callback: %s\n%s", callback, traceback.format_exc())
 

@@ -27,7 +27,7 @@ class Register:
     highest: int = 0
 
     @property
-    def signed(self) -> bool:
+    def is_signed(self) -> bool:
         """Whether negative values exist."""
         return self.lowest < 0
 

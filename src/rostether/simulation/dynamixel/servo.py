@@ -52,7 +52,7 @@ class Servo:
         """Return a register by its name; measurements are those of the last `advance`."""
         register = BY_NAME[name]
         data = self._table[register.address : register.address + register.size]
-        return int.from_bytes(data, "little", signed=register.signed)
+        return int.from_bytes(data, "little", signed=register.is_signed)
 
     def is_restarting(self, now_s: float) -> bool:
         """Return whether it is restarting, and receives nothing."""
@@ -105,7 +105,7 @@ class Servo:
             if register is None or position + register.size > len(data):
                 return ServoError.DATA_LENGTH if register else ServoError.DATA_RANGE
             value = int.from_bytes(
-                data[position : position + register.size], "little", signed=register.signed
+                data[position : position + register.size], "little", signed=register.is_signed
             )
             error = self._refusal(register, value)
             if error:
@@ -194,7 +194,7 @@ class Servo:
         self._restarting_until_s = now_s + REBOOT_S
 
     def _set(self, register: Register, value: int) -> None:
-        data = value.to_bytes(register.size, "little", signed=register.signed)
+        data = value.to_bytes(register.size, "little", signed=register.is_signed)
         self._table[register.address : register.address + register.size] = data
 
 

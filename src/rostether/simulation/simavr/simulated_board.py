@@ -113,7 +113,7 @@ class SimulatedBoard(BlockClosable):
         return self._process.has_ended
 
     @property
-    def ended_as_requested(self) -> bool:
+    def has_ended_as_requested(self) -> bool:
         """Whether it has ended as requested: by `quit`, or after `for`."""
         return self._process.exit_code == 0
 

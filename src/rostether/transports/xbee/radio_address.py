@@ -9,7 +9,7 @@ import re
 
 # 0xfffe means "use the 64-bit address".
 MAX_SHORT_ADDRESS = 0xFFFD
-# All radios, also those with 64-bit addresses.
+# All radios, including those with 64-bit addresses.
 BROADCAST_ADDRESS = 0xFFFF
 _MAX_LONG_ADDRESS = 2**64 - 1
 

@@ -45,7 +45,7 @@ class Controller:
         register = BY_NAME[name]
         size = register.size.to_bytes(2, "little")
         ((_, _, data),) = self.ask(servo_id, Instruction.READ, _address(name) + size)
-        return int.from_bytes(data, "little", signed=register.signed)
+        return int.from_bytes(data, "little", signed=register.is_signed)
 
     def drive(self, speed: int) -> None:
         """Bring both servos to a speed."""

@@ -92,14 +92,14 @@ async def test_a_killed_board_is_reported(start: Start) -> None:
     with pytest.raises(BoardError, match="has ended"):
         await board.reset()
     assert board.has_ended
-    assert not board.ended_as_requested
+    assert not board.has_ended_as_requested
 
 
 async def test_quit_ends_it(start: Start) -> None:
     board = await start(build("echo"))
     events = [event async for event in board.events()] if await _quits(board) else []
     assert events == []
-    assert board.ended_as_requested
+    assert board.has_ended_as_requested
 
 
 async def _quits(board: SimulatedBoard) -> bool:

@@ -89,7 +89,7 @@ export class Driver {
     this.repeat();
   }
 
-  /** Stops now, also when nothing was held. */
+  /** Stops now, even when nothing was held. */
   stop(): void {
     this.isBlocked.value = false;
     this.hold(CENTER);

@@ -110,7 +110,7 @@ function isPressable({ name, direction }: Pin, { driven }: BoardState): boolean 
   return direction === "in" || driven[name] !== undefined;
 }
 
-/** Pins as buttons: those with names, such as the LEDs of an OpenCR; on touch screens, also the numbered inputs. */
+/** Pins as buttons: those with names, such as the LEDs of an OpenCR; on touch screens, the numbered inputs too. */
 function NamedPins(props: {
   pins: readonly Pin[];
   driven: Readonly<Record<string, number>>;
