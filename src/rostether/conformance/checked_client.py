@@ -195,7 +195,7 @@ class CheckedClient(SmallWriter):
     async def expect(
         self, is_wanted: Callable[[Frame], bool], what: str, within_s: float = ANSWER_S
     ) -> Frame:
-        """Return the same as `find`; raises Deviation if no frame arrives."""
+        """Return the same as `find`. Raises Deviation if no frame arrives."""
         frame = await self.find(is_wanted, within_s)
         if frame is None:
             raise Deviation(f"{what} did not come within {within_s:g} s")

@@ -26,7 +26,7 @@ class MapTiles:
     """The tiles of one file. Its methods read the disk."""
 
     def __init__(self, path: Path) -> None:
-        """Open a file; raises ConfigError with the reason why it cannot be used."""
+        """Open a file. Raises ConfigError with the reason why it cannot be used."""
         self._path = path
         if not path.is_file():
             # Opening a FIFO would wait for a writer.

@@ -124,7 +124,7 @@ class Messages(Generic[M]):
         return self
 
     async def __anext__(self) -> M:
-        """Return the next message; waits for it."""
+        """Wait for the next message and return it."""
         while not self._waiting:
             self._wakeup.clear()
             await self._wakeup.wait()

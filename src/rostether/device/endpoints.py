@@ -91,7 +91,7 @@ class Endpoints(LogMethods):
     def messages(
         self, topic: str, type_name: str | type[Message], *, queue_size: int = DEFAULT_QUEUE_MESSAGES
     ) -> Messages[Any]:
-        """Declare a topic to receive, and return its messages; raises the same errors as `subscriber`.
+        """Declare a topic to receive, and return its messages. Raises the same errors as `subscriber`.
 
         `queue_size` limits the waiting messages; above it, the oldest are dropped and counted.
         """

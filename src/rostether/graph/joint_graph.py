@@ -192,7 +192,7 @@ class JointGraph:
         return self._first.now()
 
     async def snapshot(self) -> Snapshot:
-        """Return a snapshot of all graphs together; raises if none of them answers."""
+        """Return a snapshot of all graphs together. Raises if none of them answers."""
         return merge_snapshots(await self._all(lambda graph: graph.snapshot()))
 
     def changes(self) -> AsyncIterator[Snapshot]:
@@ -253,7 +253,7 @@ class JointGraph:
         return next((found for found in await self._all(ask) if is_it(found)), None)
 
     async def _all(self, ask: Callable[[Graph], Awaitable[ResultT]]) -> list[ResultT]:
-        """Return the answers of all graphs that answer; raises if none does."""
+        """Return the answers of all graphs that answer. Raises if none does."""
         results = await asyncio.gather(*map(ask, self._graphs), return_exceptions=True)
         answers = [result for result in results if not isinstance(result, BaseException)]
         faults = [result for result in results if isinstance(result, BaseException)]

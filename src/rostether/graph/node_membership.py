@@ -35,7 +35,7 @@ class NodeMembership(ABC):
         await asyncio.shield(self._start_close(reason))
 
     async def wait_closed(self) -> str:
-        """Wait until the node has left, by `close` or by a shutdown request; returns the reason."""
+        """Wait until the node has left, by `close` or by a shutdown request; return the reason."""
         await self._closed.wait()
         return self._reason
 

@@ -255,7 +255,7 @@ class Graph(Protocol):
         """Leave the graph: everything advertised, subscribed or watched ends. Idempotent."""
 
     async def wait_closed(self) -> str:
-        """Wait until the node has left, by `close` or by a shutdown request; returns the reason.
+        """Wait until the node has left, by `close` or by a shutdown request; return the reason.
 
         A ROS 1 node receives one from `rosnode kill`, and from the master when another node uses its name.
         """

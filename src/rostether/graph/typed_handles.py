@@ -62,7 +62,7 @@ class TypedPublisher(Generic[P]):
         await self.raw.drained(timeout_s)
 
     async def wait_for_subscriber(self, timeout_s: float | None = None) -> bool:
-        """Wait for a subscriber; returns False if none subscribed in time."""
+        """Wait for a subscriber; return False if none subscribed in time."""
         try:
             async with asyncio.timeout(timeout_s):
                 # The port does not report connections; a check is cheap.

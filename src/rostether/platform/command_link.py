@@ -144,8 +144,9 @@ class ReceiverSettings:
 class CommandReceiver:
     """One robot. It obeys one sender until the sender releases it or is silent for its time to live.
 
-    A sender's start is its epoch. After that it accepts a later epoch; it accepts a stop of a later epoch at
-    once. It never accepts an earlier epoch, so replayed frames have no effect.
+    The epoch of a sender is the time of its start. After a release or a silence, the robot also obeys senders
+    with later epochs; it obeys a stop of a later epoch at once. It never obeys an earlier epoch, so replayed
+    frames have no effect.
     """
 
     def __init__(self, settings: ReceiverSettings) -> None:

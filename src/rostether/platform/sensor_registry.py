@@ -128,7 +128,7 @@ class SensorRegistry:
         return found
 
     def register_by_id(self, wanted: Registration, now_s: float) -> tuple[Sensor, str]:
-        """Register a sensor or renew its lease; returns it, and why it must wait, or an empty string.
+        """Register a sensor or renew its lease; return it, and why it must wait, or an empty string.
 
         It must wait while another process holds the lease. Raises ServiceCallError for a field that cannot be
         used.

@@ -106,7 +106,7 @@ def in_order(
 
 
 def _close_except(opened: dict[int, _Open], kept: int) -> int:
-    """Close all chunks except one; returns the number of bytes freed."""
+    """Close all chunks except one; return the number of bytes freed."""
     freed = 0
     for rank in [each for each in opened if each != kept]:
         chunk = opened.pop(rank)

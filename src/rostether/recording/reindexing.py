@@ -111,7 +111,7 @@ def copy(
     storage: str = "mcap",
     types: Ros2Types | None = None,
 ) -> int:
-    """Copy a recording's messages, sorted by time; returns their number.
+    """Copy a recording's messages, sorted by time; return their number.
 
     `form` is the form of the new messages, `storage` the file format of a ROS 2 bag, and `types` replaces the
     ROS 2 types of the environment. On RecordingError, no file remains.
@@ -126,7 +126,7 @@ def write_messages(
     create: Callable[[Path], RecordingWriter],
     connections: Iterable[Connection] = (),
 ) -> int:
-    """Write messages to a new recording; returns their number.
+    """Write messages to a new recording; return their number.
 
     It gets all `connections`, even those without messages. On RecordingError, no file remains.
     """

@@ -50,7 +50,7 @@ class TransformBuffer:
     def set_transform(
         self, stamped: StampedTransform, *, authority: str = "", is_static: bool = False
     ) -> str:
-        """Store a transform; returns tf2's error message if it was refused, or an empty string.
+        """Store a transform; return tf2's error message if it was refused, or an empty string.
 
         The first transform decides whether a frame is moving or static.
         """

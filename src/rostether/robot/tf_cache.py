@@ -41,7 +41,7 @@ class TimeCache:
         self._entries: list[Entry] = []
 
     def insert(self, entry: Entry) -> str:
-        """Store an entry; returns tf2's error message if it was refused, or an empty string."""
+        """Store an entry; return tf2's error message if it was refused, or an empty string."""
         stamps = self._stamps
         if stamps and stamps[-1] > entry.stamp_ns + self._cache_ns:
             return (

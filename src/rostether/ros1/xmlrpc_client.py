@@ -99,7 +99,7 @@ class XmlRpcClient:
             ) from error
 
     async def call_status(self, method: str, *args: object, timeout_s: float | None = None) -> StatusTriplet:
-        """Call a ROS method and return its `(code, status message, value)`; raises the same errors as `call`.
+        """Call a ROS method and return its `(code, status message, value)`. Raises the same errors as `call`.
 
         Code 1 is success, 0 failure, -1 the caller's error; the value counts only with code 1.
         """

@@ -52,7 +52,7 @@ class HostOutput:
         return data
 
     def encode_messages(self, topic_id: int, payloads: Sequence[bytes]) -> bytes:
-        """Return the frames of messages; raises LocalProtocolError if one may not be sent or does not fit."""
+        """Return the frames of messages. Raises LocalProtocolError if one may not be sent or does not fit."""
         limit = self._table.send_limits.get(topic_id)
         if limit is None:
             raise LocalProtocolError(

@@ -55,7 +55,7 @@ class Codec:
     def encode_given(
         self, message: object, fields: Mapping[str, Any], *, now: Callable[[], Time] | None = None
     ) -> bytes:
-        """Encode a message, its fields, or its only field's value; raises the same errors as `encode`."""
+        """Encode a message, its fields, or its only field's value. Raises the same errors as `encode`."""
         if message is None:
             return self.encode(fields, now=now)
         if fields:

@@ -41,5 +41,5 @@ class TypeStore:
         return codec
 
     def service_codecs(self, name: str) -> tuple[Codec, Codec]:
-        """Return the codecs of a service's request and response; raises the same errors as `codec`."""
+        """Return the codecs of a service's request and response. Raises the same errors as `codec`."""
         return self.codec(f"{name}Request"), self.codec(f"{name}Response")

@@ -61,7 +61,7 @@ class Messages(Blocking[DeviceMessages[M]]):
         return self
 
     def __next__(self) -> M:
-        """Return the next message; waits for it."""
+        """Wait for the next message and return it."""
         return LOOP.call(self.wrapped.__anext__())
 
 
@@ -123,7 +123,7 @@ class Device(OpenContext[device.Device], LogMethods):
     def messages(
         self, topic: str, type_name: str | type[Message], *, queue_size: int = DEFAULT_QUEUE_MESSAGES
     ) -> Messages[Any]:
-        """Declare a topic to receive, and return its messages; raises the same errors as `subscriber`."""
+        """Declare a topic to receive, and return its messages. Raises the same errors as `subscriber`."""
         return Messages(self._messages(topic, name_of_type(type_name), queue_size=queue_size))
 
     @overload

@@ -114,7 +114,7 @@ class Messages(Generic[M]):
             self.close()
 
     def __next__(self) -> M:
-        """Return the next message; waits for it."""
+        """Wait for the next message and return it."""
         try:
             return LOOP.call(self._next())
         except StopAsyncIteration:

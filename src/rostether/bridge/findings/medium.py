@@ -6,7 +6,7 @@ from enum import Enum, auto
 
 
 class Medium(Enum):
-    """SERIAL is also a pseudo-terminal, RADIO an XBee."""
+    """The kinds of media. SERIAL includes pseudo-terminals; RADIO is an XBee network."""
 
     SERIAL = auto()
     TCP = auto()

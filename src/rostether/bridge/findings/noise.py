@@ -71,7 +71,7 @@ class Noise:
         return bytes(self._first)
 
     def handle_discarded(self, event: FrameDiscarded, now_s: float, *, is_alive: bool) -> bool:
-        """Handle discarded bytes; returns whether they are text. `is_alive`: frames also arrive."""
+        """Handle discarded bytes; return whether they are text. `is_alive`: frames also arrive."""
         data = event.data
         self.byte_count += len(data)
         self._first += data[: KEPT_BYTES - len(self._first)]

@@ -40,7 +40,7 @@ class Oversizes:
         self._piece_s = 0.0
 
     def handle_discarded(self, event: FrameDiscarded, version: int | None, now_s: float) -> bool:
-        """Handle discarded bytes; returns whether they belong to a message that was too long."""
+        """Handle discarded bytes; return whether they belong to a message that was too long."""
         if event.reason is DiscardReason.TOO_LONG:
             self._cut = b""
             self._note(event.data, version, now_s)

@@ -32,13 +32,13 @@ def bag_check(files: tuple[Path, ...], msg_paths: tuple[Path, ...]) -> None:
     from rostether.recording.checking import check
 
     registry = Registry.from_environment(msg_paths)
-    is_right = True
+    has_errors = False
     for path in files:
         checked = check(path, registry)
         for fault in checked.faults:
             write_line(f"{path}: {fault}")
         if not checked.faults:
             write_line(f"{path}: {checked.message_count} messages, no errors")
-        is_right = is_right and not checked.faults
-    if not is_right:
+        has_errors = has_errors or bool(checked.faults)
+    if has_errors:
         raise click.exceptions.Exit(EXIT_FAILED)

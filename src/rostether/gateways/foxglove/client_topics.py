@@ -44,7 +44,7 @@ class ClientTopic:
         self._opening = asyncio.ensure_future(self._open(graph, store))
 
     def publish(self, payload: bytes) -> Awaitable[object] | None:
-        """Publish a message; returns what the client must wait for before it may send more, if anything."""
+        """Publish a message; return what the client must wait for before it may send more, if anything."""
         if self._opening is not None and not self._opening.done():
             self._keep(payload)
             # The task is shared: only the wait for it may be cancelled.

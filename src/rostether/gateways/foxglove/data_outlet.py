@@ -119,7 +119,7 @@ class DataOutlet:
 def add_data_frames(
     pieces: list[bytes], subscription_id: int, time_ns: int, payloads: Sequence[bytes]
 ) -> int:
-    """Append the frames of payloads to a list of pieces to write; returns their size."""
+    """Append the frames of payloads to a list of pieces to write; return their size."""
     size = 0
     for payload in payloads:
         length = len(payload) + _HEADER_BYTES

@@ -59,7 +59,7 @@ class Parameters:
         return sorted(known + rest, key=lambda each: str(each["name"]))
 
     async def set(self, given: Iterable[GivenParameter]) -> tuple[list[dict[str, Any]], list[str]]:
-        """Set or unset parameters; returns the new values, and a line for each that could not be set."""
+        """Set or unset parameters; return the new values, and a line for each that could not be set."""
         now: list[dict[str, Any]] = []
         errors: list[str] = []
         for each in given:

@@ -54,7 +54,7 @@ class ClientServices:
         task.add_done_callback(self._call_ended)
 
     async def advertise(self, request: Request) -> str:
-        """Offer a service that the client answers; returns a warning, empty if there is none."""
+        """Offer a service that the client answers; return a warning, empty if there is none."""
         name = self._context.graph.resolve(request.word("service"))
         self._check_glob(name)
         if len(self._context.offered.of(self)) >= MAX_SERVICES:

@@ -116,7 +116,7 @@ class ClientSubscription:
         self._merge_settings()
 
     def remove_request(self, request_id: object) -> bool:
-        """Remove the subscription of an id (default: all); returns whether any is left."""
+        """Remove the subscription of an id (default: all); return whether any is left."""
         if request_id is None:
             self._settings.clear()
         else:

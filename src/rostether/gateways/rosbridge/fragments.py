@@ -50,7 +50,7 @@ class Defragmenter:
         self._unfinished: dict[str | int, _Unfinished] = {}
 
     def add(self, fields: Mapping[str, Any]) -> str | None:
-        """Add a fragment; returns the whole text after the last one. Raises RemoteProtocolError."""
+        """Add a fragment; return the whole text after the last one. Raises RemoteProtocolError."""
         message_id, data = fields.get("id"), fields.get("data")
         number, total = fields.get("num"), fields.get("total")
         if not isinstance(message_id, str | int) or not isinstance(data, str):

@@ -104,7 +104,7 @@ class OfferedServices:
         return service if service is not None and service.owner is owner else None
 
     async def offer(self, service: OfferedService) -> OfferedService | None:
-        """Offer a service; returns the one that it replaces. Raises GraphError."""
+        """Offer a service; return the one that it replaces. Raises GraphError."""
         async with self._lock:
             old = self._services.pop(service.name, None)
             if old is not None:

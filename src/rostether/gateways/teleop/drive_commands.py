@@ -75,7 +75,7 @@ class DriveCommands:
         return all(_read(message, path) == 0 for _, paths in self._vectors for path in paths)
 
     def limit(self, message: Message, now_s: float) -> bool:
-        """Limit a message in place; returns whether it is a stop. Raises SerializationError.
+        """Limit a message in place; return whether it is a stop. Raises SerializationError.
 
         Only acceleration is limited: a slower command and a stop take effect at once.
         """

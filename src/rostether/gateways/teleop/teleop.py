@@ -67,7 +67,7 @@ class CommandTopic:
         return self.commands.is_stop(self._codec.decode(payload))
 
     def command(self, driver: Driver, payload: bytes) -> bool:
-        """Publish a command; returns whether the driver may drive. Raises RostetherError."""
+        """Publish a command; return whether the driver may drive. Raises RostetherError."""
         message = self._codec.decode(payload)
         if self._holder is not None and self._holder is not driver and not self.commands.is_stop(message):
             return False
@@ -277,7 +277,7 @@ class CommandLease:
         return True
 
     def expire(self, now_s: float) -> bool:
-        """Handle the expired times; returns whether a stop must be published now."""
+        """Handle the expired times; return whether a stop must be published now."""
         must_stop = False
         if self._is_moving and now_s >= self._commanded_s + KEEP_S:
             self._is_moving = False
@@ -289,7 +289,7 @@ class CommandLease:
         return must_stop
 
     def release(self, driver: Hashable) -> bool:
-        """Free the lease if it is this driver's; returns whether a stop must be published now."""
+        """Free the lease if it is this driver's; return whether a stop must be published now."""
         self._lapsed.discard(driver)
         if self.driver != driver:
             return False

@@ -55,7 +55,7 @@ class OwnCertificate:
 
 
 def own_certificate(folder: Path, names: Iterable[str] = ()) -> OwnCertificate:
-    """Return this machine's certificate from a folder; makes or renews it if needed.
+    """Return this machine's certificate from a folder; make or renew it if needed.
 
     Args:
         folder: Also contains the authority; only this user can read the keys.

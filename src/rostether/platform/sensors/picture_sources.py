@@ -32,7 +32,7 @@ class PictureSource(Protocol):
 
 
 class DrawnTestPictures:
-    """Test pictures."""
+    """Draws pictures for tests without a camera."""
 
     def __init__(self, change: PictureChange) -> None:
         pillow()

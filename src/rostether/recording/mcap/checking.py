@@ -84,7 +84,7 @@ class _Check:
             self._check_offsets(offsets, footer, groups)
 
     def _check_summary(self, position: int, end: int) -> dict[int, tuple[int, int]]:
-        """Check the records of the summary; returns start and end of each group of records."""
+        """Check the records of the summary; return start and end of each group of records."""
         data = self._data
         groups: dict[int, tuple[int, int]] = {}
         repeated = McapContent()

@@ -51,7 +51,7 @@ class DataCheck:
         self._report = report
 
     def run(self, position: int) -> int:
-        """Check up to the end of the data section; returns the position after it. Raises RecordingError."""
+        """Check up to the end of the data section; return the position after it. Raises RecordingError."""
         data = self._data
         last: FoundChunk | None = None
         while True:

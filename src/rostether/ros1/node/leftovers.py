@@ -25,7 +25,7 @@ class Leftovers:
         self._failures: Counter[str] = Counter()
 
     async def forget_if_gone(self, name: str) -> bool:
-        """Remove a node's registrations if it has ended; returns whether it has. Raises GraphError."""
+        """Remove a node's registrations if it has ended; return whether it has. Raises GraphError."""
         master = MasterClient(self._master_uri, self._caller_id)
         try:
             uri = await master.lookup_node(name)

@@ -143,7 +143,7 @@ class Subscription:
         return connection
 
     def _report_connection(self, fields: Mapping[str, str]) -> OnMessages:
-        """Report a connection; returns the function that receives its messages."""
+        """Report a connection; return the function that receives its messages."""
         own: list[OnMessages | None] = []
         if self._on_connection is not None:
             on_connection = self._on_connection

@@ -19,7 +19,7 @@ LIST_SERVICE = "list_parameters"
 
 
 class ParameterClient:
-    """Asks other nodes; raises GraphError if a node does not answer or refuses."""
+    """Asks other nodes. Raises GraphError if a node does not answer or refuses."""
 
     def __init__(self, graph: Graph, timeout_s: float = CALL_TIMEOUT_S) -> None:
         self._graph = graph

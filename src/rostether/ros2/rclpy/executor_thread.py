@@ -61,7 +61,7 @@ class ExecutorThread:
             self.executor.create_task(function)
 
     def call_in_loop(self, callback: Callable[..., object], *args: object) -> None:
-        """Call back in the event loop; does nothing if the loop has ended."""
+        """Call back in the event loop, unless the loop has ended."""
         try:
             self._loop.call_soon_threadsafe(callback, *args)
         except RuntimeError:

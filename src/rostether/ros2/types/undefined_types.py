@@ -52,7 +52,7 @@ class _Unchanged:
     """Returns CDR unchanged."""
 
     def from_cdr(self, cdr: bytes) -> bytes:
-        """Return the CDR."""
+        """Return the CDR unchanged."""
         return cdr
 
     def to_cdr(self, payload: bytes) -> bytes:

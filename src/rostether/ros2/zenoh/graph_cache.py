@@ -60,7 +60,7 @@ class GraphCache:
             for listener in list(self._listeners.get(place, ())):
                 call_safely(f"listener of {place[1]}", listener)
 
-    def show_problem(self, problem: str) -> None:
+    def set_problem(self, problem: str) -> None:
         """Set the reason why the graph is incomplete, for the snapshots; empty if it is complete."""
         if problem != self._problem:
             self._problem = problem

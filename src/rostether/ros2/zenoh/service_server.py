@@ -104,7 +104,7 @@ class ServiceServer:
         await asyncio.get_running_loop().run_in_executor(self._threads, _finish, query, reply)
 
     async def _work(self, query: zenoh.Query) -> Callable[[], object]:
-        """Handle a call; returns the function that sends the response."""
+        """Handle a call; return the function that sends the response."""
         attachment = None if query.attachment is None else parse_attachment(query.attachment.to_bytes())
         if attachment is None or query.payload is None:
             return _refusal(query, f"a call of {self.service} without rmw_zenoh's attachment or a request")

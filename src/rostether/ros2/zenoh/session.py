@@ -137,7 +137,7 @@ class ZenohSession(SharedSession):
             # In the background: a machine that is off is detected only after a second.
             self._tasks.append(asyncio.ensure_future(self._report_faults(named, configuration)))
         if named or not self.is_router:
-            watching = watch_router(self.zenoh, named, self.graph.show_problem)
+            watching = watch_router(self.zenoh, named, self.graph.set_problem)
             self._tasks.append(asyncio.ensure_future(watching))
         key = all_tokens(self.domain_id)
         self._watch = self.liveliness.declare_subscriber(

@@ -43,7 +43,7 @@ class SimpleActionClient:
         self.feedback_cb: Callable[[Any], object] | None = None
 
     def wait_for_server(self, timeout: Any = 0.0) -> bool:
-        """Wait until a server is connected; returns False at the timeout."""
+        """Wait until a server is connected; return False at the timeout."""
         return self.action_client.wait_for_server(timeout)
 
     def send_goal(
@@ -78,7 +78,7 @@ class SimpleActionClient:
         return self.get_state()
 
     def wait_for_result(self, timeout: Any = 0.0) -> bool:
-        """Wait for the goal's end; returns False at the timeout."""
+        """Wait for the goal's end; return False at the timeout."""
         if self.gh is None:
             logerr("Called wait_for_result when no goal exists")
             return False

@@ -207,7 +207,7 @@ class Bag:
             reader.close()
 
     def reindex(self) -> Iterator[int]:
-        """Repair a bag that was not closed; yields the progress."""
+        """Repair a bag that was not closed and yield the progress."""
         yield 0
         if self._reader is not None:
             self._reader.close()

@@ -48,7 +48,7 @@ def init_node(  # noqa: PLR0913 - as rospy.init_node
     xmlrpc_port: int = 0,
     tcpros_port: int = 0,
 ) -> None:
-    """Join the graph as a node; waits for the master. Later calls must have the same arguments.
+    """Wait for the master and join the graph as a node. Later calls must have the same arguments.
 
     Raises ROSInitException, ValueError for a name that is empty or has a namespace, ROSException.
     """

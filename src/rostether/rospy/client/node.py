@@ -95,7 +95,7 @@ class Node:
                 self._waiting.remove(join)
 
     def join(self, full_name: str) -> None:
-        """Join the graph; waits for the master without a limit. Raises ROSInitException."""
+        """Wait for the master without a limit, then join the graph. Raises ROSInitException."""
         shutdown.add(self._leave)
         try:
             graph = self.loop.call(self._join(full_name, self.environment()))

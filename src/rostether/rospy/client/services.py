@@ -129,7 +129,7 @@ class ServiceProxy:
         self._client: ServiceClient | None = None
 
     def __call__(self, *args: Any, **kwds: Any) -> Any:
-        """Call it with a request or the request's fields; returns the response.
+        """Call it with a request or the request's fields; return the response.
 
         Raises ServiceException, genpy's SerializationError, ROSInterruptException, TypeError.
         """

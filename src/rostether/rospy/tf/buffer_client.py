@@ -48,7 +48,7 @@ class BufferClient(BufferInterface):
             logwarn("Argument check_frequency is deprecated and should not be used.")
 
     def wait_for_server(self, timeout: Any = NO_TIME) -> bool:
-        """Wait until the server is connected; returns False at the timeout."""
+        """Wait until the server is connected; return False at the timeout."""
         return self.client.wait_for_server(timeout)
 
     def lookup_transform(

@@ -62,7 +62,7 @@ def get_nodes_by_machine(machine: str) -> list[str]:
 def rosnode_ping(
     node_name: str, max_count: int | None = None, verbose: bool = False, skip_cache: bool = False
 ) -> bool:
-    """Ping a node once a second, `max_count` times; returns False if it does not answer."""
+    """Ping a node once a second, `max_count` times; return False if it does not answer."""
     uri = get_api_uri(Master(_OWN_NAME), node_name)
     if uri is None:
         sys.stderr.write(f"cannot ping [{node_name}]: unknown node\n")
@@ -92,7 +92,7 @@ def rosnode_ping_all(verbose: bool = False, skip_cache: bool = False) -> tuple[l
 
 
 def kill_nodes(node_names: Iterable[str]) -> tuple[list[str], list[str]]:
-    """Ask nodes to shut down; returns the nodes that were asked, and the unknown ones."""
+    """Ask nodes to shut down; return the nodes that were asked, and the unknown ones."""
     master = Master(_OWN_NAME)
     asked: list[str] = []
     unknown: list[str] = []

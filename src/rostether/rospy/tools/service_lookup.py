@@ -130,7 +130,7 @@ def get_service_class_by_name(service_name: str) -> Any:
 
 
 def call_service(service_name: str, service_args: list[Any], service_class: Any = None) -> tuple[Any, Any]:
-    """Start a node and call a service with a list of arguments; returns request and response.
+    """Start a node and call a service with a list of arguments; return request and response.
 
     Raises ROSServiceException.
     """

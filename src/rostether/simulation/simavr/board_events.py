@@ -20,7 +20,7 @@ class BoardEvent:
     values: Mapping[str, Any] = field(default_factory=lambda: MappingProxyType({}))
 
     def __getitem__(self, key: str) -> Any:
-        """Return one of the event's values; raises KeyError."""
+        """Return one of the event's values. Raises KeyError."""
         return self.values[key]
 
 
