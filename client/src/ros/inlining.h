@@ -10,7 +10,7 @@
 #else
 #define ROS_APART __attribute__((noinline))
 #endif
-// Hides the target of a pointer from the compiler: like ROS_APART, but also for functions that are inlined.
+// Hides the target of a pointer from the compiler: like ROS_APART, but works in inlined functions too.
 #define ROS_CONCEAL(pointer) asm("" : "+r"(pointer))
 // All functions that this function calls are inlined, except ROS_NOINLINE ones.
 #define ROS_FLATTEN __attribute__((flatten))

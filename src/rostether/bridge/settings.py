@@ -59,7 +59,7 @@ class BoardNodes:
     """How the nodes of boards join the graph.
 
     `ns_per_board`: a board's topics go into a namespace of its name, unless its address has `ns=`.
-    `keeps_node`: there is one address, which has a `name=`. Its node exists from the start, also without a
+    `keeps_node`: there is one address, which has a `name=`. Its node exists from the start, even without a
     board; when it is shut down from outside, the bridge ends.
     `diagnostics`: each board's node publishes /diagnostics.
     """

@@ -96,7 +96,7 @@ def _swap(fresh: Path, target: Path, scratch: Path) -> None:
             with contextlib.suppress(FileNotFoundError):
                 target.rename(before)
             fresh.rename(target)
-        # Also if Ctrl-C interrupts between the two.
+        # Even if Ctrl-C interrupts between the two.
         except BaseException as error:
             if before.exists() and not target.exists():
                 before.rename(target)

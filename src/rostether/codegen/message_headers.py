@@ -108,15 +108,15 @@ def service_header(
 
     Request and response both announce the service's name, each with its own md5sum.
     """
-    halves = (spec.request, request_md5sum), (spec.response, response_md5sum)
-    includes = {path for half, _ in halves for path in included_paths(half, header_of)}
-    not_macros = {name for half, _ in halves for name in possible_macros(name_members(half))}
+    messages = (spec.request, request_md5sum), (spec.response, response_md5sum)
+    includes = {path for message, _ in messages for path in included_paths(message, header_of)}
+    not_macros = {name for message, _ in messages for name in possible_macros(name_members(message))}
     return header(spec.full_name, includes, not_macros, _classes(spec, request_md5sum, response_md5sum))
 
 
 def _classes(spec: ServiceSpec, request_md5sum: str, response_md5sum: str) -> Iterator[str]:
-    for half, md5sum in ((spec.request, request_md5sum), (spec.response, response_md5sum)):
-        yield from message_class(half, name_members(half), type_name=spec.full_name, md5sum=md5sum)
+    for message, md5sum in ((spec.request, request_md5sum), (spec.response, response_md5sum)):
+        yield from message_class(message, name_members(message), type_name=spec.full_name, md5sum=md5sum)
         yield ""
     yield f"class {class_name(spec.name)} {{"
     yield " public:"

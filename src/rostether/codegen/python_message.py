@@ -24,11 +24,11 @@ def message_module(spec: MessageSpec, lookup: Lookup, path_of: PathOf) -> str:
 
 def service_module(spec: ServiceSpec, lookup: Lookup, path_of: PathOf) -> str:
     """Return the text of a service's module; request and response both announce the service's name."""
-    halves = spec.request, spec.response
-    lines = [line for half in halves for line in (*_class(half, spec.full_name, lookup), "", "")]
-    request, response = (class_name(half.name) for half in halves)
+    messages = spec.request, spec.response
+    lines = [line for message in messages for line in (*_class(message, spec.full_name, lookup), "", "")]
+    request, response = (class_name(message.name) for message in messages)
     lines += [f"class {class_name(spec.name)}:", f"    Request = {request}", f"    Response = {response}"]
-    return _module(spec.full_name, list(halves), lookup, path_of, lines)
+    return _module(spec.full_name, list(messages), lookup, path_of, lines)
 
 
 def _module(

@@ -1,9 +1,9 @@
 """The limits of an expression: how many steps it takes and how large its values get.
 
 Short expressions can compute for days or fill memory: `9**9**9`, `sum([[0] * 9999] * 9999, [])`,
-`'%999999999d' % 1`. So each step and each element, character or key of a value is spent from one budget,
-before the value is made where it can be much larger than what it is made from. The time follows from the
-steps, so a busy machine accepts the same expressions as a quiet one.
+`'%999999999d' % 1`. So one budget pays for each step, and for each element, character or key of a value. If a
+value can be much larger than the values that it is computed from, it is paid for in advance. The budget
+counts steps instead of time, so a busy machine accepts the same expressions as a quiet one.
 """
 
 from __future__ import annotations
@@ -38,12 +38,13 @@ _FORMAT: Final = re.compile(r"%(?:\([^)]*\))?[-#0 +]*(\*|\d*)(?:\.(\*|\d*))?")
 
 Function = Callable[..., Any]
 
-# Where a list begins with a number, these fail at the first list inside it, or do not look into it.
+# These compare or add the elements of a list. For a list that begins with a number, they fail at the first
+# nested list or do not look into it, so the nested lists cost nothing.
 _LINEAR: Final = (min, max, sum, sorted, any, all)
 
 
 class Budget:
-    """Does the operations of one expression within the limits; beyond them it raises OverflowError."""
+    """Executes the operations of one expression. Raises OverflowError beyond the limits."""
 
     def __init__(self) -> None:
         self._left = MAX_STEPS

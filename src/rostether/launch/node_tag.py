@@ -57,7 +57,7 @@ class NodeTags:
             line=element.line,
         )
         if node.respawn and node.required:
-            raise LaunchError("respawn= and required= exclude each other; keep one of them")
+            raise LaunchError("respawn= and required= are mutually exclusive; keep one of them")
         return node
 
     def test(self, element: XmlElement, scope: Scope) -> None:

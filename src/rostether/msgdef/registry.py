@@ -219,8 +219,8 @@ class Registry:
         package, _, short_name = name.partition("/")
         spec = parse_service(definition, package=package, name=short_name)
         self._services[name] = spec
-        for half in (spec.request, spec.response):
-            self._messages[half.full_name] = half
+        for message in (spec.request, spec.response):
+            self._messages[message.full_name] = message
 
     def _load_message(self, name: str) -> MessageSpec:
         package, short_name = self._split(Kind.MESSAGE, name)
@@ -230,11 +230,11 @@ class Registry:
             if file := self._file(Kind.ACTION, package, action):
                 texts = expand_action(read_definition(file), name=action, file=str(file))
                 return parse_message(texts[short_name], package=package, name=short_name, file=str(file))
-        for half in ("request", "response"):
-            service = short_name.removesuffix(half.capitalize())
+        for suffix in ("Request", "Response"):
+            service = short_name.removesuffix(suffix)
             if service != short_name and self._file(Kind.SERVICE, package, service):
                 spec = self.service(f"{package}/{service}")
-                return spec.request if half == "request" else spec.response
+                return spec.request if suffix == "Request" else spec.response
         if name in self._learned:
             return parse_message(self._learned[name], package=package, name=short_name)
         raise self._unknown(Kind.MESSAGE, package, short_name)

@@ -83,7 +83,7 @@ def _match(table: TomlTable) -> DeviceMatch | None:
     """Return the match keys of a table, None if it has none: then only a link with its name selects it."""
     match = DeviceMatch(
         serial_number=table.text("serial_number"),
-        usb_id=_lower(table.text("usb_id", is_usb_id, 'four and four hex digits, such as "2341:0043"')),
+        usb_id=_lower(table.text("usb_id", is_usb_id, 'two groups of four hex digits, such as "2341:0043"')),
         usb_location=table.text("usb_location"),
         port=table.text("port", is_port_pattern, 'a path or pattern, such as "/dev/ttyUSB*"'),
         address=_canonical(table.text("address", _is_address, 'a numeric address, such as "192.168.1.20"')),

@@ -47,12 +47,12 @@ def open_recording(path: Path, *, is_native: bool = False, damage: str = "") -> 
         return Ros2BagReader(path if path.is_dir() else path.parent, is_native=is_native)
     require_regular_file(path)
     # The error for a file with unknown first bytes depends on its suffix.
-    ending = "" if is_bag(path) else Path(path.name.removesuffix(ACTIVE_SUFFIX)).suffix
-    if is_mcap(path) or (ending == MCAP_SUFFIX and not _begins_with(path, SQLITE_MAGIC)):
+    extension = "" if is_bag(path) else Path(path.name.removesuffix(ACTIVE_SUFFIX)).suffix
+    if is_mcap(path) or (extension == MCAP_SUFFIX and not _begins_with(path, SQLITE_MAGIC)):
         from rostether.recording.mcap.reader import McapReader
 
         return McapReader(path, is_native=is_native, damage=damage)
-    if _begins_with(path, SQLITE_MAGIC) or ending == DB3_SUFFIX:
+    if _begins_with(path, SQLITE_MAGIC) or extension == DB3_SUFFIX:
         from rostether.recording.ros2.db3_reader import Db3Reader
 
         return Db3Reader(path, is_native=is_native)

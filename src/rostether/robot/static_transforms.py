@@ -1,10 +1,10 @@
 """static_transform_publisher: publishes a transform given by arguments or by a parameter.
 
 X Y Z YAW PITCH ROLL PARENT CHILD            on /tf_static (tf2_ros)
-X Y Z QX QY QZ QW PARENT CHILD               likewise
-PARAMETER                                    likewise: a geometry_msgs/TransformStamped as YAML
+X Y Z QX QY QZ QW PARENT CHILD               the same
+PARAMETER                                    the same, for a geometry_msgs/TransformStamped as YAML
 X Y Z YAW PITCH ROLL PARENT CHILD PERIOD_MS  on /tf, repeatedly (tf)
-X Y Z QX QY QZ QW PARENT CHILD PERIOD_MS     likewise
+X Y Z QX QY QZ QW PARENT CHILD PERIOD_MS     the same
 """
 
 from __future__ import annotations

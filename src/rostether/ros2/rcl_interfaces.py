@@ -101,8 +101,8 @@ class RclInterfaces:
 
     def _learn_service(self, name: str, text: str) -> ServiceType:
         spec = parse_service(text, package=PACKAGE, name=name)
-        for half in (spec.request, spec.response):
-            self._registry.add_full_text(half.full_name, half.text)
+        for message in (spec.request, spec.response):
+            self._registry.add_full_text(message.full_name, message.text)
         md5sum = service_md5sum(spec, self._registry.message)
         return ServiceType(
             spec.full_name, md5sum, self._describe(spec.request), self._describe(spec.response)

@@ -41,8 +41,8 @@ async def learn_type(graph: Graph, types: Ros2Types, node_name: str, name: str, 
 async def _ask(graph: Graph, types: Ros2Types, service: str, name: str, type_hash: str) -> list[Ros2Message]:
     service_type = types.native_service(SERVICE_TYPE)
     registry = Registry(bundled=False)
-    for half in (service_type.request, service_type.response):
-        registry.add_full_text(half.name, half.definition)
+    for message in (service_type.request, service_type.response):
+        registry.add_full_text(message.name, message.definition)
     store = TypeStore(registry)
     fields = {"type_name": name, "type_hash": type_hash, "include_type_sources": False}
     request = store.codec(service_type.request.name).encode(fields)

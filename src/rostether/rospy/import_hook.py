@@ -165,7 +165,7 @@ class _DefinitionLoader(Loader):
     def exec_module(self, module: ModuleType) -> None:
         public = [*self._names]
         if self._kind == "srv":
-            public += [f"{name}{half}" for name in self._names for half in ("Request", "Response")]
+            public += [f"{name}{suffix}" for name in self._names for suffix in ("Request", "Response")]
         space: dict[str, Any] = vars(module)
         space["__all__"] = sorted(public)
         space["__dir__"] = lambda: sorted({*space, *public})

@@ -53,7 +53,7 @@ OVERDUE_S = 3.0
 # A second for the answers to several topic requests, in case some are lost.
 SILENT_AFTER_S = 4.0
 
-# A configured device that answers probes seems reset each time; its resets are accepted ever more rarely.
+# A configured device that answers probes seems reset each time; its resets are accepted less and less often.
 MAX_QUARANTINE_S = 60.0
 
 

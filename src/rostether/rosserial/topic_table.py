@@ -78,16 +78,6 @@ class TopicTable:
         return frozenset(self._endpoints)
 
     @property
-    def topic_count(self) -> int:
-        """How many endpoints are topics, not the request or response of a service."""
-        return sum(endpoint.kind in _ROLES for endpoint in self._endpoints.values())
-
-    @property
-    def service_count(self) -> int:
-        """How many services have both a request and a response."""
-        return len(self._services)
-
-    @property
     def limits(self) -> PayloadLimits:
         """The limits of the device's payloads; the same object until an endpoint changes."""
         if self._limits is None:

@@ -235,7 +235,7 @@ class TcpListener:
         except RostetherError as error:
             reason = str(error)
         if transport not in self._unproven:
-            # In the meantime, a newer one has replaced it, which was reported.
+            # A newer connection has replaced this one in the meantime. That was reported then.
             return
         del self._unproven[transport]
         if reason is None:

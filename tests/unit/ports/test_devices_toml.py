@@ -109,7 +109,7 @@ def test_a_port_is_found_by_its_link_and_by_a_pattern(tmp_path: Path) -> None:
         ('[devices.a]\nport = "/x"\nbaud = true', "devices.a.baud", "not true"),
         ('[devices.a]\nport = "/x"\nbaud = 0', "devices.a.baud", "not 0"),
         ('[devices.a]\nport = "x"', "devices.a.port", "a path or pattern"),
-        ('[devices.a]\nusb_id = "2341"', "devices.a.usb_id", "four and four hex digits"),
+        ('[devices.a]\nusb_id = "2341"', "devices.a.usb_id", "two groups of four hex digits"),
         ('[devices.a]\naddress = "robot"', "devices.a.address", "numeric address"),
         ("[devices.a]\nserial_number = 7", "devices.a.serial_number", "write a text, not 7"),
         ('[devices."a b"]\nport = "/x"', "devices.'a b'", "not a ROS name"),

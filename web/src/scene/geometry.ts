@@ -145,7 +145,7 @@ const CELL_COLORS = new Uint32Array(
     return cell <= 100 ? 205 - 1.8 * cell : ([105, 120, 110][channel] as number);
   }).buffer,
 );
-/** The side of a picture that every graphics card supports. */
+/** The side of a texture that every graphics card supports. */
 const MAX_SIDE = 4096;
 
 /** nav_msgs/OccupancyGrid. */
@@ -179,7 +179,7 @@ export class GridDisplay extends HeaderDisplay<OccupancyGrid> {
     setPose(this.holder, origin.position, origin.orientation);
   }
 
-  /** The plane of one meter with the cells on it; maps that grow need a new picture. */
+  /** The plane of one meter with the cells on it; maps that grow need a new texture. */
   private paint(cells: Int8Array, width: number, height: number): Mesh {
     const step = Math.ceil(Math.max(width, height) / MAX_SIDE);
     const [columns, rows] = [Math.ceil(width / step), Math.ceil(height / step)];

@@ -78,7 +78,7 @@ export class MarkerDisplay implements Display {
         yield each;
       }
     }
-    // The next marker that expires must vanish also if nothing else changes the picture.
+    // The next marker that expires must vanish even if nothing else changes the picture.
     clearTimeout(this.expiryTimer);
     // Timers drop fractions of milliseconds, and must not be early.
     const waitMs = Math.ceil(nextMs - now) + 1;

@@ -4,7 +4,7 @@ import URDFLoader, { type URDFRobot } from "urdf-loader";
 import { type DisplayContext, disposeTree, type Placed } from "./display.ts";
 import { loadMesh } from "./meshes.ts";
 
-const NO_PICTURE = "data:image/gif;base64,R0lGODlhAQABAIAAAP///wAAACH5BAEAAAAALAAAAAABAAEAAAICRAEAOw==";
+const EMPTY_TEXTURE = "data:image/gif;base64,R0lGODlhAQABAIAAAP///wAAACH5BAEAAAAALAAAAAABAAEAAAICRAEAOw==";
 
 export class RobotModel {
   readonly joints: readonly string[];
@@ -17,8 +17,8 @@ export class RobotModel {
   /** @throws Error with a sentence when the description is not a URDF. */
   constructor(urdf: string, context: DisplayContext) {
     const manager = new LoadingManager();
-    // Pictures on links are not fetched: the page may load files of the robot through the gateway only.
-    manager.setURLModifier(() => NO_PICTURE);
+    // Textures of links are not fetched: the page may load files of the robot through the gateway only.
+    manager.setURLModifier(() => EMPTY_TEXTURE);
     const loader = new URDFLoader(manager);
     const materials = new Set<Material>();
     // Addresses stay as in the description; the gateway finds packages.

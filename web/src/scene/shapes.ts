@@ -57,7 +57,7 @@ export function label(text: string, heightM: number, color: string): Sprite {
   return sprite;
 }
 
-/** Text as a picture; `lineHeightPx` is its height, `halo` the color around its letters. */
+/** A texture with text; `lineHeightPx` is its height, `halo` the color around its letters. */
 export function textTexture(text: string, lineHeightPx: number, color: string, halo?: string): CanvasTexture {
   const canvas = document.createElement("canvas");
   const font = `${lineHeightPx * 0.7}px system-ui, sans-serif`;

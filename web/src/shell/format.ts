@@ -12,7 +12,7 @@ export function formatNumber(value: number, digits = 4): string {
     .replace(/\.$/, "");
 }
 
-/** A number that changes all the time: with as many digits at each size, so that it does not jump. */
+/** A number that changes continuously: its width stays the same while its size does, so that it does not jump. */
 export function formatFixed(value: number): string {
   const size = Math.abs(value);
   if (Number.isInteger(value) || !Number.isFinite(value) || size >= 1e6) return formatNumber(value);
@@ -44,7 +44,7 @@ export function formatDuration(seconds: number): string {
 
 const collator = new Intl.Collator("en", { numeric: true });
 
-/** The order of names as people count: range_2 before range_10. */
+/** The natural order of names: range_2 before range_10. */
 export function compareNames(a: string, b: string): number {
   return collator.compare(a, b);
 }

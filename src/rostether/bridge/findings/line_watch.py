@@ -47,7 +47,7 @@ PAUSED_S = 3.0
 # The log line of the established library for a message that does not fit its output buffer.
 TOO_LARGE = "larger than buffer"
 
-# What to check of a silent board, besides its power; a cable on a serial line.
+# What to check if a board is silent, in addition to its power; on a serial line, the cable.
 _CONNECTIONS = {Medium.TCP: "network", Medium.UDP: "network", Medium.RADIO: "radio"}
 
 _SIGNS_OF_LIFE = (

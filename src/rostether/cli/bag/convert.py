@@ -51,7 +51,7 @@ def bag_convert(
 ) -> None:
     """Write the messages of SOURCE to TARGET, with their times, topics and types.
 
-    The formats follow from the names: .bag, .mcap or .db3; a name without one of these endings is a ROS 2
+    The formats follow from the names: .bag, .mcap or .db3; a name without one of these extensions is a ROS 2
     bag, a folder. Messages are copied byte for byte, and converted only between ROS 1 and ROS 2.
     """
     from rostether.recording.files import Form

@@ -35,7 +35,7 @@ class ExportOptions:
         "A folder, a file if there is only one topic, or - for stdout (default: the folder NAME_FORMAT).",
     )
     format_name: str | None = option(
-        "--format", "The format (default: from the file's ending, or csv).", type=click.Choice(FORMATS)
+        "--format", "The format (default: from the file's extension, or csv).", type=click.Choice(FORMATS)
     )
     topics: tuple[str, ...] = option(
         "-t --topic TOPIC", "Only this topic; * matches anything.", multiple=True
@@ -105,14 +105,14 @@ class _TableFiles:
             if not is_file and not is_folder and path.suffix[1:2].isalpha():
                 raise ConfigError(
                     f"-o {output}: the name of a table must end with .csv or .parquet; a folder must exist "
-                    "already, or have no ending"
+                    "already, or have no extension"
                 )
             self._folder = path
             self._file = path if is_file else None
-        ending = self._file.suffix.removeprefix(".") if self._file is not None else None
-        self._format = options.format_name or ending or "csv"
+        extension = self._file.suffix.removeprefix(".") if self._file is not None else None
+        self._format = options.format_name or extension or "csv"
         if output is None:
-            # The file metadata.yaml stands for the folder of its ROS 2 bag.
+            # The file metadata.yaml selects the ROS 2 bag in its folder.
             whole = options.recording.resolve()
             name = whole.parent.name if whole.name == "metadata.yaml" else whole.name.removesuffix(".active")
             self._folder = Path(f"{Path(name).with_suffix('')}_{self._format}")

@@ -37,7 +37,7 @@ if TYPE_CHECKING:
     type=click.Choice(["text", "dot", "svg"]),
 )
 @add_option(
-    "-o --output file FILE", f"Write a file; its ending sets the format: {', '.join(SUFFIXES)}.", type=FILE
+    "-o --output file FILE", f"Write a file; its extension sets the format: {', '.join(SUFFIXES)}.", type=FILE
 )
 @add_flag("--nodes-only", "Show only nodes, with topics along the arrows.")
 @add_flag("-a --all with_hidden", "Include logging, statistics and hidden names.")

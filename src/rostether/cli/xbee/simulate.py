@@ -15,6 +15,7 @@ from rostether.cli.shell.option_group import PATH, NumberRange, option, option_g
 from rostether.cli.shell.output import warn, write_line
 from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import verb
+from rostether.mechanisms.text import counted
 
 if TYPE_CHECKING:
     from rostether.simulation.xbee.counting_board import CountingBoard
@@ -122,9 +123,8 @@ async def _simulate(sketch: Path | None, options: SimulationOptions, msg_paths: 
                 boards = await _add_counting(network, coordinator, options, stack)
             else:
                 await _add_sketches(network, coordinator, sketch, options, msg_paths, stack)
-            many = "s" if options.boards > 1 else ""
             write_line(
-                f"{options.boards} board{many} on {options.kind} radios, {options.loss:.0%} loss; "
+                f"{counted(options.boards, 'board')} on {options.kind} radios, {options.loss:.0%} loss; "
                 f"connect: rostether serve xbee:{options.link_path}"
             )
         try:

@@ -120,8 +120,8 @@ def advertise_services(services: Iterable[OfferedService]) -> str:
             "id": service.id,
             "name": service.name,
             "type": service.type.name,
-            "request": _half(service.type.request),
-            "response": _half(service.type.response),
+            "request": _schema(service.type.request),
+            "response": _schema(service.type.response),
         }
         for service in services
     ]
@@ -197,12 +197,12 @@ def _one_line(text: str) -> str:
     return fold_line(text[:_MAX_TEXT_CHARACTERS])
 
 
-def _half(half: MessageType) -> dict[str, str]:
+def _schema(message: MessageType) -> dict[str, str]:
     return {
         "encoding": ROS1_ENCODING,
-        "schemaName": half.name,
+        "schemaName": message.name,
         "schemaEncoding": SCHEMA_ENCODING,
-        "schema": half.definition,
+        "schema": message.definition,
     }
 
 

@@ -18,7 +18,7 @@ from rostether.errors import RemoteProtocolError
 
 _SIGNATURE: Final = b"\x89PNG\r\n\x1a\n"
 
-# Bytes per pixel by color type: gray, color, both also with alpha.
+# Bytes per pixel by color type: gray, color, each without and with alpha.
 _BYTES_PER_PIXEL: Final = {0: 1, 2: 3, 4: 2, 6: 4}
 _COLOR: Final = 2
 

@@ -69,7 +69,7 @@ class RequestHeaders(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class Reply:
-    """The response to a plain request; `length` is the size of the body also for HEAD, which has no body."""
+    """The response to a plain request; `length` is the size of the body, which a response to HEAD lacks."""
 
     status: HTTPStatus
     headers: tuple[tuple[str, str], ...]

@@ -22,7 +22,7 @@ SEND_GOAL, GET_RESULT, FEEDBACK_MESSAGE = "_SendGoal", "_GetResult", "_FeedbackM
 _SERVICES = (SEND_GOAL, GET_RESULT)
 # The longer ones first.
 _SUFFIXES = (
-    *(service + half for service in _SERVICES for half in (REQUEST_SUFFIX, RESPONSE_SUFFIX)),
+    *(service + suffix for service in _SERVICES for suffix in (REQUEST_SUFFIX, RESPONSE_SUFFIX)),
     *_SERVICES,
     FEEDBACK_MESSAGE,
     "_Goal",

@@ -33,4 +33,4 @@ def reads_as_ros2(kind: Kind, file: Path, package: str, *, has_header: bool) -> 
         return True
     # A plain `Header` is std_msgs' in ROS 1 and the package's own in ROS 2.
     header = f"{package}/msg/Header"
-    return not any(field.type.base == header for half in found.parts for field in half.fields)
+    return not any(field.type.base == header for part in found.parts for field in part.fields)

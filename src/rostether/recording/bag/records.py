@@ -102,7 +102,7 @@ def op_of(fields: Fields) -> int:
 
 
 def u32_field(fields: Fields, name: bytes) -> int:
-    """Return a number. Raises RecordingError."""
+    """Return a uint32 field. Raises RecordingError if it is missing."""
     value = fields.get(name, b"")
     if len(value) != 4:
         raise RecordingError(f"a record has no number {name.decode()!r}")
@@ -110,7 +110,7 @@ def u32_field(fields: Fields, name: bytes) -> int:
 
 
 def u64_field(fields: Fields, name: bytes) -> int:
-    """Return a large number. Raises RecordingError."""
+    """Return a uint64 field. Raises RecordingError if it is missing."""
     value = fields.get(name, b"")
     if len(value) != 8:
         raise RecordingError(f"a record has no number {name.decode()!r}")
@@ -118,7 +118,7 @@ def u64_field(fields: Fields, name: bytes) -> int:
 
 
 def time_field(fields: Fields, name: bytes) -> int:
-    """Return a time in nanoseconds. Raises RecordingError."""
+    """Return a time field in nanoseconds. Raises RecordingError if it is missing."""
     value = fields.get(name, b"")
     if len(value) != 8:
         raise RecordingError(f"a record has no time {name.decode()!r}")

@@ -29,13 +29,13 @@ class PictureFolder:
     def add(self, time_ns: int, message: Message) -> None:
         """Write a picture. Raises RecordingError."""
         seconds, nanoseconds = divmod(time_ns, NS_PER_S)
-        ending = "png" if "png" in message.format.lower() else "jpg"
+        extension = "png" if "png" in message.format.lower() else "jpg"
         stem = f"{datetime.fromtimestamp(seconds):%Y-%m-%d-%H-%M-%S}.{nanoseconds // 1000:06d}"
         # Several pictures may have one time.
-        self._same_count = self._same_count + 1 if (stem, ending) == self._last else 1
-        self._last = (stem, ending)
+        self._same_count = self._same_count + 1 if (stem, extension) == self._last else 1
+        self._last = (stem, extension)
         number = f"-{self._same_count}" if self._same_count > 1 else ""
-        path = self._folder / f"{stem}{number}.{ending}"
+        path = self._folder / f"{stem}{number}.{extension}"
         try:
             write_whole(path, message.data)
         except OSError as error:

@@ -98,9 +98,11 @@ class NativeRegistry(Registry):
         spec = self._services.get(name)
         if spec is None:
             service = self.ros2_service(name)
-            halves = [express(half, self.source)[0] for half in (service.request, service.response)]
-            text = f"{halves[0].text}---\n{halves[1].text}"
-            spec = ServiceSpec(service.package, service.name, halves[0], halves[1], text)
+            request, response = (
+                express(message, self.source)[0] for message in (service.request, service.response)
+            )
+            text = f"{request.text}---\n{response.text}"
+            spec = ServiceSpec(service.package, service.name, request, response, text)
             self._services[name] = spec
         return spec
 

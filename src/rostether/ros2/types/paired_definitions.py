@@ -64,11 +64,11 @@ class PairedDefinitions:
         package, _, short_name = name.partition("/srv/")
         request, response = (
             replace(
-                derive(self._registry.message(half.name), self._registry),
+                derive(self._registry.message(message.name), self._registry),
                 kind="srv",
                 name=f"{short_name}_{suffix}",
             )
-            for half, suffix in ((service_type.request, "Request"), (service_type.response, "Response"))
+            for message, suffix in ((service_type.request, "Request"), (service_type.response, "Response"))
         )
         return Ros2Service(package, short_name, request, response)
 

@@ -205,6 +205,6 @@ class Ros2Types:
         if sources == (self.registry, self.registry):
             return self.registry
         learned = Registry(bundled=False)
-        for half in (request, response):
-            learned.add_full_text(half.name, half.definition)
+        for message in (request, response):
+            learned.add_full_text(message.name, message.definition)
         return learned

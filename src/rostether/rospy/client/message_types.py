@@ -143,8 +143,8 @@ class MessageTypes:
 
     def module_of(self, message_name: str) -> str:
         """Return `srv` for requests and responses, else `msg`."""
-        for half in ("Request", "Response"):
-            service = message_name.removesuffix(half)
+        for suffix in ("Request", "Response"):
+            service = message_name.removesuffix(suffix)
             if service != message_name and service in self.registry.services(message_name.partition("/")[0]):
                 return "srv"
         return "msg"

@@ -219,7 +219,7 @@ def unit_vector(data: Any, axis: int | None = None, out: Any = None) -> Any:
 
 
 def _convention(axes: str) -> tuple[bool, tuple[int, int, int], bool, bool]:
-    """Return whether the axes turn, their numbers, whether the first repeats, and whether they go back."""
+    """Return whether the axes turn, their numbers, whether the first repeats, and whether they are odd."""
     letters = axes[1:]
     if len(axes) != 4 or axes[0] not in "sr" or any(letter not in _LETTERS for letter in letters):
         raise ValueError(f"{axes!r} are not axes; give s or r, and three of x, y, z")

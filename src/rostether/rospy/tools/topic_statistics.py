@@ -16,7 +16,7 @@ MAX_WINDOW = 50_000
 
 
 class ROSTopicHz:
-    """Measures rates: `callback_hz` is a subscriber's callback; with a topic's name, for each topic."""
+    """Measures the rate of all received messages, or of each topic if `callback_hz` gets the topic's name."""
 
     def __init__(
         self, window_size: int, filter_expr: Callable[[Any], object] | None = None, use_wtime: bool = False

@@ -13,7 +13,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 # The largest frame data is a received packet with its 64-bit address and 256 bytes, which the 900 MHz radios
-# send. A larger length is damaged: the decoder must not wait for so many bytes.
+# send. A larger length is damaged: the decoder must not wait for its bytes.
 MAX_FRAME_BYTES = 272
 
 _DELIMITER = 0x7E
