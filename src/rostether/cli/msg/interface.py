@@ -73,7 +73,7 @@ def show(names: tuple[str, ...], all_comments: bool, no_comments: bool, msg_path
     from rostether.cli.msg.ros2_definitions import Comments, shown
 
     if all_comments and no_comments:
-        raise click.UsageError("--all-comments and --no-comments are mutually exclusive; give only one of them")
+        raise click.UsageError("--all-comments and --no-comments are mutually exclusive; give one of them")
     comments = Comments.ALL if all_comments else Comments.NONE if no_comments else Comments.OWN
     registry = _registry(msg_paths)
     for given in names:
