@@ -61,7 +61,7 @@ def is_listen_address(word: str) -> bool:
 
 
 def read_listen_address(text: str, default_port: int) -> tuple[str, int]:
-    """Return the host and port of `HOST:PORT`, `PORT` or `HOST`. Raises ConfigError."""
+    """Return the host and port of `HOST:PORT`, `PORT` or `HOST`; loopback without a host. Raises ConfigError."""
     host, colon, port = text.rpartition(":")
     if text.isdecimal():
         host, port = DEFAULT_ADDRESS, text
@@ -71,7 +71,7 @@ def read_listen_address(text: str, default_port: int) -> tuple[str, int]:
         raise ConfigError(
             f"{text!r} is not an address to listen on; write HOST:PORT, e.g. 0.0.0.0:{default_port}"
         )
-    return host.strip("[]"), int(port)
+    return host.strip("[]") or DEFAULT_ADDRESS, int(port)
 
 
 _CLIENT_OPTIONS = (

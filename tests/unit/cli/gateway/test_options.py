@@ -42,6 +42,7 @@ def test_only_an_address_is_the_value_of_the_option(typed: list[str], read: list
     [
         ("localhost", ("localhost", 9090)),
         ("9091", ("localhost", 9091)),
+        (":9091", ("localhost", 9091)),
         ("0.0.0.0", ("0.0.0.0", 9090)),
         ("0.0.0.0:9091", ("0.0.0.0", 9091)),
         ("[::1]:9091", ("::1", 9091)),
