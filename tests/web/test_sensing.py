@@ -50,7 +50,7 @@ async def test_robots_and_their_sensors_are_shown(robot: Robot, browser: Browser
         page = await browser.do("open", url=robot.url + "#/fleet", width=390, touch=True)
         await browser.wait_for(page, f"{text('.fleet-count')} === '2 robots answer'")
         await browser.do("click", page=page, selector=".fleet-stop")
-        await browser.wait_for(page, f"{text('.fleet-answer')} === '2 robots confirmed'")
+        await browser.wait_for(page, f"{text('.fleet-answer')} === '2 robots confirmed the stop'")
 
         page = await browser.do("open", url=robot.url + "#/sensors", width=390, touch=True)
         await browser.do("fill", page=page, selector=".sensors input", text="robot 2 range")

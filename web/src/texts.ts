@@ -308,8 +308,8 @@ export const texts = {
     mcapRos2: "MCAP with ROS 2 messages",
     idle: "Not recording",
     active: (name: string, seconds: string, messages: number, topics: number, size: string) =>
-      `${name}: ${seconds}, ${messages} messages of ${topics} topics, ${size}`,
-    folder: (folder: string) => `Recordings are files of the robot, in ${folder}`,
+      `${name}: ${seconds}, ${messages} messages on ${topics} topics, ${size}`,
+    folder: (folder: string) => `Recordings are stored on the robot, in ${folder}`,
     files: "Recordings",
     none: "No recordings yet",
     noneText: "A recording holds all topics. Play it here, or with rostether bag play.",
@@ -355,11 +355,11 @@ export const texts = {
   diagnostics: {
     none: "No component publishes its status",
     noneText: "Boards and nodes publish their status on /diagnostics.",
-    levels: { ok: "OK", warning: "Warning", error: "Error", stale: "Old" },
+    levels: { ok: "OK", warning: "Warning", error: "Error", stale: "Stale" },
   },
   connect: {
     intro:
-      "Connect a board to a USB port of this phone or computer. The robot serves it as if it were plugged in there.",
+      "Connect a board to a USB port of this phone or computer. The robot serves it as if it were plugged into the robot.",
     choose: "Choose a port",
     known: (name: string) => `Connect ${name}`,
     name: "Name of the board",
@@ -399,7 +399,7 @@ export const texts = {
   phone: {
     intro: "Publish the sensors of this phone or computer as topics. The stamps are in the robot's time.",
     name: "Name of this phone",
-    rate: "At most",
+    rate: "Maximum rate",
     size: "Size",
     front: "Front camera",
     sensors: { imu: "Motion", gps: "Position", camera: "Camera", battery: "Battery" },
@@ -460,7 +460,8 @@ export const texts = {
     stop: "Stop",
     stopAll: "Stop all robots",
     stopping: "Stopping",
-    confirmed: (count: number) => (count === 1 ? "1 robot confirmed" : `${count} robots confirmed`),
+    confirmed: (count: number) =>
+      count === 1 ? "1 robot confirmed the stop" : `${count} robots confirmed the stop`,
   },
   units: {
     ago: (text: string) => `${text} ago`,
