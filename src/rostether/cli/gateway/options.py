@@ -61,7 +61,7 @@ def is_listen_address(word: str) -> bool:
 
 
 def read_listen_address(text: str, default_port: int) -> tuple[str, int]:
-    """Return the host and port of `HOST:PORT`, `PORT` or `HOST`; loopback without a host. Raises ConfigError."""
+    """Return the host (default: loopback) and port of `HOST:PORT`, `PORT` or `HOST`. Raises ConfigError."""
     host, colon, port = text.rpartition(":")
     if text.isdecimal():
         host, port = DEFAULT_ADDRESS, text
