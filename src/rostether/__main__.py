@@ -11,7 +11,7 @@ except KeyboardInterrupt:
 
 
 def _end_at_interrupt() -> None:
-    """Make Ctrl-C end the process at once: an exception during imports would be printed, or be lost."""
+    """Make Ctrl-C end the process immediately: an exception during imports would be printed, or be lost."""
     if signal.getsignal(signal.SIGINT) is not signal.SIG_IGN:
         signal.signal(signal.SIGINT, signal.SIG_DFL)
 

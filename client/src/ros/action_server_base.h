@@ -118,7 +118,7 @@ class ActionServerBase_ : public Endpoint {
   friend class NodeHandleBase_;
   // Including empty names and strings.
   static const uint8_t HEADER_BYTES = 16, STATUS_BYTES = 17;
-  // No goal is pending here: each is started or rejected at once.
+  // No goal is pending here: each is started or rejected immediately.
   static const uint8_t NO_GOAL = Status::PENDING;
   static const uint16_t STATUS_PERIOD_MS = 200;
 

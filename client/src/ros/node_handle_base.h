@@ -226,7 +226,7 @@ class NodeHandleBase_ : public FrameWriter {
     contactAgain();
   }
 
-  // Prepares for another host, and introduces the node to it at once.
+  // Prepares for another host, and introduces the node to it immediately.
   void contactAgain() {
     connected_ = false;
     unanswered_ = 0;

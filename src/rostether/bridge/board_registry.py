@@ -18,7 +18,7 @@ NODE_CLOSE_LIMIT_S = 0.8
 # A healthy board sends something every 2.5 s. A connection that was silent for longer, while the same host
 # opens a new connection, belongs to a board that was switched off.
 HALF_OPEN_S = 3.0
-# A board that disconnects and reconnects at once is the same one: both events may arrive together.
+# A board that disconnects and reconnects immediately is the same one: both events may arrive together.
 RECONNECT_S = 0.02
 
 
@@ -99,7 +99,7 @@ class BoardRegistry:
     def handle_disconnect(self, board: Board, session: Session | None, *, is_stranger: bool = False) -> None:
         """Keep the node of a disconnected board for the grace period, or permanently if it `is_kept`.
 
-        The node of a peer that is not a board (`is_stranger`) leaves at once.
+        The node of a peer that is not a board (`is_stranger`) leaves immediately.
         """
         if board.session is not session or board.leaving is not None:
             return
@@ -114,7 +114,7 @@ class BoardRegistry:
             board.leave_timer = asyncio.get_running_loop().call_later(grace_s, self._end_grace, board)
 
     def end(self, board: Board) -> None:
-        """Remove a board at once because its node was shut down from outside; it may reconnect later."""
+        """Remove a board immediately because its node was shut down from outside; it may reconnect later."""
         self._leave(board)
 
     def dismiss(self, board: Board) -> None:

@@ -182,7 +182,7 @@ class Session:
             self.outbox.resume_writing()
 
     def pause_until(self, wait: Callable[[], Awaitable[object]]) -> bool:
-        """Read nothing from the board until `wait()` ends; return False at once if the line cannot pause."""
+        """Read nothing from the board until `wait()` ends; return False if the line cannot pause."""
         return not self._ended.done() and self._pause.until(wait)
 
     def rescan(self, payload: bytes) -> None:
@@ -307,7 +307,7 @@ class Session:
         self.watch.loop_speed.note_pause()
 
     def _report(self, _event: object) -> None:
-        """Report findings at once, without waiting for the next check."""
+        """Report findings immediately, without waiting for the next check."""
         now_s = self._loop.time()
         self.node.health.report(self.node.health.find(now_s), now_s)
 

@@ -16,7 +16,7 @@ class BridgeSettings:
     its configuration, so no working service takes longer than 10 s.
     `client_call_timeout_s`: how long a board's own call may take in the graph. The board gets no time answer
     meanwhile, and unconfigures itself without one after 11 s.
-    `queued_calls`: how many callers may wait for one board's service before the next is refused at once.
+    `queued_calls`: how many callers may wait for one board's service before the next is refused immediately.
     `parameter_timeout_s`: boards wait 1 s for a parameter unless the sketch sets another limit.
     `drain_pause_s`: how long a board is paused at a time for a slow subscriber.
     `frame_bytes`: the largest payload of a frame from a board; the default is the largest value of the

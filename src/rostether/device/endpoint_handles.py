@@ -28,7 +28,7 @@ class Declared:
     """A device's handle. It can be awaited like a graph's handle, so that programs work with both."""
 
     def __await__(self) -> Generator[None, None, Self]:
-        """Return the handle at once."""
+        """Return the handle immediately."""
         yield from ()
         return self
 

@@ -32,7 +32,7 @@ class DeviceLine:
         self._loop = asyncio.get_running_loop()
         self._transport: Transport | None = None
         self._timer: asyncio.TimerHandle | None = None
-        self._flush_scheduled = False
+        self._is_flush_scheduled = False
         self._writable = asyncio.Event()
         self._lost = asyncio.Event()
         self._error: TransportError | None = None
@@ -83,8 +83,8 @@ class DeviceLine:
 
     def flush_soon(self) -> None:
         """Write all data that is queued in this iteration of the event loop with one call."""
-        if not self._flush_scheduled:
-            self._flush_scheduled = True
+        if not self._is_flush_scheduled:
+            self._is_flush_scheduled = True
             self._loop.call_soon(self._flush_scheduled_bytes)
 
     def flush(self) -> None:
@@ -131,7 +131,7 @@ class DeviceLine:
         self.flush()
 
     def _flush_scheduled_bytes(self) -> None:
-        self._flush_scheduled = False
+        self._is_flush_scheduled = False
         self.flush()
 
     def _set_timer(self) -> None:

@@ -1,4 +1,4 @@
-"""Joins several graphs as one node: at once if possible, the others as soon as they are reachable."""
+"""Joins several graphs as one node: immediately if possible, the others as soon as they are reachable."""
 
 from __future__ import annotations
 

@@ -26,13 +26,13 @@ from rostether.launch.plan import LaunchNode, Output
 # As in roslaunch: a node may have to stop a robot.
 SIGINT_LIMIT_S = 15.0
 SIGTERM_LIMIT_S = 2.0
-# Repeated restarts of a node that ends at once must not keep a CPU busy.
+# Repeated restarts of a node that ends immediately must not keep a CPU busy.
 _RESPAWN_PAUSE_S = 0.1
 
 # There is no notification of the end of a process that is not a child, so the group is polled.
 _GROUP_POLL_S = 0.02
 
-# A killed group ends at once, unless a driver blocks a process.
+# A killed group ends immediately, unless a driver blocks a process.
 _KILL_LIMIT_S = 1.0
 _SIGKILL = getattr(signal, "SIGKILL", signal.SIGTERM)
 _PR_SET_PDEATHSIG = 1
@@ -196,7 +196,7 @@ def _reap(group: int) -> None:
 def _signal_group(group: int, number: int) -> bool:
     """Signal all processes of a group; False if none is left, or if the system has no process groups."""
     if sys.platform == "win32":
-        # Windows has no process groups, and every signal ends a process at once.
+        # Windows has no process groups, and every signal ends a process immediately.
         if number:
             with contextlib.suppress(OSError):
                 os.kill(group, number)

@@ -31,7 +31,7 @@ async def definitions_searched(registry: Registry) -> None:
 
 
 async def wait_for_definitions(registry: Registry, query: Callable[[], object]) -> None:
-    """Wait until the registry can answer a query without a search of folders. Usually, it returns at once."""
+    """Wait, usually not at all, until the registry can answer a query without a search of folders."""
     if not registry.can_answer(query):
         await asyncio.wrap_future(start_search(registry))
 

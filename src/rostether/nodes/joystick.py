@@ -19,7 +19,7 @@ MAX_DEADZONE = 0.9
 
 
 class PublishTiming(Enum):
-    """When to publish after an event: never, after the coalesce interval, or at once."""
+    """When to publish after an event: never, after the coalesce interval, or immediately."""
 
     NEVER = 0
     SOON = 1

@@ -24,7 +24,7 @@ STOP_PERIOD_S = 0.02
 STOP_FRAMES = 10
 RELEASE_FRAMES = 3
 
-# A changed command is sent three times at once, unless a change was sent three times within `REPEAT_S`.
+# A changed command is sent three times immediately, unless a change was sent three times within `REPEAT_S`.
 CHANGE_FRAMES = 3
 
 _LAST_SEQUENCE = 0xFFFF_FFFF
@@ -145,8 +145,8 @@ class CommandReceiver:
     """One robot. It obeys one sender until the sender releases it or is silent for its time to live.
 
     The epoch of a sender is the time of its start. After a release or a silence, the robot also obeys senders
-    with later epochs; it obeys a stop of a later epoch at once. It never obeys an earlier epoch, so replayed
-    frames have no effect.
+    with later epochs; it obeys a stop of a later epoch immediately. It never obeys an earlier epoch, so
+    replayed frames have no effect.
     """
 
     def __init__(self, settings: ReceiverSettings) -> None:

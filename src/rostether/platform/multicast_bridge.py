@@ -30,7 +30,7 @@ _RETRY_S = 0.01
 
 @dataclass(frozen=True, slots=True)
 class BridgeSettings:
-    """The parameters of the bridge; `frequency_hz` 0 sends every message at once.
+    """The parameters of the bridge; `frequency_hz` 0 sends every message immediately.
 
     `framed` is None for bare datagrams. A framed bridge whose topic is silent for `input_timeout_s` sends a
     stop; 0 repeats the last message until a new one arrives. `unicast` are addresses of robots that get every
@@ -49,7 +49,7 @@ async def send_topic(graph: Graph, settings: BridgeSettings, report: Callable[[L
     """Send the topic's messages until cancelled. Raises ConfigError, InvalidNameError, GraphError."""
     if not 0 <= settings.frequency_hz <= MAX_FREQUENCY_HZ:
         raise ConfigError(
-            f"~frequency must be from 0 (at once) to {MAX_FREQUENCY_HZ:g} Hz, not {settings.frequency_hz:g}"
+            f"~frequency must be from 0 (no limit) to {MAX_FREQUENCY_HZ:g} Hz, not {settings.frequency_hz:g}"
         )
     if not 0 <= settings.input_timeout_s < float("inf"):
         raise ConfigError(f"~input_timeout must not be {settings.input_timeout_s:g} seconds; use 0 for never")

@@ -98,7 +98,7 @@ class BackgroundWriter:
             self._changed.notify()
 
     def wait_closed(self) -> None:
-        """Wait until the file is complete and closed; `close` then returns at once, or raises its error."""
+        """Wait until the file is complete and closed. Then `close` does not wait; it may raise an error."""
         with self._changed:
             self._is_ending = True
             self._changed.notify()

@@ -21,7 +21,7 @@ MAX_RECORDINGS = 1008
 # The limit of open recordings, one for each sensor: a process may open 1024 files.
 MAX_OVERLAPPING = 200
 
-_ENDINGS = (".bag", ".mcap", ".db3", ".active")
+_SUFFIXES = (".bag", ".mcap", ".db3", ".active")
 _CLOCK = re.compile(r"(?:(\d{4}-\d\d-\d\d)[T ])?(\d{1,2}:\d\d(?::\d\d(?:\.\d{1,6})?)?)(Z|[+-]\d\d:?\d\d)?")
 
 
@@ -50,7 +50,7 @@ def _is_folder(path: Path) -> bool:
 
 
 def _is_recording(path: Path) -> bool:
-    return (path.suffix in _ENDINGS and not _is_folder(path)) or (path / "metadata.yaml").exists()
+    return (path.suffix in _SUFFIXES and not _is_folder(path)) or (path / "metadata.yaml").exists()
 
 
 def moment_ns(text: str, last_ns: int) -> int:

@@ -39,7 +39,7 @@ Admit: TypeAlias = "Callable[[HandshakeProtocol, asyncio.Transport], bool]"
 class HandshakeProtocol(asyncio.Protocol):
     """Reads the first header of a connection, then hands the transport to the protocol `accept` returns.
 
-    `accept` runs at once, so that no byte of the peer is lost, and leaves writing to its successor's
+    `accept` runs immediately, so that no byte of the peer is lost, and leaves writing to its successor's
     `connection_made`. The successor is the result of `outcome`. An error that `accept` raises ends the
     connection and is the exception of `outcome`; the peer of an incoming connection receives it first.
     `admit` closes a connection that it refuses; a large header is read only while `has_room` returns True.

@@ -1,10 +1,10 @@
 """Finds out whether a port speaks rosserial, and its baud rate and protocol version.
 
-A board that receives a topic request at its own rate answers at once; at any other rate it receives noise and
-does not answer. The rates are therefore tried in turn. The likely ones come first, and are repeated while a
-bootloader may still run. A board that was configured before sends messages without a request; at a wrong
-rate, they are noise. But 230400 and 250000 baud are so close that short frames are received correctly: such
-a rate is accepted only if all its frames are valid.
+A board that receives a topic request at its own rate answers immediately; at any other rate it receives noise
+and does not answer. The rates are therefore tried one after another. The likely ones come first, and are
+repeated while a bootloader may still run. A board that was configured before sends messages without a
+request; at a wrong rate, they are noise. But 230400 and 250000 baud are so close that short frames are
+received correctly: such a rate is accepted only if all its frames are valid.
 
     phase    until                              then
     LISTEN   1.2 s of silence                   ASK                       (only if asked to listen first)

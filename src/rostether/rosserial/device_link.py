@@ -65,8 +65,8 @@ class DeviceLinkConfig:
 class DeviceLink:
     """The device's end of a line. Bytes, messages and `now_s` (any monotonic clock) in; events and bytes out.
 
-    Declare endpoints first; those that are declared later are announced at once. After every call that may
-    have changed something, send `data_to_send()` and wait for `get_timer()`.
+    Declare endpoints first; those that are declared later are announced immediately. After every call that
+    may have changed something, send `data_to_send()` and wait for `get_timer()`.
     """
 
     def __init__(self, config: DeviceLinkConfig | None = None) -> None:

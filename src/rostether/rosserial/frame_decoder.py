@@ -8,7 +8,7 @@ States and transitions:
                                         -- search due, no frames inside -->   WAITING, next search later
 
 Noise may look like a header that claims 65535 bytes. A header that claims more than its topic allows is
-refused at once. The others are searched for frames inside them:
+refused immediately. The others are searched for frames inside them:
 
 - If the topic and the length are possible, the search is due when no more bytes arrive. It is also due while
   bytes arrive, but then the frame is only given up if it ends with several valid frames in a row: boards do

@@ -157,7 +157,7 @@ class Negotiation:
             self._send(Input.ASK, now_s)
 
     def set_version(self, version: int | None, now_s: float) -> None:
-        """Set the device's version, or None to forget it; ask at once if the last request had another one."""
+        """Set the device's version, or forget it (None); ask again if the last request had another one."""
         self.version = version
         self._search_step = 0
         if version is None:

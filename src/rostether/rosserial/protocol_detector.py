@@ -18,7 +18,7 @@ from rostether.rosserial.payload_limits import NO_LIMITS, PayloadLimits
 # An announcement takes 0.1 s at 9600 baud; text that a board prints is shown after this delay at most.
 HOLD_NOISE_S = 0.25
 
-# The number of delayed stretches of noise; further ones are reported at once.
+# The number of delayed stretches of noise; further ones are reported immediately.
 MAX_HELD = 256
 
 

@@ -20,7 +20,7 @@ UART_BYTES = 63
 # Topic requests are repeated less often if more is unread: the first message also needs room.
 MANY_BYTES = 32
 
-# The announcements of an answer follow its time request at once.
+# The announcements of an answer follow its time request immediately.
 OPENING_S = 0.25
 
 # No sketch sleeps longer: a board that is silent for 4 s counts as gone.

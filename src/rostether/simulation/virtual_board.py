@@ -2,7 +2,7 @@
 
     topic         type               rate    what
     toggle_led    std_msgs/Empty     in      turns the LED on or off
-    led           std_msgs/Bool      1 Hz    the LED, and at once when it changes
+    led           std_msgs/Bool      1 Hz    the LED, and immediately when it changes
     ultrasound    sensor_msgs/Range  20 Hz   an HC-SR04 with a person walking in front
     imu_data      sensor_msgs/Imu    40 Hz   the robot's turn rate, acceleration and orientation
     /tf           tf/tfMessage       20 Hz   odom -> base_link, a circle on the floor; base_link -> ultrasound

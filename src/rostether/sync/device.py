@@ -66,7 +66,7 @@ class Messages(Blocking[DeviceMessages[M]]):
 
 
 class Device(OpenContext[device.Device], LogMethods):
-    """A rosserial device in Python; its line opens at once, and reopens after a loss.
+    """A rosserial device in Python; its line opens immediately, and reopens after a loss.
 
     The arguments and methods are those of `rostether.Device`. Callbacks and handlers run in threads.
     """

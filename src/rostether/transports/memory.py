@@ -62,10 +62,10 @@ class MemoryTransport:
         self._receiver: Receiver | None = None
         self._arrived: deque[bytes] = deque()
         self._arrived_bytes = 0
-        self._delivery_scheduled = False
-        self._paused = False
-        self._writing_paused = False
-        self._ended = False
+        self._is_delivery_scheduled = False
+        self._is_paused = False
+        self._is_writing_paused = False
+        self._has_ended = False
         self._error: TransportError | None = None
         self._loss_reported = False
         self._end_event = asyncio.Event()
@@ -77,41 +77,41 @@ class MemoryTransport:
     @property
     def write_buffer_bytes(self) -> int:
         """The number of written bytes that the other end has not received yet."""
-        return 0 if self._ended else self._other._arrived_bytes
+        return 0 if self._has_ended else self._other._arrived_bytes
 
     def start(self, receiver: Receiver) -> None:
         """Start to deliver; called once. Bytes received earlier are kept."""
         self._receiver = receiver
-        if self._writing_paused:
+        if self._is_writing_paused:
             receiver.pause_writing()
         self._schedule()
 
     def write(self, data: bytes | bytearray | memoryview) -> None:
         """Queue bytes. Never blocks; does nothing once the transport has ended."""
-        if self._ended or not data:
+        if self._has_ended or not data:
             return
         chunk = bytes(data)
         if self._manipulator is not None:
             chunk = self._manipulator(chunk, self._direction)
         if chunk:
             self._other._arrive(chunk)
-        if self.can_pause and not self._writing_paused and self.write_buffer_bytes > HIGH_WATER_BYTES:
-            self._writing_paused = True
+        if self.can_pause and not self._is_writing_paused and self.write_buffer_bytes > HIGH_WATER_BYTES:
+            self._is_writing_paused = True
             if self._receiver is not None:
                 self._receiver.pause_writing()
 
     def pause_reading(self) -> None:
         """Deliver nothing until resume_reading. Idempotent."""
-        self._paused = True
+        self._is_paused = True
 
     def resume_reading(self) -> None:
         """Deliver again. Idempotent."""
-        self._paused = False
+        self._is_paused = False
         self._schedule()
 
     def close(self) -> None:
         """End the transport; the other end still receives the written data. Idempotent."""
-        if self._ended:
+        if self._has_ended:
             return
         self._arrived.clear()
         self._arrived_bytes = 0
@@ -123,7 +123,7 @@ class MemoryTransport:
         await self._end_event.wait()
 
     def _arrive(self, chunk: bytes) -> None:
-        if self._ended:
+        if self._has_ended:
             return
         if not self.can_pause and self._arrived_bytes + len(chunk) > HIGH_WATER_BYTES:
             return
@@ -132,35 +132,35 @@ class MemoryTransport:
         self._schedule()
 
     def _end(self, error: TransportError | None) -> None:
-        if not self._ended:
-            self._ended = True
+        if not self._has_ended:
+            self._has_ended = True
             self._error = error
             self._end_event.set()
             self._schedule()
 
     def _schedule(self) -> None:
-        if self._delivery_scheduled or self._receiver is None or (self._paused and not self._ended):
+        if self._is_delivery_scheduled or self._receiver is None or (self._is_paused and not self._has_ended):
             return
-        if self._arrived or (self._ended and not self._loss_reported):
-            self._delivery_scheduled = True
+        if self._arrived or (self._has_ended and not self._loss_reported):
+            self._is_delivery_scheduled = True
             asyncio.get_running_loop().call_soon(self._deliver)
 
     def _deliver(self) -> None:
-        self._delivery_scheduled = False
+        self._is_delivery_scheduled = False
         receiver = self._receiver
         if receiver is None:
             return
-        while self._arrived and (not self._paused or self._ended):
+        while self._arrived and (not self._is_paused or self._has_ended):
             chunk = self._arrived.popleft()
             self._arrived_bytes -= len(chunk)
             receiver.data_received(chunk)
         self._other._drained()
-        if self._ended and not self._arrived and not self._loss_reported:
+        if self._has_ended and not self._arrived and not self._loss_reported:
             self._loss_reported = True
             receiver.connection_lost(self._error)
 
     def _drained(self) -> None:
-        if self._writing_paused and self.write_buffer_bytes <= LOW_WATER_BYTES:
-            self._writing_paused = False
-            if self._receiver is not None and not self._ended:
+        if self._is_writing_paused and self.write_buffer_bytes <= LOW_WATER_BYTES:
+            self._is_writing_paused = False
+            if self._receiver is not None and not self._has_ended:
                 self._receiver.resume_writing()

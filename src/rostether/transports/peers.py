@@ -89,15 +89,15 @@ class PeerTransport(Generic[PeerKey]):
         self.peer = peer
         self._receiver: Receiver | None = None
         self._held = bytearray()
-        self._paused = False
-        self._lost = False
+        self._is_paused = False
+        self._is_lost = False
         self._error: TransportError | None = None
         self._ended = asyncio.get_running_loop().create_future()
 
     @property
     def write_buffer_bytes(self) -> int:
         """The number of written bytes that are still waiting."""
-        return 0 if self._lost else self._table.medium.write_buffer_bytes(self.key)
+        return 0 if self._is_lost else self._table.medium.write_buffer_bytes(self.key)
 
     def is_replaceable(self, now_s: float) -> bool:
         """Return whether it was silent long enough for a new peer to replace it."""
@@ -107,7 +107,7 @@ class PeerTransport(Generic[PeerKey]):
     def start(self, receiver: Receiver) -> None:
         """Start to deliver; called once. Bytes received earlier are kept."""
         self._receiver = receiver
-        if self._held or self._lost:
+        if self._held or self._is_lost:
             asyncio.get_running_loop().call_soon(self._catch_up)
 
     def write(self, data: bytes | bytearray | memoryview) -> None:
@@ -115,7 +115,7 @@ class PeerTransport(Generic[PeerKey]):
 
         A peer that has not answered yet gets no more bytes than it sent; the rest is dropped.
         """
-        if self._lost:
+        if self._is_lost:
             return
         if not self.has_answered:
             if len(data) > self.allowance_bytes:
@@ -126,11 +126,11 @@ class PeerTransport(Generic[PeerKey]):
 
     def pause_reading(self) -> None:
         """Deliver nothing until resume_reading; data beyond 64 KiB is lost. Idempotent."""
-        self._paused = True
+        self._is_paused = True
 
     def resume_reading(self) -> None:
         """Deliver again. Idempotent."""
-        self._paused = False
+        self._is_paused = False
         if self._held:
             asyncio.get_running_loop().call_soon(self._catch_up)
 
@@ -147,7 +147,7 @@ class PeerTransport(Generic[PeerKey]):
         self.received_at_s = self._table.now_s()
         if not self.has_answered:
             self._seek_answer(data)
-        if self._receiver is not None and not self._paused and not self._held:
+        if self._receiver is not None and not self._is_paused and not self._held:
             self._receiver.data_received(data)
         elif len(self._held) + len(data) <= _HELD_LIMIT_BYTES:
             self._held += data
@@ -162,19 +162,19 @@ class PeerTransport(Generic[PeerKey]):
 
     def pause_writing(self) -> None:
         """Report that the medium's write buffer is full."""
-        if self._receiver is not None and not self._lost:
+        if self._receiver is not None and not self._is_lost:
             self._receiver.pause_writing()
 
     def resume_writing(self) -> None:
         """Report that the medium's write buffer has drained."""
-        if self._receiver is not None and not self._lost:
+        if self._receiver is not None and not self._is_lost:
             self._receiver.resume_writing()
 
     def end(self, error: TransportError | None) -> None:
         """End the transport for a reason; None if this side ends it. Idempotent."""
-        if self._lost:
+        if self._is_lost:
             return
-        self._lost = True
+        self._is_lost = True
         self._error = error
         if error is None:
             self._held.clear()
@@ -188,11 +188,11 @@ class PeerTransport(Generic[PeerKey]):
         receiver = self._receiver
         if receiver is None:
             return
-        if self._held and (self._lost or not self._paused):
+        if self._held and (self._is_lost or not self._is_paused):
             data = bytes(self._held)
             self._held.clear()
             receiver.data_received(data)
-        if self._lost:
+        if self._is_lost:
             self._receiver = None
             receiver.connection_lost(self._error)
 
@@ -222,7 +222,7 @@ class PeerTable(Generic[PeerKey]):
         self._idle_limit_s = idle_limit_s
         self._peers: dict[PeerKey, PeerTransport[PeerKey]] = {}
         self._sweep_timer: asyncio.TimerHandle | None = None
-        self._writing_paused = False
+        self._is_writing_paused = False
 
     def __len__(self) -> int:
         return len(self._peers)
@@ -289,7 +289,7 @@ class PeerTable(Generic[PeerKey]):
         if expires and self._sweep_timer is None:
             self._schedule_sweep()
         self._on_transport(peer)
-        if self._writing_paused:
+        if self._is_writing_paused:
             peer.pause_writing()
         return peer
 
@@ -309,13 +309,13 @@ class PeerTable(Generic[PeerKey]):
 
     def pause_writing(self) -> None:
         """Notify every peer that the medium's write buffer is full."""
-        self._writing_paused = True
+        self._is_writing_paused = True
         for peer in list(self._peers.values()):
             peer.pause_writing()
 
     def resume_writing(self) -> None:
         """Notify every peer that the medium's write buffer has drained."""
-        self._writing_paused = False
+        self._is_writing_paused = False
         for peer in list(self._peers.values()):
             peer.resume_writing()
 

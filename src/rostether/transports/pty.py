@@ -78,15 +78,15 @@ class PtyTransport:
         self.terminal = terminal
         self._link = link
         self._receiver: Receiver | None = None
-        self._reading_wanted = True
-        self._reading = False
-        self._opened = False
+        self._wants_reading = True
+        self._is_reading = False
+        self._is_open = False
         self._timer: asyncio.TimerHandle | None = None
         self._poll = select.poll()
         self._poll.register(master, select.POLLIN)
         self._unsent = bytearray()
-        self._writing_paused = False
-        self._closing = False
+        self._is_writing_paused = False
+        self._is_closing = False
         self._ended = asyncio.Event()
         self._flush_limit: asyncio.TimerHandle | None = None
         self._check_for_opener()
@@ -107,43 +107,43 @@ class PtyTransport:
         if self._ended.is_set():
             self._loop.call_soon(receiver.connection_lost, None)
             return
-        if self._writing_paused:
+        if self._is_writing_paused:
             receiver.pause_writing()
         self._apply_reading()
 
     def write(self, data: bytes | bytearray | memoryview) -> None:
         """Queue bytes. Never blocks; drops them while no program has the terminal open."""
-        if self._closing or not self._opened:
+        if self._is_closing or not self._is_open:
             return
         if not self._unsent:
             sent = self._send(data)
-            if sent == len(data) or not self._opened:
+            if sent == len(data) or not self._is_open:
                 return
             data = memoryview(data)[sent:]
             self._loop.add_writer(self._master, self._write_ready)
         self._unsent += data
-        if not self._writing_paused and len(self._unsent) > _HIGH_WATER_BYTES:
-            self._writing_paused = True
+        if not self._is_writing_paused and len(self._unsent) > _HIGH_WATER_BYTES:
+            self._is_writing_paused = True
             if self._receiver is not None:
                 self._receiver.pause_writing()
 
     def pause_reading(self) -> None:
         """Deliver nothing until resume_reading. Idempotent."""
-        self._reading_wanted = False
+        self._wants_reading = False
         self._apply_reading()
 
     def resume_reading(self) -> None:
         """Deliver again. Idempotent."""
-        self._reading_wanted = True
+        self._wants_reading = True
         self._apply_reading()
 
     def close(self) -> None:
         """Flush queued data for at most a second, then close and remove the link. Idempotent."""
-        if self._closing:
+        if self._is_closing:
             return
-        self._closing = True
+        self._is_closing = True
         self._apply_reading()
-        if not self._opened:
+        if not self._is_open:
             self._end()
             return
         self._flush_limit = self._loop.call_later(FLUSH_LIMIT_S, self._end)
@@ -155,12 +155,12 @@ class PtyTransport:
         await self._ended.wait()
 
     def _apply_reading(self) -> None:
-        wanted = self._reading_wanted and self._opened and self._receiver is not None and not self._closing
-        if wanted and not self._reading:
+        wanted = self._wants_reading and self._is_open and self._receiver is not None and not self._is_closing
+        if wanted and not self._is_reading:
             self._loop.add_reader(self._master, self._read_ready)
-        elif self._reading and not wanted:
+        elif self._is_reading and not wanted:
             self._loop.remove_reader(self._master)
-        self._reading = wanted
+        self._is_reading = wanted
 
     def _read_ready(self) -> None:
         try:
@@ -176,7 +176,7 @@ class PtyTransport:
 
     def _write_ready(self) -> None:
         sent = self._send(self._unsent)
-        if not self._opened:
+        if not self._is_open:
             return
         if not sent and self._is_hung_up():
             self._hung_up()
@@ -184,7 +184,7 @@ class PtyTransport:
         del self._unsent[:sent]
         if not self._unsent:
             self._loop.remove_writer(self._master)
-            if self._closing:
+            if self._is_closing:
                 self._end_when_read()
                 return
         self._resume_writing()
@@ -199,21 +199,21 @@ class PtyTransport:
             return 0
 
     def _resume_writing(self) -> None:
-        if self._writing_paused and len(self._unsent) <= _LOW_WATER_BYTES:
-            self._writing_paused = False
-            if self._receiver is not None and not self._closing:
+        if self._is_writing_paused and len(self._unsent) <= _LOW_WATER_BYTES:
+            self._is_writing_paused = False
+            if self._receiver is not None and not self._is_closing:
                 self._receiver.resume_writing()
 
     def _hung_up(self) -> None:
         """Forget the program that closed the terminal, with all its unread bytes."""
-        if not self._opened:
+        if not self._is_open:
             return
-        self._opened = False
+        self._is_open = False
         if self._unsent:
             self._loop.remove_writer(self._master)
             self._unsent.clear()
         self._apply_reading()
-        if self._closing:
+        if self._is_closing:
             self._end()
             return
         self._resume_writing()
@@ -222,8 +222,8 @@ class PtyTransport:
 
     def _check_for_opener(self) -> None:
         # Unread bytes mean that a program was connected between two checks.
-        self._opened = not self._is_hung_up() or self._has_input()
-        if self._opened:
+        self._is_open = not self._is_hung_up() or self._has_input()
+        if self._is_open:
             self._timer = None
             self._apply_reading()
         else:

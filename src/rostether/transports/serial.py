@@ -113,7 +113,7 @@ class SerialTransport(StreamTransport, asyncio.Protocol):
     @property
     def write_buffer_bytes(self) -> int:
         """The number of written bytes that are still waiting, including those in the operating system."""
-        return super().write_buffer_bytes + (0 if self._lost else self._unsent_bytes())
+        return super().write_buffer_bytes + (0 if self._is_lost else self._unsent_bytes())
 
     def data_received(self, data: bytes) -> None:
         """Deliver received bytes."""
@@ -126,7 +126,7 @@ class SerialTransport(StreamTransport, asyncio.Protocol):
             super().write(data)
 
     def abort(self) -> None:
-        """Close at once; queued data is lost. Idempotent."""
+        """Close immediately; queued data is lost. Idempotent."""
         port = self._port()
         if port is not None:
             with contextlib.suppress(OSError):
@@ -155,7 +155,7 @@ class SerialTransport(StreamTransport, asyncio.Protocol):
 
     def _port(self) -> serialx.BaseSerial | None:
         """Return the port unless it is being closed: its descriptor may already belong to another file."""
-        if self._wire is None or self._lost or self._wire.is_closing():
+        if self._wire is None or self._is_lost or self._wire.is_closing():
             return None
         return cast("serialx.BaseSerialTransport", self._wire).serial
 

@@ -49,7 +49,7 @@ _STREAM_OPTIONS = (
 
 
 def tune_stream(sock: socket.socket) -> None:
-    """Send at once, buffer little, and detect within eleven seconds a peer that has disappeared."""
+    """Send immediately, buffer little, and detect within eleven seconds a peer that has disappeared."""
     for level, name, value in _STREAM_OPTIONS:
         option = getattr(socket, name, None)
         if option is not None:
@@ -153,7 +153,7 @@ async def close_servers(servers: Collection[asyncio.Server]) -> None:
     loop = asyncio.get_running_loop()
     for server in servers:
         for listener in server.sockets:
-            # Windows' loop has no readers; it makes the transport at once.
+            # Windows' loop has no readers; it makes the transport immediately.
             with contextlib.suppress(NotImplementedError):
                 loop.remove_reader(listener.fileno())
     try:

@@ -34,10 +34,10 @@ class StreamTransport(asyncio.BaseProtocol):
         self._wire: asyncio.Transport | None = None
         self._receiver: Receiver | None = None
         self._early = bytearray()
-        self._reading_wanted = True
-        self._writing_paused = False
-        self._closing = False
-        self._lost = False
+        self._wants_reading = True
+        self._is_writing_paused = False
+        self._is_closing = False
+        self._is_lost = False
         self._error: TransportError | None = None
         self._flush_limit: asyncio.TimerHandle | None = None
         self._ended = asyncio.get_running_loop().create_future()
@@ -50,25 +50,25 @@ class StreamTransport(asyncio.BaseProtocol):
     @property
     def write_buffer_bytes(self) -> int:
         """The number of written bytes that are still waiting."""
-        if self._wire is None or self._lost:
+        if self._wire is None or self._is_lost:
             return 0
         return self._wire.get_write_buffer_size()
 
     def start(self, receiver: Receiver) -> None:
         """Start to deliver; called once, and again after `release`. Bytes received earlier are kept."""
         self._receiver = receiver
-        if self._lost or self._early:
+        if self._is_lost or self._early:
             asyncio.get_running_loop().call_soon(self._catch_up)
-        if self._writing_paused and not self._lost:
+        if self._is_writing_paused and not self._is_lost:
             receiver.pause_writing()
         self._apply_reading()
 
     def release(self, unread: bytes = b"") -> None:
         """Stop delivering until the next `start`, which then receives `unread` first."""
         self._receiver = None
-        self._reading_wanted = True
+        self._wants_reading = True
         self._early[:0] = unread
-        if self._wire is not None and not self._lost and not self._closing:
+        if self._wire is not None and not self._is_lost and not self._is_closing:
             self._wire.pause_reading()
 
     async def start_tls(self, context: ssl.SSLContext, *, listens: bool, host: str = "") -> None:
@@ -102,36 +102,36 @@ class StreamTransport(asyncio.BaseProtocol):
 
     def write(self, data: bytes | bytearray | memoryview) -> None:
         """Queue bytes. Never blocks; does nothing once the transport has ended."""
-        if self._closing or self._lost or self._wire is None:
+        if self._is_closing or self._is_lost or self._wire is None:
             return
         self._wire.write(data)
 
     def pause_reading(self) -> None:
         """Deliver nothing until resume_reading. Idempotent."""
-        self._reading_wanted = False
+        self._wants_reading = False
         self._apply_reading()
 
     def resume_reading(self) -> None:
         """Deliver again. Idempotent."""
-        self._reading_wanted = True
+        self._wants_reading = True
         if self._early and self._receiver is not None:
             asyncio.get_running_loop().call_soon(self._catch_up)
         self._apply_reading()
 
     def close(self) -> None:
         """Flush queued data for at most a second, then close. Idempotent."""
-        if self._closing:
+        if self._is_closing:
             return
-        self._closing = True
-        if self._wire is not None and not self._lost:
+        self._is_closing = True
+        if self._wire is not None and not self._is_lost:
             if self._flush_limit is None:
                 self._flush_limit = asyncio.get_running_loop().call_later(FLUSH_LIMIT_S, self.abort)
             self._end_wire(self._wire)
 
     def abort(self) -> None:
-        """Close at once; queued data is lost. Idempotent."""
-        self._closing = True
-        if self._wire is not None and not self._lost:
+        """Close immediately; queued data is lost. Idempotent."""
+        self._is_closing = True
+        if self._wire is not None and not self._is_lost:
             self._wire.abort()
 
     async def wait_closed(self) -> None:
@@ -145,12 +145,12 @@ class StreamTransport(asyncio.BaseProtocol):
 
     def connection_lost(self, exc: Exception | None) -> None:
         """Pass on the end of the stream, once."""
-        if self._lost:
+        if self._is_lost:
             return
-        self._lost = True
+        self._is_lost = True
         if self._flush_limit is not None:
             self._flush_limit.cancel()
-        if not self._closing:
+        if not self._is_closing:
             self._error = self._explain_loss(exc)
         if not self._ended.done():
             self._ended.set_result(None)
@@ -167,13 +167,13 @@ class StreamTransport(asyncio.BaseProtocol):
 
     def pause_writing(self) -> None:
         """Report that the write buffer is full."""
-        self._writing_paused = True
+        self._is_writing_paused = True
         if self._receiver is not None:
             self._receiver.pause_writing()
 
     def resume_writing(self) -> None:
         """Report that the write buffer has drained."""
-        self._writing_paused = False
+        self._is_writing_paused = False
         if self._receiver is not None:
             self._receiver.resume_writing()
 
@@ -189,12 +189,12 @@ class StreamTransport(asyncio.BaseProtocol):
         receiver = self._receiver
         if receiver is None:
             return
-        if self._early and (self._reading_wanted or self._lost) and not self._closing:
+        if self._early and (self._wants_reading or self._is_lost) and not self._is_closing:
             early = bytes(self._early)
             self._early.clear()
             receiver.data_received(early)
             self._apply_reading()
-        if self._lost:
+        if self._is_lost:
             self._receiver = None
             receiver.connection_lost(self._error)
 
@@ -210,9 +210,9 @@ class StreamTransport(asyncio.BaseProtocol):
 
     def _apply_reading(self) -> None:
         wire = self._wire
-        if wire is None or self._receiver is None or self._closing or self._lost:
+        if wire is None or self._receiver is None or self._is_closing or self._is_lost:
             return
-        if self._reading_wanted and not self._early:
+        if self._wants_reading and not self._early:
             wire.resume_reading()
         else:
             wire.pause_reading()

@@ -21,7 +21,7 @@ from rostether.transports.board_keys import NO_PROOF, Proof
 from rostether.transports.transport import Receiver
 from rostether.transports.web_hello import WebHello, read_hello, read_progress
 
-# A page names its board at once.
+# A page names its board immediately.
 HELLO_LIMIT_S = 5.0
 # Pages report once a second. A busy one may be late; a board must count as away within 5 s.
 ALIVE_LIMIT_S = 4.0
@@ -45,7 +45,7 @@ class WebSocket(Protocol):
         """Send messages, unless the connection has ended."""
 
     def pause_reading(self) -> None:
-        """Read no more."""
+        """Stop reading."""
 
     def resume_reading(self) -> None:
         """Read again."""
@@ -54,7 +54,7 @@ class WebSocket(Protocol):
         """Close after a closing handshake."""
 
     def abort(self) -> None:
-        """Close at once."""
+        """Close immediately."""
 
 
 class WebTransport:
@@ -86,7 +86,7 @@ class WebTransport:
         self._unsent = bytearray()
         self._sent_bytes = 0
         self._written_bytes = 0
-        self._writing_paused = False
+        self._is_writing_paused = False
         self._error: TransportError | None = None
         self._loss_reported = False
         self._ended = asyncio.Event()
@@ -106,7 +106,7 @@ class WebTransport:
     def start(self, receiver: Receiver) -> None:
         """Start to deliver; called once. Bytes received earlier are kept."""
         self._receiver = receiver
-        if self._writing_paused:
+        if self._is_writing_paused:
             receiver.pause_writing()
         self._loop.call_soon(self._catch_up)
 
@@ -116,8 +116,8 @@ class WebTransport:
             return
         self._unsent += data
         self._send()
-        if not self._writing_paused and self.write_buffer_bytes > HIGH_WATER_BYTES:
-            self._writing_paused = True
+        if not self._is_writing_paused and self.write_buffer_bytes > HIGH_WATER_BYTES:
+            self._is_writing_paused = True
             if self._receiver is not None:
                 self._receiver.pause_writing()
 
@@ -230,8 +230,8 @@ class WebTransport:
             raise RemoteProtocolError(f"{written_bytes} bytes are not written: {self._sent_bytes} were sent")
         self._written_bytes = written_bytes
         self._send()
-        if self._writing_paused and self.write_buffer_bytes <= LOW_WATER_BYTES:
-            self._writing_paused = False
+        if self._is_writing_paused and self.write_buffer_bytes <= LOW_WATER_BYTES:
+            self._is_writing_paused = False
             if self._receiver is not None:
                 self._receiver.resume_writing()
 

@@ -111,7 +111,7 @@ def test_two_clients_of_one_service_pair_in_order() -> None:
     for number in (0, 1):
         table.announce(ids.SERVICE_CLIENT_REQUEST, replace(REQUEST, topic_id=125 + number))
         events = table.announce(ids.SERVICE_CLIENT_RESPONSE, replace(RESPONSE, topic_id=100 + number))
-    announced = [event for event in events if isinstance(event, ServiceAnnounced)]
+    announced = [event for event in events or [] if isinstance(event, ServiceAnnounced)]
     assert [(each.request.topic_id, each.response.topic_id) for each in announced] == [(125, 100), (126, 101)]
 
 

@@ -42,7 +42,7 @@ def opened(link: Path) -> Iterator[int]:
 
 async def write_until_taken(transport: PtyTransport, data: bytes, board: int) -> None:
     """Write once the transport has noticed that somebody opened the terminal."""
-    await until(lambda: transport._opened)
+    await until(lambda: transport._is_open)
     transport.write(data)
     assert await read(board, len(data)) == data
 
@@ -79,7 +79,7 @@ async def test_boards_come_and_go_without_a_busy_loop(tmp_path: Path) -> None:
                 os.write(board, bytes((number,)) * 3)
                 await seen.until_received(b"".join(bytes((turn,)) * 3 for turn in range(number + 1)))
                 await write_until_taken(transport, b"hello", board)
-            await until(lambda: not transport._opened)
+            await until(lambda: not transport._is_open)
             cpu_s = time.thread_time()
             await asyncio.sleep(0.2)
             assert time.thread_time() - cpu_s < 0.05
@@ -91,9 +91,9 @@ async def test_a_new_opener_does_not_read_what_was_written_before(tmp_path: Path
         transport.write(b"nobody is there")
         assert transport.write_buffer_bytes == 0
         with opened(tmp_path / "board"):
-            await until(lambda: transport._opened)
+            await until(lambda: transport._is_open)
             transport.write(b"unread by the first")
-        await until(lambda: not transport._opened)
+        await until(lambda: not transport._is_open)
         with opened(tmp_path / "board") as board:
             await write_until_taken(transport, b"fresh", board)
 
@@ -101,7 +101,7 @@ async def test_a_new_opener_does_not_read_what_was_written_before(tmp_path: Path
 async def test_a_board_that_does_not_read_pauses_writing_and_costs_nothing(tmp_path: Path) -> None:
     async with terminal_at(tmp_path / "board") as (transport, seen):
         with opened(tmp_path / "board") as board:
-            await until(lambda: transport._opened)
+            await until(lambda: transport._is_open)
             sent = bytearray()
             while not seen.write_pauses:
                 chunk = os.urandom(4096)
@@ -119,10 +119,10 @@ async def test_a_board_that_does_not_read_pauses_writing_and_costs_nothing(tmp_p
 async def test_a_full_terminal_whose_board_leaves_is_noticed(tmp_path: Path) -> None:
     async with terminal_at(tmp_path / "board") as (transport, seen):
         with opened(tmp_path / "board"):
-            await until(lambda: transport._opened)
+            await until(lambda: transport._is_open)
             while not seen.write_pauses:
                 transport.write(bytes(4096))
-        await until(lambda: not transport._opened)
+        await until(lambda: not transport._is_open)
         assert transport.write_buffer_bytes == 0
         assert seen.write_pauses == [True, False]
         cpu_s = time.thread_time()
@@ -156,7 +156,7 @@ async def test_close_removes_the_link_and_flushes(tmp_path: Path) -> None:
     link = tmp_path / "board"
     async with terminal_at(link) as (transport, seen):
         with opened(link) as board:
-            await until(lambda: transport._opened)
+            await until(lambda: transport._is_open)
             sent = bytearray()
             while not seen.write_pauses:
                 chunk = os.urandom(4096)
@@ -174,7 +174,7 @@ async def test_close_removes_the_link_and_flushes(tmp_path: Path) -> None:
 async def test_close_gives_up_on_a_board_that_does_not_read(tmp_path: Path) -> None:
     async with terminal_at(tmp_path / "board") as (transport, seen):
         with opened(tmp_path / "board"):
-            await until(lambda: transport._opened)
+            await until(lambda: transport._is_open)
             while not seen.write_pauses:
                 transport.write(bytes(4096))
             transport.close()

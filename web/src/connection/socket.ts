@@ -17,7 +17,7 @@ export interface SocketHandlers {
   onMessage(data: string | ArrayBuffer): boolean;
   /** `retryMs` is how long it waits until it tries again. */
   onClose(reason: string, retryMs: number): void;
-  /** A request that the server answers at once, to find out whether the network has failed. */
+  /** A request that the server answers immediately, to find out whether the network has failed. */
   probe?: object;
   /** The probe was not answered; the connection is closed next. */
   onSilence?(): void;

@@ -37,7 +37,7 @@ class Reconnection {
     tried_ms_ = now_ms;
     pause_ms_ = FIRST_PAUSE_MS;
   }
-  // Resets the pauses; an attempt is due at once.
+  // Resets the pauses; an attempt is due immediately.
   void reset() {
     connected_ = changed_ = false;
     pause_ms_ = 0;

@@ -22,7 +22,7 @@ class BoardLine(Protocol):
         """The queue of messages to the board."""
 
     def pause_until(self, wait: Callable[[], Awaitable[object]]) -> bool:
-        """Read nothing from the board until `wait()` ends; return False at once if the line cannot pause."""
+        """Read nothing from the board until `wait()` ends; return False if the line cannot pause."""
 
     def rescan(self, payload: bytes) -> None:
         """Handle the frames in a message that does not have its type's layout: noise covered them."""

@@ -98,7 +98,7 @@ class ServiceClientEndpoint:
                 self.dropped_count += 1
                 self._report("the board sends requests faster than they are answered; dropped one")
             else:
-                # At once: a time answer before the response would end the board's wait.
+                # Immediately: a time answer before the response would end the board's wait.
                 line.call_started()
                 self._requests.append(payload)
         if self._requests and self._calling is None:

@@ -26,7 +26,7 @@ FORGET_S = 15.0
 # The longest time that `reported_boards` listens: rates are known some time after a board's first report.
 LISTEN_S = 6.0
 
-# A bridge measures rates from its first report to a subscriber on. The second may follow at once.
+# A bridge measures rates from its first report to a subscriber on. The second may follow immediately.
 RATES_AFTER_S = 0.9
 
 # How long it waits for a publisher: a newly connected board advertises within a second.

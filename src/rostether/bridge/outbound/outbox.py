@@ -29,7 +29,7 @@ PAUSED_QUEUE_FACTOR = 8
 TURN_BYTES = 4 * 1024
 # The size of one write; other boards are served between two writes.
 WRITE_BYTES = 256 * 1024
-# Data after a pause of this length is written at once; other data is collected for one write per turn.
+# Data after a pause of this length is written immediately; other data is collected for one write per turn.
 EAGER_AFTER_S = 0.0005
 EAGER_MESSAGES = 16
 # How often a paused source checks whether the board still accepts bytes.
@@ -81,11 +81,11 @@ class Outbox:
         self._ready: deque[TopicQueue] = deque()
         self._drained: list[TopicQueue] = []
         self._answers: list[bytes] = []
-        self._scheduled = False
+        self._is_scheduled = False
         self._flushed_s = 0.0
         self._paced: TimerHandle | None = None
-        self._blocked = False
-        self._stalled = False
+        self._is_blocked = False
+        self._is_stalled = False
         self._stall_check: TimerHandle | None = None
         self._unsent_bytes = 0
         self._progress_s = 0.0
@@ -112,7 +112,7 @@ class Outbox:
             self._overflow_depth(queue)
         if queue.queued_bytes > self._limit_bytes:
             self._overflow(queue)
-        if not self._scheduled:
+        if not self._is_scheduled:
             self._schedule()
 
     def answer(self, topic_id: int, payload: bytes) -> None:
@@ -122,7 +122,7 @@ class Outbox:
         size.
         """
         self._answers.append(self._link.encode_message(topic_id, payload))
-        if not self._scheduled:
+        if not self._is_scheduled:
             self._schedule()
 
     def remove(self, queue: TopicQueue) -> None:
@@ -135,13 +135,13 @@ class Outbox:
 
     def flush(self) -> None:
         """Write responses, then control traffic, then messages as far as the link accepts them."""
-        self._scheduled = False
+        self._is_scheduled = False
         # Responses first: the link may have delayed control traffic until the response was made.
         pieces, self._answers = self._answers, []
         control = self._link.data_to_send()
         if control:
             pieces.append(control)
-        if self._blocked:
+        if self._is_blocked:
             if pieces and self._transport.write_buffer_bytes < self._unsent_limit_bytes:
                 self._write(pieces)
             return
@@ -162,25 +162,25 @@ class Outbox:
             for queue in drained:
                 queue.resume_source()
         # For a board without room, the link's next event or timer brings the next flush.
-        if self._ready and not self._scheduled and board_room is None:
+        if self._ready and not self._is_scheduled and board_room is None:
             self._schedule()
 
     def pause_writing(self) -> None:
         """Stop writing topics: the transport's buffer is full."""
-        self._blocked = True
+        self._is_blocked = True
         self._unsent_bytes = self._transport.write_buffer_bytes
         self._progress_s = self._loop.time()
 
     def resume_writing(self) -> None:
         """Continue to write topics: the transport's buffer has room."""
-        self._blocked = False
-        self._stalled = False
-        if not self._scheduled:
+        self._is_blocked = False
+        self._is_stalled = False
+        if not self._is_scheduled:
             self._schedule()
 
     def close(self) -> None:
         """Release every source and timer, and write nothing more."""
-        self._blocked = True
+        self._is_blocked = True
         for timer in (self._paced, self._stall_check):
             if timer is not None:
                 timer.cancel()
@@ -190,7 +190,7 @@ class Outbox:
 
     def _is_idle(self) -> bool:
         return (
-            not (self._ready or self._scheduled or self._blocked)
+            not (self._ready or self._is_scheduled or self._is_blocked)
             and self._pacer is None
             and self._unread.room_bytes is None
             and self._loop.time() - self._flushed_s > EAGER_AFTER_S
@@ -213,7 +213,7 @@ class Outbox:
         return frames
 
     def _schedule(self) -> None:
-        if self._blocked and not self._answers:
+        if self._is_blocked and not self._answers:
             return
         if self._pacer is not None and not self._answers:
             now_s = self._loop.time()
@@ -221,7 +221,7 @@ class Outbox:
                 if self._paced is None:
                     self._paced = self._loop.call_later(self._pacer.wait_s(now_s), self._paced_flush)
                 return
-        self._scheduled = True
+        self._is_scheduled = True
         self._loop.call_soon(self.flush)
 
     def _paced_flush(self) -> None:
@@ -264,18 +264,18 @@ class Outbox:
         self._transport.write(data)
 
     def _overflow_depth(self, queue: TopicQueue) -> None:
-        if not self._blocked and self._pacer is None:
+        if not self._is_blocked and self._pacer is None:
             self.flush()
         if dropped := queue.drop_beyond_depth():
             self._on_dropped(queue, dropped)
 
     def _overflow(self, queue: TopicQueue) -> None:
-        if not self._blocked and self._pacer is None:
+        if not self._is_blocked and self._pacer is None:
             self.flush()
             if queue.queued_bytes <= self._limit_bytes:
                 return
         limit_bytes = self._limit_bytes
-        if self._waits_for_board and not self._stalled and queue.has_source:
+        if self._waits_for_board and not self._is_stalled and queue.has_source:
             queue.pause_source()
             limit_bytes *= PAUSED_QUEUE_FACTOR
             if self._stall_check is None:
@@ -289,11 +289,11 @@ class Outbox:
             return
         now_s = self._loop.time()
         unsent_bytes = self._transport.write_buffer_bytes
-        if unsent_bytes != self._unsent_bytes or not self._blocked:
+        if unsent_bytes != self._unsent_bytes or not self._is_blocked:
             self._unsent_bytes = unsent_bytes
             self._progress_s = now_s
         elif now_s - self._progress_s >= self._stall_s:
-            self._stalled = True
+            self._is_stalled = True
             for queue in self._ready:
                 queue.resume_source()
             return

@@ -18,7 +18,7 @@ class ReadingPause:
         self._draining: asyncio.Task[None] | None = None
 
     def until(self, wait: Callable[[], Awaitable[object]]) -> bool:
-        """Read nothing until `wait()` ends; return False at once if the transport cannot pause."""
+        """Read nothing until `wait()` ends; return False if the transport cannot pause."""
         if not self._transport.can_pause:
             return False
         self._waits.append(wait)

@@ -73,12 +73,12 @@ class LinkKeeper:
             except NodeEndedError:
                 if self._finder is None:
                     raise
-                # If the port were opened again at once, a node that a user has ended would return.
+                # If the port were opened again immediately, a node that a user has ended would return.
                 await self._wait_gone(self._finder)
                 continue
             if error is not None:
                 self._reporter.line(Level.WARN, str(error))
-            # A link that we closed after an error of the session must not be opened again at once.
+            # A link that we closed after an error of the session must not be opened again immediately.
             await asyncio.sleep(PRESENCE_POLL_S)
 
     async def _open(self) -> tuple[Address, BoardIdentity | None, Transport]:

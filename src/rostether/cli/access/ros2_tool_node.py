@@ -28,8 +28,8 @@ T = TypeVar("T")
 
 HIDDEN_NAME = "/_rostether"
 POLL_INTERVAL_S = 0.05
-# The longest wait for a given name. DDS announces it at once, and again after 3 s if that is lost; zenoh's
-# router has announced it before the command starts.
+# The longest wait for a given name. DDS announces it immediately, and again after 3 s if that is lost;
+# zenoh's router has announced it before the command starts.
 PATIENCE_S = {Middleware.ZENOH: 1.0, Middleware.RCLPY: 4.0}
 MAX_SHOWN_DOMAINS = 8
 # A listing is complete when nothing new arrived for this long.

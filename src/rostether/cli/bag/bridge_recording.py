@@ -40,7 +40,7 @@ _OPTIONS = (
     add_option("--record DIR", "Record all topics of the graph into bags in this folder.", type=PATH),
     add_option(
         "--record-size MB",
-        "With --record: start a new bag at this size (1000).",
+        "With --record: start a new bag at this size (default: 1000).",
         type=NumberRange(min=0.1),
         default=1000,
     ),

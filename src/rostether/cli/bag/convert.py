@@ -34,7 +34,7 @@ from rostether.cli.shell.verbs import verb
 @click.argument("target", type=PATH)
 @add_option(
     "--compression",
-    "The compression of chunks (none).",
+    "The compression of chunks (default: none).",
     type=click.Choice(["none", "bz2", "lz4"]),
     default="none",
 )

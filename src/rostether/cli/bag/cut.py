@@ -40,7 +40,10 @@ _SHOWN_TOPICS = 10
     required=True,
 )
 @add_option(
-    "--duration TIME", "The length of the period, e.g. 30, 30s, 5m or 2h (1m).", type=DURATION, default=60.0
+    "--duration TIME",
+    "The length of the period, e.g. 30, 30s, 5m or 2h (default: 1m).",
+    type=DURATION,
+    default=60.0,
 )
 @add_option("-t --topic topics TOPIC", "Only this topic; * matches anything.", multiple=True)
 def bag_cut(

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 record_limit_option = add_option(
     "--record-limit record_limit_mb MB",
-    "Stop recording, but keep serving, when the file reaches this size (100).",
+    "Stop recording, but keep serving, when the file reaches this size (default: 100).",
     type=NumberRange(min=0.01),
     default=100,
 )

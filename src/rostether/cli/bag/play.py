@@ -45,7 +45,9 @@ _KEYS_SHOWN = "Space pauses, s plays one message while paused, q quits."
 class PlayOptions:
     """The options of `bag play`."""
 
-    rate: float = option("-r --rate", "Speed relative to the recording (1).", type=POSITIVE, default=1.0)
+    rate: float = option(
+        "-r --rate", "Speed relative to the recording (default: 1).", type=POSITIVE, default=1.0
+    )
     start_s: float = option(
         "-s --start SEC", "Start SEC seconds after the beginning.", type=float, default=0.0
     )
@@ -54,7 +56,7 @@ class PlayOptions:
     immediate: bool = flag("-i --immediate", "Play as fast as possible.")
     is_paused: bool = flag("--pause", "Start paused.")
     with_clock: bool = flag("--clock", "Publish the recorded time on /clock.")
-    hz: float = option("--hz", "The rate of /clock, in Hz (100).", type=POSITIVE, default=100.0)
+    hz: float = option("--hz", "The rate of /clock, in Hz (default: 100).", type=POSITIVE, default=100.0)
     topics: tuple[str, ...] = option(
         "--topics TOPIC", "Play only these topics; accepts several.", multiple=True
     )
@@ -67,7 +69,10 @@ class PlayOptions:
     prefix: str = option("-p --prefix NAME", "Put all topics in the namespace NAME.", default="")
     skip_empty: float | None = option("--skip-empty SEC", "Skip gaps longer than SEC.", type=NOT_NEGATIVE)
     delay: float = option(
-        "-d --delay SEC", "Wait SEC seconds for subscribers to connect (0.2).", type=NOT_NEGATIVE, default=0.2
+        "-d --delay SEC",
+        "Wait SEC seconds for subscribers to connect (default: 0.2).",
+        type=NOT_NEGATIVE,
+        default=0.2,
     )
     wait_for_subscribers: bool = flag("--wait-for-subscribers", "Start when every topic has a subscriber.")
     keep_alive: bool = flag("-k --keep-alive", "Keep running at the end, for latched topics.")
@@ -81,7 +86,7 @@ class PlayOptions:
     )
     rate_control_max_delay: float = option(
         "--rate-control-max-delay SEC",
-        "The longest silence of --rate-control-topic, in seconds (1).",
+        "The longest silence of --rate-control-topic, in seconds (default: 1).",
         type=NOT_NEGATIVE,
         default=1.0,
     )

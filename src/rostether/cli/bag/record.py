@@ -98,14 +98,16 @@ class RecordOptions:
     limit: int | None = option("-l --count COUNT", "Record at most COUNT messages of each topic.", type=COUNT)
     bz2: bool = flag("-j --bz2", "Compress with bz2: small, but slow (a few MB per second).")
     lz4: bool = flag("--lz4", "Compress with LZ4: fast.")
-    chunk_kb: int = option("--chunksize KB", "The size of a chunk, in KB (768).", type=COUNT, default=768)
+    chunk_kb: int = option(
+        "--chunksize KB", "The size of a chunk, in KB (default: 768).", type=COUNT, default=768
+    )
     publishes_begin: bool = flag("-p --publish", "Publish the name of each new file on /begin_write.")
     repeat_latched: bool = flag(
         "--repeat-latched", "Write the latched messages at the beginning of each file."
     )
     buffer_mb: int = option(
         "-b --buffsize MB",
-        "The size of the buffer; when it is full, messages are dropped (256).",
+        "The size of the buffer; when it is full, messages are dropped (default: 256).",
         type=click.IntRange(min=0),
         default=256,
     )
@@ -221,7 +223,7 @@ async def _record(
             name=files.path_of,
             report=report,
             repeat_latched=options.repeat_latched,
-            # Without compression, messages are written at once.
+            # Without compression, messages are written immediately.
             buffer_bytes=(options.buffer_mb or MAX_BUFFER_MB) * MEGABYTE
             if options.bz2 or options.lz4
             else None,

@@ -35,7 +35,7 @@ format_option = add_option(
 )
 storage_option = add_option(
     "--storage",
-    "The file format in a ROS 2 bag's folder (mcap).",
+    "The file format in a ROS 2 bag's folder (default: mcap).",
     type=click.Choice(["mcap", "sqlite3"]),
     default="mcap",
 )

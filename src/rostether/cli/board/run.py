@@ -78,7 +78,7 @@ class BoardOptions:
     )
     seed: int = option(
         "--seed",
-        "The seed of the random RAM contents at power-up (0).",
+        "The seed of the random RAM contents at power-up (default: 0).",
         type=click.IntRange(0, 2**32 - 1),
         default=0,
     )

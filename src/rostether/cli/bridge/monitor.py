@@ -101,7 +101,7 @@ async def _show_live(seen: BoardsSeen, graph_name: str, listening: asyncio.Task[
         while not listening.done():
             boards = seen.boards()
             live.update(_picture(boards, graph_name, console.width, console.height), refresh=True)
-            # The end of the subscription also ends the display, at once.
+            # The end of the subscription also ends the display, immediately.
             with contextlib.suppress(TimeoutError):
                 await asyncio.wait_for(asyncio.shield(listening), REFRESH_S)
 

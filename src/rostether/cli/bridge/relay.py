@@ -62,7 +62,9 @@ class RelayOptions:
         multiple=True,
     )
     master_port: int | None = option(
-        "--master-port PORT", "Port for the ROS 1 master, which is started if none runs (11311).", type=PORT
+        "--master-port PORT",
+        "Port for the ROS 1 master, which is started if none runs (default: 11311).",
+        type=PORT,
     )
 
     def choice(self) -> RelayFilter:

@@ -69,7 +69,9 @@ class ServeOptions:
     """The options of `serve` about the boards and their lines."""
 
     master_port: int | None = option(
-        "--master-port PORT", "Port for the ROS master, which is started if none runs (11311).", type=PORT
+        "--master-port PORT",
+        "Port for the ROS master, which is started if none runs (default: 11311).",
+        type=PORT,
     )
     listen: str | None = shared(listen_option, None)
     msg_paths: tuple[Path, ...] = shared(msg_path_option, ())

@@ -55,14 +55,20 @@ class LaunchOptions:
     required: bool = flag("--required", "Stop all nodes when any of them ends.")
     wait: bool = flag("--wait", "Wait for a master instead of starting one.")
     port: int | None = option(
-        "-p --port", "Port for the ROS master, which is started if none runs (11311).", type=PORT
+        "-p --port", "Port for the ROS master, which is started if none runs (default: 11311).", type=PORT
     )
     no_summary: bool = flag("--no-summary", "Do not print the summary.")
     sigint_timeout: float = option(
-        "--sigint-timeout S", "Seconds that a node has to end after SIGINT (15).", type=POSITIVE, default=15.0
+        "--sigint-timeout S",
+        "Seconds that a node has to end after SIGINT (default: 15).",
+        type=POSITIVE,
+        default=15.0,
     )
     sigterm_timeout: float = option(
-        "--sigterm-timeout S", "Seconds that a node has to end after SIGTERM (2).", type=POSITIVE, default=2.0
+        "--sigterm-timeout S",
+        "Seconds that a node has to end after SIGTERM (default: 2).",
+        type=POSITIVE,
+        default=2.0,
     )
     pid_file: Path | None = option("--pid", "Write the process id of this command to a file.", type=FILE)
 

@@ -30,7 +30,7 @@ _package_options = option_group(
         add_option(
             "-b --boost-comps boost_components", "A Boost library to use; may be repeated.", multiple=True
         ),
-        add_option("-V --pkg_version version", "The version (0.0.0).", default="0.0.0"),
+        add_option("-V --pkg_version version", "The version (default: 0.0.0).", default="0.0.0"),
         add_option("-D --description", "The description.", default=""),
         add_option("-l --license licenses", "A license; may be repeated.", multiple=True),
         add_option("-a --author authors", "An author; may be repeated.", multiple=True),

@@ -57,7 +57,7 @@ AFTER_S = 1.0
 @click.argument("file", type=PATH)
 @add_option(
     "--speed FACTOR",
-    "Speed relative to the recording (1).",
+    "Speed relative to the recording (default: 1).",
     type=NumberRange(min=0.01, max=1000.0),
     default=1.0,
 )

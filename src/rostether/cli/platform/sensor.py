@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from rostether.graph.typed_graph import TypedGraph
     from rostether.serde.values import Message
 
-# The list is latched: the manager sends it at once. A busy Raspberry Pi needs seconds to connect.
+# The list is latched: the manager sends it immediately. A busy Raspberry Pi needs seconds to connect.
 _LIMIT_S = 10.0
 _FIELDS = (
     "id",

@@ -14,7 +14,7 @@ from rostether.graph.typed_graph import TypedGraph
 from rostether.mechanisms.anonymous import anonymous_name
 from rostether.names.remap import Arguments
 
-# A mux answers at once; a user does not wait longer.
+# A mux answers immediately; a user does not wait longer.
 _CALL_LIMIT_S = 10.0
 _METAVAR = "ARGUMENT..."
 

@@ -19,7 +19,7 @@ def was_interrupted() -> bool:
 
 
 def note_interrupt() -> None:
-    """Make the next event loop end at once."""
+    """Make the next event loop end immediately."""
     global _interrupted
     _interrupted = True
 

@@ -77,7 +77,7 @@ class _Ending:
     def __init__(self, terminated_code: int) -> None:
         self.exit_code: int | None = None
         self._loop: asyncio.AbstractEventLoop | None = None
-        self._loop_answered = False
+        self._has_loop_answered = False
         self._arrived_s = 0.0
         self._codes = {signal.SIGINT: EXIT_INTERRUPTED, signal.SIGTERM: terminated_code}
         # Windows has no SIGHUP. A closed terminal ends a command as SIGTERM does, unless it runs under nohup.
@@ -102,7 +102,7 @@ class _Ending:
         assert task is not None
 
         def cancel() -> None:
-            self._loop_answered = True
+            self._has_loop_answered = True
             # A second cancellation would end the clean-up after the first.
             if not task.cancelling():
                 task.cancel()
@@ -147,17 +147,17 @@ class _Ending:
         loop = self._loop
         if loop is None or loop.is_closed():
             return
-        if self._loop_answered:
-            self._loop_answered = False
+        if self._has_loop_answered:
+            self._has_loop_answered = False
             loop.call_soon_threadsafe(self._answer)
             return
-        self._loop_answered = True
+        self._has_loop_answered = True
         # Tasks that are cancelled here have nothing to report.
         loop.set_exception_handler(lambda loop, context: None)
         raise KeyboardInterrupt
 
     def _answer(self) -> None:
-        self._loop_answered = True
+        self._has_loop_answered = True
 
     def stop(self) -> None:
         """Stop checking whether the loop is busy, and handle signals as before."""

@@ -57,7 +57,7 @@ class EchoOptions:
     full_length: bool = flag("-f --full-length", "With --ros2, do not truncate arrays and strings.")
     truncate_length: int | None = option(
         "-l --truncate-length LENGTH",
-        "With --ros2, truncate arrays and strings to LENGTH (128).",
+        "With --ros2, truncate arrays and strings to LENGTH (default: 128).",
         type=click.IntRange(min=0),
     )
     flow_style: bool = flag("--flow-style", "With --ros2, print each message on one line.")

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from rostether.serde.codec import Codec
     from rostether.serde.field_path import FieldPath
 
-# As long as rostopic waits: a simulator publishes at once.
+# As long as rostopic waits: a simulator publishes immediately.
 SILENCE_WARNING_S = 2.0
 
 

@@ -49,14 +49,14 @@ class SimulationOptions:
         "--kind", "The kind of all radios.", type=click.Choice(_KINDS), show_default=True, default=_KINDS[0]
     )
     loss: float = option(
-        "--loss", "The share of lost transmissions, e.g. 0.05 (0).", type=_PROBABILITY, default=0.0
+        "--loss", "The share of lost transmissions, e.g. 0.05 (default: 0).", type=_PROBABILITY, default=0.0
     )
     repeat: float = option(
-        "--repeat", "The share of packets that arrive twice (0).", type=_PROBABILITY, default=0.0
+        "--repeat", "The share of packets that arrive twice (default: 0).", type=_PROBABILITY, default=0.0
     )
     delay_ms: float = option(
         "--delay MS",
-        "The additional delay of each packet, in ms (0).",
+        "The additional delay of each packet, in ms (default: 0).",
         type=NumberRange(0.0, 10_000.0),
         default=0.0,
     )
@@ -74,7 +74,9 @@ class SimulationOptions:
         show_default=True,
         default=5.0,
     )
-    seed: int = option("--seed", "The seed of the losses (0).", type=click.IntRange(0, 2**32 - 1), default=0)
+    seed: int = option(
+        "--seed", "The seed of the losses (default: 0).", type=click.IntRange(0, 2**32 - 1), default=0
+    )
 
 
 @verb(

@@ -94,7 +94,7 @@ class ClientSender:
         self.connection.close(code, reason)
 
     def abort(self) -> None:
-        """End the connection at once."""
+        """End the connection immediately."""
         self.data.end()
         self.connection.abort()
 

@@ -85,7 +85,7 @@ class ClientTopic:
             await wait_for_subscribers(graph, publisher)
         finally:
             self._publisher, self._encoder = publisher, encoder
-        # A client may send one message and disconnect at once; its message is also published.
+        # A client may send one message and disconnect immediately; its message is also published.
         await self._publish_kept(publisher, encoder)
 
     async def _publish_kept(self, publisher: Publisher, encoder: Encoder) -> None:

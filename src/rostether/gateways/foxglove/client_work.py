@@ -45,7 +45,7 @@ class ClientWork:
             except TimeoutError:
                 fail("no answer in time")
 
-        # Counted at once: a client may send many requests at a time.
+        # Counted immediately: a client may send many requests at a time.
         self._requests[what] += 1
         self.start(contained()).add_done_callback(lambda _: self._requests.subtract([what]))
 

@@ -20,7 +20,7 @@ _SHORT = struct.Struct("<BBBIQ")
 _MEDIUM = struct.Struct("<BB2sBIQ")
 _LONG = struct.Struct("<BB8sBIQ")
 
-# If no message was sent for this time, a message is sent at once. In a flood, messages are sent together,
+# If no message was sent for this time, a message is sent immediately. In a flood, messages are sent together,
 # less often than a screen is drawn: a write costs more than all other steps.
 GATHER_S = 0.01
 

@@ -61,7 +61,7 @@ class GatewayContext:
         self._lingering[publication] = timer
 
     async def end_lingering(self, topic: str) -> bool:
-        """End a lingering publication of a topic at once, by its full name; return whether there was one."""
+        """Immediately end a lingering publication, by its full topic name; return whether there was one."""
         found = [each for each in self._lingering if each.topic == topic]
         for publication in found:
             self._lingering.pop(publication).cancel()

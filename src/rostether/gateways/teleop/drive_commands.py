@@ -77,7 +77,7 @@ class DriveCommands:
     def limit(self, message: Message, now_s: float) -> bool:
         """Limit a message in place; return whether it is a stop. Raises SerializationError.
 
-        Only acceleration is limited: a slower command and a stop take effect at once.
+        Only acceleration is limited: a slower command and a stop take effect immediately.
         """
         wanted = [[_read(message, path) for path in paths] for _, paths in self._vectors]
         if not all(math.isfinite(value) for vector in wanted for value in vector):
@@ -107,7 +107,7 @@ class DriveCommands:
 
 
 def _approach(old: float, wanted: float, step: float) -> float:
-    # A change of direction goes to zero at once, then at most one step away from it.
+    # A change of direction goes to zero immediately, then at most one step away from it.
     start = old if old * wanted > 0 else 0.0
     if abs(wanted) <= abs(start) + step:
         return wanted

@@ -250,7 +250,7 @@ class Connection(asyncio.BufferedProtocol):
     # Methods for the user.
 
     def pause_reading(self) -> None:
-        """Read no more, so that the client waits."""
+        """Stop reading, so that the client waits."""
         self._is_reading = False
         if self._transport is not None and not self._transport.is_closing():
             self._transport.pause_reading()
@@ -368,7 +368,7 @@ class Connection(asyncio.BufferedProtocol):
             if self.is_open:
                 self._websocket.fail(CloseCode.INVALID_DATA, f"{error.reason} at position {error.start}")
             return
-        # A client may send messages and close at once: its close frame has been read, and comes after them.
+        # A client may send messages and then close: the close frame is already read, and comes after them.
         is_valid = self.is_open or self._websocket.close_rcvd_then_sent
         if message is not None and is_valid and self._user is not None:
             self._user.received(message)

@@ -68,5 +68,5 @@ class MessageStream:
         self._connection.close(code, reason)
 
     def abort(self) -> None:
-        """End the connection at once."""
+        """End the connection immediately."""
         self._connection.abort()

@@ -31,7 +31,7 @@ async def publish_positions(
     report: Callable[[Level, str], None],
 ) -> None:
     """Publish the positions of a receiver as a sensor until cancelled. Raises GraphError, ConfigError."""
-    # A missing package is reported at once.
+    # A missing package is reported immediately.
     NmeaReader()
     async with registered_sensor(graph, description, report) as sensor:
         reported = ""

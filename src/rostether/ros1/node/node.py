@@ -46,7 +46,7 @@ async def join_ros1(
 
     `master_uri` overrides the environment's, which is read from os.environ by default. Every
     `check_interval_s` the node asks the master whether it is still registered. On a shutdown request it
-    leaves at once, or calls `on_leave` with the reason if that is given.
+    leaves immediately, or calls `on_leave` with the reason if that is given.
     Raises MasterUnreachableError, InvalidNameError, ConfigError, GraphError.
     """
     environment = environment or RosEnvironment.read()

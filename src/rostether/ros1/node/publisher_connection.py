@@ -15,7 +15,7 @@ from rostether.ros1.tcpros_connection import ConnectionRecord, connect
 from rostether.ros1.xmlrpc_client import XmlRpcClient
 from rostether.tcpros.message_framing import MessageDecoder
 
-# A publisher that restarts its server, or registered before it listens, is reachable again at once.
+# A publisher that restarts its server, or registered before it listens, is reachable again immediately.
 FIRST_RETRY_S = 0.1
 
 # Each retry to a publisher that has ended costs one refused connection; longer delays annoy users.
@@ -81,7 +81,7 @@ class PublisherConnection(asyncio.Protocol):
         self.lost.set()
 
     def pause(self) -> None:
-        """Read no more. Idempotent."""
+        """Stop reading. Idempotent."""
         if not self._is_paused:
             self._is_paused = True
             if not self._transport.is_closing():
@@ -99,7 +99,7 @@ class PublisherConnection(asyncio.Protocol):
                 self._transport.resume_reading()
 
     def abort(self) -> None:
-        """Close the connection at once."""
+        """Close the connection immediately."""
         self._transport.abort()
 
 

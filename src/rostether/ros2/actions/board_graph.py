@@ -181,7 +181,7 @@ class _ActionPublisher:
         return True
 
     async def drained(self, timeout_s: float) -> None:
-        """Return at once: there is no queue."""
+        """Return immediately: there is no queue."""
 
     async def close(self) -> None:
         """Do nothing: the action ends with its subscription to goals."""

@@ -77,7 +77,7 @@ class ParameterStore:
                 raise GraphError(fault)
         added = sum(value != NOT_SET and name not in self._values for name, value in values.items())
         if len(self._values) + added > MAX_PARAMETERS:
-            raise GraphError(f"a node has at most {MAX_PARAMETERS} parameters")
+            raise GraphError(f"a node has at most {MAX_PARAMETERS} parameters; delete some")
         changes = Changes(
             {n: v for n, v in values.items() if v != NOT_SET and n not in self._values},
             {n: v for n, v in values.items() if v != NOT_SET and n in self._values},

@@ -24,7 +24,7 @@ ACKNOWLEDGE_S = 0.1
 ACKNOWLEDGE_POLL_S = 0.002
 
 # The latched messages that wait for acknowledgements. A subscriber that was killed delays them by
-# `ACKNOWLEDGE_S` each until its lease ends, 20 s later; beyond this, the oldest is sent at once.
+# `ACKNOWLEDGE_S` each until its lease ends, 20 s later; beyond this, the oldest is sent immediately.
 MAX_BACKLOG = 1000
 
 
@@ -119,7 +119,7 @@ class Publication:
             await asyncio.sleep(ACKNOWLEDGE_POLL_S)
 
     def send_rest(self) -> None:
-        """Send what waits at once, before the publisher closes; in the event loop."""
+        """Send what waits immediately, before the publisher closes; in the event loop."""
         while self._backlog:
             self._send(self._backlog.popleft())
 

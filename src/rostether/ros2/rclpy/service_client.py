@@ -18,7 +18,7 @@ from rostether.ros2.rclpy.own_node import OwnNode
 from rostether.ros2.rclpy.quality import service_profile
 from rostether.ros2.types.type_support import ServiceSupport
 
-# The time limit for finding a service: DDS announces it at once, and again after 3 s if that is lost.
+# The time limit for finding a service: DDS announces it immediately, and again after 3 s if that is lost.
 DISCOVERY_S = 3.5
 
 # The polling interval for a server that is being discovered.
@@ -79,7 +79,7 @@ class RclpyServiceClient:
         deadline_s = loop.time() + limit_s
         while not self._is_ready():
             absence = await self._own.thread.run(self._explain_absence)
-            # A different type is known at once.
+            # A different type is known immediately.
             if isinstance(absence, TypeMismatchError) or loop.time() >= deadline_s:
                 raise absence
             await asyncio.sleep(SERVICE_POLL_INTERVAL_S)

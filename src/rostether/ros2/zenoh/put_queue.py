@@ -75,7 +75,7 @@ class PutQueue:
         threads: Executor,
         limit_bytes: int,
     ) -> None:
-        # Whether nothing waits here, so that new messages may be put at once.
+        # Whether nothing waits here, so that new messages may be put immediately.
         self.is_idle = True
         self.dropped_count = 0
         self._put = put

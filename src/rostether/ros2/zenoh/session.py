@@ -38,7 +38,7 @@ from rostether.ros2.zenoh.tokens import all_tokens
 # Changes of the graph between two iterations of the event loop: twice the limit of tokens.
 MAX_WAITING_NEWS = 200_000
 
-# How long a new session waits for the state of the graph; a running router answers at once.
+# How long a new session waits for the state of the graph; a running router answers immediately.
 FIRST_QUERY_TIMEOUT_S = 2.0
 
 # How long a session waits for its first connection (zenoh does not wait); a local router needs 10 ms.

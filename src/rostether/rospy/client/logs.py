@@ -193,7 +193,7 @@ def _family(level: int) -> tuple[Callable[..., None], ...]:
             _log(level, msg, args, kwargs)
 
     def log_throttle_identical(period: float, msg: Any, *args: Any, **kwargs: Any) -> None:
-        """Log a new text at once, the same text at most once in `period` seconds."""
+        """Log a new text immediately, the same text at most once in `period` seconds."""
         place = _place()
         is_due = _is_due(place, period)
         if _is_new_text(place, msg) or is_due:

@@ -105,7 +105,7 @@ def kill_nodes(node_names: Iterable[str]) -> tuple[list[str], list[str]]:
         try:
             _call(uri, "shutdown", "user request")
         except (RostetherError, TimeoutError):
-            # A node that ends at once does not answer.
+            # A node that ends immediately does not answer.
             continue
     return asked, unknown
 

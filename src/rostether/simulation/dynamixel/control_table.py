@@ -22,7 +22,7 @@ class Register:
     address: int
     size: int
     initial: int = 0
-    writable: bool = False
+    is_writable: bool = False
     lowest: int = 0
     highest: int = 0
 
@@ -33,7 +33,7 @@ class Register:
 
 
 def _rw(name: str, address: int, size: int, initial: int, lowest: int, highest: int) -> Register:
-    return Register(name, address, size, initial, writable=True, lowest=lowest, highest=highest)
+    return Register(name, address, size, initial, is_writable=True, lowest=lowest, highest=highest)
 
 
 def _signed(name: str, address: int, size: int) -> Register:

@@ -148,7 +148,7 @@ class Servo:
         return self.write(_word(parameters, 0), parameters[2:])
 
     def _refusal(self, register: Register, value: int) -> int:
-        if not register.writable:
+        if not register.is_writable:
             return ServoError.ACCESS
         if register.address < RAM_START and self["torque_enable"]:
             return ServoError.ACCESS

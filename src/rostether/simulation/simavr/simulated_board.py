@@ -175,7 +175,7 @@ class SimulatedBoard(BlockClosable):
         await self.send_command("range none" if meters is None else f"range {meters:.6f}")
 
     async def set_attitude(self, roll: float, pitch: float, yaw: float, *, over_s: float = 0.0) -> None:
-        """Turn the board to angles in radians, at once or within `over_s` of its time."""
+        """Turn the board to angles in radians, immediately or within `over_s` of its time."""
         degrees = " ".join(f"{math.degrees(angle):.6f}" for angle in (roll, pitch, yaw))
         await self.send_command(f"attitude {degrees} in {over_s:.6f}")
 
@@ -192,7 +192,7 @@ class SimulatedBoard(BlockClosable):
         return dict((await self.ask("pins", "pins")).values)
 
     async def wait_for_pin(self, pin: str, level: bool, *, timeout_s: float = DEFAULT_TIMEOUT_S) -> None:
-        """Wait until a pin has a level; return at once if it already has. Watches the pin from then on."""
+        """Wait until a pin has a level, if it does not already have it. Watches the pin from then on."""
         await self.send_command(f"watch {pin}")
         if self._levels.get(pin) != level:
             await self.wait_for(

@@ -41,7 +41,7 @@ class XbeeFrameDecoder:
     def __init__(self, *, escaped: bool = True) -> None:
         self._escapes = escaped
         self._frame: bytearray | None = None
-        self._after_escape = False
+        self._is_escaped = False
 
     def feed(self, data: bytes) -> list[bytes]:
         """Return the frame data of the frames that the chunk completes."""
@@ -52,15 +52,15 @@ class XbeeFrameDecoder:
             if byte == _DELIMITER and (self._escapes or self._frame is None):
                 # In escaped mode, this byte can only begin a frame, whatever was in progress.
                 self._frame = bytearray()
-                self._after_escape = False
+                self._is_escaped = False
                 continue
             if self._frame is None:
                 continue
             if byte == _ESCAPE and self._escapes:
-                self._after_escape = True
+                self._is_escaped = True
                 continue
-            self._frame.append(byte ^ _ESCAPED_BIT if self._after_escape else byte)
-            self._after_escape = False
+            self._frame.append(byte ^ _ESCAPED_BIT if self._is_escaped else byte)
+            self._is_escaped = False
             if (frame_data := self._finish(self._frame)) is not None:
                 yield frame_data
 

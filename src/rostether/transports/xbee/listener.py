@@ -69,7 +69,7 @@ class XbeeListener(SmallWriter):
         self._status_limit: asyncio.TimerHandle | None = None
         self._next_call: asyncio.TimerHandle | None = None
         self._drained = asyncio.Event()
-        self._closed = False
+        self._is_closed = False
         self._forget_radio()
         medium = Medium(
             str(address),
@@ -121,8 +121,8 @@ class XbeeListener(SmallWriter):
 
     async def close(self) -> None:
         """Send the waiting data, stop listening and end all its transports. Idempotent."""
-        if not self._closed:
-            self._closed = True
+        if not self._is_closed:
+            self._is_closed = True
             self.peers.end_all(None)
             self._radio.is_ready = True
             self._pump()
@@ -154,7 +154,7 @@ class XbeeListener(SmallWriter):
         """End all transports, and wait for the radio to come back."""
         self._serial = None
         self._drained.set()
-        if self._closed:
+        if self._is_closed:
             return
         what_happened = str(error or f"{self.address} is closed").partition(";")[0]
         _LOG.warning("%s; plug the radio in again", what_happened)
@@ -212,7 +212,7 @@ class XbeeListener(SmallWriter):
         self._radio.has_answered = True
         # If the source is forged to be the broadcast address, a reply would reach all boards. While the
         # listener closes, nothing would end the transport of a new board.
-        if self._closed or not is_of_one_radio(packet.source):
+        if self._is_closed or not is_of_one_radio(packet.source):
             return
         self.peers.receive(packet.source, packet.payload)
         # A board that was refused, because there are too many, has no link quality.
@@ -250,7 +250,7 @@ class XbeeListener(SmallWriter):
         for packet in self._queue.next_packets(self._loop.time()):
             frames += self._radio.encode(packet)
         self._write(frames)
-        if self._closed and self._queue.is_empty:
+        if self._is_closed and self._queue.is_empty:
             self._drained.set()
         due_s = self._queue.get_timer()
         if due_s is not None and self._status_limit is None:

@@ -20,7 +20,7 @@ export class TopicPublisher {
     this.id = robot.gateway.advertise(topic.name, topic.typeName, topic.definition);
   }
 
-  /** Publishes at once. Returns whether it was sent; throws EncodeError. */
+  /** Publishes immediately. Returns whether it was sent; throws EncodeError. */
   publish(message: unknown): boolean {
     return this.robot.gateway.publish(this.id, this.encode(message));
   }

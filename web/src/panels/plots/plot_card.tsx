@@ -30,7 +30,7 @@ export function PlotCard({ context, ids }: { context: PanelContext; ids: readonl
 
 function Values({ context, series }: { context: PanelContext; series: readonly Series[] }) {
   const now = useTick(context, VALUE_PERIOD_MS);
-  // The first value is shown at once.
+  // The first value is shown immediately.
   for (const each of series)
     if (each.buffer.length === 0) void context.robot.feed(each.topicName).version.value;
   const names = shortNames(series);
