@@ -14,6 +14,8 @@ from _pytest.runner import runtestprotocol
 
 # The attribute of a report with the failure of the first try. pytest-xdist carries it to the controller.
 _FIRST_FAILURE = "first_failure"
+# A shorter step of a fixture is not among the slowest, which pytest lists on request.
+_LONG_S = 0.1
 _MAX_FAILURE_CHARS = 600
 _MAX_OUTPUT_CHARS = 10_000
 
@@ -36,10 +38,16 @@ def pytest_runtest_protocol(item: pytest.Item, nextitem: pytest.Item | None) -> 
         item._initrequest()  # type: ignore[attr-defined]
         reports = runtestprotocol(item, nextitem=nextitem, log=False)
         setattr(reports[-1], _FIRST_FAILURE, _summary(failed[0]))
-    for report in reports:
+    for report in filter(_is_worth_a_message, reports):
         item.ihook.pytest_runtest_logreport(report=report)
     item.ihook.pytest_runtest_logfinish(nodeid=item.nodeid, location=item.location)
     return True
+
+
+def _is_worth_a_message(report: pytest.TestReport) -> bool:
+    """Return whether the controller is sent a report: fixtures' reports cost as much as the test's."""
+    is_slow = report.duration > _LONG_S
+    return report.when == "call" or not report.passed or is_slow or hasattr(report, _FIRST_FAILURE)
 
 
 def pytest_runtest_logreport(report: pytest.TestReport) -> None:

@@ -38,7 +38,10 @@ _LIBRARIES = {
     "rostether.cli.launch.launch_run,rostether.cli.dashboard.served,rostether.bridge.supervisor,"
     "rostether.ros1.master.server,rostether.ros1.node.node,rostether.transports.serial,"
     "rostether.gateways.websocket.server,rostether.simulation.simavr.simulated_board,"
-    "rostether.firmware.build,concurrent.futures.thread,sqlite3,uuid",
+    "rostether.firmware.build,rostether.graph.typed_graph,rostether.ros2.zenoh.session,"
+    "rostether.recording.recorder,rostether.cli.role.group,rostether.cli.demo.demo,rostether.cli.board.opencr,"
+    "rostether.cli.topic.ros1_listing,rostether.serde.yaml_print,rostether.gateways.shown_values,"
+    "rostether.cli.bridge.doctor,concurrent.futures.thread,sqlite3,uuid,resource,stringprep,decimal",
 }
 _INTERPRETER = Path(__file__).with_name("warm_interpreter.py")
 # The interpreter's command line is at least as long, so that a program's fits in its place.

@@ -156,14 +156,16 @@ sys.exit(exit_code_of(lambda: run(compute(), is_service={is_service}, uvloop={uv
     [(signal.SIGINT, False, 130), (signal.SIGTERM, False, 143), (signal.SIGTERM, True, 0)],
 )
 @pytest.mark.parametrize(
-    "work",
+    ("work", "uvloop"),
     [
-        "while True: pass",
-        "sleep_long()",
-        "asyncio.get_running_loop().call_soon(sleep_long); await elsewhere",
+        # Costs two seconds of a processor.
+        ("while True: pass", None),
+        ("sleep_long()", False),
+        ("sleep_long()", None),
+        ("asyncio.get_running_loop().call_soon(sleep_long); await elsewhere", False),
+        ("asyncio.get_running_loop().call_soon(sleep_long); await elsewhere", None),
     ],
 )
-@pytest.mark.parametrize("uvloop", [False, None])
 def test_a_signal_interrupts_what_computes(
     number: signal.Signals, is_service: bool, code: int, work: str, uvloop: bool | None
 ) -> None:
