@@ -48,7 +48,7 @@ def first_error(error: BaseException) -> BaseException:
 
 
 class RostetherError(Exception):
-    """Root of all errors that rostether raises on purpose; its text is one line for users."""
+    """The base of all errors that rostether raises on purpose; its text is one line for users."""
 
 
 class InvalidNameError(RostetherError, ValueError):

@@ -36,9 +36,9 @@ Handler: TypeAlias = Callable[[Message], ResponseLike[Message]]
 
 
 class TypedGraph(LogMethods):
-    """One node's membership of a graph, with messages as values; `raw` is the port below.
+    """A node in a ROS graph. Messages are values; `raw` sends and receives them as bytes.
 
-    `reports_silence`: a loop over a topic without publishers is logged.
+    With `reports_silence`, a loop over a topic without publishers is logged.
     """
 
     def __init__(self, graph: Graph, store: TypeStore, *, reports_silence: bool = False) -> None:
@@ -109,9 +109,9 @@ class TypedGraph(LogMethods):
     async def subscriber(
         self, topic: str, type_name: str | type[Message] | None, callback: Callable[[Any], object]
     ) -> CallbackSubscriber:
-        """Call back with each message of a topic; without `type_name`, of the type that its publisher has.
+        """Call a function with each message of a topic; without `type_name`, the publisher's type is used.
 
-        The callback may be async. Raises UnknownTypeError, InvalidNameError, GraphError.
+        The function may be async. Raises UnknownTypeError, InvalidNameError, GraphError.
         """
         name = None if type_name is None else name_of_type(type_name)
         # A node that waits for commands may wait for hours.
@@ -182,7 +182,7 @@ class TypedGraph(LogMethods):
     ) -> Message:
         """Call a service of a type, given by name or as a class of `rostether.srv`; return its response.
 
-        The request is given whole, or by its fields.
+        Pass the whole request, or its fields.
         Raises ServiceUnavailableError, ServiceTimeoutError, ServiceCallError, SerializationError.
         """
         client = await self.service_client(service, name_of_type(type_name))
@@ -275,7 +275,7 @@ class TypedGraph(LogMethods):
         return await self.raw.list_params()
 
     async def watch_param(self, name: str, on_change: Callable[[ParamValue], None]) -> Watch:
-        """Call back with the value now and after every change; None means it is unset."""
+        """Call a function with the value now and after every change; None means it is unset."""
         return await self.raw.watch_param(name, on_change)
 
     def log(self, level: Level, text: str) -> None:

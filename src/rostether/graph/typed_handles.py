@@ -50,10 +50,10 @@ class TypedPublisher(Generic[P]):
     def publish(self, *args: P.args, **fields: P.kwargs) -> bool: ...
     # `P.args` is empty: messages take their fields by name.
     def publish(self, message: object = None, /, **fields: Any) -> bool:  # type: ignore[misc]
-        """Publish one message, given whole, by its fields, or as the value of its only field.
+        """Publish one message, given as a message, by its fields, or as the value of its only field.
 
-        A time may be "now" or seconds. False asks a flooding caller to await `drained`.
-        Raises SerializationError naming the field that does not fit.
+        A time may be "now" or seconds. Returns False if a subscriber is too slow: then await `drained` before
+        you publish more. Raises SerializationError with the name of a field that does not fit.
         """
         return self.raw.publish_raw([self.codec.encode_given(message, fields, now=self._now)])
 
@@ -78,7 +78,7 @@ class TypedPublisher(Generic[P]):
 
 
 class CallbackSubscriber:
-    """Calls back with the messages of a topic until it is closed; made by `TypedGraph.subscriber`."""
+    """Calls a function with each message of a topic until it is closed; made by `TypedGraph.subscriber`."""
 
     def __init__(self, stream: MessageStream[Any], callback: Callable[[Any], object]) -> None:
         self.topic = stream.topic
@@ -120,7 +120,7 @@ class TypedServiceClient(Generic[Response]):
     async def call(
         self, request: MessageLike | None = None, /, *, timeout_s: float | None = None, **fields: Any
     ) -> Response:
-        """Call the service and return its response; the request is given whole, or by its fields.
+        """Call the service and return its response; pass the whole request, or its fields.
 
         Raises ServiceUnavailableError, ServiceTimeoutError, ServiceCallError, SerializationError.
         """

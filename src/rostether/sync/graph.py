@@ -107,7 +107,7 @@ class Graph(OpenContext[TypedGraph], LogMethods):
     def subscriber(
         self, topic: str, type_name: str | type[Message] | None, callback: Callable[[Any], object]
     ) -> Subscriber:
-        """Call back with each message of a topic, in its own thread; the queue is bounded.
+        """Call a function with each message of a topic, in a thread; the queue is bounded.
 
         Raises UnknownTypeError, InvalidNameError, GraphError.
         """
@@ -145,7 +145,7 @@ class Graph(OpenContext[TypedGraph], LogMethods):
         timeout_s: float | None = None,
         **fields: Any,
     ) -> Message:
-        """Call a service and return its response; the request is given whole, or by its fields.
+        """Call a service and return its response; pass the whole request, or its fields.
 
         Raises ServiceUnavailableError, ServiceTimeoutError, ServiceCallError, SerializationError.
         """
@@ -184,7 +184,7 @@ class Graph(OpenContext[TypedGraph], LogMethods):
         return ServiceServer(LOOP.call(self.wrapped.service_server(service, name_of_type(type_name), handle)))
 
     def watch_param(self, name: str, on_change: Callable[[ParamValue], object]) -> ParamWatch:
-        """Call back with the value now and after every change, in a thread; None means it is unset."""
+        """Call a function, in a thread, with the value now and after every change; None means it is unset."""
         thread = CallbackThread(f"rostether {name}", guarded(on_change))
         watch = self.wrapped.watch_param(name, lambda value: thread.put([value]))
         return ParamWatch(LOOP.call(watch))

@@ -51,7 +51,7 @@ class Publisher(Blocking[TypedPublisher[...]], Generic[P]):
 
 
 class Subscriber(Blocking[CallbackSubscriber]):
-    """Calls back in its own thread until it is closed; made by `Graph.subscriber`."""
+    """Calls a function, in a thread, with each message until it is closed; made by `Graph.subscriber`."""
 
     def __init__(self, wrapped: CallbackSubscriber, thread: CallbackThread[Message]) -> None:
         super().__init__(wrapped)
@@ -81,7 +81,7 @@ class ServiceClient(Blocking[TypedServiceClient[Response]]):
 
 
 class ParamWatch(Blocking[ports.Watch]):
-    """Calls back in its own thread until it is closed; made by `Graph.watch_param`."""
+    """Calls a function, in a thread, with each new value until it is closed; made by `Graph.watch_param`."""
 
     close = blocking(ports.Watch.close)
 
