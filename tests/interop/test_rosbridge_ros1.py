@@ -8,7 +8,7 @@ from typing import Any
 from websockets.asyncio.client import ClientConnection, connect
 
 from interop.ros1_peers import Ros1Peers
-from rostether.cli.access.ros1_access import joining_ros1
+from rostether.cli.access.ros1_access import ros1_join
 from rostether.cli.gateway.gateways import ros1_gateway_graph
 from rostether.cli.gateway.options import GatewayOptions
 from rostether.cli.gateway.rosbridge import rosbridge_gateway
@@ -37,7 +37,7 @@ class Page:
 
 async def test_a_page_and_debians_tools(roscore: Ros1Peers) -> None:
     environment = RosEnvironment.read({"ROS_MASTER_URI": roscore.master_uri})
-    on = ros1_gateway_graph(joining_ros1(environment), TypeStore(Registry()), environment)
+    on = ros1_gateway_graph(ros1_join(environment), TypeStore(Registry()), environment)
     options = GatewayOptions(rosbridge="127.0.0.1:0")
     async with rosbridge_gateway(options, on, lambda level, text: None) as server:
         assert server is not None

@@ -63,7 +63,7 @@ export const texts = {
     more: (count: number) => `${count} more in Plots`,
   },
   boards: {
-    none: "No board reports",
+    none: "No board is reporting",
     noneText: "Connect one with this command. Its state appears here within a second.",
     waiting: "Waiting for the boards' first report",
     states: {

@@ -51,7 +51,7 @@ class TtyPipe {
     line.c_cflag &= ~static_cast<tcflag_t>(CRTSCTS);
 #endif
     line.c_cflag |= CS8 | CLOCAL | CREAD;
-    // Then an empty read means that the port has disappeared, not that it is quiet.
+    // With these settings, an empty read means that the port has disappeared, not that it is quiet.
     line.c_cc[VMIN] = 1;
     line.c_cc[VTIME] = 0;
     if (!setPosixBaud(fd_, line, baud_)) {

@@ -106,7 +106,7 @@ async def joined(
         raise no_master(environment, error) from error
 
 
-def joining_ros1(environment: RosEnvironment) -> JoinGraph:
+def ros1_join(environment: RosEnvironment) -> JoinGraph:
     """Return the factory of ROS 1 nodes in an environment."""
     from rostether.ros1.node.node import join_ros1
 

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from rostether.cli.access.graph_options import GraphOptions, ZenohReach
-from rostether.cli.access.ros1_access import joining_ros1
+from rostether.cli.access.ros1_access import ros1_join
 from rostether.cli.access.ros2_access import ros2_access
 from rostether.errors import GraphError, MasterUnreachableError
 from rostether.graph.joint_join import JointJoin
@@ -61,7 +61,7 @@ async def served_graphs(
                 used_master(environment, is_chosen=graph.master is not None, port=master_port)
             )
             used_environment = used.environment
-            joins.append(joining_ros1(used_environment))
+            joins.append(ros1_join(used_environment))
             lines.append(used.line)
         if graph.ros2 is not None:
             from rostether.ros2.actions.board_graph import BoardJoin

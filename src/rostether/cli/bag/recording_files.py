@@ -220,10 +220,10 @@ async def recording_graph(
             await warn_without_router()
         join = access.join
         if graph.uses_ros1:
-            from rostether.cli.access.ros1_access import joining_ros1
+            from rostether.cli.access.ros1_access import ros1_join
             from rostether.graph.joint_join import JointJoin
 
-            join = JointJoin([joining_ros1(read_environment(graph)), join])
+            join = JointJoin([ros1_join(read_environment(graph)), join])
         async with closed_at_end(await join(name, namespace=graph.arguments.get("__ns", "/"))) as raw:
             yield RecordingGraph(raw, access.types)
 

@@ -16,7 +16,7 @@ import click
 from rostether.cli.access.console_reporter import ConsoleReporter
 from rostether.cli.access.graph_options import GraphOptions, Middleware, graph_options
 from rostether.cli.access.options import listen_option, msg_path_option
-from rostether.cli.access.ros1_access import joining_ros1, master_client, read_environment
+from rostether.cli.access.ros1_access import ros1_join, master_client, read_environment
 from rostether.cli.access.ros2_access import ros2_access
 from rostether.cli.access.served_graphs import native_session, used_master
 from rostether.cli.shell.option_group import PORT, argument, option, option_group
@@ -159,7 +159,7 @@ async def relay_between(
             async with master_client(used.environment) as client:
                 return await probe_type(client, service)
 
-        ros1 = await joining_ros1(used.environment)(name)
+        ros1 = await ros1_join(used.environment)(name)
         stack.push_async_callback(ros1.close)
         ros2 = await access.join(name)
         stack.push_async_callback(ros2.close)

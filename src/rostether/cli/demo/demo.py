@@ -17,7 +17,7 @@ from rostether.bridge.settings import BoardNodes
 from rostether.bridge.supervisor import Links, Supervisor
 from rostether.cli.access.console_reporter import ConsoleReporter
 from rostether.cli.access.graph_options import GraphOptions, graph_options
-from rostether.cli.access.ros1_access import joining_ros1, read_environment, type_store
+from rostether.cli.access.ros1_access import ros1_join, read_environment, type_store
 from rostether.cli.access.served_graphs import ServedGraphs
 from rostether.cli.bridge.options import read_devices
 from rostether.cli.bridge.serving import serving
@@ -124,7 +124,7 @@ async def _demo(environment: RosEnvironment, options: DemoOptions, devices: Devi
         name = await prepare_board(used.environment)
         board = await stack.enter_async_context(demo_board(options.board, name, obstacle, reporter))
         reporter.line(Level.INFO, f"Board: {board.title}")
-        join: JoinGraph = joining_ros1(used.environment)
+        join: JoinGraph = ros1_join(used.environment)
         ros2 = None if options.ros1 else await demo_ros2(stack, reporter, joins=options.join)
         if ros2 is not None:
             join = JointJoin([join, ros2])

@@ -13,7 +13,7 @@ from rostether.cli.access.console_reporter import ConsoleReporter
 from rostether.cli.access.graph_options import GraphOptions
 from rostether.cli.access.ros1_access import master_client, read_environment, type_store
 from rostether.cli.access.served_graphs import ServedGraphs, native_session, served_graphs
-from rostether.cli.gateway.node import IsLive, NodeNaming, asking_ros1, check_free
+from rostether.cli.gateway.node import IsLive, NodeNaming, ros1_liveness, check_free
 from rostether.cli.shell.running import run
 from rostether.graph.ports import JoinGraph, Level
 from rostether.mechanisms.waiting import wait_for_master
@@ -81,7 +81,7 @@ def ros1_gateway_graph(join: JoinGraph, store: TypeStore, environment: RosEnviro
             return parse_rpc_uri(await look_up(client, service), scheme="rosrpc").host
 
     return GatewayGraph(
-        join, store, ask_service_type=ask_type, ask_service_host=ask_host, is_live=asking_ros1(environment)
+        join, store, ask_service_type=ask_type, ask_service_host=ask_host, is_live=ros1_liveness(environment)
     )
 
 

@@ -66,8 +66,8 @@ def read_gateway_arguments(words: Sequence[str], special: Mapping[str, str]) -> 
     return address, NodeNaming(name, namespace, arguments.remappings)
 
 
-def asking_ros1(environment: RosEnvironment) -> IsLive:
-    """Return a check whether a ROS 1 node is alive: the master still lists killed nodes."""
+def ros1_liveness(environment: RosEnvironment) -> IsLive:
+    """Return a function that checks whether a ROS 1 node is alive: the master also lists killed nodes."""
 
     async def is_live(name: str) -> bool:
         master = MasterClient(environment.master_uri, name)

@@ -16,7 +16,7 @@ import click
 from rostether.cli.access.console_reporter import ConsoleReporter
 from rostether.cli.access.graph_options import GraphOptions, graph_options
 from rostether.cli.access.options import msg_path_option
-from rostether.cli.access.ros1_access import joining_ros1
+from rostether.cli.access.ros1_access import ros1_join
 from rostether.cli.gateway.gateways import (
     GatewayGraph,
     Report,
@@ -215,7 +215,7 @@ async def _main(graph: TypedGraph, arguments: Arguments, gateways: GatewayOption
     settings = replace(read_settings(parameters, gateways.token), origins=gateways.origins)
     reporter = ConsoleReporter()
     environment = node_environment(arguments)
-    on = ros1_gateway_graph(joining_ros1(environment), graph.store, environment)
+    on = ros1_gateway_graph(ros1_join(environment), graph.store, environment)
     async with rosbridge_server(graph.raw, on, settings, reporter.line, "address 0.0.0.0") as server:
         await graph.raw.set_param("~actual_port", server.port)
         await graph.raw.wait_closed()
@@ -285,7 +285,7 @@ async def _run_rosapi(graph: TypedGraph, arguments: Arguments) -> None:
     from rostether.gateways.rosbridge.rosapi.rosapi import Rosapi
 
     environment = node_environment(arguments)
-    on = ros1_gateway_graph(joining_ros1(environment), graph.store, environment)
+    on = ros1_gateway_graph(ros1_join(environment), graph.store, environment)
     rosapi = Rosapi(
         graph.raw,
         on.store,

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import click
 
-from rostether.cli.access.ros1_access import joining_ros1, no_master
+from rostether.cli.access.ros1_access import ros1_join, no_master
 from rostether.cli.access.served_graphs import ServedGraphs, master_answers, used_master, wait_for_answer
 from rostether.cli.dashboard.browser import has_browser, open_browser
 from rostether.cli.dashboard.optional import optional_dashboard
@@ -43,7 +43,7 @@ async def run_launch(
         await wait_for_answer(master.environment, _WAIT_S)
     async with used_master(master.environment, is_chosen=master.is_chosen, port=master.port) as used:
         write_line(used.line)
-        graphs = ServedGraphs(joining_ros1(used.environment), used.environment, ())
+        graphs = ServedGraphs(ros1_join(used.environment), used.environment, ())
         try:
             async with optional_dashboard(dashboard, graphs, loaded.package_folders, _report) as served:
                 if served is not None and has_browser(os.environ):

@@ -13,7 +13,7 @@ from websockets.typing import Subprotocol
 
 from interop.ros1_peers import free_port
 from programs import Peer, started
-from rostether.cli.access.ros1_access import joining_ros1
+from rostether.cli.access.ros1_access import ros1_join
 from rostether.cli.access.served_graphs import ServedGraphs
 from rostether.cli.dashboard import browser, served
 from rostether.cli.dashboard.served import page_url
@@ -48,7 +48,7 @@ async def test_a_port_that_another_program_takes_first_is_not_used(monkeypatch: 
         monkeypatch.setattr(served, "_free_port", lambda host, wanted: ports.pop(0))
         master = await MasterServer.start(host="127.0.0.1", port=0)
         environment = RosEnvironment(master_uri=master.uri)
-        graphs = ServedGraphs(joining_ros1(environment), environment, ())
+        graphs = ServedGraphs(ros1_join(environment), environment, ())
         try:
             settings = DashboardSettings(has_page=False)
             async with served.served_dashboard(settings, graphs, (), lambda level, text: None) as shown:
