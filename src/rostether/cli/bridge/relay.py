@@ -16,7 +16,7 @@ import click
 from rostether.cli.access.console_reporter import ConsoleReporter
 from rostether.cli.access.graph_options import GraphOptions, Middleware, graph_options
 from rostether.cli.access.options import listen_option, msg_path_option
-from rostether.cli.access.ros1_access import ros1_join, master_client, read_environment
+from rostether.cli.access.ros1_access import master_client, read_environment, ros1_join
 from rostether.cli.access.ros2_access import ros2_access
 from rostether.cli.access.served_graphs import native_session, used_master
 from rostether.cli.shell.option_group import PORT, argument, option, option_group

@@ -21,7 +21,7 @@ from rostether.cli.access.completions import complete_ports
 from rostether.cli.access.console_reporter import ConsoleReporter
 from rostether.cli.access.graph_options import GraphOptions, graph_options
 from rostether.cli.access.options import listen_option
-from rostether.cli.access.ros1_access import ros1_join, read_environment, type_store
+from rostether.cli.access.ros1_access import read_environment, ros1_join, type_store
 from rostether.cli.access.served_graphs import used_master
 from rostether.cli.bridge.options import config_option, read_devices
 from rostether.cli.bridge.serving import loopback_lines, read_links, serving

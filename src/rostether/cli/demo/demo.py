@@ -17,7 +17,7 @@ from rostether.bridge.settings import BoardNodes
 from rostether.bridge.supervisor import Links, Supervisor
 from rostether.cli.access.console_reporter import ConsoleReporter
 from rostether.cli.access.graph_options import GraphOptions, graph_options
-from rostether.cli.access.ros1_access import ros1_join, read_environment, type_store
+from rostether.cli.access.ros1_access import read_environment, ros1_join, type_store
 from rostether.cli.access.served_graphs import ServedGraphs
 from rostether.cli.bridge.options import read_devices
 from rostether.cli.bridge.serving import serving

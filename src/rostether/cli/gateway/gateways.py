@@ -13,7 +13,7 @@ from rostether.cli.access.console_reporter import ConsoleReporter
 from rostether.cli.access.graph_options import GraphOptions
 from rostether.cli.access.ros1_access import master_client, read_environment, type_store
 from rostether.cli.access.served_graphs import ServedGraphs, native_session, served_graphs
-from rostether.cli.gateway.node import IsLive, NodeNaming, ros1_liveness, check_free
+from rostether.cli.gateway.node import IsLive, NodeNaming, check_free, ros1_liveness
 from rostether.cli.shell.running import run
 from rostether.graph.ports import JoinGraph, Level
 from rostether.mechanisms.waiting import wait_for_master

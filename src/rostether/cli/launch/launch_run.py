@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import click
 
-from rostether.cli.access.ros1_access import ros1_join, no_master
+from rostether.cli.access.ros1_access import no_master, ros1_join
 from rostether.cli.access.served_graphs import ServedGraphs, master_answers, used_master, wait_for_answer
 from rostether.cli.dashboard.browser import has_browser, open_browser
 from rostether.cli.dashboard.optional import optional_dashboard

@@ -14,7 +14,7 @@ import click
 from rostether.cli.access.console_reporter import ConsoleReporter
 from rostether.cli.access.graph_options import GraphOptions, graph_options
 from rostether.cli.access.options import msg_path_option
-from rostether.cli.access.ros1_access import ros1_join, read_environment, type_store
+from rostether.cli.access.ros1_access import read_environment, ros1_join, type_store
 from rostether.cli.access.served_graphs import used_master
 from rostether.cli.bridge.serving import serving
 from rostether.cli.shell.option_group import PATH, NumberRange, add_flag, add_option
