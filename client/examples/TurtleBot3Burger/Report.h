@@ -57,7 +57,7 @@ class Report {
     }
   }
 
-  // Has the values that were added before it.
+  // Adds a status with the values that were added since the last status.
   void add(const char* name, const char* hardware, uint8_t level, const char* message) {
     Status& status = statuses_[status_count_++];
     status.name = name;

@@ -20,7 +20,7 @@ from rostether.extras import install_command
 _EXTRAS = (
     ("zenoh", "zenoh", "eclipse-zenoh", "ROS 2 over zenoh"),
     ("rclpy", "rclpy", "ros-rclpy", "ROS 2 over an installed rclpy"),
-    ("rosbridge", "cbor2", "cbor2", "CBOR for rosbridge"),
+    ("rosbridge", "cbor2", "cbor2", "web pages over rosbridge"),
     ("tls", "cryptography", "cryptography", "certificates for --tls auto"),
     ("mdns", "zeroconf", "zeroconf", "boards on the network find the bridge"),
     ("recording", "lz4", "lz4", "compressed recordings"),
