@@ -1,4 +1,4 @@
-"""The `rostether` command, also as `python -m rostether`: silent on Ctrl-C from its first moment on."""
+"""The `rostether` command, and `python -m rostether`: silent on Ctrl-C from its first moment on."""
 
 from __future__ import annotations
 

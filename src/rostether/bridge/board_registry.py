@@ -118,7 +118,7 @@ class BoardRegistry:
         self._leave(board)
 
     def dismiss(self, board: Board) -> None:
-        """Remove a board whose name another node uses now: else they would replace each other forever."""
+        """Remove a board whose name another node now uses: they would replace each other forever."""
         board.is_dismissed = True
         self._dismissed.add(board.name)
         self._leave(board)

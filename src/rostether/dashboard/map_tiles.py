@@ -77,7 +77,7 @@ class MapTiles:
 
 def _max_zoom(database: sqlite3.Connection) -> int | None:
     """Return the highest zoom level that the page can show, None without tiles."""
-    # Each is found by the index, also through a view, where max() would read all tiles.
+    # Each is found by the index, even through a view, where max() would read all tiles.
     for zoom in range(_MAX_ZOOM, -1, -1):
         if database.execute("SELECT 1 FROM tiles WHERE zoom_level = ? LIMIT 1", (zoom,)).fetchone():
             return zoom

@@ -1,7 +1,7 @@
 """A program's use of flash and RAM, by origin, and the room left for the stack.
 
-Flash is what avr-size calls text and data, RAM is data and bss. Code, also inlined code, is grouped by its
-source file; a variable by its type, else by the file that declares it.
+Flash is what avr-size calls text and data, RAM is data and bss. Code, including inlined code, is grouped by
+its source file; a variable by its type, else by the file that declares it.
 """
 
 from __future__ import annotations

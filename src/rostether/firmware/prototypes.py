@@ -59,7 +59,7 @@ def find_prototypes(text: str) -> list[Prototype]:
 
 
 def _macros(statements: Iterable[Statement]) -> dict[str, set[str]]:
-    """Return the names that each macro may expand to, also through other macros."""
+    """Return the names that each macro may expand to, directly or through other macros."""
     macros: dict[str, set[str]] = {}
     for statement in statements:
         directive = statement.tokens[0]

@@ -1,6 +1,6 @@
 """Substitutes `$(find pkg)`, `$(arg x)`, `$(env V)`, `$(optenv V words)`, `$(anon x)` and `$(dirname)`.
 
-A text that is one `$(eval ...)` is computed. All others are substituted twice, so that a value may contain a
+A text that is one `$(eval ...)` is evaluated. All others are substituted twice, so that a value may contain a
 `$(find ...)`; they cannot be nested.
 """
 

@@ -226,7 +226,7 @@ class _Connection(asyncio.Protocol):
 
 
 def _reason(error: OSError | UnicodeError) -> str:
-    """Return the system's text; asyncio's names its call and the address a second time."""
+    """Return the system's error text; that of asyncio repeats the address and names an internal call."""
     number = error.errno if isinstance(error, OSError) else None
     # Failed look-ups of names have negative numbers and texts of their own.
     if number is not None and number > 0:

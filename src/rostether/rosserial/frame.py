@@ -69,7 +69,7 @@ def read_header(version: int, header: bytes) -> Header | None:
     return Header(topic_id, size, (header[5] + header[6]) & 0xFF)
 
 
-@lru_cache(maxsize=4096)  # some dozen topics times the lengths of their strings
+@lru_cache(maxsize=4096)  # a few dozen topics times the lengths of their strings
 def _head(version: int, topic_id: int, size: int) -> tuple[bytes, int]:
     """Return the header, and the number to add to 1 + the payload's sum for the checksum's complement."""
     if not 0 <= topic_id <= LAST_ID:

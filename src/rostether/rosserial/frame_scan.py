@@ -36,7 +36,7 @@ MIN_TAIL_BYTES = 256
 MAX_TAIL_BYTES = 1024
 TAIL_SHARE = 64
 
-# Some dozen topics times the lengths of their strings; when the table is full, all headers are forgotten.
+# A few dozen topics times the lengths of their strings; when the table is full, all headers are forgotten.
 MAX_KNOWN_HEADERS = 1024
 
 _SYNC = bytes((SYNC,))

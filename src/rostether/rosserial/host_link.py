@@ -65,8 +65,8 @@ class HostLink:
         self._config = config or HostLinkConfig()
         self._version: int | None = None
         self._table = TopicTable(self._config.max_endpoints, self._config.fixed_size)
+        # The bytes that the device has not read yet; the driver sends only messages that have room there.
         self.unread = UnreadBytes()
-        """The bytes that the device has not read yet; the driver sends only messages that have room there."""
         self._output = HostOutput(self._table, self.statistics, self.unread)
         self._limits = self._table.limits
         self._line: ProtocolDetector | FrameDecoder = self._listen()
@@ -75,8 +75,8 @@ class HostLink:
         self._rate = ControlRate()
         self._announcements = Announcements(self._table, self._rate)
         self._is_stopped = False
+        # Whether the last `receive_data` brought only messages: no bytes to send, and no earlier timer.
         self.is_quiet = False
-        """Whether the last `receive_data` brought only messages: no bytes to send, and no earlier timer."""
 
     @property
     def version(self) -> int | None:

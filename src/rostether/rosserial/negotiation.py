@@ -206,7 +206,7 @@ class Negotiation:
         return meaning
 
     def announced(self, kind: int, info: TopicInfo, now_s: float) -> None:
-        """Handle an announcement, also one that is refused: it was not lost."""
+        """Handle an announcement, even one that is refused: it was not lost."""
         is_known = self._completeness.is_known(kind, info)
         self._answers.announced(key_of(kind, info), now_s, is_known=is_known)
         if self.phase is Phase.SETTLED and is_known:

@@ -14,7 +14,7 @@ from enum import Enum, auto
 
 from rostether.rosserial.topic_table import EndpointKey
 
-# The time request of an introduction is sent right after the last announcement, also over networks.
+# The time request of an introduction is sent right after the last announcement, even over networks.
 CLOSING_S = 0.5
 
 # The first announcement of an answer arrives right after its time request; a board takes longer to start.

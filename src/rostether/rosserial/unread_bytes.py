@@ -59,8 +59,8 @@ class UnreadBytes:
     """The unread bytes of one board, from the frames that are sent, its answers, and their times."""
 
     def __init__(self) -> None:
+        # How many bytes of messages may be sent now; None: any number.
         self.room_bytes: int | None = None
-        """How many bytes of messages may be sent now; None: any number."""
         self.version: int | None = None
         # From the oldest unanswered request on.
         self._frames: deque[_Frame] = deque()

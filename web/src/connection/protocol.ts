@@ -10,7 +10,7 @@ export interface Channel {
   schemaName: string;
   schema: string;
 }
-export interface Half {
+export interface MessageSchema {
   encoding: string;
   schemaName: string;
   schema: string;
@@ -19,8 +19,8 @@ export interface Service {
   id: number;
   name: string;
   type: string;
-  request: Half;
-  response: Half;
+  request: MessageSchema;
+  response: MessageSchema;
 }
 export interface Parameter {
   name: string;

@@ -52,7 +52,7 @@ export function parseStamp(kind: "time" | "duration", text: string): Stamp | str
     /^([+-]?)(\d{1,12})(?:[.,](\d{0,9}))?$/.exec(text.trim() || "0") ?? [];
   if (whole === undefined) return texts.forms.seconds;
   const ns = (BigInt(whole) * BILLION + BigInt(fraction.padEnd(9, "0"))) * (sign === "-" ? -1n : 1n);
-  // The nanoseconds are positive also before zero: -0.5 s is -1 s and 500,000,000 ns.
+  // The nanoseconds are positive even below zero: -0.5 s is -1 s and 500,000,000 ns.
   const nsec = ((ns % BILLION) + BILLION) % BILLION;
   const sec = (ns - nsec) / BILLION;
   const [low, high] = LIMITS[kind === "time" ? "uint32" : "int32"]!;

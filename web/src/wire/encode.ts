@@ -97,12 +97,12 @@ function writeString(writer: Writer, value: unknown, where: string): void {
 }
 
 function stamp(kind: "time" | "duration"): Write {
-  const half = primitive(kind === "time" ? "uint32" : "int32");
+  const part = primitive(kind === "time" ? "uint32" : "int32");
   return (writer, value, where) => {
     if (value !== undefined && (typeof value !== "object" || value === null)) throw wrong(where, value, kind);
     const { sec, nsec } = (value ?? {}) as { sec?: unknown; nsec?: unknown };
-    half(writer, sec, `${where}.sec`);
-    half(writer, nsec, `${where}.nsec`);
+    part(writer, sec, `${where}.sec`);
+    part(writer, nsec, `${where}.nsec`);
   };
 }
 

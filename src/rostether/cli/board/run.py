@@ -41,7 +41,7 @@ class BoardOptions:
         "--tcp PORT", "Offer the board's serial port as this TCP port.", type=click.IntRange(0, 65535)
     )
     uart: int | None = option(
-        "--uart", "The UART to connect (0; leonardo, micro: 1).", type=click.IntRange(0, 3)
+        "--uart", "The UART to connect (default: 0; leonardo, micro: 1).", type=click.IntRange(0, 3)
     )
     adc: tuple[str, ...] = option("--adc A0=VOLTS", "Set the voltage of an analog input.", multiple=True)
     pin: tuple[str, ...] = option("--pin D7=0|1", "Set the level of a digital pin.", multiple=True)

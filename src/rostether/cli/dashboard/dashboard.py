@@ -29,7 +29,9 @@ class DashboardOptions:
     """The options of `dashboard`."""
 
     port: int | None = option(
-        "-p --port PORT", "Port of the page (the next free one from 8765).", type=click.IntRange(0, 65535)
+        "-p --port PORT",
+        "Port of the page (default: the next free one from 8765).",
+        type=click.IntRange(0, 65535),
     )
     listen: str | None = option(
         "--listen ADDRESS", "Listen on this address for other machines; 0.0.0.0 for all (default: loopback)."
@@ -38,7 +40,7 @@ class DashboardOptions:
     no_open: bool = flag("--no-open", "Do not open a browser.")
     recordings: Path | None = option(
         "--recordings DIR",
-        "Folder for recordings that the page makes (~/.local/share/rostether/recordings).",
+        "Folder for recordings that the page makes (default: ~/.local/share/rostether/recordings).",
         type=click.Path(path_type=Path, file_okay=False),
     )
     tiles: Path | None = option(

@@ -120,11 +120,13 @@ def _address_option(spelling: str, text: str) -> Decorator:
 
 
 dashboard_option = _address_option(
-    "--dashboard", "Serve the dashboard, a page for browsers (127.0.0.1:8765)."
+    "--dashboard", "Serve the dashboard, a page for browsers (default: 127.0.0.1:8765)."
 )
 _ADDRESS_OPTIONS = (
-    _address_option("--rosbridge", "Serve web pages with roslibjs, as rosbridge does (localhost:9090)."),
-    _address_option("--foxglove", "Serve Foxglove, as foxglove_bridge does (localhost:8765)."),
+    _address_option(
+        "--rosbridge", "Serve web pages with roslibjs, as rosbridge does (default: localhost:9090)."
+    ),
+    _address_option("--foxglove", "Serve Foxglove, as foxglove_bridge does (default: localhost:8765)."),
 )
 
 

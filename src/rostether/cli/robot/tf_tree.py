@@ -29,7 +29,7 @@ DEFAULT_LISTENING_S = 2.0
 )
 @add_option(
     "--duration listening_s SECONDS",
-    f"How long to listen ({DEFAULT_LISTENING_S:g}).",
+    f"How long to listen (default: {DEFAULT_LISTENING_S:g}).",
     type=POSITIVE,
     default=DEFAULT_LISTENING_S,
 )

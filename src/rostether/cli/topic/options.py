@@ -118,7 +118,7 @@ class PubOptions:
     )
     wait_for: int | None = option(
         "-w --wait-matching-subscriptions COUNT",
-        "With --ros2, wait for COUNT subscribers (1 with -1 and -t, else 0).",
+        "With --ros2, wait for COUNT subscribers (default: 1 with -1 and -t, otherwise 0).",
         type=click.IntRange(min=0),
     )
     max_wait_s: float | None = option(

@@ -46,7 +46,7 @@ async def check_clock(client: CheckedClient) -> None:
 
 @case("time-advance", Part.PING)
 async def check_advance(client: CheckedClient) -> None:
-    """The client's clock advances between the host's answers, also within a second."""
+    """The client's clock advances between the host's answers, even within a second."""
     earlier_s, earlier = await _read_clock(client)
     await asyncio.sleep(ADVANCE_S)
     later_s, later = await _read_clock(client)

@@ -200,23 +200,23 @@ def _stamp(node: Stamp, value: Any, now: Time) -> Time | Duration:
     if not isinstance(value, Mapping):
         raise _MisfitError(f"a {node.name}, an object of secs and nsecs", value)
     left = set(value)
-    halves = []
+    parts = []
     for names in (_SECONDS, _NANOSECONDS):
         name = next((each for each in names if each in value), None)
-        half = 0 if name is None else value[name]
+        part = 0 if name is None else value[name]
         left.discard(name)
-        if type(half) is float and half.is_integer():
-            half = int(half)
-        if type(half) is not int:
-            misfit = _MisfitError("an integer", half)
+        if type(part) is float and part.is_integer():
+            part = int(part)
+        if type(part) is not int:
+            misfit = _MisfitError("an integer", part)
             misfit.within(str(name))
             raise misfit
-        halves.append(half)
+        parts.append(part)
     if left:
         misfit = _MisfitError("", "it has secs and nsecs, or sec and nanosec")
         misfit.within(str(left.pop())[:_MAX_SHOWN])
         raise misfit
-    return kind(*halves)
+    return kind(*parts)
 
 
 def _valid_text(text: str) -> str:

@@ -129,7 +129,7 @@ class WebSocketServer:
             port = self.port
 
     async def close(self) -> None:
-        """Accept no more connections; existing ones stay."""
+        """Stop accepting connections; existing ones stay open."""
         self._is_closed = True
         await close_servers(self._servers)
 

@@ -79,7 +79,7 @@ class Reply:
 
 @dataclass(frozen=True, slots=True)
 class SiteFile:
-    """One file: its content, also compressed if that is smaller, and the tag of its version."""
+    """One file: its content, the compressed content if that is smaller, and the tag of its version."""
 
     content_type: str
     content: bytes

@@ -22,7 +22,7 @@ MAX_WAITING_MESSAGES = 100
 # The bytes that may wait for the loop's thread; then a program that publishes faster must wait.
 MAX_WAITING_BYTES = 4 << 20
 
-# How long a program waits at most: a graph that shuts down accepts nothing more.
+# The longest time that a program waits: a graph that shuts down accepts nothing more.
 MAX_WAIT_S = 1.0
 
 # How long a slow subscriber may delay a program at a time.

@@ -91,7 +91,7 @@ def compile_conversion(tree: Record, target: Side, refuse: Callable[[bytes], byt
     try:
         exec(compile(text, f"<{target.value} of {tree.name}>", "exec"), names)  # noqa: S102
     except RecursionError:
-        # Python's compiler fails with some thousands of branches in one function.
+        # Python's compiler fails with several thousand branches in one function.
         raise DefinitionError(f"{tree.name} has too many arrays for ROS 2; split it") from None
     return names["convert"]  # type: ignore[no-any-return]
 
