@@ -1,4 +1,4 @@
-"""Tethers microcontrollers to ROS: serial boards become nodes of a ROS graph, with no ROS installed."""
+"""Connects microcontrollers to ROS: boards become nodes of a ROS graph, without a ROS installation."""
 
 from __future__ import annotations
 

@@ -48,7 +48,7 @@ void setup() {
   range_msg.header.frame_id = "ultrasound";
   range_msg.radiation_type = sensor_msgs::Range::ULTRASOUND;
   range_msg.field_of_view = 0.26;  // radians: 15 degrees
-  range_msg.min_range = 0.02;      // meters, as all lengths in ROS
+  range_msg.min_range = 0.02;      // meters, like all lengths in ROS
   range_msg.max_range = 4.0;
 
   pinMode(TRIG, OUTPUT);
