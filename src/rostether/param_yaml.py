@@ -21,7 +21,7 @@ T = TypeVar("T")
 # The limit of XML-RPC documents; YAML's anchors can be nested without a limit.
 MAX_NESTING = 100
 
-# Of all documents in one text. A robot description takes 100 KB; a master keeps it in memory.
+# The limit of all documents in one text. A robot description takes 100 KB; a master keeps it in memory.
 MAX_FILE_CHARS = 16 << 20
 
 DOCUMENT_END = "...\n"

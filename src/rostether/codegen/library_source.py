@@ -18,7 +18,7 @@ MICROPYTHON_FOLDER = "micropython"
 
 
 def client_library() -> Path:
-    """Return the folder of the hand-written client library. Raises CodegenError if it is not there."""
+    """Return the folder of the hand-written client library. Raises CodegenError if it is missing."""
     for place in _PLACES:
         if (place / SOURCE_FOLDER / "ros.h").is_file():
             return place

@@ -158,7 +158,7 @@ def _compile(expression: str) -> CodeType:
 
 
 class _Guard(ast.NodeTransformer):
-    """Replaces operations that may take long by calls of guards, whose names no expression can contain."""
+    """Replaces expensive operations by calls of guards, whose names no expression can contain."""
 
     def visit(self, node: ast.AST) -> Any:
         node = super().visit(node)

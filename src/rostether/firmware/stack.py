@@ -16,7 +16,7 @@ from rostether.firmware.elf import ElfFile
 # About half a second of search. Only programs with many nested callbacks have more paths.
 MAX_PATHS = 50_000
 
-# Of two similar callbacks, one may already be on the path.
+# One of two similar callbacks may already be on the path.
 _KEPT_PER_SHAPE = 2
 # The node handle limits the recursion of its own functions.
 _BOUNDED = "_ZN3ros"

@@ -119,7 +119,7 @@ def find_arduino_cli(reason: str, environ: Mapping[str, str] | None = None) -> s
 
 
 def _existing(patterns: tuple[str, ...]) -> list[Path]:
-    # Of several versions, the newest by name.
+    # The newest version comes first, by name.
     return [
         Path(found)
         for pattern in patterns

@@ -53,7 +53,7 @@ def count_values(text: str) -> int:
 
 
 def check_few_values(text: str) -> None:
-    """Raise RemoteProtocolError for a text that takes long to parse."""
+    """Raise RemoteProtocolError for a text that takes a long time to parse."""
     if count_values(text) > MANY_VALUES:
         raise RemoteProtocolError(f"a JSON message may have at most {MANY_VALUES} values")
 

@@ -40,7 +40,7 @@ _ALTERNATIVES = (
 )
 _HEADER = Field(FieldType("std_msgs/Header"), "header")
 
-# A definition with more differences is another one; the line stays readable.
+# With more differences, it is an unrelated definition. The limit also keeps the line readable.
 _MAX_LISTED = 6
 
 

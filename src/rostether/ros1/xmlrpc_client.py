@@ -61,8 +61,9 @@ class XmlRpcClient:
     async def call(self, method: str, *args: object, timeout_s: float | None = None) -> XmlRpcValue:
         """Return the method's value.
 
-        Raises GraphError (or `unreachable`) when the server is not there, is too slow, answers a fault or
-        nonsense; SerializationError when an argument cannot be sent. `__cause__` is the OSError, if any.
+        Raises GraphError (or `unreachable`) when the server cannot be reached, is too slow, or answers with a
+        fault or nonsense; SerializationError when an argument cannot be sent. `__cause__` is the OSError, if
+        any.
         """
         limit_s = self._timeout_s if timeout_s is None else timeout_s
         try:

@@ -71,7 +71,7 @@ class Announcements:
         return self._table.withdraw_all_but(frozenset(complete) - self._refusals.keys)
 
     def refuse_incomplete_services(self) -> list[HostEvent]:
-        """Refuse service requests whose response will not be announced any more, and vice versa."""
+        """Refuse service requests whose response was not announced, and vice versa."""
         return [*self._refusals.refuse_incomplete_services(self._table.incomplete_services())]
 
     def is_refused_sender(self, topic_id: int) -> bool:

@@ -5,7 +5,7 @@ The side that connects sends its request. The other side answers with its own fi
 
     field present            purpose          answered, then
     topic                    SUBSCRIBE        messages flow to the peer until one side closes
-    service, probe=1         PROBE            the peer closes; it only checked that the service is there
+    service, probe=1         PROBE            the peer closes; it only checked that the service exists
     service, persistent=1    CALL_PERSISTENT  requests and answers alternate until one side closes
     service                  CALL_ONCE        one request, one answer, end
 

@@ -114,7 +114,7 @@ class CaptureWriter:
             if size > self._limit_bytes:
                 self._write(b"".join(lines[:number]))
                 limit_mb = self._limit_bytes / (1 << 20)
-                self._end(f"{self.path} has reached {limit_mb:.3g} MB: nothing more is recorded")
+                self._end(f"{self.path} has reached {limit_mb:.3g} MB: the recording has stopped")
                 return
         self._write(b"".join(lines))
 
@@ -126,7 +126,7 @@ class CaptureWriter:
             while view:
                 view = view[os.write(self._file, view) :]
         except OSError as error:
-            self._end(f"cannot write {self.path}: {error.strerror or error}; nothing more is recorded")
+            self._end(f"cannot write {self.path}: {error.strerror or error}; the recording has stopped")
             return
         self.written_bytes += len(data)
 

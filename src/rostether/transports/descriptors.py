@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-# Some systems permit a billion, and subprocesses then take long to close them.
+# Some systems permit a billion, and subprocesses then need a long time to close them.
 MAX_DESCRIPTORS = 65_536
 
 # A board's connection, its node's two servers, and the connections to the master and of its topics; both ends

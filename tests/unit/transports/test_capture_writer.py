@@ -137,7 +137,7 @@ async def test_the_limit_ends_the_recording_not_the_line(tmp_path: Path) -> None
     desk.writer.flush()
     assert desk.writer.path.stat().st_size <= 2000
     assert len(desk.reported) == 1
-    assert "has reached 0.00191 MB: nothing more is recorded" in desk.reported[0]
+    assert "has reached 0.00191 MB: the recording has stopped" in desk.reported[0]
     recorded = desk.bytes_of[1, True]
     assert recorded
     assert bytes(far.data).startswith(recorded)
@@ -175,7 +175,7 @@ async def test_a_full_disk_ends_the_recording_not_the_line(
         await far.until_received(b"x")
         desk.writer.flush()
     (reported,) = desk.reported
-    assert "No space left on device; nothing more is recorded" in reported
+    assert "No space left on device; the recording has stopped" in reported
     desk.writer.note(1, "device", b"y")
     desk.writer.close()
 

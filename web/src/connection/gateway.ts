@@ -96,7 +96,7 @@ export class Gateway {
         rejectAll(this.parameterRequests);
         handlers.onCommandConnection(false);
       },
-      // Only this connection is watched: on the other one, a large message may take long to arrive.
+      // Only this connection is watched: on the other one, a large message may take a long time to arrive.
       onSilence: () => this.view.drop(),
     });
   }

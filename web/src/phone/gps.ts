@@ -6,7 +6,7 @@ const DENIED = 1;
 const STATUS_FIX = 0;
 const SERVICE_GPS = 1;
 const APPROXIMATED = 1;
-// A phone that does not move keeps its position for long; later subscribers need it too.
+// A phone that does not move keeps its position for a long time; later subscribers need it too.
 const REPEAT_MS = 1000;
 // An accuracy is the radius of 95 % confidence, a covariance is the square of one standard deviation.
 const DEVIATIONS = 1.96;

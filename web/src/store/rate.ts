@@ -16,7 +16,7 @@ export class RateMeter {
   private readonly times = new Float64Array(KEPT);
   private count = 0;
   private startMs = Number.NEGATIVE_INFINITY;
-  /** Of each part of the last seconds: its number, its messages, their bytes, and the arrival time of the first. */
+  /** The parts of the last seconds: their numbers, messages and bytes, and the arrival time of the first message. */
   private readonly numbers = new Float64Array(PARTS).fill(Number.NEGATIVE_INFINITY);
   private readonly messages = new Float64Array(PARTS);
   private readonly sizes = new Float64Array(PARTS);

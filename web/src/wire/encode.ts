@@ -4,7 +4,7 @@ import { type Node, PRIMITIVE_BYTES, type Primitive, type StructNode } from "./s
 /** A value that does not fit its field; the text names the field. */
 export class EncodeError extends Error {}
 
-// Of one message; the gateway accepts 16 MiB from a client.
+// The limit of one message; the gateway accepts 16 MiB from a client.
 const MAX_BYTES = 16 << 20;
 
 class Writer {

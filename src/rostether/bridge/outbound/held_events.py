@@ -1,7 +1,7 @@
 """Holds a board's announcements and messages while a thread searches the disk for its types.
 
-Most types are known. The search for another one does not block the event loop. From its announcement on,
-announcements and the messages of topics that are not served yet wait here, in their order.
+Most types are known. The search for an unknown type does not block the event loop. From the announcement of
+that type on, announcements and the messages of topics that are not served yet wait here, in their order.
 """
 
 from __future__ import annotations

@@ -179,7 +179,7 @@ class Outbox:
             self._schedule()
 
     def close(self) -> None:
-        """Release every source and timer, and write nothing more."""
+        """Release every source and timer, and stop writing."""
         self._is_blocked = True
         for timer in (self._paced, self._stall_check):
             if timer is not None:

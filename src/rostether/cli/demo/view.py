@@ -160,7 +160,7 @@ class DemoView:
     def rate_hz(self, endpoint: EndpointView) -> float:
         """Return the rate of an endpoint's messages."""
         history = self._history.get(_key(endpoint), deque())
-        # From one arrival to another: a window would count one message of 1 Hz more or less.
+        # From the first arrival to the last: a fixed window would miscount by one message at 1 Hz.
         arrivals = [now for before, now in pairwise(history) if now[1] != before[1]]
         samples = arrivals if len(arrivals) > 1 else history
         if len(samples) < 2 or samples[-1][0] == samples[0][0]:

@@ -95,7 +95,7 @@ async def check_false_header(client: CheckedClient) -> None:
 @case("frame-torn", Part.TEXT)
 async def check_torn(client: CheckedClient) -> None:
     """After the beginning of a frame and a pause of 1.2 s the next frame is received."""
-    # Of the longest frame, so that the next frame does not complete it.
+    # The beginning of the longest frame: the next frame is too short to complete it.
     size = min(client.buffer_of("text_in"), 1024) - 4
     client.send_bytes(_frame(client, "x" * size)[:9])
     await asyncio.sleep(TORN_S)

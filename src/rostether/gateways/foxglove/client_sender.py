@@ -62,7 +62,7 @@ class ClientSender:
         self.data.resume()
 
     def closed(self) -> None:
-        """Send nothing more."""
+        """Stop sending."""
         self.data.end()
         self.user.closed()
 

@@ -50,7 +50,7 @@ class DataOutlet:
         self._dropped_count = 0
 
     def end(self) -> None:
-        """Write nothing more."""
+        """Stop writing."""
         self._is_open = False
         self._pieces.clear()
         self._pieces_bytes = 0

@@ -18,7 +18,7 @@ from rostether.serde.store import TypeStore
 
 _MAX_NAME_CHARACTERS = 60
 
-# A command is a Twist or a few values. A longer one may take long to check, and must not wait for a thread.
+# A command is a Twist or a few values. Longer messages may need a long check; a command must not wait.
 _MAX_COMMAND_BYTES = 1 << 10
 
 

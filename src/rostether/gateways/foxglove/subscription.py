@@ -89,7 +89,7 @@ class DroppedReport:
             self._report()
 
     def close(self) -> None:
-        """Report nothing more."""
+        """Stop reporting."""
         if self._timer is not None:
             self._timer.cancel()
 

@@ -122,8 +122,7 @@ class ClientServices:
         codec = context.store.codec(service_type.request.name)
         args = fields_by_name(codec, request.fields.get("args"))
         payload = await context.forms.payload(service_type.request.name, args, request)
-        # Free the parsed request: a call may take long, and the request needs twenty times the memory of its
-        # JSON.
+        # Free the parsed request, which needs twenty times the memory of its JSON: calls may take minutes.
         del args
         request.fields.clear()
         try:

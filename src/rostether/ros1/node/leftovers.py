@@ -46,7 +46,7 @@ class Leftovers:
         try:
             await client.call_status("getPid", self._caller_id)
         except GraphError as error:
-            # A port that refuses has no server any more; another program on it may not use XML-RPC.
+            # A port that refuses connections has no server. Another program on it may not use XML-RPC.
             if isinstance(error.__cause__, ConnectionRefusedError):
                 self._failures.pop(uri, None)
                 return True

@@ -20,7 +20,7 @@ SLOW_REPORT_INTERVAL_S = 10.0
 _WRITE_BYTES = 64 << 10
 
 
-# Of all publications in this process, by caller id and topic.
+# The readers of all publications in this process, by caller id and topic.
 _readers: WeakValueDictionary[tuple[str, str], Reader] = WeakValueDictionary()
 
 

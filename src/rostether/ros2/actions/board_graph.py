@@ -201,7 +201,7 @@ class _ActionSubscriber:
         """Do nothing: goals are few."""
 
     def resume(self) -> None:
-        """Do nothing, as `pause`."""
+        """Do nothing, like `pause`."""
 
     async def close(self) -> None:
         """End the action with its goals."""

@@ -26,7 +26,7 @@ def arcball_constrain_to_axis(point: _Vector, axis: _Vector) -> Any:
     along = _dot(point, axis)
     across = [value - along * part for value, part in zip(point, axis, strict=True)]
     if rotations.vector_norm(across) > _EPSILON:
-        # Of the two opposite points, return the one on the visible half.
+        # Return the one of the two opposite points that is on the visible half.
         return rotations.unit_vector([-value for value in across] if across[2] < 0.0 else across)
     if axis[2] == 1.0:
         return rotations.as_array([1.0, 0.0, 0.0])

@@ -52,7 +52,7 @@ class Finished(NamedTuple, Generic[Key]):
 @dataclass(slots=True)
 class _Waiting:
     data: bytearray = field(default_factory=bytearray)
-    fails: bool = False
+    has_failed: bool = False
     is_gone: bool = False
 
 
@@ -64,7 +64,7 @@ class SendQueue(Generic[Key]):
         self._boards: dict[Key, _Waiting] = {}
         self._ready: deque[Key] = deque()
         self._turn_packets = 0
-        self._on_way: dict[int, tuple[Key, float]] = {}
+        self._in_flight: dict[int, tuple[Key, float]] = {}
         self._frame_id = 0
 
     def put(self, key: Key, data: bytes | bytearray | memoryview) -> bool:
@@ -81,8 +81,8 @@ class SendQueue(Generic[Key]):
 
     @property
     def is_empty(self) -> bool:
-        """Whether nothing waits and nothing is on its way."""
-        return not (self._ready or self._on_way)
+        """Whether no packet waits or is in flight."""
+        return not (self._ready or self._in_flight)
 
     def waiting_bytes(self, key: Key) -> int:
         """Return how many bytes wait for a board."""
@@ -104,7 +104,7 @@ class SendQueue(Generic[Key]):
 
     def next_packets(self, now_s: float) -> Iterator[Packet[Key]]:
         """Return the packets for which the radio has room now."""
-        while len(self._on_way) < WINDOW_PACKETS and (key := self._choose()) is not None:
+        while len(self._in_flight) < WINDOW_PACKETS and (key := self._choose()) is not None:
             board = self._boards[key]
             size = self._packet_bytes()
             payload = bytes(board.data[:size])
@@ -118,48 +118,49 @@ class SendQueue(Generic[Key]):
             elif self._turn_packets >= TURN_PACKETS:
                 self._rotate()
             frame_id = self._next_frame_id()
-            self._on_way[frame_id] = key, now_s
+            self._in_flight[frame_id] = key, now_s
             yield Packet(key, payload, frame_id)
 
     def finished(self, status: TransmitStatus) -> Finished[Key] | None:
         """Handle the radio's report; return whose packet it was, None if it was given up before."""
-        key, _ = self._on_way.pop(status.frame_id, (None, 0.0))
+        key, _ = self._in_flight.pop(status.frame_id, (None, 0.0))
         if key is None:
             return None
-        self._note(key, fails=not status.is_delivered)
+        self._note(key, has_failed=not status.is_delivered)
         return Finished(key, status)
 
     def give_up(self, now_s: float) -> list[Finished[Key]]:
         """Return the packets that got no report for too long, and give their places to others."""
         late = [
             (frame_id, key)
-            for frame_id, (key, sent_s) in self._on_way.items()
+            for frame_id, (key, sent_s) in self._in_flight.items()
             if now_s - sent_s >= STATUS_LIMIT_S
         ]
         for frame_id, key in late:
-            del self._on_way[frame_id]
-            self._note(key, fails=True)
+            del self._in_flight[frame_id]
+            self._note(key, has_failed=True)
         return [Finished(key, None) for _, key in late]
 
     def get_timer(self) -> float | None:
-        """Return when `give_up` is due, None if nothing is on its way."""
-        sent = [sent_s for _, sent_s in self._on_way.values()]
+        """Return when `give_up` is due, None if no packet is in flight."""
+        sent = [sent_s for _, sent_s in self._in_flight.values()]
         return min(sent) + STATUS_LIMIT_S if sent else None
 
     def note_received(self, key: Key) -> None:
         """Record data of a board, which shows that it is in range."""
-        self._note(key, fails=False)
+        self._note(key, has_failed=False)
 
-    def _note(self, key: Key, *, fails: bool) -> None:
+    def _note(self, key: Key, *, has_failed: bool) -> None:
         if (board := self._boards.get(key)) is not None:
-            board.fails = fails
+            board.has_failed = has_failed
 
     def _choose(self) -> Key | None:
         """Return the board whose turn it is, at the head of the ready ones; None if all must wait."""
-        is_taken = any(key in self._boards and self._boards[key].fails for key, _ in self._on_way.values())
+        in_flight = (self._boards[key] for key, _ in self._in_flight.values() if key in self._boards)
+        is_taken = any(board.has_failed for board in in_flight)
         for _ in range(len(self._ready)):
             key = self._ready[0]
-            if not (is_taken and self._boards[key].fails):
+            if not (is_taken and self._boards[key].has_failed):
                 return key
             self._rotate()
         return None
@@ -171,5 +172,5 @@ class SendQueue(Generic[Key]):
     def _next_frame_id(self) -> int:
         while True:
             self._frame_id = self._frame_id % _MAX_FRAME_ID + 1
-            if self._frame_id not in self._on_way:
+            if self._frame_id not in self._in_flight:
                 return self._frame_id

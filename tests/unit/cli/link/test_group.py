@@ -112,7 +112,7 @@ async def test_the_limit_is_reported_and_the_board_still_served(tmp_path: Path) 
         ) as record,
     ):
         await receive(environ, "/chatter", 3)
-        await record.wait_for("has reached 0.01 MB: nothing more is recorded", timeout_s=60)
+        await record.wait_for("has reached 0.01 MB: the recording has stopped", timeout_s=60)
         await receive(environ, "/chatter", 3)
     assert file.stat().st_size <= 0.01 * MEGABYTE
 
