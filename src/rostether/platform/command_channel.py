@@ -56,7 +56,7 @@ class CommandChannel:
             self._sender.send_to(datagram, address)
         return self._sender.send(datagram)
 
-    def refusing(self) -> dict[int, Refusal]:
+    def refusals(self) -> dict[int, Refusal]:
         """Return the robots that refuse this sender, with the reasons."""
         return dict(self._refused)
 

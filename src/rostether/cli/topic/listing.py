@@ -61,7 +61,7 @@ def info(topic: str, verbose: bool, as_json: bool, graph: GraphOptions) -> None:
 @msg_path_option
 @graph_options()
 def type_of(topic: str, msg_paths: tuple[Path, ...], graph: GraphOptions) -> None:
-    """Print the type of a topic, or of a field: then the topic's type, the field, and the field's type."""
+    """Print the type of a topic; for a field, print the topic's type, the field, and the field's type."""
     topics_of(graph).type_of(topic, msg_paths)
 
 
