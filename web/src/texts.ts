@@ -196,11 +196,11 @@ export const texts = {
     powerOff: "Power off",
   },
   images: {
-    empty: "No pictures are published",
+    empty: "No images are published",
     emptyText: "Topics with sensor_msgs/CompressedImage or sensor_msgs/Image appear here.",
     topic: "Topic",
     all: "All",
-    waiting: (topic: string) => `Waiting for a picture on ${topic}`,
+    waiting: (topic: string) => `Waiting for an image on ${topic}`,
     age: (text: string) => `${text} old`,
     rotate: "Rotate",
     mirror: "Mirror",

@@ -17,7 +17,7 @@ from rostether.msgdef.resolve_types import dependencies
 from rostether.msgdef.unknown_type import explain_unknown
 
 _TYPE_HEADER = re.compile(r"([A-Za-z][A-Za-z0-9_-]*)/([A-Za-z][A-Za-z0-9_]*)\.h")
-# Packages of messages have these endings; other folders with headers do not.
+# Packages of messages have these suffixes; other folders with headers do not.
 _MESSAGE_PACKAGE = re.compile(r"\w+_(?:msgs|srvs|interfaces|messages)")
 
 

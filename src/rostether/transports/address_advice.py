@@ -12,7 +12,7 @@ _HOST_PORT = re.compile(r"[^\s:/]+:[0-9]{1,5}")
 _IPV4 = re.compile(r"[0-9]{1,3}(?:\.[0-9]{1,3}){3}")
 # `/dev/ttyACM0:115200`, as other programs write it.
 _PORT_AND_BAUD = re.compile(r"(.*[^:,@])[:,@]([1-9][0-9]{2,6})")
-_SKETCH_ENDINGS = (".ino", ".elf", ".hex")
+_SKETCH_SUFFIXES = (".ino", ".elf", ".hex")
 
 
 def address_advice(place: str) -> str | None:
@@ -32,7 +32,7 @@ def address_advice(place: str) -> str | None:
             "boards connect to this machine: write tcp://:11411, and give them this machine's address; "
             f"to connect to a board, write tcp://{place}:PORT?connect=yes"
         )
-    if place.lower().endswith(_SKETCH_ENDINGS):
+    if place.lower().endswith(_SKETCH_SUFFIXES):
         return sketch_advice(place)
     example = f"/dev/{place}" if place.startswith(("tty", "cu.")) else "/dev/ttyACM0"
     return f"write a serial port with its path, such as {example} (`rostether ports` lists them)"

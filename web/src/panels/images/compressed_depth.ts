@@ -10,7 +10,7 @@ export function isCompressedDepth(format: string): boolean {
 }
 
 /**
- * Decodes the picture of a message.
+ * Decodes the image of a message.
  *
  * @param format of the message, such as "32FC1; compressedDepth png".
  * @returns millimeters (16UC1) or, of the encoding 32FC1, meters.
@@ -21,7 +21,7 @@ export async function decodeDepth(format: string, data: Uint8Array<ArrayBuffer>)
     throw new Error("Depth that is compressed with RVL cannot be shown. Send it as PNG.");
   const picture = await decodeGray16(data.subarray(HEADER_BYTES));
   if (picture === undefined)
-    throw new Error("This compressedDepth picture contains no 16-bit grayscale PNG.");
+    throw new Error("This compressedDepth image contains no 16-bit grayscale PNG.");
   if (!format.startsWith("32FC1")) return picture;
   const header = new DataView(data.buffer, data.byteOffset, HEADER_BYTES);
   const [a, b] = [header.getFloat32(4, true), header.getFloat32(8, true)];

@@ -52,7 +52,7 @@ async function inflate(parts: Uint8Array<ArrayBuffer>[], size: number): Promise<
   } finally {
     await reader.cancel().catch(() => undefined);
   }
-  if (length < size) throw new Error("This PNG picture ends too early.");
+  if (length < size) throw new Error("This PNG image ends too early.");
   return out;
 }
 
@@ -88,6 +88,6 @@ function predicted(filter: number, left: number, above: number, aboveLeft: numbe
       return a <= b && a <= c ? left : b <= c ? above : aboveLeft;
     }
     default:
-      throw new Error(`This PNG picture has the unknown filter ${filter}.`);
+      throw new Error(`This PNG image has the unknown filter ${filter}.`);
   }
 }

@@ -1,4 +1,4 @@
-// Draws the newest picture of a topic on a canvas; pictures that arrive while one is decoded are dropped.
+// Draws the newest image of a topic on a canvas; images that arrive while one is decoded are dropped.
 
 import type { Feed } from "../../store/feed.ts";
 import { frameTask } from "../../store/frames.ts";
@@ -23,7 +23,7 @@ export class ImageView {
   private isOld = false;
   private isDisposed = false;
 
-  /** `report` gets a sentence when the newest picture cannot be shown, and "" when it can. */
+  /** `report` gets a sentence when the newest image cannot be shown, and "" when it can. */
   constructor(feed: Feed, report: (problem: string) => void) {
     this.feed = feed;
     this.report = report;
@@ -31,13 +31,13 @@ export class ImageView {
     this.canvas.setAttribute("aria-label", feed.topicName);
   }
 
-  /** A new picture has arrived. */
+  /** A new image has arrived. */
   update(): void {
     this.isOld = true;
     this.frame.markDirty();
   }
 
-  /** Draws the current picture again, after a change of `turn`. */
+  /** Draws the current image again, after a change of `turn`. */
   redraw(): void {
     if (this.bitmap === undefined) return;
     const { quarters, mirrored } = this.turn;
@@ -95,7 +95,7 @@ export class ImageView {
     try {
       return await createImageBitmap(new Blob([data]));
     } catch {
-      throw new Error(`This picture (${format.slice(0, 40) || "no format"}) cannot be decoded.`);
+      throw new Error(`This image (${format.slice(0, 40) || "no format"}) cannot be decoded.`);
     }
   }
 }

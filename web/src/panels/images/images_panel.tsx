@@ -1,4 +1,4 @@
-// Pictures of all cameras, or of one.
+// Images of all cameras, or of one.
 import type { Signal } from "@preact/signals";
 import { EmptyState } from "../../shell/parts.tsx";
 import { texts } from "../../texts.ts";

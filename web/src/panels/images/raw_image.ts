@@ -34,7 +34,7 @@ function interleaved(bytes: number, red: number, green: number, blue: number, de
 
 type ReadNumber = (view: DataView, at: number, little: boolean) => number;
 
-/** Numbers wider than a byte are stretched from the smallest to the largest in the picture; NaN is black. */
+/** Numbers wider than a byte are stretched from the smallest to the largest in the image; NaN is black. */
 function stretched(bytes: 2 | 4 | 8, read: ReadNumber): Fill {
   return ({ width, height, step, data, is_bigendian: big }, out) => {
     const view = new DataView(data.buffer, data.byteOffset, data.byteLength);
@@ -178,27 +178,27 @@ function shownEncoding(encoding: string): string {
  * Converts to red, green, blue and alpha.
  *
  * @returns width * height * 4 bytes.
- * @throws Error with a sentence when the picture cannot be shown.
+ * @throws Error with a sentence when the image cannot be shown.
  */
 export function toRgba(image: RawImage): Uint8ClampedArray<ArrayBuffer> {
   const { width, height, step, data, encoding } = image;
   const known = ENCODINGS[encoding];
   if (known === undefined)
-    throw new Error(`Pictures with the encoding ${shownEncoding(encoding)} cannot be shown.`);
+    throw new Error(`Images with the encoding ${shownEncoding(encoding)} cannot be shown.`);
   const [bytes, fill] = known;
-  if (width * height > MAX_PIXELS) throw new Error(`A picture of ${width} x ${height} is too large to show.`);
-  if (width < 1 || height < 1) throw new Error("This picture has no pixels.");
+  if (width * height > MAX_PIXELS) throw new Error(`An image of ${width} x ${height} is too large to show.`);
+  if (width < 1 || height < 1) throw new Error("This image has no pixels.");
   if (step < width * bytes)
     throw new Error(
       `The rows of this ${encoding} picture have ${step} bytes; ${width} pixels need ${width * bytes}.`,
     );
   const chromaRows = encoding === "nv24" ? 2 * height : encoding.startsWith("nv") ? Math.ceil(height / 2) : 0;
   if (step * (height + chromaRows - 1) + width * bytes > data.length)
-    throw new Error(`A ${encoding} picture of ${width} x ${height} needs more than ${data.length} bytes.`);
+    throw new Error(`A ${encoding} image of ${width} x ${height} needs more than ${data.length} bytes.`);
   if (encoding.startsWith("bayer") && (width < 2 || height < 2))
-    throw new Error("This picture is too small.");
+    throw new Error("This image is too small.");
   if (EVEN_WIDTH.test(encoding) && width % 2 === 1)
-    throw new Error(`A ${encoding} picture must have an even width.`);
+    throw new Error(`A ${encoding} image must have an even width.`);
   const out = new Uint8ClampedArray(width * height * 4);
   fill(image, out);
   return out;

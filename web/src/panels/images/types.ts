@@ -1,2 +1,2 @@
-// The message types that are pictures.
+// The message types that are images.
 export const IMAGE_TYPES: readonly string[] = ["sensor_msgs/CompressedImage", "sensor_msgs/Image"];
