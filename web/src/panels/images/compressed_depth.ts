@@ -20,8 +20,7 @@ export async function decodeDepth(format: string, data: Uint8Array<ArrayBuffer>)
   if (format.includes("rvl"))
     throw new Error("Depth that is compressed with RVL cannot be shown. Send it as PNG.");
   const picture = await decodeGray16(data.subarray(HEADER_BYTES));
-  if (picture === undefined)
-    throw new Error("This compressedDepth image contains no 16-bit grayscale PNG.");
+  if (picture === undefined) throw new Error("This compressedDepth image contains no 16-bit grayscale PNG.");
   if (!format.startsWith("32FC1")) return picture;
   const header = new DataView(data.buffer, data.byteOffset, HEADER_BYTES);
   const [a, b] = [header.getFloat32(4, true), header.getFloat32(8, true)];

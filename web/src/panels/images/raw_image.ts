@@ -190,13 +190,12 @@ export function toRgba(image: RawImage): Uint8ClampedArray<ArrayBuffer> {
   if (width < 1 || height < 1) throw new Error("This image has no pixels.");
   if (step < width * bytes)
     throw new Error(
-      `The rows of this ${encoding} picture have ${step} bytes; ${width} pixels need ${width * bytes}.`,
+      `The rows of this ${encoding} image have ${step} bytes; ${width} pixels need ${width * bytes}.`,
     );
   const chromaRows = encoding === "nv24" ? 2 * height : encoding.startsWith("nv") ? Math.ceil(height / 2) : 0;
   if (step * (height + chromaRows - 1) + width * bytes > data.length)
     throw new Error(`A ${encoding} image of ${width} x ${height} needs more than ${data.length} bytes.`);
-  if (encoding.startsWith("bayer") && (width < 2 || height < 2))
-    throw new Error("This image is too small.");
+  if (encoding.startsWith("bayer") && (width < 2 || height < 2)) throw new Error("This image is too small.");
   if (EVEN_WIDTH.test(encoding) && width % 2 === 1)
     throw new Error(`A ${encoding} image must have an even width.`);
   const out = new Uint8ClampedArray(width * height * 4);
