@@ -1,4 +1,4 @@
-"""The `rostether` command, and `python -m rostether`: silent on Ctrl-C from its first moment on."""
+"""The `rostether` command, and `python -m rostether`: silent on Ctrl-C from the first moment."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ def _end_at_interrupt() -> None:
 
 
 # At import: only the command imports this module, and its starter does more before it calls `main`. Commands
-# handle Ctrl-C from their own beginning on (`cli.shell.interrupts`).
+# handle Ctrl-C from their start (`cli.shell.interrupts`).
 _end_at_interrupt()
 
 

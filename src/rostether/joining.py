@@ -33,7 +33,7 @@ async def join(  # noqa: PLR0913 - each is an independent setting
     ros2: Ros2Middleware | None = None,
     numpy: bool = False,
 ) -> AsyncIterator[TypedGraph]:
-    """Join a ROS graph as a node as long as the block lasts.
+    """Join a ROS graph as a node until the end of the block.
 
     Without a name the node gets a unique one. `master` and `namespace` override ROS_MASTER_URI
     and ROS_NAMESPACE; `msg_paths` are folders with your own message definitions. With `allow`, only this

@@ -19,7 +19,7 @@ MAX_DEPTH_BYTES = 65536
 
 _FRAME_POINTER = 28
 _SHARED_REGISTERS = 18
-# libgcc's `__prologue_saves__` pushes r2 to r17, r28 and r29, with two bytes of code each, from its entry on;
+# libgcc's `__prologue_saves__` pushes r2 to r17, r28 and r29, with two bytes of code each, from its start;
 # then it subtracts X from the stack pointer and continues at Z, after the jump.
 _SHARED_PROLOGUE = "__prologue_saves__"
 _SHARED_EPILOGUE = "__epilogue_restores__"

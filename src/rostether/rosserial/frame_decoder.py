@@ -112,7 +112,7 @@ class FrameDecoder:
         return read_header(self._version, bytes(self._pending[: self._header_bytes]))
 
     def use_limits(self, limits: PayloadLimits) -> None:
-        """Apply these limits from the next frame on."""
+        """Apply these limits, starting with the next frame."""
         self._possible = limits.possible
         self._scanner.refuse_above(limits.refused_above)
 

@@ -39,7 +39,7 @@ class ProtocolDetector:
         return False
 
     def use_limits(self, limits: PayloadLimits) -> None:
-        """Apply these limits from the next frame on."""
+        """Apply these limits, starting with the next frame."""
         for reader in self._candidates.values():
             reader.use_limits(limits)
 

@@ -47,7 +47,7 @@ def network_listeners(listening_on: Sequence[str]) -> list[TcpAddress]:
 async def announced(
     listening_on: Sequence[str], reporter: Reporter, *, is_on: bool, is_wanted: bool
 ) -> AsyncIterator[None]:
-    """Announce the listeners that are reachable from the network, for as long as the block lasts.
+    """Announce the listeners that are reachable from the network, until the end of the block.
 
     A failure is reported in one line, and serving continues.
     """

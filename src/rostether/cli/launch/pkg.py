@@ -63,7 +63,7 @@ def complete_programs(context: click.Context, _param: click.Parameter, incomplet
 
 
 def packages_here() -> dict[str, Path]:
-    """Return the folders of all packages that this command finds; warns about duplicate names."""
+    """Return the folders of all packages that this command finds, and warn about duplicate names."""
     with warned_duplicates() as on_duplicate:
         return package_folders(os.environ, Path.cwd(), on_duplicate=on_duplicate)
 
