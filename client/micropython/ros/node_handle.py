@@ -25,6 +25,8 @@ _SYNC_PERIOD_MS = 2200
 _MAX_UNANSWERED = 4
 # A gap of this length within a frame means that the rest was lost: longer than the pauses of a Wi-Fi network.
 _GAP_MS = 500
+# TCP loses no byte: the rest is late while lost packets are sent again, for the fourth time after 3 s.
+_RELIABLE_GAP_MS = 5000
 # A host that searches for boards sends wrong version bytes, and so does noise; a burst needs one answer.
 _ANSWER_PAUSE_MS = 20
 # The time for which received bytes are handled at once; a line that never pauses must not stop the program.
@@ -48,14 +50,16 @@ class NodeHandle:
 
     The hardware has `read(view, at)`, which reads the available bytes into a memoryview from `at` on, without
     waiting, and returns their number; and `write(view)`, which returns how many bytes were accepted. Hardware
-    that reconnects by itself has `relinked()`: whether the link was lost or made since the last call. If it
-    has `relink()`, that is called when the host does not answer for 11 s, because a network can fail without
-    ending the connection. If it has `interrupt()`, that is called for a Ctrl-C between two frames.
+    that reconnects by itself, and loses no bytes of a connection, has `relinked()`: whether the link was lost
+    or made since the last call. If it has `relink()`, that is called when the host does not answer for 11 s,
+    because a network can fail without ending the connection. If it has `interrupt()`, that is called for a
+    Ctrl-C between two frames.
     """
 
     def __init__(self, hardware=None, input_size=512, output_size=512):
         self._hardware = hardware
         self._relinked = self._relink = self._interrupt = None
+        self._gap_ms = _GAP_MS
         # The buffer must hold a time.
         self._window = ReceiveWindow(max(input_size, 16))
         self._writer = Writer(output_size + OVERHEAD_BYTES)
@@ -79,6 +83,8 @@ class NodeHandle:
 
             self._hardware = usb_hardware()
         self._relinked = getattr(self._hardware, "relinked", None)
+        if self._relinked:
+            self._gap_ms = _RELIABLE_GAP_MS
         self._relink = getattr(self._hardware, "relink", None)
         self._interrupt = getattr(self._hardware, "interrupt", None)
         self._window.forget()
@@ -197,7 +203,7 @@ class NodeHandle:
         if self._relinked and self._relinked():
             window.forget()
             self._contact_again()
-        elif not window.empty() and ticks_diff(now_ms, self._received_ms) >= _GAP_MS:
+        elif not window.empty() and ticks_diff(now_ms, self._received_ms) >= self._gap_ms:
             # The rest of the frame was lost.
             window.drop()
         if self._interrupt and window.interrupted:

@@ -21,7 +21,8 @@ namespace ros {
 // while the transmitter is full, it continues to read. A Hardware that reconnects by itself has `bool relinked()`:
 // whether the link was lost or replaced since the last call. Between this change and the call, it must not send or
 // receive bytes; then the node introduces itself again. If it also has `void relink()`, the node calls it when the
-// host is silent for about 10 s, because a network can fail without ending the connection.
+// host is silent for about 10 s, because a network can fail without ending the connection. With `bool isReliable()`,
+// it says that no byte is lost within a connection, as over TCP; then the node waits longer for the rest of a frame.
 //
 // INPUT_SIZE is the longest message that can be received. The number of publishers and subscribers is not limited,
 // and messages are sent without a buffer: the other sizes have no effect.
@@ -62,7 +63,7 @@ class NodeHandle_ : public NodeHandleBase_ {
           contactAgain();
         }
         if (isHostSilent()) relink(hardware_, 0);
-        if (!isTorn(now_ms)) return keepInTouch(now_ms);
+        if (!isTorn(now_ms, isReliable(hardware_, 0))) return keepInTouch(now_ms);
         window_.giveUp();
       }
     }
@@ -81,6 +82,15 @@ class NodeHandle_ : public NodeHandleBase_ {
   }
   template <class H>
   static bool relinked(H&, long) {
+    return false;
+  }
+
+  template <class H>
+  static auto isReliable(H& hardware, int) -> decltype(hardware.isReliable()) {
+    return hardware.isReliable();
+  }
+  template <class H>
+  static bool isReliable(H&, long) {
     return false;
   }
 

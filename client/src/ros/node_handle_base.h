@@ -250,7 +250,9 @@ class NodeHandleBase_ : public FrameWriter {
   }
   bool isOverdue(uint16_t began_ms, uint16_t now_ms) const { return since(began_ms, now_ms) > spin_timeout_ms_; }
   // Whether a frame has started and its rest was lost.
-  bool isTorn(uint16_t now_ms) const { return !window_.empty() && since(received_ms_, now_ms) >= GAP_MS; }
+  bool isTorn(uint16_t now_ms, bool is_reliable) const {
+    return !window_.empty() && since(received_ms_, now_ms) >= (is_reliable ? RELIABLE_GAP_MS : GAP_MS);
+  }
 
   // Whether the host has not answered the last requests for the time.
   bool isHostSilent() const { return unanswered_ == MAX_UNANSWERED; }
@@ -291,6 +293,8 @@ class NodeHandleBase_ : public FrameWriter {
   // After a gap of this length inside a frame, its rest was lost. Longer than pauses of a network, and short enough
   // that the board soon receives again after a wrong length.
   static const uint16_t GAP_MS = 200;
+  // TCP loses no byte: the rest is late while lost packets are sent again, for the fourth time after 3 s.
+  static const uint16_t RELIABLE_GAP_MS = 5000;
   // A host that searches for boards sends wrong version bytes, and so does noise; one answer is enough for a burst.
   static const uint8_t ANSWER_PAUSE_MS = 20;
   // The limit of nested callbacks that wait in a spinOnce; more would need all of an Uno's stack.

@@ -220,6 +220,12 @@ class CheckedClient(SmallWriter):
         (info,) = (each.info for each in self.announcements if each.info and each.name == PREFIX + name)
         return info.buffer_size
 
+    @property
+    def is_over_tcp(self) -> bool:
+        """Whether the line loses no bytes."""
+        transport = self._transport
+        return transport is not None and transport.remote is not None and transport.can_pause
+
     def has(self, part: Part) -> bool:
         """Return whether the client announced all endpoints of a part, with the right types."""
         announced = {

@@ -11,6 +11,7 @@ from pathlib import Path
 
 from effort import effort
 from firmware.micropython.boards import PROGRAMS, running, usb_board
+from firmware.platforms.late_network import late_network
 from firmware.platforms.meeting import meeting
 from line_faults import FaultRates, LineFaults
 from rostether.rosserial.frame import encode_frame
@@ -38,6 +39,17 @@ async def test_exchanges_messages_over_a_uart(library: Path, tmp_path: Path) -> 
         await until(port.exists, "the port")
         async with running(NODE, library, "tty", str(port)):
             await met.exchange_messages()
+
+
+async def test_receives_a_message_whose_packets_are_sent_again(library: Path) -> None:
+    async with (
+        meeting() as met,
+        met.bridge("tcp://127.0.0.1:0") as (address,),
+        late_network(address) as place,
+        running(NODE, library, "tcp", *_place(place)),
+    ):
+        await met.counting()
+        assert await met.ask("x" * 200) == "x" * 200
 
 
 async def test_exchanges_messages_over_tcp_and_reconnects_to_another_bridge(library: Path) -> None:

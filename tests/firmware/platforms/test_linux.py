@@ -15,6 +15,7 @@ from pathlib import Path
 
 import pytest
 
+from firmware.platforms.late_network import late_network
 from firmware.platforms.meeting import PATIENCE_S, meeting
 from firmware.platforms.programs import running
 from unit.bridge.lateness import lateness
@@ -30,6 +31,17 @@ async def test_exchanges_messages_over_tcp(linux_program: Path) -> None:
         running(linux_program, address.removeprefix("tcp://")),
     ):
         await met.exchange_messages()
+
+
+async def test_receives_a_message_whose_packets_are_sent_again(linux_program: Path) -> None:
+    async with (
+        meeting() as met,
+        met.bridge("tcp://127.0.0.1:0") as (address,),
+        late_network(address) as place,
+        running(linux_program, place),
+    ):
+        await met.counting()
+        assert await met.ask("x" * 200) == "x" * 200
 
 
 async def test_exchanges_messages_over_a_serial_port(linux_program: Path, tmp_path: Path) -> None:

@@ -65,6 +65,8 @@ class ArduinoHardware : public ros::ArduinoSerial {
   void relink() {
     if (network_) network_->relink();
   }
+  // The network is TCP.
+  bool isReliable() const { return network_ != nullptr; }
 
  private:
   ros::Network* network_;

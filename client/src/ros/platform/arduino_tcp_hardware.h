@@ -46,6 +46,7 @@ class ArduinoTcpHardware {
     client_.stop();
     link_.lost(millis());
   }
+  static bool isReliable() { return true; }
   unsigned long time() { return millis(); }
 
  private:

@@ -83,6 +83,7 @@ class PipeHardware {
   void relink() {
     if (pipe_.isNetwork() && link_.isConnected()) lose();
   }
+  bool isReliable() { return pipe_.isNetwork(); }
   // Since the first initNode.
   unsigned long time() { return Pipe::milliseconds() - began_ms_; }
 

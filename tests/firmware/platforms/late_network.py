@@ -1,0 +1,42 @@
+"""A network that loses a packet within each long message to the node, and delivers it late, as TCP does."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+
+# A packet that was lost twice.
+LATE_S = 0.8
+PACKET_BYTES = 100
+
+
+@asynccontextmanager
+async def late_network(address: str) -> AsyncIterator[str]:
+    """Carry connections to a bridge at `tcp://HOST:PORT`; yields the network's own `HOST:PORT`."""
+    host, _, port = address.removeprefix("tcp://").rpartition(":")
+    tasks: set[asyncio.Task[None]] = set()
+
+    async def carry(reader: asyncio.StreamReader, writer: asyncio.StreamWriter, pause_s: float) -> None:
+        try:
+            while data := await reader.read(1 << 16):
+                for first in range(0, len(data), PACKET_BYTES):
+                    if first:
+                        await asyncio.sleep(pause_s)
+                    writer.write(data[first : first + PACKET_BYTES])
+        finally:
+            writer.close()
+
+    async def connect(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        bridge_reader, bridge_writer = await asyncio.open_connection(host, port)
+        for task in (carry(reader, bridge_writer, 0.0), carry(bridge_reader, writer, LATE_S)):
+            tasks.add(asyncio.ensure_future(task))
+
+    server = await asyncio.start_server(connect, "127.0.0.1", 0)
+    try:
+        yield f"127.0.0.1:{server.sockets[0].getsockname()[1]}"
+    finally:
+        server.close()
+        for task in tasks:
+            task.cancel()
+        await asyncio.gather(*tasks, return_exceptions=True)
