@@ -57,7 +57,7 @@ export const imu: Sensor = {
       if (force?.x == null || force.y == null || force.z == null) return;
       isFound = true;
       if (!passes(event.timeStamp)) return;
-      // Safari has the opposite sign: at rest, the force points up.
+      // At rest, the force must point up. Safari reports the opposite sign.
       if (sign === 0 && orientation) {
         const [x, y, z] = up(orientation);
         const upward = force.x * x + force.y * y + force.z * z;

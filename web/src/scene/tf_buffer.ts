@@ -167,7 +167,7 @@ export class TfBuffer {
     return newestS;
   }
 
-  /** The frame and all above it. A loop ends it. */
+  /** Returns the frame and all frames above it, up to the first one that is repeated. */
   private chain(frame: string): string[] {
     const names = [frame];
     const seen = new Set(names);

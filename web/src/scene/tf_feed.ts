@@ -66,7 +66,7 @@ function insert(tf: TfBuffer, each: TransformStamped, isStatic: boolean, receive
 export function likelyFixedFrame(tf: TfBuffer, otherwise: string): string {
   const frames = tf.frames();
   for (const name of ["map", "odom", "world", "base_footprint", "base_link"])
-    if (frames.includes(name)) return tf.root(name) === name ? name : tf.root(name);
+    if (frames.includes(name)) return tf.root(name);
   const sizes = new Map<string, number>();
   for (const frame of frames) sizes.set(tf.root(frame), (sizes.get(tf.root(frame)) ?? 0) + 1);
   const roots = [...sizes].sort((a, b) => b[1] - a[1]);

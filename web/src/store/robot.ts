@@ -77,10 +77,10 @@ export class Robot {
   private readonly onNoneEmpty = new Set<() => void>();
   private refusalTimer: ReturnType<typeof setTimeout> | undefined;
   /**
-   * How often the page could be loaded since the connection was lost. Once does not prove a refusal: the robot may
-   * have just come back.
+   * How many times the page could be loaded since the connection was lost. Once does not prove a refusal: the robot
+   * may have just come back.
    */
-  private refusedBefore = 0;
+  private loadCount = 0;
   private awaitsServices = false;
   private awaitsGraph = false;
   private nextSubscriptionId = 1;
@@ -226,7 +226,7 @@ export class Robot {
       return;
     }
     batch(() => {
-      this.refusedBefore = 0;
+      this.loadCount = 0;
       this.connection.value = "open";
       this.lostReason.value = "";
       this.info.value = info;
@@ -241,7 +241,7 @@ export class Robot {
   /** If the robot serves the page but not the connection, it refuses the page. Browsers do not report this. */
   private async explainLoss(): Promise<void> {
     const answer = await fetch(location.pathname, { cache: "no-store" }).catch(() => undefined);
-    if (answer?.ok && this.connection.value === "lost" && this.refusedBefore++ > 0)
+    if (answer?.ok && this.connection.value === "lost" && this.loadCount++ > 0)
       this.lostReason.value = this.info.value ? texts.shell.refused : texts.shell.wantsToken;
   }
 
