@@ -22,8 +22,8 @@ from rostether.platform.robot_table import Robot, RobotKey
 
 # Enough for many queries and answers; a working Wi-Fi network loses few of them.
 _UNICAST_S = 1.5
-# How often a query for forwarding is sent, and the interval.
-_FORWARDED = 5
+# The number of queries for forwarding to each robot, and their interval.
+_FORWARD_COUNT = 5
 _FORWARD_PERIOD_S = 0.05
 # Statuses come every 250 ms, and the first one ends the wait.
 _CONFIRM_S = 3.0
@@ -33,8 +33,8 @@ _CONFIRM_S = 3.0
 class Examination:
     """The measurements. Robots are identified by id and host.
 
-    `asks_group` is False for a fleet without multicast. `silent_hosts` are given addresses that do not
-    answer. `pairs` are robots, and whether the first reaches the second. `has_querier` is None if this
+    `asks_group` is False for a fleet without multicast. `silent_hosts` are the configured addresses that
+    do not answer. `pairs` are robots, and whether the first reaches the second. `has_querier` is None if this
     machine may not listen; `listened_s` is 0 if the fleet needs no querier.
     """
 
@@ -137,7 +137,7 @@ async def _reaches(
     outer, inner = CommandSender(to_first, epoch_us), CommandSender(to_second, epoch_us)
     by = DatagramSender(GroupAddress(first.address[0], first.address[1]), report)
     try:
-        for _ in range(_FORWARDED):
+        for _ in range(_FORWARD_COUNT):
             by.send(outer.forward(encode_forward(host, port, inner.query())))
             await asyncio.sleep(_FORWARD_PERIOD_S)
     finally:
@@ -147,5 +147,5 @@ async def _reaches(
     for robot in survey.robots.values():
         status = robot.status
         # The status counts from the first frame that arrived, directly or through the other robot.
-        return status.sequence - status.received_count - status.lost_count + 1 <= _FORWARDED
+        return status.sequence - status.received_count - status.lost_count + 1 <= _FORWARD_COUNT
     return None

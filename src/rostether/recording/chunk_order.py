@@ -93,13 +93,13 @@ def in_order(
         until_ns = heap[0][0] if heap else 1 << 64
         if following < len(chunks):
             until_ns = min(until_ns, chunks[following].start_ns)
-        yield chunk.pop()
+        yield chunk.current_message()
         while chunk.advance():
             # No other chunk is open until then, so the heap is not needed.
             if chunk.time_ns >= until_ns:
                 heappush(heap, (chunk.time_ns, rank, chunk))
                 break
-            yield chunk.pop()
+            yield chunk.current_message()
         else:
             del opened[rank]
             open_bytes -= chunk.held_bytes
@@ -161,7 +161,7 @@ class _Open:
         self._passed += 1
         return True
 
-    def pop(self) -> tuple[int, int, bytes]:
+    def current_message(self) -> tuple[int, int, bytes]:
         """Return number, time and payload of the current message."""
         if self._plain is None:
             self._open()

@@ -103,7 +103,7 @@ def dashboard(
         recordings=options.recordings,
         tiles=options.tiles,
         views=(read_view(options.panel, options.shown),) if options.panel is not None else (),
-        wider="`rostether dashboard --listen 0.0.0.0`",
+        remote_option="`rostether dashboard --listen 0.0.0.0`",
     )
 
     @asynccontextmanager

@@ -168,7 +168,7 @@ async def _served_at(
                 write_line(qr_code(url))
         else:
             report(Level.INFO, f"dashboard: the gateway without the page is at {gateway.url}")
-        report_reach("dashboard", host, gateway.port, access.token, settings.wider, report)
+        report_reach("dashboard", host, gateway.port, access.token, settings.remote_option, report)
         yield Dashboard(gateway, url, view_urls)
 
 

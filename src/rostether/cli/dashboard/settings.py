@@ -20,8 +20,9 @@ class DashboardSettings:
     """Where the dashboard is served, and who may use it.
 
     `address` is [HOST:]PORT; without a port, the next free one from 8765 is used. Without `has_page` only the
-    gateway is served. `views` are panels whose addresses are printed too. `wider` is the command, with
-    {port}, to let other machines connect. `boards` are serial ports of the devices that show the page.
+    gateway is served. `views` are panels whose addresses are printed too. `remote_option` is the option or
+    command, with {port}, that admits other machines. `boards` are serial ports of the devices that show the
+    page.
     """
 
     address: str = DEFAULT_ADDRESS
@@ -31,5 +32,5 @@ class DashboardSettings:
     recordings: Path | None = None
     tiles: Path | None = None
     views: tuple[View, ...] = ()
-    wider: str = "--dashboard 0.0.0.0:{port}"
+    remote_option: str = "--dashboard 0.0.0.0:{port}"
     boards: WebBoards | None = None

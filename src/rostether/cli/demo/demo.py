@@ -140,7 +140,7 @@ async def _demo(environment: RosEnvironment, options: DemoOptions, devices: Devi
         await stack.enter_async_context(serving(supervisor, [board.link, WebAddress()], reporter))
         dashboard = await stack.enter_async_context(
             optional_dashboard(
-                DashboardSettings(wider="`rostether dashboard --listen 0.0.0.0`", boards=boards)
+                DashboardSettings(remote_option="`rostether dashboard --listen 0.0.0.0`", boards=boards)
                 if not options.no_page
                 else None,
                 ServedGraphs(join, used.environment, ()),

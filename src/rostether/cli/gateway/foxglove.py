@@ -202,22 +202,22 @@ def with_ros1_types(graphs: ServedGraphs, msg_paths: Sequence[Path]) -> GatewayG
 
 @asynccontextmanager
 async def _gateway(
-    settings: FoxgloveSettings, node: NodeNaming, on: GatewayGraph, report: Report, wider: str
+    settings: FoxgloveSettings, node: NodeNaming, on: GatewayGraph, report: Report, remote_option: str
 ) -> AsyncIterator[FoxgloveGateway]:
     from rostether.gateways.foxglove.settings import DEFAULT_PORT
 
     graph = await joined_as(on, node, node.name_for(FOXGLOVE_NODE, settings.port, DEFAULT_PORT), report)
-    async with closed_at_end(graph), _gateway_on(graph, on, settings, report, wider) as gateway:
+    async with closed_at_end(graph), _gateway_on(graph, on, settings, report, remote_option) as gateway:
         yield gateway
 
 
 @asynccontextmanager
 async def _gateway_on(
-    graph: Graph, on: GatewayGraph, settings: FoxgloveSettings, report: Report, wider: str
+    graph: Graph, on: GatewayGraph, settings: FoxgloveSettings, report: Report, remote_option: str
 ) -> AsyncIterator[FoxgloveGateway]:
     async with gateway_on(graph, on, settings, report) as gateway:
         report(Level.INFO, f"foxglove: open a connection to {gateway.url} in Foxglove")
-        report_reach("foxglove", settings.host, settings.port, settings.token, wider, report)
+        report_reach("foxglove", settings.host, settings.port, settings.token, remote_option, report)
         yield gateway
 
 

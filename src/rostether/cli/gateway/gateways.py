@@ -105,12 +105,15 @@ async def join_with_retries(join: JoinGraph, name: str, report: Report) -> Graph
     )
 
 
-def report_reach(gateway: str, host: str, port: int, token: str, wider: str, report: Report) -> None:
-    """Report who can reach a gateway; `wider` is the command, with {port}, that admits other machines."""
+def report_reach(gateway: str, host: str, port: int, token: str, remote_option: str, report: Report) -> None:
+    """Report who can reach a gateway.
+
+    `remote_option` is the option or command, with {port}, that admits other machines.
+    """
     if is_loopback(host):
         report(
             Level.INFO,
-            f"{gateway}: accepts connections from this machine only; {wider.format(port=port)} "
+            f"{gateway}: accepts connections from this machine only; {remote_option.format(port=port)} "
             "allows other machines",
         )
     elif not token:

@@ -116,12 +116,13 @@ async def rosbridge_gateway(
     on: GatewayGraph,
     report: Report,
     naming: NodeNaming | None = None,
-    wider: str = "--rosbridge 0.0.0.0:{port}",
+    remote_option: str = "--rosbridge 0.0.0.0:{port}",
 ) -> AsyncIterator[RosbridgeServer]:
     """Serve rosbridge at `options.rosbridge` until the end of the block.
 
-    `wider` is the command, with {port}, that admits other machines. Raises ConfigError if a package is
-    missing, TransportOpenError if the port is not free, GraphError if another node has the name.
+    `remote_option` is the option or command, with {port}, that admits other machines. Raises
+    ConfigError if a package is missing, TransportOpenError if the port is not free, GraphError if another
+    node has the name.
     """
     check_rosbridge()
     from rostether.gateways.rosbridge.settings import DEFAULT_PORT, RosbridgeSettings
@@ -139,13 +140,13 @@ async def rosbridge_gateway(
         key=encryption.key,
     )
     graph = await joined_as(on, naming, naming.name_for(ROSBRIDGE_NODE, port, DEFAULT_PORT), report)
-    async with closed_at_end(graph), rosbridge_server(graph, on, settings, report, wider) as server:
+    async with closed_at_end(graph), rosbridge_server(graph, on, settings, report, remote_option) as server:
         yield server
 
 
 @asynccontextmanager
 async def rosbridge_server(
-    graph: Graph, on: GatewayGraph, settings: RosbridgeSettings, report: Report, wider: str
+    graph: Graph, on: GatewayGraph, settings: RosbridgeSettings, report: Report, remote_option: str
 ) -> AsyncIterator[RosbridgeServer]:
     """Run a rosbridge server on a node, and report its address; see `rosbridge_gateway`."""
     from rostether.gateways.rosbridge.rosapi.rosapi import Rosapi, offering_rosapi
@@ -179,7 +180,7 @@ async def rosbridge_server(
             report(Level.INFO, f"rosbridge: only its own clients can call rosapi's services: {error}")
         await server.start()
         report(Level.INFO, f"rosbridge: web pages and programs connect to {server.uri}")
-        report_reach("rosbridge", settings.host, settings.port, settings.token, wider, report)
+        report_reach("rosbridge", settings.host, settings.port, settings.token, remote_option, report)
         yield server
 
 

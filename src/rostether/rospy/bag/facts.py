@@ -61,7 +61,7 @@ class CompressionTuple(NamedTuple):
 
 
 def types_and_topics(reader: RecordingReader, names: frozenset[str] | None) -> TypesAndTopicsTuple:
-    """Return a recording's types and topics; frequencies are those of the median pause."""
+    """Return a recording's types and topics; a frequency is the inverse of the median interval."""
     counts = {each: n for each, n in reader.counts.items() if names is None or each.topic in names}
     types = {each.type.name: each.type.md5sum for each in counts}
     times: dict[str, list[int]] = {}
@@ -115,6 +115,6 @@ def yaml_text(filename: str, reader: RecordingReader, key: str | None) -> str:
 def _frequency_hz(times_ns: list[int]) -> float | None:
     if len(times_ns) < 2:
         return None
-    pauses = [later - earlier for earlier, later in pairwise(times_ns)]
-    pause = median(pauses)
-    return NS_PER_S / pause if pause > 0 else None
+    intervals_ns = [later - earlier for earlier, later in pairwise(times_ns)]
+    interval_ns = median(intervals_ns)
+    return NS_PER_S / interval_ns if interval_ns > 0 else None
