@@ -211,7 +211,7 @@ class ElfFile:
 
     @cached_property
     def _units(self) -> list[CompileUnit]:
-        # In a damaged file, the other forms could need any amount of memory.
+        # In a damaged file, a compressed section, or one without content, could claim any amount of memory.
         is_bounded = all(
             each["sh_type"] != "SHT_NOBITS" and not each.compressed
             for each in self._parts

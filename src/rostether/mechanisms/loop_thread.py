@@ -63,7 +63,7 @@ class LoopThread:
     def call(self, coroutine: Coroutine[Any, Any, _T], *, timeout_s: float | None = None) -> _T:
         """Run a coroutine, and return its result or raise its error.
 
-        Raises the error of `interrupted` after `interrupt`, TimeoutError after the time.
+        Raises the error of `interrupted` after `interrupt`, TimeoutError after `timeout_s`.
         """
         try:
             loop = self.loop

@@ -74,7 +74,7 @@ def _parse_field(line: SourceLine, package: str) -> Field:
     found = _FIELD_TYPE.fullmatch(type_text)
     if found is None:
         line.fail(
-            f"{quote(type_text)} is not a type, like uint8, float32[3], string[] or package/Name", type_text
+            f"{quote(type_text)} is not a type such as uint8, float32[3], string[] or package/Name", type_text
         )
     if not _IDENTIFIER.fullmatch(name):
         line.fail(f"{quote(name)} is not a field name: a letter, then letters, digits and '_'", name)

@@ -1,7 +1,7 @@
 """URDF: the XML that describes a robot's links and joints.
 
-It is read as by urdfdom: with an error in a joint or in the tree, the robot is refused; an invalid shape is
-only reported. Unknown elements are ignored, so a .xacro file without macros also loads.
+It is read as urdfdom reads it: with an error in a joint or in the tree, the robot is refused; an invalid
+shape is only reported. Unknown elements are ignored, so a .xacro file without macros also loads.
 """
 
 from __future__ import annotations

@@ -53,7 +53,8 @@ OVERDUE_S = 3.0
 # A second for the answers to several topic requests, in case some are lost.
 SILENT_AFTER_S = 4.0
 
-# A configured device that answers probes seems reset each time; its resets are accepted less and less often.
+# A configured device that answers probes seems to be reset repeatedly. After each reset, no other one is
+# detected for some time, which doubles up to this limit.
 MAX_QUARANTINE_S = 60.0
 
 

@@ -6,8 +6,8 @@ large as `TURN_S` permits at the highest recent cost of a byte, and at most twic
 
 from __future__ import annotations
 
-# The time to handle one read of a connection: a message still takes less than 10 ms when a hundred others are
-# connected.
+# The time to handle one read of a connection: a message still takes less than 10 ms when a hundred devices
+# are connected.
 TURN_S = 0.002
 
 # The first chunk after a quiet time: if it has only announcements, it costs 4 ms.

@@ -33,7 +33,7 @@ class WebHello:
 
 
 def read_hello(text: str) -> WebHello:
-    """Return the first message of a page. Raises RemoteProtocolError with the error."""
+    """Return the first message of a page. Raises RemoteProtocolError with the reason."""
     message = _read(text, "connect")
     name, key, baud = message.get("name"), message.get("key"), message.get("baud")
     if not isinstance(name, str) or not _NAME.fullmatch(name):

@@ -13,7 +13,7 @@ MIN_RESETS = 3
 # At 57600 baud fifty announcements and their confirmation take 2 s; this is four times that.
 UNSETTLED_S = 8.0
 
-# How often a board may begin to answer: a healthy one does three or four times.
+# How many times a board may begin to answer: a healthy one does three or four times.
 MIN_STARTS = 8
 
 

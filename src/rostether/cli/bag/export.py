@@ -63,8 +63,8 @@ def export(options: ExportOptions) -> None:
     """Write the messages of RECORDING as tables: one table per topic, one row per message.
 
     The first columns are the time of recording in seconds and in nanoseconds. Arrays of variable size are
-    lists. In CSV, bytes are base64, and texts that spreadsheets take for formulas get an apostrophe in front.
-    The format `pictures` writes compressed pictures as .jpg and .png files, a folder per topic.
+    lists. In CSV, bytes are base64, and texts that a spreadsheet would treat as formulas get an apostrophe in
+    front. The format `pictures` writes compressed pictures as .jpg and .png files, a folder per topic.
     """
     from rostether.recording.export.exporting import Export
     from rostether.recording.export.picture_folder import PICTURE_TYPE

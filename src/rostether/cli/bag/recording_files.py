@@ -134,7 +134,7 @@ class NewFiles:
         return self._form is Form.ROS2
 
     def path_of(self, number: int) -> Path:
-        """Return the path of the file of a number."""
+        """Return the path of the file with a number."""
         if not self._suffix:
             return self._ros2_bag().path_of(number)
         stem = f"{self._stem}_{number}" if self._is_splitting else self._stem

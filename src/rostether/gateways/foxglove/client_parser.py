@@ -50,7 +50,7 @@ def parse_binary(data: bytes) -> requests.MessageData | requests.ServiceRequest:
 
 
 def parse_text(text: str) -> requests.ClientMessage:
-    """Return a JSON message. Raises RemoteProtocolError with the error."""
+    """Return a JSON message. Raises RemoteProtocolError with the reason."""
     if len(text) > MAX_TEXT_MESSAGE_CHARACTERS:
         raise RemoteProtocolError(
             f"a text message may have at most {MAX_TEXT_MESSAGE_CHARACTERS} characters, not {len(text)}"

@@ -18,7 +18,7 @@ def read_default(field_type: Ros2Type, text: str) -> DefaultValue:
     if not field_type.is_array:
         return read_literal(field_type.base, text, string_bound=field_type.string_bound)
     if not (text.startswith("[") and text.endswith("]")):
-        raise ValueError(f"{quote(text)} is not a list in brackets, like [1, 2, 3]")
+        raise ValueError(f"{quote(text)} is not a list in brackets, such as [1, 2, 3]")
     inner = text[1:-1].strip()
     parts = _split_strings(inner) if field_type.base in STRING_TYPES else _split_numbers(inner)
     if field_type.length is not None and len(parts) != field_type.length:

@@ -177,7 +177,7 @@ def _parse_type(line: SourceLine, text: str, package: str) -> Ros2Type:
     found = _TYPE.fullmatch(text)
     if found is None:
         line.fail(
-            f"{quote(text)} is not a type, like uint8, string<=10, float32[3], int8[<=5] or package/Name",
+            f"{quote(text)} is not a type such as uint8, string<=10, float32[3], int8[<=5] or package/Name",
             text,
         )
     base, string_bound, brackets, at_most, count_text = found.groups()

@@ -114,7 +114,7 @@ def _cell_of(column: Column) -> Callable[[Message], Any]:
 
 
 def _unevaluated_text(value: str) -> str:
-    """Return a text that no spreadsheet takes for a formula: any board or peer may have sent it."""
+    """Return a text that no spreadsheet treats as a formula: any board or peer may have sent it."""
     return f"'{clean_text(value)}" if value.startswith(_FORMULA_STARTS) else clean_text(value)
 
 

@@ -80,7 +80,7 @@ NOT_SET = TypedValue(ParameterType.NOT_SET, None)
 
 
 def typed_value(name: str, value: ParamValue) -> TypedValue:
-    """Return a value with its type; None is not set, and a list of integers and floats becomes one of floats.
+    """Return a value with its type: None gives NOT_SET, and a list of integers and floats a list of floats.
 
     Raises SerializationError naming the parameter if ROS 2 does not support the value.
     """

@@ -72,7 +72,7 @@ class GraphCache:
         return list(self._endpoints.get((kind, name), {}).values())
 
     def all_endpoints(self) -> list[tuple[str, Token]]:
-        """Return every endpoint's token and key expression."""
+        """Return every endpoint's key expression and token."""
         return [(text, token) for text, token in self._tokens.items() if token.kind is not Kind.NODE]
 
     def listen(self, kind: Kind, name: str, listener: Callable[[], None]) -> None:

@@ -25,7 +25,7 @@ class TransformRegistration:
         self._by_class[key] = callback
 
     def get(self, key: Any) -> Callable[[Any, Any], Any]:
-        """Return the function for a class. Raises TypeException."""
+        """Return the function that transforms messages of a class. Raises TypeException."""
         return _registered(self._by_class, key)
 
 
@@ -49,15 +49,15 @@ class ConvertRegistration:
         self._directly[key] = callback
 
     def get_to_msg(self, key: Any) -> Callable[[Any], Any]:
-        """Return the function for a class. Raises TypeException."""
+        """Return the function that makes messages of values of a class. Raises TypeException."""
         return _registered(self._to_message, key)
 
     def get_from_msg(self, key: Any) -> Callable[[Any], Any]:
-        """Return the function for a class. Raises TypeException."""
+        """Return the function that makes values of a class of messages. Raises TypeException."""
         return _registered(self._from_message, key)
 
     def get_convert(self, key: Any) -> Callable[[Any], Any]:
-        """Return the function for a pair of classes. Raises TypeException."""
+        """Return the function that converts from a class to another. Raises TypeException."""
         return _registered(self._directly, key)
 
 

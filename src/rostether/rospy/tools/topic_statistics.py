@@ -102,7 +102,7 @@ class ROSTopicDelay:
             self._is_new = True
 
     def get_delay(self) -> tuple[float, float, float, float, int] | None:
-        """Return mean, minimum, maximum and deviation in s, and the number; None without new delays."""
+        """Return mean, minimum, maximum, deviation (in s), and count; None without new delays."""
         with self.lock:
             if not self._is_new:
                 return None

@@ -33,7 +33,7 @@ class EthernetClass {
   IPAddress subnetMask() { return IPAddress(mask_); }
   IPAddress gatewayIP() { return IPAddress(gateway_); }
   IPAddress dnsServerIP() { return IPAddress(dns_); }
-  // How long the chip waits for the hardware address of another machine, and how often it asks again.
+  // How long the chip waits for the hardware address of another machine, and how many times it asks again.
   void setRetransmissionTimeout(uint16_t timeout_ms);
   void setRetransmissionCount(uint8_t count);
 
