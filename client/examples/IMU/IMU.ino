@@ -4,8 +4,8 @@
 // Try it:  rostether serve /dev/ttyACM0          rostether topic echo /imu_data          rviz, fixed frame base_link
 //
 // A gyroscope follows every movement, but drifts. Gravity and the Earth's magnetic field show the true attitude, but
-// every movement disturbs their measurement. A complementary filter combines the fast changes of the gyroscope with the slow
-// ones of the others.
+// every movement disturbs their measurement. A complementary filter combines the fast changes of the gyroscope with
+// the slow changes of the others.
 // Roll, pitch and yaw are zero when the sensor lies flat and its x axis points to magnetic north.
 
 #include <Wire.h>
