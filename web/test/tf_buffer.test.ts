@@ -86,6 +86,15 @@ test("histories are bounded in time and number", () => {
   near(found(tf, "odom", "base").translation, [7, 0, 0]);
 });
 
+test("slow transforms keep their history", () => {
+  const tf = new TfBuffer();
+  for (let i = 0; i < 100; i++) {
+    tf.insert("odom", "base", i, turned(0, i), false, 0);
+    near(found(tf, "odom", "base").translation, [i, 0, 0]);
+  }
+  near(found(tf, "odom", "base", 90.5).translation, [90.5, 0, 0]);
+});
+
 test("late samples keep their place", () => {
   const tf = new TfBuffer();
   for (const timeS of [1, 3, 2]) tf.insert("odom", "base", timeS, turned(0, timeS), false, 0);

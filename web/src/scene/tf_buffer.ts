@@ -5,6 +5,9 @@ import { compose, IDENTITY, interpolate, invert, normalized, type Transform } fr
 const HISTORY_S = 10;
 /** Broadcasts at 100 Hz fill a history; faster ones keep a shorter one. */
 const MAX_SAMPLES = 1000;
+/** How much of a history is cut at a time, in samples and in seconds. */
+const CUT_SAMPLES = 64;
+const CUT_S = 1;
 /** tf2 accepts quaternions whose squared length differs from 1 by less. */
 const NORM_TOLERANCE = 10e-3;
 /** More frames than any robot has; a flood of new names must not fill the memory. */
@@ -196,11 +199,13 @@ function insertSample(edge: Edge, sample: Sample): void {
   if (newest === undefined || sample.timeS > newest.timeS) {
     samples.push(sample);
     const oldestS = sample.timeS - HISTORY_S;
-    let drop = samples.length - MAX_SAMPLES;
     // Cut in blocks, because moving a whole array for each sample costs more than keeping some.
-    if (drop < 0 && (samples[0] as Sample).timeS < oldestS - 1)
-      drop = samples.findIndex((each) => each.timeS >= oldestS);
-    if (drop > 0) samples.splice(0, Math.max(drop, 64));
+    if (samples.length > MAX_SAMPLES) samples.splice(0, CUT_SAMPLES);
+    else if ((samples[0] as Sample).timeS < oldestS - CUT_S)
+      samples.splice(
+        0,
+        samples.findIndex((each) => each.timeS >= oldestS),
+      );
     return;
   }
   // The clock went back (a simulation or a bag started again): the old history belongs to an earlier run.
