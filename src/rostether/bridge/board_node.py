@@ -91,7 +91,7 @@ class BoardNode:
             return None
 
     async def wait_for_subscribers(self) -> None:
-        """Wait until every topic of the board to which nodes have subscribed is connected to one of them."""
+        """Wait until each topic of the board that nodes subscribe to has a connected subscriber."""
         topics = (await self.graph.snapshot()).topics
         for _, endpoint in tuple(self.endpoints):
             if isinstance(endpoint, PublisherEndpoint):

@@ -133,7 +133,7 @@ class Supervisor:
         return sorted(views, key=lambda view: view.node)
 
     async def wait_for_subscribers(self) -> None:
-        """Wait until every topic of a board to which nodes have subscribed is connected to one of them."""
+        """Wait until each topic of a board that nodes subscribe to has a connected subscriber."""
         for board in self._boards:
             if board.node is not None:
                 await board.node.wait_for_subscribers()

@@ -74,7 +74,7 @@ def parse_xml(
     `encoding`, the document names its own.
     """
     if len(data) > max_bytes:
-        raise make_error(f"larger than {max_bytes} bytes, not {what}", 0)
+        raise make_error(f"larger than {max_bytes} bytes, so it is not {what}", 0)
     return _Builder(file, make_error, encoding).build(data)
 
 

@@ -174,7 +174,7 @@ class _FramedBridge:
                 self._channel.send(datagram)
 
     async def _wait(self, next_message_s: float) -> None:
-        """Return when a message may be sent, or a repetition is due."""
+        """Wait until a message may be sent, or a repetition is due."""
         is_waiting = self._newest is not None and self._commands is not None
         times = [self._silent_at_s, self._commands.due_s if self._commands else None]
         times.append(next_message_s if is_waiting else None)

@@ -22,7 +22,7 @@ class Allowance(NamedTuple):
 # A negotiation of the largest device, 256 endpoints, takes some rounds; 115200 baud can transfer 150/s.
 ANNOUNCEMENTS = Allowance(512.0, 2048)
 
-# Each opens or closes an endpoint in the graph. The largest device can start at once, and change in 5 s.
+# Each opens or closes an endpoint in the graph. The largest device can start immediately, and change in 5 s.
 CHANGES = Allowance(50.0, 256)
 
 # Log lines: as many as fit a full line of 115200 baud; users cannot read more.

@@ -53,7 +53,7 @@ class _Printer:
         self._style = style
 
     def message(self, message: Message, indent: str, *, elide: bool = False) -> str:
-        """Print fields below each other; only outside of arrays are values elided."""
+        """Return the fields below each other; values are elided only outside of arrays."""
         lines = []
         for name, field_type in message._fields:
             value = getattr(message, name)

@@ -135,7 +135,7 @@ class Messages(Generic[M]):
                 return await self._waiting
             except asyncio.CancelledError:
                 task = asyncio.current_task()
-                # The caller of a call that Ctrl-C ended does not wait for its error.
+                # After Ctrl-C, the caller no longer waits for this error.
                 if self._ended_count == ended_count or (task is not None and task.cancelling()):
                     raise
                 raise StopAsyncIteration from None

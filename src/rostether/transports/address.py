@@ -167,5 +167,5 @@ Address: TypeAlias = (
 
 
 def show_endpoint(host: str, port: int) -> str:
-    """Write a host and port as users know them, IPv6 hosts in brackets."""
+    """Return a host and port as users write them, an IPv6 host in brackets."""
     return f"[{host}]:{port}" if ":" in host else f"{host}:{port}"

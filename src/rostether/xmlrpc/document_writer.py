@@ -65,7 +65,7 @@ class DocumentWriter:
         self._parts.append(text)
 
     def write_value(self, value: object) -> None:
-        """Append a value at once; see `value_steps`."""
+        """Append a value in one step; see `value_steps`."""
         for _ in self.value_steps(value):
             pass
 

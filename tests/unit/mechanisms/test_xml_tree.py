@@ -53,7 +53,7 @@ def test_a_document_becomes_a_tree() -> None:
         (BOMB, "1: declares a DTD or an entity, which is not allowed; remove it"),
         (b"\n<!DOCTYPE a SYSTEM 'file:///etc/passwd'><a/>", "2: declares a DTD"),
         (b"<a>" * (MAX_DEPTH + 1), f"1: elements are nested deeper than {MAX_DEPTH}"),
-        (b" " * 1001, "0: larger than 1000 bytes, not an arm"),
+        (b" " * 1001, "0: larger than 1000 bytes, so it is not an arm"),
     ],
 )
 def test_what_is_refused(data: bytes, reason: str) -> None:

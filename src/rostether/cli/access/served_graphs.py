@@ -148,7 +148,7 @@ async def own_master(environment: RosEnvironment) -> AsyncIterator[UsedMaster]:
 
 
 async def wait_for_answer(environment: RosEnvironment, poll_s: float) -> None:
-    """Return as soon as a ROS master answers at the environment's URI; nothing announces one."""
+    """Wait until a ROS master answers at the environment's URI; nothing announces one."""
     while True:
         if await master_answers(environment):
             return

@@ -24,8 +24,8 @@ MAX_RETRY_S = 5.0
 # Failures in a row before a report, after 0.7 s: a publisher that ends is unregistered by then.
 UNREPORTED_FAILURES = 4
 
-# A publisher that has ended closes its connections at once; its last messages may still be in the socket. A
-# publisher that keeps a connection open sends nothing more.
+# A publisher that has ended closes its connections immediately; its last messages may still be in the socket.
+# A publisher that keeps a connection open sends nothing more.
 DRAIN_S = 1.0
 
 # After this many times DRAIN_S, the connection of an unregistered publisher that still publishes is closed.

@@ -165,7 +165,7 @@ class Subscription:
             call_safely(self._what, self._on_messages, payloads)
 
     def _without_node(self, node_name: str, on_messages: OnMessages) -> OnMessages:
-        # A publisher that is omitted stays connected: it would be asked repeatedly.
+        # A publisher that is omitted stays connected: otherwise it would be asked repeatedly.
         def deliver_wanted(payloads: Sequence[bytes]) -> None:
             if node_name not in self._skip_nodes:
                 on_messages(payloads)

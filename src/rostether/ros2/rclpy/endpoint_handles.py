@@ -101,7 +101,7 @@ class Endpoints:
         return await client.call(request, timeout_s)
 
     async def list_client(self, service: str, service_type: ServiceType) -> ListedClient:
-        """Keep a client of a service until the handle closes, called or not."""
+        """List a client of a service until the handle closes, even if it never calls."""
         support = self._own.types.service(service_type)
         key = (service, support.name)
         async with self._lock:

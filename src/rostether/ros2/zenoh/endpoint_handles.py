@@ -135,7 +135,10 @@ class Endpoints:
         return await self._client(service, support).call(request, timeout_s)
 
     def list_client(self, service: str, service_type: ServiceType) -> ListedClient:
-        """Keep a client of a service until the handle closes, called or not. Raises UnknownTypeError."""
+        """List a client of a service until the handle closes, even if it never calls.
+
+        Raises UnknownTypeError.
+        """
         support = self._node.session.types.service(service_type)
         self._client(service, support)
         key = (service, support.name)

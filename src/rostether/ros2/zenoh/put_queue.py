@@ -51,8 +51,8 @@ _log = logging.getLogger("rostether.ros2")
 class Puts:
     """The result of a batch: `done` messages are finished, the others were not started.
 
-    `misfits` of them did not fit their type, for `error`; zenoh dropped `lost`. `longest_ns`: the longest
-    put.
+    `misfits` of them did not fit their type; `error` is the reason for the last one. Zenoh dropped `lost`.
+    `longest_ns`: the longest put.
     """
 
     done: int = 0

@@ -1,7 +1,7 @@
-"""Python reads this at start, where `run` and `launch` have put its folder on PYTHONPATH.
+"""Python runs this at start if `run` or `launch` has put its folder on PYTHONPATH.
 
-It puts the folder with our `rospy` at the very end of the path, and nothing at all where a real rospy is
-installed. A sitecustomize.py of the system or of the user also runs.
+It appends the folder with our `rospy` to the path, unless a real rospy is installed. A sitecustomize.py of
+the system or of the user also runs.
 """
 
 import importlib.machinery

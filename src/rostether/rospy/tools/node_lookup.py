@@ -8,6 +8,7 @@ from collections.abc import Iterable
 from typing import Any
 
 from rostether.errors import ConfigError, RostetherError
+from rostether.mechanisms.block_end import closed_at_end
 from rostether.ros1.environment import parse_rpc_uri
 from rostether.ros1.machines import hosts_of_machine
 from rostether.ros1.xmlrpc_client import XmlRpcClient
@@ -166,6 +167,8 @@ def _machines() -> list[tuple[str, str]]:
 
 
 def _call(uri: str, method: str, *arguments: Any) -> None:
-    client = XmlRpcClient(uri)
-    node.loop.call(client.call_status(method, _OWN_NAME, *arguments), timeout_s=PING_TIMEOUT_S)
-    node.loop.call(client.close())
+    async def call() -> None:
+        async with closed_at_end(XmlRpcClient(uri)) as client:
+            await client.call_status(method, _OWN_NAME, *arguments)
+
+    node.loop.call(call(), timeout_s=PING_TIMEOUT_S)
