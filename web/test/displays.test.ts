@@ -5,6 +5,7 @@ import {
   type BufferGeometry,
   Color,
   type DataTexture,
+  type Line,
   type Mesh,
   type MeshBasicMaterial,
   type Object3D,
@@ -135,4 +136,12 @@ test("a marker that expires changes the picture by itself", async () => {
   assert.ok(objects().length > 0);
   await changed;
   assert.deepEqual(objects(), []);
+});
+
+test("the trail of an odometry has a point for each 2 cm, also upwards", () => {
+  const { display, objects } = show("nav_msgs/Odometry");
+  for (const z of [0, 0.01, 0.03, 0.06])
+    display.update({ header, pose: { pose: { ...pose, position: { x: 0, y: 0, z } } } });
+  const line = objects().find((each) => each.type === "Line") as Line;
+  assert.equal(line.geometry.drawRange.count, 3);
 });

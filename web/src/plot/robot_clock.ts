@@ -22,7 +22,7 @@ export class RobotClock {
     else this.offsetS += (offset - this.offsetS) * SHARE_OF_A_MESSAGE;
   }
 
-  /** The robot's time in seconds since 1970; this machine's while no message came. */
+  /** The robot's time in seconds since 1970; this machine's time until the first message arrives. */
   nowS(): number {
     const simulatedNs = this.simulatedNs();
     if (simulatedNs !== undefined) return Number(simulatedNs) / 1e9;

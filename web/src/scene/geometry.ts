@@ -125,8 +125,8 @@ export class OdometryDisplay extends HeaderDisplay<{ pose: { pose: Pose } }> {
     if (!this.pointer.visible) return;
     setPose(this.pointer, position, orientation);
     const at = this.count * 3;
-    const [dx, dy] = [position.x - (this.points[at - 3] ?? 0), position.y - (this.points[at - 2] ?? 0)];
-    if (this.count > 0 && Math.hypot(dx, dy) < 0.02) return;
+    const [x = 0, y = 0, z = 0] = this.points.subarray(at - 3, at);
+    if (this.count > 0 && Math.hypot(position.x - x, position.y - y, position.z - z) < 0.02) return;
     if (this.count === MAX_TRAIL) {
       this.points.copyWithin(0, 3);
       this.count--;
