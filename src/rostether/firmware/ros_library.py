@@ -76,7 +76,7 @@ class RosLibrary:
         client = client_library()
         files = [client / each for each in library_files(client)]
         files += sorted((_PACKAGE / "codegen").rglob("*.py"))
-        files += sorted((_PACKAGE / "msgdef" / "share").iterdir())
+        files += sorted((_PACKAGE / "msgdef" / "share").glob("*/*/*"))
         files += self._user_definitions()
         return digest([_state(each) for each in files])
 
