@@ -178,7 +178,7 @@ class Supervisor:
         self._run(discovery.run())
 
     async def wait_done(self) -> None:
-        """Wait until no board is served: closed, or every board's node was shut down from outside.
+        """Wait until no board is served: after `close`, or when other nodes have shut down all boards' nodes.
 
         With an address that listens, this happens only if the node to keep is shut down.
         """

@@ -31,8 +31,8 @@ class XmlRpcClient:
 
     `peer` names the server in errors (`the ROS master`); `unreachable` is the error raised when no server
     answers. Calls may overlap; each then uses its own connection. `on_lost` is called when the server closes
-    a connection that was kept for the next call: often it has just ended. `if_other` is the last part of the
-    error about a server that is another program: what to do next.
+    a connection that was kept for the next call: often it has just ended. `other_server_advice` ends the
+    error that is raised if another kind of server answers.
     """
 
     def __init__(
@@ -44,11 +44,11 @@ class XmlRpcClient:
         timeout_s: float = DEFAULT_TIMEOUT_S,
         on_lost: Callable[[], None] | None = None,
         max_body_bytes: int = MAX_BODY_BYTES,
-        if_other: str = "",
+        other_server_advice: str = "",
     ) -> None:
         self.uri = uri
         self.peer = peer
-        self._if_other = if_other
+        self._other_server_advice = other_server_advice
         self._unreachable = unreachable
         self._timeout_s = timeout_s
         self._on_lost = on_lost
@@ -92,7 +92,7 @@ class XmlRpcClient:
         except HttpStatusError as error:
             kind = self.peer.replace("the ", "a ", 1)
             raise GraphError(
-                f"{self.uri} is not {kind}: it answered {method} with {error}{self._if_other}"
+                f"{self.uri} is not {kind}: it answered {method} with {error}{self._other_server_advice}"
             ) from error
         except ProtocolError as error:
             raise GraphError(

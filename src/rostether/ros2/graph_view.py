@@ -19,7 +19,7 @@ def is_hidden(name: str) -> bool:
 
 @dataclass(frozen=True, slots=True)
 class GraphView:
-    """Nodes, once for each node of a name, and the endpoints of topics and services."""
+    """The names of nodes, repeated if several nodes share one, and the endpoints of topics and services."""
 
     nodes: Sequence[str]
     ends: Sequence[EndpointInfo]

@@ -319,7 +319,9 @@ async def test_what_to_do_about_somebody_else_there() -> None:
         writer.write(b"HTTP/1.1 501 Unsupported\r\nContent-Length: 0\r\n\r\n")
 
     async with peer(session) as uri:
-        client = XmlRpcClient(uri, peer="the ROS master", if_other="; check which program listens there")
+        client = XmlRpcClient(
+            uri, peer="the ROS master", other_server_advice="; check which program listens there"
+        )
         with pytest.raises(
             GraphError, match=r"is not a ROS master: .* status 501; check which program listens there$"
         ):

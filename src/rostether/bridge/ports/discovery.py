@@ -18,7 +18,7 @@ from rostether.ports.port_watch import PortWatch
 from rostether.ports.usb_boards import board_of
 from rostether.transports.serial_port import SerialPort
 
-# Ports that were reported as not opened.
+# The limit of ports that are reported as not opened.
 MAX_OFFERS = 256
 
 

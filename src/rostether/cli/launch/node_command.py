@@ -36,7 +36,7 @@ def node_command(
 ) -> list[str]:
     """Return the command line of `rosrun PACKAGE PROGRAM`; `packages` are the folders of all packages.
 
-    The environment to start it in is `rospy.environment.node_environment`'s.
+    Start it in the environment that `rospy.environment.node_environment` returns.
     Raises ConfigError with similar names if there is no such package or program.
     """
     if built_in := builtin_nodes().get((package, program)):

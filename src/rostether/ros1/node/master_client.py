@@ -163,7 +163,7 @@ class _Connections:
             peer="the ROS master",
             unreachable=MasterUnreachableError,
             max_body_bytes=max_body_bytes,
-            if_other="; check which program listens there, and give the master with --master or "
+            other_server_advice="; check which program listens there, and give the master with --master or "
             "ROS_MASTER_URI",
         )
 
