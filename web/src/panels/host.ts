@@ -70,7 +70,7 @@ export function mountPanel(
     );
   };
   if (isCard && panel.loadsLate) {
-    // In the first pause the other cards have subscribed.
+    // By the first pause, the other cards have subscribed.
     void pause()
       .then(() => robot.firstValues(MAX_WAIT_MS))
       .then(pause)

@@ -22,7 +22,7 @@ class _Finding(NamedTuple):
 
 
 async def examine_ros2(ros2: str, *, as_json: bool) -> bool:
-    """Print the findings; return whether there are none. Raises ConfigError."""
+    """Print the findings; return whether none is a problem. Raises ConfigError."""
     middleware = chosen_middleware(ros2=ros2) or Middleware.ZENOH
     is_ok = True
     async for finding in _examine(middleware):
