@@ -17,6 +17,8 @@ from rostether.serde.cdr.conversion_tree import DUMMY_NAME
 from unit.recording.bags import START_NS
 from unit.serde.random_messages import RandomMessages
 
+pytestmark = pytest.mark.slow
+
 rosbag2: Any = pytest.importorskip("rosbags.rosbag2")
 TYPESYS: Any = pytest.importorskip("rosbags.typesys")
 

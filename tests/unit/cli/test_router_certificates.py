@@ -13,7 +13,10 @@ import pytest
 from interop.ros1_peers import free_port
 from programs import start_command
 
-pytestmark = pytest.mark.skipif(shutil.which("openssl") is None, reason="no openssl (apt install openssl)")
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.skipif(shutil.which("openssl") is None, reason="no openssl (apt install openssl)"),
+]
 
 KEY = ("-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:prime256v1", "-nodes")
 AUTHORITY = """

@@ -108,6 +108,7 @@ def test_what_people_write_means_what_python_means(expression: str) -> None:
     assert computed(expression) == eval(expression, {"__builtins__": {}, **NAMES})
 
 
+@pytest.mark.slow
 def test_each_evaluation_has_all_steps() -> None:
     evaluate = compile_expression("len([0 for x in y])", frozenset(("y",)), source="test")
     for _ in range(3):

@@ -76,6 +76,7 @@ def test_definitions_without_end(tmp_path: Path, monkeypatch: pytest.MonkeyPatch
     assert "it has more than 10000 bytes of definitions" in McapReader(path).damage
 
 
+@pytest.mark.slow
 def test_a_few_bytes_that_unpack_to_a_lot_take_bounded_memory(tmp_path: Path) -> None:
     path = tmp_path / "a.bag"
     path.write_bytes(_bag(bytes(MAX_CHUNK_BYTES // 2)))

@@ -16,6 +16,8 @@ from rostether.ros1.xmlrpc_client import XmlRpcClient
 from rostether.ros1.xmlrpc_server import XmlRpcServer
 from unit.ros1.xmlrpc_stage import RawClient, client_of, request, serving
 
+pytestmark = pytest.mark.slow
+
 LIMITS = GraphLimits(body_bytes=100_000)
 # More than the server writes before the other client, which begins at the same time, has connected.
 MANY = 50_000

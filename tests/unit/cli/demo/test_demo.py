@@ -15,6 +15,8 @@ from rostether.graph.ports import Publisher
 from rostether.simulation.ultrasound import Obstacle
 from unit.cli.command_shell import LiveGraph, Shell
 
+pytestmark = pytest.mark.slow
+
 PYTHON_DEMO = ("demo", "--board", "python")
 
 

@@ -18,6 +18,8 @@ from rostether.ros1.master.server import MasterServer
 from unit.platform.datagrams import loopback_group
 from waiting import until
 
+pytestmark = pytest.mark.slow
+
 
 @pytest_asyncio.fixture
 async def master() -> AsyncIterator[MasterServer]:

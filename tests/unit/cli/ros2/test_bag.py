@@ -5,6 +5,7 @@ from __future__ import annotations
 import shutil
 from pathlib import Path
 
+import pytest
 import yaml
 
 from rostether.graph.ports import Publisher
@@ -12,6 +13,8 @@ from rostether.recording.bag.reader import BagReader
 from rostether.recording.files import open_recording
 from unit.cli.command_shell import LiveGraph, Shell
 from unit.cli.ros2.zenoh_world import STORE, ZenohWorld
+
+pytestmark = pytest.mark.slow
 
 IMU_HASH = "RIHS01_7d9a00ff131080897a5ec7e26e315954b8eae3353c3f995c55faf71574000b5b"
 

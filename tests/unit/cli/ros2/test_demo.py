@@ -11,6 +11,8 @@ from rostether.cli.demo.view import RecentLines
 from unit.cli.command_shell import LiveGraph, Shell
 from unit.cli.ros2.zenoh_world import ZenohWorld
 
+pytestmark = pytest.mark.slow
+
 
 def test_the_demo_is_in_both_ros(graph: LiveGraph, world: ZenohWorld, shell: Shell) -> None:
     with running(

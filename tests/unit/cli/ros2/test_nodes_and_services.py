@@ -2,6 +2,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+import pytest
+
 from rostether.graph.ports import ServiceServer
 from rostether.msgdef.registry import Registry
 from rostether.msgdef.ros2.parse import parse_service
@@ -13,6 +15,8 @@ from rostether.ros2.types.type_hash import service_messages
 from rostether.serde.store import TypeStore
 from unit.cli.command_shell import Shell
 from unit.cli.ros2.zenoh_world import ZenohWorld
+
+pytestmark = pytest.mark.slow
 
 
 def test_node_list(world: ZenohWorld, shell: Shell) -> None:

@@ -9,6 +9,8 @@ from rostether.ros2.parameters.typed_value import ParameterType
 from unit.cli.command_shell import Shell
 from unit.cli.ros2.zenoh_world import ZenohWorld
 
+pytestmark = pytest.mark.slow
+
 
 def test_list_and_get(world: ZenohWorld, shell: Shell) -> None:
     assert shell.output("param", "list") == "/far/board:\n  arm.joints\n  gain\n  use_sim_time\n"

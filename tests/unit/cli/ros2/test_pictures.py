@@ -8,6 +8,8 @@ import pytest
 from unit.cli.command_shell import Shell
 from unit.cli.ros2.zenoh_world import ZenohWorld
 
+pytestmark = pytest.mark.slow
+
 
 def test_graph(world: ZenohWorld, shell: Shell, tmp_path: Path) -> None:
     assert shell.output("graph").splitlines() == [

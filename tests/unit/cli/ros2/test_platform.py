@@ -5,11 +5,15 @@ from __future__ import annotations
 import asyncio
 from pathlib import Path
 
+import pytest
+
 import rostether
 from programs import started
 from rostether.graph.typed_handles import TypedPublisher
 from unit.cli.ros2.zenoh_world import ZenohWorld
 from unit.platform.datagrams import loopback_group
+
+pytestmark = pytest.mark.slow
 
 
 async def repeat(publisher: TypedPublisher[...], **fields: object) -> None:

@@ -6,10 +6,13 @@ import json
 import re
 from typing import Any
 
+import pytest
 from websockets.asyncio.client import ClientConnection, connect
 
 from programs import started
 from unit.cli.ros2.zenoh_world import ZenohWorld
+
+pytestmark = pytest.mark.slow
 
 
 async def received(client: ClientConnection, op: str, topic: str | None = None) -> dict[str, Any]:

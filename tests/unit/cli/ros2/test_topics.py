@@ -17,6 +17,8 @@ from rostether.serde.store import TypeStore
 from unit.cli.command_shell import Shell
 from unit.cli.ros2.zenoh_world import STORE, ZenohWorld
 
+pytestmark = pytest.mark.slow
+
 IMU_HASH = "RIHS01_7d9a00ff131080897a5ec7e26e315954b8eae3353c3f995c55faf71574000b5b"
 
 

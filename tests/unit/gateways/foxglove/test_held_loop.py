@@ -13,6 +13,8 @@ from rostether.gateways.foxglove.client_parser import MAX_TEXT_MESSAGE_CHARACTER
 from unit.gateways.foxglove.protocol_client import ProtocolClient, stage
 from waiting import until
 
+pytestmark = pytest.mark.slow
+
 
 async def advertise(client: ProtocolClient, encoding: str, type_name: str, schema: str = "") -> None:
     channel = {"id": 1, "topic": "/flood", "encoding": encoding, "schemaName": type_name, "schema": schema}

@@ -127,6 +127,7 @@ async def test_requests_for_files_take_no_place_of_a_client() -> None:
             writer.close()
 
 
+@pytest.mark.slow
 async def test_thousands_of_requests_leave_nothing_behind() -> None:
     """A viewer beside them is served all the time; connections, tasks and memory are as before."""
     async with stage(FREE, site=SITE) as there, there.client() as viewer:

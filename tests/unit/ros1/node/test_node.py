@@ -206,6 +206,7 @@ async def test_leaving_is_quick_when_the_master_hangs(stage: Stage, monkeypatch:
     await silent.wait_closed()
 
 
+@pytest.mark.slow
 async def test_joining_and_leaving_leaves_nothing_behind(stage: Stage) -> None:
     witness = await stage.join("/witness")
     await witness.advertise("/back", STRING)
