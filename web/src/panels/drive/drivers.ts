@@ -7,7 +7,7 @@ import { Driver } from "./driver.ts";
 
 const drivers = new Map<string, { driver: Driver; definition: string }>();
 
-/** The driver of a topic, shared by all callers. Undefined when the topic has ended or its type is not readable. */
+/** The driver of a topic, shared by all callers: undefined if the topic was never seen or its type is not readable. */
 export function driverOf(robot: Robot, topicName: string): Driver | undefined {
   const topic = robot.topics.peek().get(topicName);
   const known = drivers.get(topicName);
