@@ -191,10 +191,10 @@ def _moved(frame: int, depth: int, instruction: Instruction) -> int:
 def _frame_in_x(code: Code, address: int) -> int:
     """Return the frame that was loaded into r26 and r27 just before a jump."""
     low = high = 0
-    for back in range(2, 16, 2):
+    for back in range(14, 0, -2):
         instruction = decode(code.flash, address - back)
-        if instruction.op is Op.LOAD and instruction.register == 26 and not low:
+        if instruction.op is Op.LOAD and instruction.register == 26:
             low = instruction.value
-        if instruction.op is Op.LOAD and instruction.register == 27 and not high:
+        if instruction.op is Op.LOAD and instruction.register == 27:
             high = instruction.value
     return high << 8 | low

@@ -101,7 +101,7 @@ def _serve(address: Address) -> None:
     with contextlib.suppress(ROSInterruptException):
         node.call(_serve_until_shutdown(address))
     if is_shutdown_requested():
-        # The boards end first. A program that asks now would start again.
+        # The boards end before is_shutdown() becomes true: a program that checks it now would serve again.
         shutdown.event.wait(MAX_JOIN_S)
 
 
