@@ -257,7 +257,7 @@ class Registry:
         package, _, short_name = name.partition("/")
         if len(name) > MAX_NAME_CHARACTERS or not (is_package_name(package) and is_type_name(short_name)):
             example = example_name(kind, name)
-            raise UnknownTypeError(f"{name[:80]!r} is not a type name; write package/Name, as {example}")
+            raise UnknownTypeError(f"{name[:80]!r} is not a type name; write package/Name, such as {example}")
         return package, short_name
 
     def _on_path(self) -> dict[str, PackageFiles]:

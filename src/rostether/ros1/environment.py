@@ -51,7 +51,7 @@ def parse_rpc_uri(uri: str, *, scheme: str = "http") -> RpcUri:
     if match is None or match["scheme"] != scheme or not 0 < int(match["port"]) < 65536:
         is_bare = "://" not in uri and _URI.fullmatch(f"{scheme}://{uri.strip()}") is not None
         example = uri.strip() if is_bare else "192.168.1.7:11311"
-        raise ConfigError(f"{uri!r:.200} is not a URI; write host and port, as {scheme}://{example}")
+        raise ConfigError(f"{uri!r:.200} is not a URI; write host and port, such as {scheme}://{example}")
     return RpcUri(match["host"].strip("[]"), int(match["port"]), match["path"] or "/")
 
 

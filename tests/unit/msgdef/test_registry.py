@@ -185,10 +185,10 @@ def test_a_message_file_wins_over_a_service_half_of_its_name(tmp_path: Path) -> 
     ["", "String", "a/b/c", "/String", "std_msgs/", "std_msgs/1", "../etc/passwd", "p/é", "a" * 999 + "/B"],
 )
 def test_what_is_not_a_type_name_is_an_error_that_shows_one(name: str) -> None:
-    with pytest.raises(UnknownTypeError, match="package/Name, as std_msgs/String") as raised:
+    with pytest.raises(UnknownTypeError, match="package/Name, such as std_msgs/String") as raised:
         Registry().message(name)
     assert "\n" not in str(raised.value)
-    with pytest.raises(UnknownTypeError, match="package/Name, as std_srvs/SetBool"):
+    with pytest.raises(UnknownTypeError, match="package/Name, such as std_srvs/SetBool"):
         Registry().service(name)
 
 

@@ -95,7 +95,7 @@ def test_master_option_wins() -> None:
     assert environment.master_uri_is_set
     with pytest.raises(ConfigError, match="not a URI"):
         environment.with_master("10.0.0.9")
-    with pytest.raises(ConfigError, match="write host and port, as http://robot:11311"):
+    with pytest.raises(ConfigError, match="write host and port, such as http://robot:11311"):
         environment.with_master("robot:11311")
 
 

@@ -170,12 +170,16 @@ def env(shell: str | None, first: bool) -> None:
 
 
 def shell_code(folder: Path, *, first: bool, is_fish: bool) -> str:
-    """Return the code: it adds the folder to PATH once, and defines `roscd`, which must be a function."""
+    """Return the code: it adds the folder to PATH, and defines `roscd`, which must be a function.
+
+    With `first`, the folder comes first even if PATH already contains it.
+    """
     quoted = shlex.quote(str(folder))
     if is_fish:
-        where = f"set -gx PATH {quoted} $PATH" if first else f"set -gx PATH $PATH {quoted}"
-        return f"contains -- {quoted} $PATH; or {where}\n{_ROSCD_FISH}"
-    where = f'PATH={quoted}"${{PATH:+:$PATH}}"' if first else f'PATH="${{PATH:+$PATH:}}"{quoted}'
+        if first:
+            return f"set -gx PATH {quoted} $PATH\n{_ROSCD_FISH}"
+        return f"contains -- {quoted} $PATH; or set -gx PATH $PATH {quoted}\n{_ROSCD_FISH}"
     if first:
-        return f"{where}\nexport PATH\n{_ROSCD}"
+        return f'PATH={quoted}"${{PATH:+:$PATH}}"\nexport PATH\n{_ROSCD}'
+    where = f'PATH="${{PATH:+$PATH:}}"{quoted}'
     return f'case ":$PATH:" in *:{quoted}:*) ;; *) {where} ;; esac\nexport PATH\n{_ROSCD}'

@@ -34,12 +34,15 @@ class KnownNames(Protocol):
 
 
 def split_name(name: str, kind: Kind = Kind.MESSAGE) -> tuple[str, Kind, str]:
-    """Split `package/msg/Name` or `package/srv/Name`. Raises UnknownTypeError; `kind` is for its example."""
+    """Split `package/msg/Name`, also with `srv` or `action`.
+
+    Raises UnknownTypeError; `kind` is for its example.
+    """
     found = _NAME.fullmatch(name) if len(name) <= MAX_NAME_CHARACTERS else None
     if found is None:
         example = _EXAMPLES[kind]
         raise UnknownTypeError(
-            f"{name[:80]!r} is not a ROS 2 type name; write package/{kind}/Name, as {example}"
+            f"{name[:80]!r} is not a ROS 2 type name; write package/{kind}/Name, such as {example}"
         )
     return found[1], Kind(found[2]), found[3]
 

@@ -118,6 +118,8 @@ def test_fish(tmp_path: Path) -> None:
         "3",
         str(folder / "rossrun"),
     ]
+    first = shell_code(folder, first=True, is_fish=True)
+    assert tell("fish", f"{code}\n{first}", "/usr/bin:/bin", "echo $PATH[1]") == [str(folder)]
 
 
 def test_words_of_ros2(tmp_path: Path) -> None:
