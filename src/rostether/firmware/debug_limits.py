@@ -82,7 +82,8 @@ class _Cursor:
         if form == _UDATA:
             self._number()
         elif form == _BLOCK:
-            self._offset += self._number()
+            length = self._number()
+            self._offset += length
         elif form in _SIZES:
             self._offset += _SIZES[form]
         else:

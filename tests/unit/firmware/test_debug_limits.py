@@ -24,6 +24,12 @@ def test_what_compilers_write_is_bounded() -> None:
     assert is_bounded(START + FOLDERS + FILES)
 
 
+def test_the_length_of_a_block_is_not_part_of_it() -> None:
+    # Two folders, with blocks of three bytes and of one.
+    folders = bytes.fromhex("01 01 09 02 03 aabbcc 01 dd")
+    assert is_bounded(START + folders + FILES)
+
+
 @pytest.mark.parametrize("version", [2, 3, 4])
 def test_older_versions_have_no_counts(version: int) -> None:
     assert is_bounded(START[:4] + bytes([version, 0]))

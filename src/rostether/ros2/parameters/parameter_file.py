@@ -62,11 +62,11 @@ def read_parameter_files(paths: Iterable[Path]) -> ParameterRules:
         try:
             with path.open("rb") as file:
                 data = file.read(MAX_FILE_BYTES + 1)
+            if len(data) > MAX_FILE_BYTES:
+                raise ConfigError(f"parameter file {path} is longer than {MAX_FILE_BYTES} bytes")
             text = data.decode()
         except (OSError, UnicodeDecodeError) as error:
             raise ConfigError(f"parameter file {path} cannot be read: {error}") from None
-        if len(data) > MAX_FILE_BYTES:
-            raise ConfigError(f"parameter file {path} is longer than {MAX_FILE_BYTES} bytes")
         entries += parse_parameters(text, str(path)).entries
     return ParameterRules(tuple(entries))
 

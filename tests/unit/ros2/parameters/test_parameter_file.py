@@ -103,6 +103,14 @@ def test_what_is_refused(text: str, fault: str) -> None:
     assert "\n" not in str(caught.value)
 
 
+def test_a_long_file_is_refused_for_its_length(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("rostether.ros2.parameters.parameter_file.MAX_FILE_BYTES", 2)
+    path = tmp_path / "long.yaml"
+    path.write_text("abé", encoding="utf-8")
+    with pytest.raises(ConfigError, match=r"long\.yaml is longer than 2 bytes"):
+        read_parameter_files([path])
+
+
 def test_files_are_read_in_their_order(tmp_path: Path) -> None:
     first, second, empty = tmp_path / "1.yaml", tmp_path / "2.yaml", tmp_path / "3.yaml"
     first.write_text("n: {ros__parameters: {a: 1, b: 1}}")
