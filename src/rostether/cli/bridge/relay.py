@@ -167,6 +167,7 @@ async def relay_between(
         stack.push_async_callback(actions.close)
         leftovers = Leftovers(used.environment.master_uri, ros1.node_name)
         find = finding_types(access.types)
+        # A type that no package defines is an error before the relay starts.
         for service in choice.services:
             if service.type:
                 await find(service.pattern, service.type)
