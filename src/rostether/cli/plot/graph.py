@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 @click.argument("names", nargs=-1, metavar="[NAME...]")
 @add_option(
     "--format format_name",
-    "The output format (text); use --output for pictures.",
+    "The output format on the terminal (default: text); --output writes a file.",
     type=click.Choice(["text", "dot", "svg"]),
 )
 @add_option(
