@@ -106,7 +106,7 @@ class Publication:
 
     def publish(self, payloads: Sequence[bytes]) -> bool:
         """Put a batch, or queue it while a link is full; see `Publisher.publish_raw`."""
-        if self._is_closed or not (self._subscribers or self._has_route()):
+        if self._is_closed or not (self._is_matched or self._subscribers or self._qos.is_latching):
             return True
         queue = self._queue
         if queue.is_idle:
@@ -176,7 +176,10 @@ class Publication:
 
     def _declare(self) -> None:
         session = self._node.session.zenoh
+        # zenoh reports every subscriber, even one without a token.
+        self._is_matched = False
         if self._qos.is_latching:
+            self._matching = None
             self._publisher: _Putting = ext.declare_advanced_publisher(
                 session,
                 self._key,
@@ -185,10 +188,16 @@ class Publication:
                 publisher_detection=True,
             )
         else:
-            self._publisher = session.declare_publisher(
+            publisher = session.declare_publisher(
                 self._key,
                 congestion_control=zenoh.CongestionControl.DROP,
                 reliability=zenoh.Reliability.RELIABLE,
+            )
+            self._publisher = publisher
+            # It is called immediately if there is a subscriber. Reading the status here would be a race: a
+            # thread may report a newer status before it is stored.
+            self._matching = publisher.declare_matching_listener(
+                zenoh.handlers.Callback(self._match, indirect=False)
             )
         self._token: LiveToken = self._node.declare(
             Kind.PUBLISHER, self.topic, self._type_name, self._support.type_hash, self._qos
@@ -200,11 +209,14 @@ class Publication:
         self._token.withdraw()
         self._publisher.undeclare()
 
+    def _match(self, status: zenoh.MatchingStatus) -> None:
+        # In one of zenoh's threads: a single assignment needs no lock.
+        self._is_matched = status.matching
+
     def _has_route(self) -> bool:
-        """Return whether zenoh has a subscriber, even one without a token, or stores messages."""
-        if not isinstance(self._publisher, zenoh.Publisher):
+        """Return whether messages reach a subscriber or are stored. It may ask zenoh, which takes 1 us."""
+        if self._is_matched or not isinstance(self._publisher, zenoh.Publisher):
             return True
-        # This takes 1 us. A listener may report its first match before the status at the start is stored.
         # The type stubs declare the status as bool.
         return cast(zenoh.MatchingStatus, self._publisher.matching_status).matching
 
