@@ -28,7 +28,7 @@ _ALIASES = {
     "promicro": "micro",
 }
 
-# Boards of robots that users name without their platform.
+# Boards of other platforms, by the names that users type without the platform.
 _OTHER_PLATFORMS = {
     "opencr": "OpenCR:OpenCR:OpenCR",
     "unor4wifi": "arduino:renesas_uno:unor4wifi",

@@ -111,7 +111,7 @@ class _Columns:
                 self._before[right].append(left)
 
     def extent(self, gap: float) -> Size:
-        """Return the width, and about the height."""
+        """Return the width and the approximate height."""
         widths = (max((self._sizes[key][0] for key in row), default=0.0) for row in self._rows)
         heights = (sum(self._sizes[key][1] + _ROW_GAP for key in row) for row in self._rows)
         return sum(widths) + gap * (len(self._rows) - 1), max(heights, default=0.0)

@@ -218,7 +218,7 @@ def _rate_text(hz: float) -> str:
 
 
 def yaml_text(facts: Mapping[str, Any], reader: RecordingReader) -> str:
-    """Return the facts of a recording; a topic's `frequency_hz` where it is known."""
+    """Return the facts of a recording as YAML; `frequency` only for topics whose rate is known."""
     lines = [f"path: {_word(facts['path'])}", f"version: {facts['version']}"]
     if (span := reader.span_ns) is None:
         return "\n".join([*lines, f"size: {reader.size_bytes}", "indexed: False\n"])
