@@ -58,7 +58,7 @@ class Services(Protocol):
         """Print the names of a service's arguments."""
 
     def info(self, service: str, msg_paths: tuple[Path, ...], *, as_json: bool) -> None:
-        """Print which node offers a service, its type and its arguments."""
+        """Print a service's type and servers; in ROS 1 also its arguments, in ROS 2 its clients."""
 
     def find(self, type_name: str) -> None:
         """Print the services of a type."""

@@ -78,7 +78,10 @@ def args(service: str, msg_paths: tuple[Path, ...], graph: GraphOptions) -> None
 @msg_path_option
 @graph_options()
 def info(service: str, as_json: bool, msg_paths: tuple[Path, ...], graph: GraphOptions) -> None:
-    """Show which node offers a service, its type and its arguments."""
+    """Show which node offers a service, its type and its arguments.
+
+    With --ros2, show its type and the numbers of its clients and servers.
+    """
     services_of(graph).info(service, msg_paths, as_json=as_json)
 
 

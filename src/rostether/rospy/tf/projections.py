@@ -52,8 +52,9 @@ def projection_from_matrix(matrix: Any, pseudo: bool = False) -> tuple[Any, Any,
     last = matrix[3, :3]
     if np.allclose(last, 0.0):
         linear, translation = linear / matrix[3, 3], translation / matrix[3, 3]
-        direction, _, normal = rank_one(np.identity(3) - linear, "projection")
-        if abs((np.identity(3) - linear)[:, :] @ direction @ direction - 1.0) > ORTHOGONAL:
+        removed = np.identity(3) - linear
+        direction, _, normal = rank_one(removed, "projection")
+        if abs(removed @ direction @ direction - 1.0) > ORTHOGONAL:
             raise ValueError("the matrix is not a projection")
         point = (translation @ direction) * (normal @ direction) * normal
         return homogeneous(point), normal, direction, None, False
