@@ -216,7 +216,7 @@ class PublisherEndpoint:
 
 
 class MessageRate:
-    """Decides how many messages may pass; after a pause, a board may send `per_s` at once."""
+    """Decides how many messages may pass; after a pause, a board may send `per_s` (1 or more) at once."""
 
     def __init__(self, per_s: float, clock: Callable[[], float]) -> None:
         self.per_s = per_s
@@ -227,7 +227,7 @@ class MessageRate:
     def admit(self, count: int) -> int:
         """Return how many of `count` messages may pass now, at most all."""
         now_s = self._clock()
-        self._room = min(self._room + (now_s - self._seen_s) * self.per_s, max(self.per_s, 1.0))
+        self._room = min(self._room + (now_s - self._seen_s) * self.per_s, self.per_s)
         self._seen_s = now_s
         admitted = min(count, int(self._room))
         self._room -= admitted
