@@ -218,11 +218,14 @@ class Ros2Params:
 
         tree: dict[str, Any] = {}
         for name, value in _asked_of(self._graph, owner, ask).items():
-            branch = tree
-            *above, last = name.split(".")
-            for part in above:
-                branch = branch.setdefault(part, {})
-            branch[last] = list(value.value) if isinstance(value.value, bytes) else value.value
+            branch, key = tree, name
+            while "." in key:
+                part, _, below = key.partition(".")
+                space = branch.setdefault(part, {})
+                if not isinstance(space, dict):
+                    break  # A node may have both `a` and `a.b`: the key keeps its dot.
+                branch, key = space, below
+            branch[key] = list(value.value) if isinstance(value.value, bytes) else value.value
         write_line(yaml.safe_dump({owner: {"ros__parameters": tree}}, default_flow_style=False))
 
     def load(self, node: Path, file: str, /, *, verbose: bool) -> None:

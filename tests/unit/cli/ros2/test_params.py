@@ -73,6 +73,12 @@ def test_dump_and_load(world: ZenohWorld, shell: Shell, tmp_path: Path) -> None:
     assert "has no parameters for /far/board" in shell.failure("param", "load", "/far/board", str(file))
 
 
+def test_dump_of_a_name_that_begins_with_another(world: ZenohWorld, shell: Shell) -> None:
+    shell.output("param", "set", "/far/board", "gain.low", "0.5")
+    assert "    gain: 1.5\n    gain.low: 0.5\n" in shell.output("param", "dump", "/far/board")
+    shell.output("param", "delete", "/far/board", "gain.low")
+
+
 @pytest.mark.parametrize(
     ("text", "kind", "value"),
     [
