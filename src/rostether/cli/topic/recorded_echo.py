@@ -29,7 +29,6 @@ def echo_recording(path: Path, topic: str | None, options: EchoOptions) -> None:
         topics = sorted({each.topic for each in reader.counts})
         chosen, field = (None, "") if topic is None else _split(with_field(topic, options), topics, path)
         printers: dict[str, Ros1Printer] = {}
-        shown = 0
         for message in reader.messages(lambda each: chosen in (None, each.topic)):
             name = message.connection.topic
             now = Time.from_ns(message.time_ns)

@@ -177,7 +177,7 @@ class Publisher(Topic[PublishedTopic]):
                 SyntaxWarning,
                 stacklevel=2,
             )
-        # A node publishes a topic with one class, the first; as rospy does.
+        # A node publishes a topic with one class: the first, as in rospy.
         self._key = (PublishedTopic, self.name)
         self.impl, is_new = topics.acquire(self._key, lambda: PublishedTopic(self.name, data_class))
         if subscriber_listener is not None:
