@@ -12,6 +12,8 @@ from rostether.errors import SerializationError
 from rostether.msgdef.registry import Registry
 from rostether.serde.store import TypeStore
 
+pytestmark = pytest.mark.slow
+
 STORE = TypeStore(Registry())
 SERVICE_HALVES = [
     f"{service}{half}" for service in STORE.registry.services() for half in ("Request", "Response")

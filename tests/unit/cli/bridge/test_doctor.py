@@ -21,6 +21,8 @@ from rostether.transports.transport import Transport
 from unit.bridge.sketch_board import SketchBoard, every, hello, publish
 from unit.cli.command_shell import Shell
 
+pytestmark = pytest.mark.slow
+
 
 async def doctor(*arguments: str, cwd: Path | None = None) -> tuple[int, str, str]:
     """Run the command; return its exit code and what it wrote."""

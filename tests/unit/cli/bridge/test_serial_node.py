@@ -15,6 +15,8 @@ from rostether.errors import ConfigError
 from rostether.joining import join
 from rostether.ros1.master.server import MasterServer
 
+pytestmark = pytest.mark.slow
+
 
 def _link(*rest: str, namespace: str = "/", node_name: str = "/serial_node", **parameters: object) -> str:
     return choose_link(list(rest), parameters, node_name=node_name, namespace=namespace)

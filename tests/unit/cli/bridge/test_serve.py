@@ -17,6 +17,8 @@ from rostether import Device
 from rostether.joining import join
 from rostether.ros1.master.server import MasterServer
 
+pytestmark = pytest.mark.slow
+
 
 async def _until(condition: Callable[[], Awaitable[bool]]) -> None:
     async with asyncio.timeout(60):

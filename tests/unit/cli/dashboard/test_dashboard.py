@@ -29,6 +29,8 @@ from rostether.transports.own_names import outward_address
 from unit.cli.gateway.test_foxglove import offers
 from unit.gateways.foxglove.protocol_client import ProtocolClient
 
+pytestmark = pytest.mark.slow
+
 LAUNCH = "<launch><param name='speed' value='3'/></launch>"
 
 

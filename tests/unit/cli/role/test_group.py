@@ -20,6 +20,8 @@ from rostether.joining import join
 from rostether.ros1.master.server import MasterServer
 from unit.cli.command_shell import Shell
 
+pytestmark = pytest.mark.slow
+
 
 @pytest_asyncio.fixture
 async def master() -> AsyncIterator[MasterServer]:
