@@ -113,6 +113,8 @@ class Bench:
         environment.pop("PYTHONDONTWRITEBYTECODE", None)
         process = subprocess.Popen(
             [sys.executable, "-m", "rostether", *arguments],
+            # An empty folder: in a workspace, a board's first message waits for the search of its packages.
+            cwd=self._home,
             env=environment,
             text=True,
             stdin=subprocess.DEVNULL,
