@@ -8,9 +8,10 @@ before any value is made; an alias costs as much as the part that it repeats.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
 from functools import cache
 from typing import Any, Final, TypeVar
+
+from msgspec import Struct
 
 T = TypeVar("T")
 
@@ -213,8 +214,7 @@ class _Sizes:
             raise _too_large("merges (<<)", MAX_MERGES, "write the keys out", event.start_mark)
 
 
-@dataclass(slots=True)
-class _Part:
+class _Part(Struct):
     """A value and what it contains, aliases expanded; `depth` is 0 for a number or text."""
 
     values: int = 1

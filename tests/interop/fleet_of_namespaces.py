@@ -11,9 +11,10 @@ import ctypes
 import json
 import sys
 from collections.abc import Callable
-from dataclasses import replace
 from functools import partial
 from pathlib import Path
+
+from msgspec.structs import replace
 
 from rostether.cli.platform.fleet_doctor import examine_fleet
 from rostether.platform.command_link import ReceiverSettings, SenderSettings

@@ -11,8 +11,9 @@ import contextlib
 import random
 import socket
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 from functools import partial
+
+from msgspec.structs import replace
 
 from rostether.platform.multicast_socket import GroupAddress, join_group, open_receiver, open_sender
 from rostether.platform.robot_table import SocketAddress

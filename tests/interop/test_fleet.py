@@ -7,10 +7,10 @@ import json
 import signal
 import struct
 from collections.abc import Sequence
-from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from msgspec.structs import replace
 
 from interop.fleet_robots import KEY, ROBOTS, STILL, Robot, fleet_on_bad_wifi
 from interop.lossy_air import LossyAir

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+
+from msgspec import Struct
 
 from rostether.bridge.board_node import BoardNode
 from rostether.bridge.identity import numbered
@@ -22,8 +23,7 @@ HALF_OPEN_S = 3.0
 RECONNECT_S = 0.02
 
 
-@dataclass(slots=True, eq=False)
-class Board:
+class Board(Struct, eq=False):
     """One node name in use. It has no node while it joins, and no session while the board is lost.
 
     A node that `is_kept` stays in the graph without its board, before the board connects and after it is

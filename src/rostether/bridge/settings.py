@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+
+from msgspec import Struct, field
 
 
-@dataclass(frozen=True, slots=True)
-class BridgeSettings:
+class BridgeSettings(Struct, frozen=True):
     """Times in seconds.
 
     `grace_s`: how long a lost board's node and topics stay in the graph. A reset, a USB re-enumeration or a
@@ -54,8 +54,7 @@ class BridgeSettings:
 DEFAULT_SETTINGS = BridgeSettings()
 
 
-@dataclass(frozen=True, slots=True)
-class BoardNodes:
+class BoardNodes(Struct, frozen=True):
     """How the nodes of boards join the graph.
 
     `ns_per_board`: a board's topics go into a namespace of its name, unless its address has `ns=`.

@@ -9,8 +9,9 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Awaitable, Callable, Mapping, Sequence
-from dataclasses import dataclass
 from typing import Protocol
+
+from msgspec import Struct
 
 from rostether.bridge.board_node import BoardNode
 from rostether.bridge.board_registry import Board, BoardRegistry
@@ -67,8 +68,7 @@ class Listen(Protocol):
         """Listen. Raises TransportOpenError."""
 
 
-@dataclass(frozen=True, slots=True)
-class Links:
+class Links(Struct, frozen=True):
     """How links are opened; `tap` may wrap each of them to record it."""
 
     open_transport: OpenTransport = open_transport

@@ -10,8 +10,9 @@ DIR/ros_lib/
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterable, Mapping
-from dataclasses import dataclass
 from pathlib import Path
+
+from msgspec import Struct
 
 from rostether.codegen.library_folder import check_parent, write_library_folder
 from rostether.codegen.library_source import SOURCE_FOLDER, client_library, library_files
@@ -27,8 +28,7 @@ _KEYWORDS_FILE = "keywords.txt"
 _ONLY_WITH_ALL_TYPES = ("examples/", "extras/")
 
 
-@dataclass(frozen=True, slots=True)
-class RenderedLibrary:
+class RenderedLibrary(Struct, frozen=True):
     """The files of a library by their paths with slashes, and reports about them.
 
     `types` are the full names that have a header. `skipped` has one line for each package or include that
@@ -41,8 +41,7 @@ class RenderedLibrary:
     warnings: tuple[str, ...]
 
 
-@dataclass(frozen=True, slots=True)
-class WrittenLibrary:
+class WrittenLibrary(Struct, frozen=True):
     """A library on disk, and whether it replaced an older one."""
 
     path: Path

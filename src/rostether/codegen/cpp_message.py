@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass
+
+from msgspec import Struct
 
 from rostether.codegen.cpp_header import header
 from rostether.codegen.cpp_literals import (
@@ -170,8 +171,7 @@ def _declaration(constant: Constant, name: str) -> Iterator[str]:
         yield "#endif"
 
 
-@dataclass(frozen=True, slots=True)
-class FieldLines:
+class FieldLines(Struct, frozen=True):
     """Declarations, initializers (`name{value}`) and the call that passes the field to an archive."""
 
     declarations: tuple[str, ...]

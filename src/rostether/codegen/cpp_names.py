@@ -5,7 +5,7 @@ A name that is reserved in C++, is a macro, or belongs to another member gets a 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from msgspec import Struct
 
 from rostether.codegen.reserved_words import (
     LIBRARY_NAMESPACE,
@@ -19,8 +19,7 @@ from rostether.codegen.reserved_words import (
 from rostether.msgdef.spec import Constant, Field, MessageSpec
 
 
-@dataclass(frozen=True, slots=True)
-class NamedConstant:
+class NamedConstant(Struct, frozen=True):
     """A constant and its name in sketches; `alias` is a second name if the first may be a macro."""
 
     constant: Constant
@@ -28,8 +27,7 @@ class NamedConstant:
     alias: str | None = None
 
 
-@dataclass(frozen=True, slots=True)
-class MemberNames:
+class MemberNames(Struct, frozen=True):
     """The names of a message's fields in the order of its definition, and its constants."""
 
     fields: tuple[str, ...]

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, field
+
+from msgspec import Struct, field
 
 from rostether.codegen.cpp_header import header
 from rostether.codegen.cpp_message import (
@@ -22,8 +23,7 @@ from rostether.msgdef.resolve_types import dependencies
 from rostether.msgdef.spec import ServiceSpec
 
 
-@dataclass(slots=True)
-class MessageHeaders:
+class MessageHeaders(Struct):
     """The headers by path below the library's `src`, their types and classes, and lines for the user."""
 
     texts: dict[str, str] = field(default_factory=dict)

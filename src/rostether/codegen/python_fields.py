@@ -6,9 +6,10 @@ Adjacent numbers share one call of `struct`. The code uses no built-in names, be
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from itertools import groupby
 from struct import calcsize
+
+from msgspec import Struct
 
 from rostether.msgdef.spec import Field
 from rostether.serde.type_tree import SCALARS, Number
@@ -17,8 +18,7 @@ _ZEROS = {"string": '""', "bool": "False", "float32": "0.0", "float64": "0.0"}
 TIME_CLASSES = {"time": "_Time", "duration": "_Duration"}
 
 
-@dataclass(frozen=True, slots=True)
-class PythonField:
+class PythonField(Struct, frozen=True):
     """A field, its name in Python, and for a message also its class and smallest size."""
 
     field: Field

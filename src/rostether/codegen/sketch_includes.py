@@ -6,8 +6,9 @@ import os
 import re
 from collections import deque
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
 from pathlib import Path
+
+from msgspec import Struct
 
 from rostether.codegen.library_folder import is_ros_library
 from rostether.errors import ConfigError
@@ -35,8 +36,7 @@ _TOKEN = re.compile(
 )
 
 
-@dataclass(frozen=True, slots=True)
-class Include:
+class Include(Struct, frozen=True):
     """One include of a file outside the sketch and the library; `place` is `file:line`."""
 
     path: str

@@ -5,8 +5,9 @@ from __future__ import annotations
 import contextlib
 import re
 from collections.abc import Iterable
-from dataclasses import dataclass, field
 from pathlib import Path
+
+from msgspec import Struct, field
 
 from rostether.codegen.sketch_includes import Include, unresolved_includes
 from rostether.codegen.type_index import TypeIndex
@@ -21,8 +22,7 @@ _TYPE_HEADER = re.compile(r"([A-Za-z][A-Za-z0-9_-]*)/([A-Za-z][A-Za-z0-9_]*)\.h"
 _MESSAGE_PACKAGE = re.compile(r"\w+_(?:msgs|srvs|interfaces|messages)")
 
 
-@dataclass(slots=True)
-class WantedTypes:
+class WantedTypes(Struct):
     """Full names of the needed types, and one line for each include that fails or may fail."""
 
     names: set[str] = field(default_factory=set)

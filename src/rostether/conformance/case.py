@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Awaitable, Callable
-from dataclasses import dataclass
 from enum import StrEnum
 from typing import TypeAlias
+
+from msgspec import Struct
 
 from rostether.conformance.checked_client import CheckedClient
 from rostether.conformance.program import Part
@@ -22,8 +23,7 @@ class Verdict(StrEnum):
     NOT_APPLICABLE = "not applicable"
 
 
-@dataclass(frozen=True, slots=True)
-class Case:
+class Case(Struct, frozen=True):
     """One requirement; `name` is its stable key, `requirement` a sentence, `wait_s` how long it waits."""
 
     name: str
@@ -33,8 +33,7 @@ class Case:
     wait_s: float = 0.0
 
 
-@dataclass(frozen=True, slots=True)
-class Outcome:
+class Outcome(Struct, frozen=True):
     """The verdict on a case; `seen` is the deviation, or why the case was not applicable."""
 
     case: Case

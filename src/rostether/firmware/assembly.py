@@ -5,9 +5,10 @@ from __future__ import annotations
 import asyncio
 import os
 from collections.abc import Coroutine, Iterable, Sequence
-from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
+
+from msgspec import Struct, field
 
 from rostether.errors import SketchError, first_error
 from rostether.firmware.boards import Board
@@ -32,8 +33,7 @@ from rostether.firmware.toolchain import AvrToolchain
 MAX_ROUNDS = 50
 
 
-@dataclass(frozen=True, slots=True)
-class Assembled:
+class Assembled(Struct, frozen=True):
     """A linked program, its sources, and the folders where a new file could change the build."""
 
     elf: Path
@@ -143,8 +143,7 @@ async def _all(compiling: Iterable[Coroutine[Any, Any, Compiled]]) -> list[Compi
     return [each for each in results if isinstance(each, Compiled)]
 
 
-@dataclass(slots=True)
-class Unit:
+class Unit(Struct):
     """Sources that are compiled with the same folders of headers."""
 
     sources: list[Path]

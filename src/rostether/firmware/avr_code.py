@@ -6,10 +6,11 @@ Source: the AVR Instruction Set Manual.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from enum import Enum, auto
 from functools import cache
 from typing import TypeAlias
+
+from msgspec import Struct
 
 
 class Op(Enum):
@@ -33,8 +34,7 @@ class Op(Enum):
     LOAD = auto()
 
 
-@dataclass(frozen=True, slots=True)
-class Instruction:
+class Instruction(Struct, frozen=True):
     """One instruction. `target` is a byte address, `value` is added to or loaded into `register`."""
 
     op: Op

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
 from pathlib import Path
+
+from msgspec import Struct
 
 from rostether.firmware.boards import Board
 from rostether.firmware.libraries import Origin
@@ -13,8 +14,7 @@ from rostether.firmware.sketch import Sketch
 _ONLY_SIMULATED = ("Ethernet",)
 
 
-@dataclass(frozen=True, slots=True)
-class BuildOptions:
+class BuildOptions(Struct, frozen=True):
     """Options of a build besides the sketch and the board.
 
     `libraries` are folders of one library or of several; `warnings` turns on compiler warnings for the
@@ -29,8 +29,7 @@ class BuildOptions:
     show: Callable[[Sequence[str]], None] | None = None
 
 
-@dataclass(frozen=True, slots=True)
-class UsedLibrary:
+class UsedLibrary(Struct, frozen=True):
     """A library that a sketch was built with."""
 
     name: str
@@ -38,8 +37,7 @@ class UsedLibrary:
     origin: Origin
 
 
-@dataclass(frozen=True, slots=True)
-class BuiltFirmware:
+class BuiltFirmware(Struct, frozen=True):
     """The result of a build. `image` is the file to flash; `output` has the compiler's warnings."""
 
     sketch: Sketch
@@ -50,7 +48,7 @@ class BuiltFirmware:
     output: str
     duration_s: float
     is_from_cache: bool = False
-    sources: tuple[Path, ...] = field(default=(), repr=False)
+    sources: tuple[Path, ...] = ()
 
     @property
     def simulated_libraries(self) -> list[str]:

@@ -7,8 +7,9 @@ import os
 import re
 import time
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
 from pathlib import Path
+
+from msgspec import Struct
 
 from rostether.errors import SketchError
 from rostether.firmware.boards import Board
@@ -28,8 +29,7 @@ _NO_SIZE_LIMITS = (
 )
 
 
-@dataclass(frozen=True, slots=True)
-class Compiled:
+class Compiled(Struct, frozen=True):
     """An object file, the files that it depends on, and the output of the compiler."""
 
     object: Path
@@ -37,8 +37,7 @@ class Compiled:
     output: str
 
 
-@dataclass(frozen=True, slots=True)
-class Scan:
+class Scan(Struct, frozen=True):
     """The files that sources include, and the names of headers that were not found."""
 
     files: tuple[Path, ...]

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
-from dataclasses import dataclass
 from typing import Literal
+
+from msgspec import Struct
 
 Kind = Literal["name", "number", "string", "char", "punctuation", "directive", "comment"]
 
@@ -26,8 +27,7 @@ _TOKEN = re.compile(
 _KINDS: dict[str, Kind] = {"raw": "string"}
 
 
-@dataclass(frozen=True, slots=True)
-class Token:
+class Token(Struct, frozen=True):
     """A piece of text and its start offset."""
 
     kind: Kind

@@ -7,7 +7,8 @@ reports the error.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+
+from msgspec import Struct, field
 
 from rostether.firmware.cpp_tokens import Token
 
@@ -24,8 +25,7 @@ _AFTER_PARAMETERS = frozenset(("const", "volatile", "noexcept", "override", "fin
 _BEFORE_NAME = frozenset(("*", "&", "&&", ">", "]]"))
 
 
-@dataclass(frozen=True, slots=True)
-class Function:
+class Function(Struct, frozen=True):
     """A function's head: its name, and the tokens from the return type up to `{` or `;`."""
 
     name: str
@@ -34,8 +34,7 @@ class Function:
     is_extern_c: bool = False
 
 
-@dataclass(frozen=True, slots=True)
-class Statement:
+class Statement(Struct, frozen=True):
     """Tokens from the first to the closing `;` or `}`; directives between statements are separate."""
 
     tokens: tuple[Token, ...]

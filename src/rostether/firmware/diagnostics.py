@@ -6,9 +6,10 @@ import os
 import re
 import unicodedata
 from collections.abc import Sequence
-from dataclasses import dataclass
 from difflib import get_close_matches
 from pathlib import Path
+
+from msgspec import Struct
 
 from rostether.firmware.cpp_tokens import tokenize
 from rostether.firmware.ino import read_ino
@@ -121,8 +122,7 @@ def _shorten(text: str, folder: Path) -> str:
     return text.replace(f"{folder}{os.sep}", "" if prefix == "." else f"{prefix}{os.sep}")
 
 
-@dataclass(frozen=True, slots=True)
-class Typographic:
+class Typographic(Struct, frozen=True):
     """A wrong character in code, and its replacement; line and column count from 1."""
 
     line: int

@@ -9,7 +9,6 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Mapping
 from contextlib import suppress
-from dataclasses import dataclass, field
 from functools import cached_property
 from io import BytesIO
 from pathlib import Path
@@ -21,6 +20,7 @@ from elftools.elf.elffile import ELFFile
 from elftools.elf.enums import ENUM_ST_INFO_TYPE
 from elftools.elf.sections import Section as ElfSection
 from elftools.elf.sections import SymbolTableSection
+from msgspec import Struct
 
 from rostether.errors import FirmwareError
 from rostether.firmware.debug_limits import (
@@ -54,8 +54,7 @@ _MAX_INDIRECTIONS = 16
 _FILES_FROM_ZERO = 5
 
 
-@dataclass(frozen=True, slots=True)
-class Section:
+class Section(Struct, frozen=True):
     """One section; `data` is empty if the file has no data for it."""
 
     name: str
@@ -64,11 +63,10 @@ class Section:
     is_allocated: bool
     is_writable: bool
     has_bits: bool
-    data: bytes = field(repr=False)
+    data: bytes
 
 
-@dataclass(frozen=True, slots=True)
-class Symbol:
+class Symbol(Struct, frozen=True):
     """A name for an address; `kind` is DATA, FUNCTION, or 0 if unknown."""
 
     name: str
@@ -78,8 +76,7 @@ class Symbol:
     section: str
 
 
-@dataclass(frozen=True, slots=True)
-class CodeRange:
+class CodeRange(Struct, frozen=True):
     """The instructions from `start` up to `end` that come from one line of a file, with inlined code."""
 
     start: int
@@ -87,8 +84,7 @@ class CodeRange:
     file: str
 
 
-@dataclass(frozen=True, slots=True)
-class Variable:
+class Variable(Struct, frozen=True):
     """A variable with a fixed address; `type_name` without const and reference, with its namespaces."""
 
     name: str

@@ -8,10 +8,11 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING
+
+from msgspec import Struct
 
 from rostether.errors import RostetherError
 from rostether.firmware.elf import ElfFile, Variable
@@ -45,8 +46,7 @@ _LENGTH_BYTES = 4
 _DRIVER_WORD = 2
 
 
-@dataclass(frozen=True, slots=True)
-class Endpoint:
+class Endpoint(Struct, frozen=True):
     """One topic or service of a sketch.
 
     `smallest_bytes` is the size of the message with all strings and arrays empty, `is_fixed` whether it has

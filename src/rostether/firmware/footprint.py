@@ -9,8 +9,10 @@ from __future__ import annotations
 import bisect
 import re
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
 from pathlib import Path
+
+from msgspec import Struct
+from msgspec.structs import replace
 
 from rostether.firmware.boards import Board
 from rostether.firmware.built_firmware import BuiltFirmware
@@ -32,8 +34,7 @@ _START_SYMBOLS = re.compile(
 )
 
 
-@dataclass(frozen=True, slots=True)
-class Item:
+class Item(Struct, frozen=True):
     """The size of a variable, or of a function's code that belongs to a group.
 
     A variable with an initial value uses both flash and RAM.
@@ -45,8 +46,7 @@ class Item:
     ram_bytes: int
 
 
-@dataclass(frozen=True, slots=True)
-class Group:
+class Group(Struct, frozen=True):
     """The total size of one origin, and its largest functions and variables."""
 
     name: str
@@ -55,8 +55,7 @@ class Group:
     largest: tuple[Item, ...]
 
 
-@dataclass(frozen=True, slots=True)
-class Footprint:
+class Footprint(Struct, frozen=True):
     """The flash, RAM and stack use of a program.
 
     Unknown limits are 0; `stack` is None for boards other than AVR.

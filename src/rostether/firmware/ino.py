@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from pathlib import Path
+
+from msgspec import Struct
 
 from rostether.firmware.cpp_tokens import tokenize
 from rostether.firmware.prototypes import find_prototypes
@@ -13,8 +14,7 @@ from rostether.firmware.prototypes import find_prototypes
 _LINE_MARKER = re.compile(r'#(?:line)? (\d+) "((?:[^"\\]|\\.)*)"')
 
 
-@dataclass(frozen=True, slots=True)
-class InoFile:
+class InoFile(Struct, frozen=True):
     """One file of a sketch: its path as shown in errors, and its text with LF line ends."""
 
     path: str

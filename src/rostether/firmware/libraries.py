@@ -7,9 +7,10 @@ recursively; any other from its root and `utility/`.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
 from enum import StrEnum
 from pathlib import Path
+
+from msgspec import Struct
 
 from rostether.errors import ConfigError
 from rostether.firmware.properties import parse_properties
@@ -34,8 +35,7 @@ class Origin(StrEnum):
     SIMULATION = "simulation"
 
 
-@dataclass(frozen=True, slots=True)
-class Library:
+class Library(Struct, frozen=True):
     """A library's folder, and its include folders."""
 
     name: str

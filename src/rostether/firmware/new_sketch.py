@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass
 from pathlib import Path
+
+from msgspec import Struct
 
 from rostether.errors import ConfigError
 from rostether.names.graph_name import validate_name
@@ -14,8 +15,7 @@ _PIN = re.compile(r"(A?)([0-9]{1,2})")
 _SKETCH_NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,62}")
 
 
-@dataclass(frozen=True, slots=True)
-class SensorKind:
+class SensorKind(Struct, frozen=True):
     """A kind of sensor: the example, its pins by the names of their constants, and its topic."""
 
     example: str

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
+
+from msgspec import Struct
 
 SKETCH = "your sketch"
 MESSAGES = "messages"
@@ -25,8 +26,7 @@ _SERIAL_NAME = re.compile(r"\b(HardwareSerial|Serial_|USBDevice_?|Serial\d?)\b")
 _MESSAGE_NAME = re.compile(r"\b(\w+_msgs|\w+_srvs|tf|\w+_interfaces)::")
 
 
-@dataclass(frozen=True, slots=True)
-class Origins:
+class Origins(Struct, frozen=True):
     """Finds the owner of a file or a name. `libraries` are names with their folders."""
 
     sketch_folder: Path | None = None

@@ -8,7 +8,8 @@ get a callback that is defined below it.
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+
+from msgspec import Struct
 
 from rostether.firmware.cpp_tokens import Token, code_tokens
 from rostether.firmware.declarations import (
@@ -24,8 +25,7 @@ _DECLARED = frozenset(("setup", "loop", "main", "serialEvent"))
 _MEMBER_ACCESS = (".", "->", "::")
 
 
-@dataclass(frozen=True, slots=True)
-class Prototype:
+class Prototype(Struct, frozen=True):
     """A declaration to insert at an offset; `definition_offset` is the position of the function.
 
     `moved` are the spans of default arguments, which are allowed only in the declaration.

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import re
 from collections.abc import Collection, Iterable, Sequence
-from dataclasses import dataclass
 from itertools import islice
 from pathlib import Path
+
+from msgspec import Struct
 
 from rostether.errors import FirmwareError
 from rostether.packages.locate import package_around
@@ -19,8 +20,7 @@ MAX_SKETCH_FILES = 2000
 _INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]*[<"]([^>"\n]+)[>"]', re.MULTILINE)
 
 
-@dataclass(frozen=True, slots=True)
-class Sketch:
+class Sketch(Struct, frozen=True):
     """`inos` in the order in which they are joined; `sources` are compiled separately.
 
     `owns_folder` is false for a sketch in a folder of other files: it owns only the sources whose headers it

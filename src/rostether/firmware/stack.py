@@ -8,7 +8,8 @@ likely too high than too low.
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+
+from msgspec import Struct
 
 from rostether.firmware.call_graph import CallGraph
 from rostether.firmware.elf import ElfFile
@@ -22,8 +23,7 @@ _KEPT_PER_SHAPE = 2
 _BOUNDED = "_ZN3ros"
 
 
-@dataclass(frozen=True, slots=True)
-class StackEstimate:
+class StackEstimate(Struct, frozen=True):
     """Stack bytes of `main` and of the deepest interrupt; the paths list the functions (not demangled).
 
     `unknown` lists reasons why the real stack could be larger.
@@ -41,8 +41,7 @@ class StackEstimate:
         return self.main_bytes + self.interrupt_bytes
 
 
-@dataclass(frozen=True, slots=True)
-class _Path:
+class _Path(Struct, frozen=True):
     depth_bytes: int
     entries: tuple[int, ...]
 

@@ -8,8 +8,9 @@ was loaded from the stack pointer before.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field
 from itertools import takewhile
+
+from msgspec import Struct, field
 
 from rostether.firmware.avr_code import Instruction, Op, decode
 from rostether.firmware.avr_pointers import pointer_kind, table_of_jump
@@ -27,8 +28,7 @@ _SHARED_EPILOGUE = "__epilogue_restores__"
 _TABLE_JUMP = "__tablejump"
 
 
-@dataclass(slots=True)
-class Walk:
+class Walk(Struct):
     """The result: the deepest stack of the code itself, its calls and the stack at each call.
 
     `indirect` has the calls through pointers, by the result of `pointer_kind`.
@@ -41,8 +41,7 @@ class Walk:
     is_unknown: bool = False
 
 
-@dataclass(frozen=True, slots=True)
-class Code:
+class Code(Struct, frozen=True):
     """The flash of a program, the starts and sizes of its functions, and the length of a return address.
 
     Old compilers place tables of labels below `tables_end`.

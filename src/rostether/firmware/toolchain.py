@@ -6,9 +6,10 @@ import glob
 import os
 import shutil
 from collections.abc import Mapping
-from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
+
+from msgspec import Struct
 
 from rostether.errors import FirmwareError
 from rostether.firmware.boards import Board, BoardTable
@@ -36,8 +37,7 @@ _CPP_EXTRA_FLAGS = "-DDECIMAL_DIG=__DECIMAL_DIG__"
 _DEBUG_FLAG = "-gdwarf-2"
 
 
-@dataclass(frozen=True)
-class AvrToolchain:
+class AvrToolchain(Struct, frozen=True, dict=True):
     """A compiler and a compatible core."""
 
     tools: Path

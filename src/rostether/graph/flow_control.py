@@ -19,7 +19,8 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Callable
-from dataclasses import dataclass
+
+from msgspec import Struct
 
 # The data that waits for one subscriber before its oldest messages are dropped: 0.3 s of the fastest flood
 # (13 MB/s), three times the longest pause of a board, and 20 s of the fastest serial line.
@@ -77,8 +78,7 @@ class PublicationFlow:
                 self._open.set()
 
 
-@dataclass(slots=True, weakref_slot=True)
-class Reader:
+class Reader(Struct, weakref=True):
     """A node that reads one topic, perhaps from several publishers: counts its reads."""
 
     read_count: int = 0

@@ -14,7 +14,8 @@ import os
 import time
 from collections import Counter
 from collections.abc import Iterable
-from dataclasses import dataclass, field
+
+from msgspec import Struct, field
 
 from rostether.graph.ports import Snapshot
 from rostether.msgdef.interface import MessageType
@@ -49,8 +50,7 @@ def relay_marks(snapshot: Snapshot) -> dict[str, str]:
     }
 
 
-@dataclass(frozen=True, slots=True)
-class MarkedNodes:
+class MarkedNodes(Struct, frozen=True):
     """Nodes that have the same mark in two or more graphs: `relays` with their marks, and boards."""
 
     relays: dict[str, str] = field(default_factory=dict)

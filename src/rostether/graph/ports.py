@@ -11,9 +11,10 @@ flood cheap.
 from __future__ import annotations
 
 from collections.abc import AsyncIterator, Awaitable, Callable, Container, Mapping, Sequence
-from dataclasses import dataclass, field
 from enum import IntEnum
 from typing import Protocol, TypeAlias, TypedDict, Unpack, runtime_checkable
+
+from msgspec import Struct, field
 
 from rostether.msgdef.interface import ANY_TYPE, MessageType, ServiceType
 from rostether.rostime import Time
@@ -44,8 +45,7 @@ class Level(IntEnum):
         return 10 * self.bit_length()
 
 
-@dataclass(frozen=True, slots=True)
-class TopicEntry:
+class TopicEntry(Struct, frozen=True):
     """One topic in a snapshot; `type` is `*` until a node registers that knows it."""
 
     name: str
@@ -54,8 +54,7 @@ class TopicEntry:
     subscribers: tuple[str, ...]
 
 
-@dataclass(frozen=True, slots=True)
-class ServiceEntry:
+class ServiceEntry(Struct, frozen=True):
     """One service in a snapshot, with the nodes that provide it.
 
     `type` is `*` if the graph does not report it: a ROS 1 master does not know it.
@@ -66,8 +65,7 @@ class ServiceEntry:
     type: str = ANY_TYPE
 
 
-@dataclass(frozen=True, slots=True)
-class Snapshot:
+class Snapshot(Struct, frozen=True):
     """The whole graph at one moment; every mapping is sorted by name.
 
     `problem` explains why the graph cannot be read now; the rest is then the last known state.

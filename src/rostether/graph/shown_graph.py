@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
+
+from msgspec import Struct
 
 from rostether.errors import UnknownNameError
 from rostether.graph.ports import ServiceEntry, Snapshot, TopicEntry
@@ -24,8 +25,7 @@ _NODE_SERVICES = frozenset(
 )
 
 
-@dataclass(frozen=True, slots=True)
-class Shown:
+class Shown(Struct, frozen=True):
     """The chosen part of a graph, sorted by name."""
 
     nodes: Sequence[str]

@@ -5,9 +5,10 @@ from __future__ import annotations
 import contextlib
 import shlex
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TypeAlias
+
+from msgspec import Struct, field
 
 from rostether.errors import ConfigError
 from rostether.launch.plan import LaunchNode, WorkingFolder
@@ -15,16 +16,14 @@ from rostether.launch.plan import LaunchNode, WorkingFolder
 _LATEST = "latest"
 
 
-@dataclass(frozen=True, slots=True)
-class Program:
+class Program(Struct, frozen=True):
     """The command of a package's node, and the environment variables that it needs."""
 
     words: list[str]
     environ: dict[str, str] = field(default_factory=dict)
 
 
-@dataclass(frozen=True, slots=True)
-class Replaced:
+class Replaced(Struct, frozen=True):
     """A program that is not started because something built in replaces it; `line` reports this."""
 
     line: str
@@ -34,8 +33,7 @@ class Replaced:
 Locate: TypeAlias = Callable[[str, str, Mapping[str, str]], Program | Replaced]
 
 
-@dataclass(frozen=True, slots=True)
-class Command:
+class Command(Struct, frozen=True):
     """A process to start."""
 
     words: list[str]

@@ -14,9 +14,10 @@ import shlex
 import signal
 import sys
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
 from pathlib import Path
 from typing import IO
+
+from msgspec import Struct
 
 from rostether.errors import LaunchError
 from rostether.graph.ports import Level
@@ -41,8 +42,7 @@ _PR_SET_CHILD_SUBREAPER = 36
 _prctl = ctypes.CDLL(None).prctl if sys.platform == "linux" else None
 
 
-@dataclass(frozen=True, slots=True)
-class StopLimits:
+class StopLimits(Struct, frozen=True):
     """The time limits for a process to end after SIGINT and after SIGTERM, before SIGKILL."""
 
     sigint_s: float = SIGINT_LIMIT_S

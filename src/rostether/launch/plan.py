@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import shlex
-from dataclasses import dataclass, field
 from enum import Enum
+
+from msgspec import Struct, field
 
 from rostether.graph.ports import ParamValue
 from rostether.names.graph_name import canonical, join
@@ -24,8 +25,7 @@ class WorkingFolder(Enum):
     NODE = "node"
 
 
-@dataclass(frozen=True, slots=True)
-class LaunchNode:
+class LaunchNode(Struct, frozen=True):
     """One process to start.
 
     `name` has no namespace, `namespace` is global without a trailing slash (`/` is the root); `remaps` are
@@ -60,23 +60,20 @@ class LaunchNode:
         return [*shlex.split(self.args), *remaps, f"__name:={self.name}"]
 
 
-@dataclass(frozen=True, slots=True)
-class DumpParameters:
+class DumpParameters(Struct, frozen=True):
     """Write a namespace of the parameter server, as it is before the launch, to a YAML file."""
 
     namespace: str
     file: str
 
 
-@dataclass(frozen=True, slots=True)
-class DeleteParameters:
+class DeleteParameters(Struct, frozen=True):
     """Delete a parameter or namespace before the launch."""
 
     name: str
 
 
-@dataclass(frozen=True, slots=True)
-class DeclaredArgument:
+class DeclaredArgument(Struct, frozen=True):
     """An <arg> of a launch file. Users must give one without a default, and cannot give a fixed one."""
 
     name: str
@@ -85,8 +82,7 @@ class DeclaredArgument:
     is_fixed: bool = False
 
 
-@dataclass(slots=True)
-class LaunchPlan:
+class LaunchPlan(Struct):
     """The whole plan, in the order of execution: `before`, `cleared`, `parameters`, `nodes`.
 
     `cleared` are namespaces with a trailing slash. `arguments` are those of the given files, by name;

@@ -5,8 +5,10 @@ from __future__ import annotations
 import asyncio
 import uuid
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, field, replace
 from pathlib import Path
+
+from msgspec import Struct, field
+from msgspec.structs import replace
 
 from rostether.errors import ConfigError, LaunchError, RostetherError, UnknownNameError
 from rostether.graph.ports import Level
@@ -24,8 +26,7 @@ CALLER_ID = "/roslaunch"
 _RUN_ID = "/run_id"
 
 
-@dataclass(frozen=True, slots=True)
-class RunOptions:
+class RunOptions(Struct, frozen=True):
     """The command line's settings for all nodes.
 
     `output` and `all_required` override the files. With `stays`, the launch continues after all nodes have

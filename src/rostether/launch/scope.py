@@ -6,7 +6,7 @@ the included file sees only the arguments in the <include>.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from msgspec import Struct, field
 
 from rostether.errors import LaunchError
 from rostether.graph.ports import ParamValue
@@ -14,8 +14,7 @@ from rostether.launch.plan import DeclaredArgument
 from rostether.names.graph_name import PRIVATE, SEPARATOR, canonical, is_global, is_legal_name, join
 
 
-@dataclass(slots=True)
-class Scope:
+class Scope(Struct):
     """The state at one position; `namespace` is global and ends with a slash."""
 
     file: str

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
 from pathlib import Path
+
+from msgspec import Struct, field
 
 from rostether.errors import ConfigError
 from rostether.mechanisms.text import did_you_mean
@@ -23,8 +24,7 @@ _MAX_LISTED = 8
 _BUNDLED = Path(__file__).with_name("share")
 
 
-@dataclass(frozen=True, slots=True)
-class LaunchSources:
+class LaunchSources(Struct, frozen=True):
     """The launch files, whether to read standard input too, and the arguments (the last one of each name)."""
 
     files: list[Path] = field(default_factory=list)

@@ -10,9 +10,10 @@ import ast
 import math
 import shlex
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
+
+from msgspec import Struct
 
 from rostether.errors import LaunchError
 from rostether.expression.compiler import FUNCTIONS, MATH, compile_expression
@@ -51,8 +52,7 @@ _EXTRA: Mapping[str, Any] = {
 }
 
 
-@dataclass(frozen=True, slots=True)
-class LaunchContext:
+class LaunchContext(Struct, frozen=True):
     """The access of a launch file to the machine.
 
     `packages` are folders by package name. `built_in` are built-in packages without folders: their path is

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field
 from typing import TypeAlias
 from xml.parsers import expat
+
+from msgspec import Struct, field
 
 # Robots, launch files and package descriptions nest a few levels; the limit keeps a hostile file from
 # growing the stack.
@@ -21,15 +22,14 @@ _BARE_AND = re.compile(r"&\w*[^\w;#]")
 MakeError: TypeAlias = Callable[[str, int], Exception]
 
 
-@dataclass(frozen=True, slots=True)
-class XmlElement:
+class XmlElement(Struct, frozen=True):
     """One element; `line` counts from 1, and `content` has its texts and children in order."""
 
     tag: str
     attributes: dict[str, str]
     file: str
     line: int
-    make_error: MakeError = field(repr=False)
+    make_error: MakeError
     content: list[str | XmlElement] = field(default_factory=list)
 
     @property

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from msgspec import Struct
 
 ANY_TYPE = "*"
 ANY_MD5SUM = "*"
 
 
-@dataclass(frozen=True, slots=True)
-class MessageType:
+class MessageType(Struct, frozen=True):
     """A message type of a connection header; `definition` is the full text with dependencies."""
 
     name: str
@@ -17,8 +16,7 @@ class MessageType:
     definition: str = ""
 
 
-@dataclass(frozen=True, slots=True)
-class ServiceType:
+class ServiceType(Struct, frozen=True):
     """A service type; `md5sum` is of request and response together, and each also has its own."""
 
     name: str

@@ -9,9 +9,10 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import replace
 from itertools import combinations, islice
 from typing import NamedTuple, Protocol
+
+from msgspec.structs import replace
 
 from rostether.errors import DefinitionError
 from rostether.msgdef.definition_files import earlier_files, read_definition

@@ -5,14 +5,14 @@ Type names are `package/Name`, as in ROS 1.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
 from typing import TypeAlias
+
+from msgspec import Struct
 
 ConstantValue: TypeAlias = bool | int | float | str
 
 
-@dataclass(frozen=True, slots=True)
-class FieldType:
+class FieldType(Struct, frozen=True):
     """The type of one field.
 
     `base` is a primitive name (`int32`, `string`, `time` ...) or a full `package/Name`.
@@ -23,7 +23,17 @@ class FieldType:
     base: str
     is_array: bool = False
     length: int | None = None
-    length_text: str = field(default="", compare=False)
+    length_text: str = ""
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, FieldType) and self._key == other._key
+
+    def __hash__(self) -> int:
+        return hash(self._key)
+
+    @property
+    def _key(self) -> tuple[str, bool, int | None]:
+        return self.base, self.is_array, self.length
 
     def __str__(self) -> str:
         if not self.is_array:
@@ -31,16 +41,14 @@ class FieldType:
         return f"{self.base}[{'' if self.length is None else self.length_text or self.length}]"
 
 
-@dataclass(frozen=True, slots=True)
-class Field:
+class Field(Struct, frozen=True):
     """One named field."""
 
     type: FieldType
     name: str
 
 
-@dataclass(frozen=True, slots=True)
-class Constant:
+class Constant(Struct, frozen=True):
     """One constant; `text` is its value as written (for the md5sum), `value` the parsed one."""
 
     type: str
@@ -49,8 +57,7 @@ class Constant:
     text: str
 
 
-@dataclass(frozen=True, slots=True)
-class MessageSpec:
+class MessageSpec(Struct, frozen=True):
     """One message definition; `text` is its source as read."""
 
     package: str
@@ -65,8 +72,7 @@ class MessageSpec:
         return f"{self.package}/{self.name}"
 
 
-@dataclass(frozen=True, slots=True)
-class ServiceSpec:
+class ServiceSpec(Struct, frozen=True):
     """One service definition; its messages are named `NameRequest` and `NameResponse`."""
 
     package: str

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable
-from dataclasses import dataclass, field
 from typing import Any
+
+from msgspec import Struct, field
 
 from rostether.bounded_yaml import YamlError, load
 from rostether.errors import ConfigError
@@ -17,8 +18,7 @@ SPECIAL_KEYS = frozenset({"__name", "__ns", "__log", "__ip", "__hostname", "__ma
 _REMAP_ARGUMENT = re.compile(r"[~/A-Za-z_][A-Za-z0-9_/]*:=.*", re.DOTALL)
 
 
-@dataclass(frozen=True, slots=True)
-class Arguments:
+class Arguments(Struct, frozen=True):
     """The arguments of a command line: each remapping and parameter once, the last one counts.
 
     `remappings` are as written (`names.graph_name.resolve_remappings` qualifies them), `private_params` are

@@ -5,8 +5,10 @@ from __future__ import annotations
 import asyncio
 import os
 from collections.abc import Callable
-from dataclasses import dataclass, replace
 from pathlib import Path
+
+from msgspec import Struct
+from msgspec.structs import replace
 
 from rostether.errors import ConfigError
 from rostether.graph.ports import Level
@@ -24,8 +26,7 @@ _READ_BYTES = EVENT.size * 64
 _MIN_COALESCE_S = 1e-4
 
 
-@dataclass(frozen=True, slots=True)
-class JoySettings:
+class JoySettings(Struct, frozen=True):
     """The parameters of joy_node; `autorepeat_rate_hz` 0 publishes only when something has changed."""
 
     device: str = DEFAULT_DEVICE

@@ -8,8 +8,10 @@ Source: linux/joystick.h; the content of a Joy message is the same as from joy_n
 from __future__ import annotations
 
 import struct
-from dataclasses import dataclass, field
 from enum import Enum
+
+import msgspec
+from msgspec import field
 
 EVENT = struct.Struct("<IhBB")
 _BUTTON, _AXIS, _INITIAL = 0x01, 0x02, 0x80
@@ -26,8 +28,7 @@ class PublishTiming(Enum):
     NOW = 2
 
 
-@dataclass(slots=True)
-class Joystick:
+class Joystick(msgspec.Struct):
     """The state after all events; `deadzone` is the fraction of an axis around its center that counts as 0.
 
     With `sticky_buttons` a press turns a button on, and the next one off. With `default_trig_val`, an axis

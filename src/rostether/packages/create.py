@@ -9,9 +9,10 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass, field
 from pathlib import Path
 from xml.sax.saxutils import escape, quoteattr
+
+from msgspec import Struct, field
 
 from rostether.errors import ConfigError
 from rostether.packages.package_xml import is_package_name
@@ -26,8 +27,7 @@ _PERSON = re.compile(r"(.*?)\s*<([^<>\s]+@[^<>\s]+)>")
 _UNKNOWN_MAIL = "todo.todo"
 
 
-@dataclass(frozen=True, slots=True)
-class NewPackage:
+class NewPackage(Struct, frozen=True):
     """The properties of a new package; `dependencies` are packages, `system_dependencies` others."""
 
     name: str
@@ -43,8 +43,7 @@ class NewPackage:
     user: str = "user"
 
 
-@dataclass(frozen=True, slots=True)
-class CreatedPackage:
+class CreatedPackage(Struct, frozen=True):
     """The files that were written, in order, and warnings."""
 
     folder: Path

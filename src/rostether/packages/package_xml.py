@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass, field
+
+from msgspec import Struct, field
 
 from rostether.errors import ConfigError
 from rostether.mechanisms.xml_tree import XmlElement, parse_xml
@@ -26,8 +27,7 @@ _DEPENDENCIES = frozenset(
 )
 
 
-@dataclass(frozen=True, slots=True)
-class PackageXml:
+class PackageXml(Struct, frozen=True):
     """One package's description; `dependencies` maps each package it names to the kinds of dependency."""
 
     name: str

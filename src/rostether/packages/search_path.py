@@ -5,8 +5,9 @@ from __future__ import annotations
 import os
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import dataclass
 from pathlib import Path
+
+from msgspec import Struct
 
 from rostether.errors import ConfigError
 from rostether.packages.package_xml import MAX_PACKAGE_XML_BYTES, parse_package_xml
@@ -30,8 +31,7 @@ _COPY_DEPTH = 3
 _NO_SUBFOLDERS_FILE = "rospack_nosubdirs"
 
 
-@dataclass(frozen=True, slots=True)
-class Folder:
+class Folder(Struct, frozen=True):
     """A folder with the names of its files."""
 
     path: Path

@@ -9,8 +9,9 @@ from __future__ import annotations
 import re
 import shlex
 from collections.abc import Mapping
-from dataclasses import dataclass
 from pathlib import Path
+
+from msgspec import Struct
 
 from rostether.errors import ConfigError
 from rostether.packages.executables import programs
@@ -31,8 +32,7 @@ include(${{catkin_DIR}}/toplevel.cmake)
 _COMPILED_SOURCES = re.compile(r".*\.(cpp|cc|cxx|c)")
 
 
-@dataclass(frozen=True, slots=True)
-class PackageContents:
+class PackageContents(Struct, frozen=True):
     """The content of one package; only `compiled_sources` need a build."""
 
     description: PackageXml

@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Iterable
-from dataclasses import dataclass
+
+from msgspec import Struct
 
 # The margin above and below the values, as a fraction of their range.
 _MARGIN = 0.05
@@ -20,8 +21,7 @@ _STEPS = (1.0, 2.0, 5.0, 10.0)
 _CLOCK_STEPS_S = (1, 2, 5, 10, 15, 30, 60, 120, 300, 600, 900, 1800, 3600, 7200, 14400, 43200, 86400)
 
 
-@dataclass(frozen=True, slots=True)
-class Axis:
+class Axis(Struct, frozen=True):
     """A range of values, never empty."""
 
     low: float

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 from enum import StrEnum
 from itertools import pairwise
 from typing import TypeAlias
+
+from msgspec import Struct
 
 from rostether.mechanisms.text import escape_text
 from rostether.pictures.layered_layout import Size, lay_out
@@ -50,8 +51,7 @@ _FILLS: dict[Shape, tuple[Color, Color]] = {
 }
 
 
-@dataclass(frozen=True, slots=True)
-class Vertex:
+class Vertex(Struct, frozen=True):
     """A vertex; `key` is unique in its graph."""
 
     key: str
@@ -59,8 +59,7 @@ class Vertex:
     shape: Shape
 
 
-@dataclass(frozen=True, slots=True)
-class Edge:
+class Edge(Struct, frozen=True):
     """An arrow between two vertices, by their keys."""
 
     source: str
@@ -68,8 +67,7 @@ class Edge:
     label: str = ""
 
 
-@dataclass(frozen=True, slots=True)
-class Digraph:
+class Digraph(Struct, frozen=True):
     """Vertices and the edges between them, in the order of the output."""
 
     vertices: Sequence[Vertex]

@@ -9,9 +9,10 @@ from __future__ import annotations
 
 from bisect import bisect_right, insort
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from itertools import pairwise
 from typing import TypeAlias
+
+from msgspec import Struct
 
 from rostether.errors import ConfigError
 from rostether.pictures.columns import Ends, column_choices
@@ -35,8 +36,7 @@ _ORDERING_SWEEPS = 12
 _PLACING_SWEEPS = 8
 
 
-@dataclass(frozen=True, slots=True)
-class Layout:
+class Layout(Struct, frozen=True):
     """The centers of the vertices, and the points of each edge between the borders of its vertices."""
 
     width: float

@@ -5,8 +5,9 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from itertools import pairwise
+
+from msgspec import Struct
 
 from rostether.pictures.axis import Axis, clock_ticks
 from rostether.pictures.scene import Anchor, Color, Point, Scene, rectangle, text_width
@@ -35,8 +36,7 @@ _TITLE_ROW = 24.0
 _MARGIN = 14.0
 
 
-@dataclass(frozen=True, slots=True)
-class Curve:
+class Curve(Struct, frozen=True):
     """One value over time: (seconds, value), times ascending. A value that is not finite is a gap."""
 
     name: str
@@ -51,8 +51,7 @@ class Curve:
         return f"{self.name} [{self.unit}]" if self.unit else self.name
 
 
-@dataclass(frozen=True, slots=True)
-class Labels:
+class Labels(Struct, frozen=True):
     """The text around a plot; `begin_s` is the Unix time at 0 s, `is_clock` shows the time of day."""
 
     title: str = ""
@@ -60,8 +59,7 @@ class Labels:
     is_clock: bool = False
 
 
-@dataclass(frozen=True, slots=True)
-class _Frame:
+class _Frame(Struct, frozen=True):
     """The area of the curves."""
 
     left: float

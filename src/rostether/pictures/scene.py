@@ -7,9 +7,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, field
 from enum import StrEnum
 from typing import TypeAlias
+
+from msgspec import Struct, field
 
 Point: TypeAlias = tuple[float, float]
 Color: TypeAlias = tuple[int, int, int]
@@ -30,8 +31,7 @@ class Anchor(StrEnum):
     END = "end"
 
 
-@dataclass(frozen=True, slots=True)
-class Line:
+class Line(Struct, frozen=True):
     """A line through points; with `fill`, the line is closed and the convex area inside is painted."""
 
     points: tuple[Point, ...]
@@ -40,8 +40,7 @@ class Line:
     fill: Color | None = None
 
 
-@dataclass(frozen=True, slots=True)
-class Text:
+class Text(Struct, frozen=True):
     """One line of text; `y` is its base line."""
 
     x: float
@@ -55,8 +54,7 @@ class Text:
 Item: TypeAlias = Line | Text
 
 
-@dataclass(slots=True)
-class Scene:
+class Scene(Struct):
     """A picture; later items cover earlier ones."""
 
     width: int

@@ -5,8 +5,9 @@ from __future__ import annotations
 import math
 import struct
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import TypeAlias
+
+from msgspec import Struct
 
 from rostether.errors import ConfigError
 from rostether.graph.ports import Level
@@ -18,8 +19,7 @@ _QUEUE_MESSAGES = 10
 DEFAULT_DEADZONE = 0.1
 
 
-@dataclass(frozen=True, slots=True)
-class StickSettings:
+class StickSettings(Struct, frozen=True):
     """The parameters of arduino_control."""
 
     deadzone: float = DEFAULT_DEADZONE
@@ -54,8 +54,7 @@ def _fault(axes: list[float]) -> str:
     return "" if math.isfinite(axes[0]) and math.isfinite(axes[1]) else "an axis is not a finite number"
 
 
-@dataclass(frozen=True, slots=True)
-class DriveCommand:
+class DriveCommand(Struct, frozen=True):
     """A direction in degrees and a speed; 1.0 is full speed."""
 
     direction_deg: float

@@ -22,8 +22,9 @@ from __future__ import annotations
 
 import hmac
 import struct
-from dataclasses import dataclass
 from enum import IntFlag
+
+import msgspec
 
 from rostether.errors import RemoteProtocolError
 from rostether.platform.siphash import KEY_BYTES, TAG_BYTES, siphash_2_4
@@ -59,8 +60,7 @@ class Flags(IntFlag):
     FORWARD = 32
 
 
-@dataclass(frozen=True, slots=True)
-class CommandFrame:
+class CommandFrame(msgspec.Struct, frozen=True):
     """One framed command; the fields are those of the module's table."""
 
     target: int

@@ -6,7 +6,7 @@ a time, and stops when the time to live of the last command has passed since its
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from msgspec import Struct
 
 from rostether.errors import RemoteProtocolError
 from rostether.platform.command_frame import (
@@ -32,8 +32,7 @@ _LAST_SEQUENCE = 0xFFFF_FFFF
 _MOTION = Flags.ARMED | Flags.STOP | Flags.RELEASE
 
 
-@dataclass(frozen=True, slots=True)
-class SenderSettings:
+class SenderSettings(Struct, frozen=True):
     """The target and the type of commands: `target` is a robot's id, or with `to_groups` a mask of groups."""
 
     target: int = ALL_GROUPS
@@ -131,8 +130,7 @@ class CommandSender:
         ).encode(settings.key)
 
 
-@dataclass(frozen=True, slots=True)
-class ReceiverSettings:
+class ReceiverSettings(Struct, frozen=True):
     """The robot's id and the mask of its groups. `kind` None accepts every type."""
 
     robot_id: int

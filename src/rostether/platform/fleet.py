@@ -6,7 +6,8 @@ import asyncio
 import sys
 import time
 from collections.abc import Callable
-from dataclasses import dataclass, field
+
+from msgspec import Struct, field
 
 from rostether.errors import TransportError
 from rostether.graph.ports import Level
@@ -30,8 +31,7 @@ _ANSWER_S = 1.5
 _MAX_PAUSE_S = 2.0
 
 
-@dataclass(frozen=True, slots=True)
-class FleetSettings:
+class FleetSettings(Struct, frozen=True):
     """The target (`sender`) and address of commands, and the robots that also get unicast (`unicast`)."""
 
     sender: SenderSettings = field(default_factory=SenderSettings)

@@ -6,7 +6,9 @@ import asyncio
 import socket
 import time
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+
+from msgspec import Struct, field
+from msgspec.structs import replace
 
 from rostether.graph.ports import Level
 from rostether.platform.command_channel import MAX_UNICAST
@@ -29,8 +31,7 @@ _FORWARD_PERIOD_S = 0.05
 _CONFIRM_S = 3.0
 
 
-@dataclass(slots=True)
-class Examination:
+class Examination(Struct):
     """The measurements. Robots are identified by id and host.
 
     `asks_group` is False for a fleet without multicast. `silent_hosts` are the configured addresses that

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+
+from msgspec import Struct
 
 from rostether.platform.command_channel import duplicate_text
 from rostether.platform.fleet_examination import Examination
@@ -24,8 +25,7 @@ _MAX_CLOCK_DIFFERENCE_S = 0.1
 _MAX_LISTED = 5
 
 
-@dataclass(frozen=True, slots=True)
-class FleetFinding:
+class FleetFinding(Struct, frozen=True):
     """One line of the report; `what` is the examined part. `is_ok` is None if it could not be checked."""
 
     is_ok: bool | None

@@ -10,7 +10,8 @@ import asyncio
 import math
 import time
 from collections.abc import Callable
-from dataclasses import replace
+
+from msgspec.structs import replace
 
 from rostether.graph.ports import Level
 from rostether.graph.typed_graph import TypedGraph

@@ -5,7 +5,8 @@ from __future__ import annotations
 import asyncio
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
+
+from msgspec import Struct
 
 from rostether.graph.ports import Level
 from rostether.platform.command_link import REPEAT_S, CommandSender, SenderSettings
@@ -14,8 +15,7 @@ from rostether.platform.multicast_socket import GroupAddress
 from rostether.platform.robot_table import Robot, RobotKey, RobotTable, SocketAddress
 
 
-@dataclass(frozen=True, slots=True)
-class ClockOffset:
+class ClockOffset(Struct, frozen=True):
     """How far a robot's clock is ahead of this machine's; `error_s` is half of the round trip."""
 
     offset_s: float

@@ -9,7 +9,9 @@ from __future__ import annotations
 import asyncio
 import time
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+
+from msgspec import Struct, field
+from msgspec.structs import replace
 
 from rostether.errors import ConfigError
 from rostether.graph.ports import Graph, Level
@@ -28,8 +30,7 @@ MAX_FREQUENCY_HZ = 10_000.0
 _RETRY_S = 0.01
 
 
-@dataclass(frozen=True, slots=True)
-class BridgeSettings:
+class BridgeSettings(Struct, frozen=True):
     """The parameters of the bridge; `frequency_hz` 0 sends every message immediately.
 
     `framed` is None for bare datagrams. A framed bridge whose topic is silent for `input_timeout_s` sends a

@@ -7,8 +7,10 @@ import contextlib
 import socket
 import time
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
 from functools import partial
+
+from msgspec import Struct, field
+from msgspec.structs import replace
 
 from rostether.errors import ConfigError, RemoteProtocolError
 from rostether.graph.ports import Level
@@ -45,8 +47,7 @@ _MAX_BYTES = 65_536
 _NO_GROUP = {socket.AF_INET: "127.0.0.1", socket.AF_INET6: "::1"}
 
 
-@dataclass(frozen=True, slots=True)
-class ReceiverNodeSettings:
+class ReceiverNodeSettings(Struct, frozen=True):
     """The parameters of the receiver.
 
     `sources` are the networks that may send, besides this machine; with a key, an empty list allows all.

@@ -7,7 +7,8 @@ import ipaddress
 import socket
 import struct
 import sys
-from dataclasses import dataclass
+
+from msgspec import Struct
 
 from rostether.errors import ConfigError
 
@@ -21,8 +22,7 @@ MAX_DATAGRAM_BYTES = 65_507
 _MULTICAST_ALL = {socket.AF_INET: (socket.IPPROTO_IP, 49), socket.AF_INET6: (socket.IPPROTO_IPV6, 29)}
 
 
-@dataclass(frozen=True, slots=True)
-class GroupAddress:
+class GroupAddress(Struct, frozen=True):
     """A group, a port, and the network interfaces to use: names, or IPv4 addresses.
 
     Without interfaces, the system's routes decide. `ttl` is the number of networks that a datagram may cross.

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
 from typing import NamedTuple, TypeAlias
+
+from msgspec import Struct
 
 from rostether.errors import RemoteProtocolError
 from rostether.platform.command_frame import NO_KEY
@@ -34,8 +35,7 @@ class RobotKey(NamedTuple):
     host: str
 
 
-@dataclass(slots=True)
-class Robot:
+class Robot(Struct):
     """One robot: its last status with its time, and its address. `loss` is a fraction, 0 to 1."""
 
     status: RobotStatus

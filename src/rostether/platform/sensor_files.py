@@ -5,9 +5,11 @@ from __future__ import annotations
 import os
 import re
 from collections.abc import Iterable
-from dataclasses import asdict, fields
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
+
+import msgspec
 
 from rostether.errors import ConfigError, InvalidNameError
 from rostether.mechanisms.state_file import load_state, store_state
@@ -74,22 +76,16 @@ def read_state(path: Path) -> list[Sensor]:
     entries = load_state(path, _MAX_STATE_BYTES).get("sensors")
     if not isinstance(entries, list):
         return []
-    return [_restored(each) for each in entries[:MAX_SENSORS] if _is_sensor(each)]
+    restored = map(_restored, entries[:MAX_SENSORS])
+    return [each for each in restored if each is not None]
 
 
 def write_state(path: Path, sensors: Iterable[Sensor]) -> None:
     """Write the sensors; a power cut leaves the old or the new file. Raises OSError."""
-    store_state(path, {"sensors": [asdict(each) for each in sensors]}, durable=True)
+    store_state(path, {"sensors": [msgspec.structs.asdict(each) for each in sensors]}, durable=True)
 
 
-def _is_sensor(entry: Any) -> bool:
-    if not isinstance(entry, dict):
-        return False
-    return all(
-        isinstance(entry.get(each.name, each.default), int | float if each.type in ("int", "float") else str)
-        for each in fields(Sensor)
-    )
-
-
-def _restored(entry: dict[str, Any]) -> Sensor:
-    return Sensor(**{each.name: entry[each.name] for each in fields(Sensor) if each.name in entry})
+def _restored(entry: object) -> Sensor | None:
+    with suppress(msgspec.ValidationError):
+        return msgspec.convert(entry, Sensor)
+    return None

@@ -5,7 +5,8 @@ from __future__ import annotations
 import os
 import re
 import socket
-from dataclasses import dataclass
+
+from msgspec import Struct
 
 from rostether.errors import ConfigError
 from rostether.graph.node_parameters import NodeParameters
@@ -14,8 +15,7 @@ from rostether.platform.sensors.registered_sensor import SensorDescription, plat
 MAX_RATE_HZ = 1000.0
 
 
-@dataclass(frozen=True, slots=True)
-class SensorKind:
+class SensorKind(Struct, frozen=True):
     """A node's default sensor, before its parameters are read."""
 
     word: str

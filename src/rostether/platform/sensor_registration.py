@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
 from typing import Any
+
+from msgspec import Struct
 
 from rostether.errors import ServiceCallError
 from rostether.platform.sensor_state import MAX_STATE_TEXT_CHARACTERS, REPORTED
@@ -29,8 +30,7 @@ def fields_of(described: object) -> dict[str, Any]:
     return {name: getattr(described, name) for name in _SHARED_FIELDS}
 
 
-@dataclass(frozen=True, slots=True)
-class Registration:
+class Registration(Struct, frozen=True):
     """A request to register by id, or to renew the lease.
 
     `instance` identifies the process: while it holds the lease, other processes are refused.

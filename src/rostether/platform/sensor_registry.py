@@ -7,8 +7,10 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable
-from dataclasses import dataclass, replace
 from enum import Enum
+
+from msgspec import Struct
+from msgspec.structs import replace
 
 from rostether.errors import ServiceCallError
 from rostether.mechanisms.text import escape_line
@@ -39,8 +41,7 @@ class Origin(Enum):
     FILE = "file"
 
 
-@dataclass(frozen=True, slots=True)
-class Sensor:
+class Sensor(Struct, frozen=True):
     """The identity and description of a sensor.
 
     `number` is the one in the name of a numbered topic, else -1. `registered_name` is the name in the last

@@ -10,7 +10,7 @@ lost          not connected for `LOST_S`, or its lease has expired
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from msgspec import Struct
 
 # The states that a sensor with a lease may report.
 REPORTED = ("init", "ready", "sleeping", "alert")
@@ -22,8 +22,7 @@ SILENT_S = 3.0
 LOST_S = 60.0
 
 
-@dataclass(slots=True)
-class Condition:
+class Condition(Struct):
     """The observations of one sensor; times are seconds of a monotonic clock.
 
     `lease_until_s` is None for a sensor without a lease; one with a lease reports its state itself.

@@ -26,9 +26,10 @@ from __future__ import annotations
 
 import hmac
 import struct
-from dataclasses import dataclass
 from enum import IntEnum
 from ipaddress import IPv4Address
+
+import msgspec
 
 from rostether.errors import RemoteProtocolError
 from rostether.platform.command_frame import NO_KEY
@@ -59,16 +60,14 @@ class Refusal(IntEnum):
     OTHER_TYPE = 3
 
 
-@dataclass(frozen=True, slots=True)
-class HostState:
+class HostState(msgspec.Struct, frozen=True):
     """The clock of a robot's computer, and the free space of its disk."""
 
     clock_us: int
     free_bytes: int
 
 
-@dataclass(frozen=True, slots=True)
-class RobotStatus:
+class RobotStatus(msgspec.Struct, frozen=True):
     """One status; the fields are those of the module's table.
 
     `signal_dbm` is None if it is unknown, `host` if the robot is a board.

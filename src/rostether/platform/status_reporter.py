@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+
+from msgspec import Struct
 
 from rostether.platform.command_frame import NO_KEY, CommandFrame, Flags
 from rostether.platform.command_link import CommandReceiver
@@ -19,8 +20,7 @@ _QUICK_PERIOD_S = 0.25
 _MAX_SENDERS = 8
 
 
-@dataclass(slots=True)
-class _Sender:
+class _Sender(Struct):
     """The frames of one epoch; `address` is the source of its newest frame, as text."""
 
     address: str

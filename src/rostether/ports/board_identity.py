@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from msgspec import Struct
 
 # Default serial numbers of adapters: every CP2102 has 0001. Two such boards would be confused.
 _NO_SERIAL_NUMBERS = frozenset({"0001", "001", "1", "123456", "12345678", "123456789", "0123456789"})
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class BoardIdentity:
+class BoardIdentity(Struct, frozen=True, kw_only=True):
     """The identifying properties of a board; those that its kind of link does not have are None.
 
     `port` is the serial port's path, `usb_location` its USB socket, `usb_interface` the number of its

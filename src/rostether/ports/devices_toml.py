@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple
+
+from msgspec.structs import replace
 
 from rostether.errors import ConfigError
 from rostether.mechanisms.toml_text import parse_toml, read_toml_text

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable
-from dataclasses import replace
 from enum import Enum, auto
 from pathlib import Path
+
+from msgspec.structs import replace
 
 from rostether.ports.board_identity import BoardIdentity
 from rostether.ports.port_pattern import fits_entry

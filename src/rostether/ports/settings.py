@@ -3,18 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
 from fnmatch import fnmatchcase
 from types import MappingProxyType
 from typing import Any
+
+from msgspec import Struct, field
 
 _NOTHING: Mapping[str, str] = MappingProxyType({})
 _NO_DEPTHS: Mapping[str, int] = MappingProxyType({})
 _NO_LIMITS: Mapping[str, float] = MappingProxyType({})
 
 
-@dataclass(frozen=True, slots=True)
-class NameRule:
+class NameRule(Struct, frozen=True):
     """Which resolved names are permitted: those in `allow` (None: all) that are not in `deny`.
 
     Entries are global names in which `*` matches any characters, including slashes.
@@ -36,8 +36,7 @@ class NameRule:
 ANY_NAME = NameRule()
 
 
-@dataclass(frozen=True, slots=True)
-class Access:
+class Access(Struct, frozen=True):
     """The access rights of a board on the graph; directions are the board's.
 
     `publish`, `subscribe`: topics. `serve`: services it offers. `call`: services it calls. `parameters`:
@@ -54,8 +53,7 @@ class Access:
 ANY_ACCESS = Access()
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class DeviceMatch:
+class DeviceMatch(Struct, frozen=True, kw_only=True):
     """How a board is recognized: all given keys must match.
 
     `serial_number` and `usb_id` (`2341:0043`) are the USB device's, `usb_location` is its USB socket
@@ -72,8 +70,7 @@ class DeviceMatch:
     certificate: str | None = None
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class DeviceSettings:
+class DeviceSettings(Struct, frozen=True, kw_only=True):
     """One board's settings; None or empty means the default.
 
     `name` is its node name, `namespace` the namespace of its relative names. `baud` skips the detection of
@@ -99,8 +96,7 @@ class DeviceSettings:
 NO_SETTINGS = DeviceSettings()
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class DiscoverySettings:
+class DiscoverySettings(Struct, frozen=True, kw_only=True):
     """The ports for automatic discovery: known boards and `probe`, but not `ignore`.
 
     Entries are USB ids (`1a86:7523`), paths or patterns (`/dev/ttyUSB*`), or `all`.

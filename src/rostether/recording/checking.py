@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from contextlib import closing
-from dataclasses import dataclass
 from pathlib import Path
+
+from msgspec import Struct
 
 from rostether.errors import RecordingError, RostetherError, UnknownTypeError
 from rostether.mechanisms.text import escape_line
@@ -18,8 +19,7 @@ from rostether.recording.regular_file import MappedFile
 from rostether.serde.layout import Layout
 
 
-@dataclass(frozen=True, slots=True)
-class Checked:
+class Checked(Struct, frozen=True):
     """The number of readable messages, and the errors, one line each."""
 
     message_count: int

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Container, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Generic, NamedTuple, Protocol, TypeVar
+
+from msgspec import Struct
 
 from rostether.errors import RecordingError
 from rostether.recording.chunk_order import Entry, messages_of
@@ -18,8 +19,7 @@ from rostether.recording.regular_file import MappedFile
 MAX_DAMAGE_CHARS = 500
 
 
-@dataclass(slots=True)
-class Damage:
+class Damage(Struct):
     """Why a file is searched for its messages; empty if its index is intact."""
 
     damage: str = ""

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+
+from msgspec import Struct
 
 from rostether.recording.compression import NONE, decompress
 from rostether.recording.recorded import CompressionShare
@@ -12,8 +13,7 @@ from rostether.recording.recorded import CompressionShare
 MAX_LISTED_BYTES = 8 << 20
 
 
-@dataclass(frozen=True, slots=True)
-class StoredChunk:
+class StoredChunk(Struct, frozen=True):
     """The position of a chunk's data in its file, its uncompressed size, and the times of its messages.
 
     `compression` is empty or "none" without compression. `numbers` are the connections or channels that have

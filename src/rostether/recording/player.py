@@ -8,8 +8,9 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Callable, Collection, Mapping, Sequence
-from dataclasses import dataclass, field
 from itertools import islice
+
+from msgspec import Struct, field
 
 from rostether.errors import RecordingError
 from rostether.graph.ports import Graph, Publisher
@@ -45,8 +46,7 @@ QUEUED_BYTES = 64
 LONGEST_SLEEP_S = 0.05
 
 
-@dataclass(frozen=True, slots=True)
-class PlaySettings:
+class PlaySettings(Struct, frozen=True):
     """How to play. Times are in seconds of the recording; None means its own start or end."""
 
     rate: float = 1.0

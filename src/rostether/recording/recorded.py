@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import heapq
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from typing import NamedTuple, Protocol, TypeAlias
+
+from msgspec import Struct
 
 from rostether.msgdef.interface import MessageType
 
@@ -13,8 +14,7 @@ from rostether.msgdef.interface import MessageType
 _OWN_FIELDS = frozenset({"callerid", "md5sum", "message_definition", "reliability", "topic", "type"})
 
 
-@dataclass(frozen=True, slots=True)
-class Ros2Origin:
+class Ros2Origin(Struct, frozen=True):
     """A topic's properties in a ROS 2 recording: its type, and the QoS of its publishers (YAML).
 
     `encoding` is that of `definition`, `ros2msg` or `ros2idl`, empty if it is unknown.
@@ -27,8 +27,7 @@ class Ros2Origin:
     qos: str = ""
 
 
-@dataclass(frozen=True, slots=True)
-class Connection:
+class Connection(Struct, frozen=True):
     """One publisher on one topic, as its connection header describes it; `origin` is set for ROS 2.
 
     `others` are the remaining header fields, so that copies of a file keep them: a `latching` of 0, which
@@ -124,8 +123,7 @@ class RecordingWriter(Protocol):
         """Write the index and close the file. Idempotent."""
 
 
-@dataclass(frozen=True, slots=True)
-class CompressionShare:
+class CompressionShare(Struct, frozen=True):
     """The chunks of a file that are compressed in one way."""
 
     name: str

@@ -9,8 +9,9 @@ from __future__ import annotations
 import asyncio
 import contextlib
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
 from pathlib import Path
+
+from msgspec import Struct, field
 
 from rostether.errors import RecordingError
 from rostether.graph.joint_marks import is_mark
@@ -26,8 +27,7 @@ from rostether.recording.recording_start import report_missing, wait_for_time
 FLUSH_PERIOD_S = 0.5
 
 
-@dataclass(slots=True)
-class RecordingProgress:
+class RecordingProgress(Struct):
     """The progress of a recording, over all files."""
 
     message_count: int = 0

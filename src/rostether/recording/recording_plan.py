@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
+
+from msgspec import Struct
 
 
-@dataclass(frozen=True, slots=True)
-class TopicChoice:
+class TopicChoice(Struct, frozen=True):
     """The topics to record: names, patterns, all topics, or the subscriptions of a node."""
 
     names: tuple[str, ...] = ()
@@ -37,8 +37,7 @@ class TopicChoice:
         )
 
 
-@dataclass(frozen=True, slots=True)
-class RecordLimits:
+class RecordLimits(Struct, frozen=True):
     """The limits of a file and of the recording; None means no limit."""
 
     size_bytes: int | None = None

@@ -6,10 +6,11 @@ import shutil
 import tempfile
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import ExitStack, contextmanager
-from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
+
+from msgspec import Struct
 
 from rostether.errors import RecordingError
 from rostether.recording.checking import file_faults
@@ -24,8 +25,7 @@ if TYPE_CHECKING:
 UNFINISHED_SUFFIX = ".unfinished"
 
 
-@dataclass(frozen=True, slots=True)
-class Repaired:
+class Repaired(Struct, frozen=True):
     """The contents of a repaired recording, and the reason for the repair (empty if it was complete).
 
     `listed_count` is the number of messages in its index, None without an index.

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass, replace
+
+from msgspec import Struct
+from msgspec.structs import replace
 
 from rostether.errors import DefinitionError, RostetherError, UnknownTypeError
 from rostether.msgdef.full_text import SEPARATOR, split_full_text
@@ -81,8 +83,7 @@ class RecordedDefinitions(Ros2Definitions):
         return name in self._texts or self._others.has(name)
 
 
-@dataclass(frozen=True, slots=True)
-class ReadType:
+class ReadType(Struct, frozen=True):
     """A type to read: its ROS 1 type, and the conversion from CDR (raises SerializationError)."""
 
     type: MessageType

@@ -5,7 +5,8 @@ from __future__ import annotations
 import asyncio
 from collections.abc import Iterator
 from contextlib import AsyncExitStack
-from dataclasses import dataclass
+
+from msgspec import Struct
 
 from rostether.errors import ServiceUnavailableError
 from rostether.graph.ports import Graph, Snapshot
@@ -23,8 +24,7 @@ NODE_SUFFIX = "_actions"
 CHECK_S = 1.0
 
 
-@dataclass(frozen=True, slots=True)
-class ActionEntry:
+class ActionEntry(Struct, frozen=True):
     """An action in a snapshot: its type as `package/Name`, and the nodes that serve it.
 
     The node of a relay has the relay's name here, without `NODE_SUFFIX`.

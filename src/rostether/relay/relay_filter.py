@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from enum import Enum
 from fnmatch import fnmatchcase
+
+from msgspec import Struct
 
 # Each graph has its own topics with these names: they are relayed only if given without `*`.
 PRIVATE_TOPICS = frozenset({"/rosout", "/rosout_agg", "/parameter_events", "/clock"})
@@ -35,8 +36,7 @@ class Direction(Enum):
     SECOND_TO_FIRST = "second to first"
 
 
-@dataclass(frozen=True, slots=True)
-class Topics:
+class Topics(Struct, frozen=True):
     """Topics that match a pattern, in one direction or both."""
 
     pattern: str
@@ -51,8 +51,7 @@ class Topics:
         return fnmatchcase(name, self.pattern)
 
 
-@dataclass(frozen=True, slots=True)
-class Services:
+class Services(Struct, frozen=True):
     """Services that match a pattern; `type` is needed if the graph does not know it."""
 
     pattern: str
@@ -65,8 +64,7 @@ class Services:
         return fnmatchcase(name, self.pattern)
 
 
-@dataclass(frozen=True, slots=True)
-class RelayFilter:
+class RelayFilter(Struct, frozen=True):
     """Everything that a relay relays; `actions` are patterns."""
 
     topics: tuple[Topics, ...] = ()

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Awaitable, Callable
-from dataclasses import dataclass
+
+from msgspec import Struct
 
 from rostether.errors import DefinitionError
 from rostether.graph.ports import Graph
@@ -16,8 +17,7 @@ FindServiceType = Callable[[str, str], Awaitable[ServiceType]]
 ForgetNode = Callable[[str], Awaitable[bool]]
 
 
-@dataclass(frozen=True, slots=True)
-class Side:
+class Side(Struct, frozen=True):
     """A graph, its name for users, and a function that finds the type of a service.
 
     `forget_if_gone` is for a graph that keeps the registrations of nodes that were killed: ROS 1.

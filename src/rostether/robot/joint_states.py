@@ -7,7 +7,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+
+from msgspec import Struct, field
 
 from rostether.errors import RobotModelError
 from rostether.robot.robot_model import (
@@ -20,8 +21,7 @@ from rostether.robot.robot_model import (
 )
 
 
-@dataclass(frozen=True, slots=True)
-class JointStateSettings:
+class JointStateSettings(Struct, frozen=True):
     """Parameters of joint_state_publisher with its defaults; `delta` is added to each joint at each step."""
 
     zeros: Mapping[str, float] = field(default_factory=dict)
@@ -34,8 +34,7 @@ class JointStateSettings:
     delta: float = 0.0
 
 
-@dataclass(slots=True)
-class FreeJoint:
+class FreeJoint(Struct):
     """One joint that can be set: radians or meters within its limits; None is not published."""
 
     lower: float
@@ -48,8 +47,7 @@ class FreeJoint:
     forward: bool = True
 
 
-@dataclass(frozen=True, slots=True)
-class JointStateValues:
+class JointStateValues(Struct, frozen=True):
     """The fields of a sensor_msgs/JointState; unknown lists are empty."""
 
     name: list[str]

@@ -6,6 +6,8 @@ from collections.abc import Container, Mapping
 from dataclasses import dataclass, field
 from enum import StrEnum
 
+from msgspec import Struct
+
 from rostether.errors import RobotModelError
 from rostether.robot.transform import IDENTITY, Transform, Vector
 
@@ -24,8 +26,7 @@ class JointType(StrEnum):
 ONE_DEGREE_OF_FREEDOM = frozenset({JointType.REVOLUTE, JointType.CONTINUOUS, JointType.PRISMATIC})
 
 
-@dataclass(frozen=True, slots=True)
-class Limits:
+class Limits(Struct, frozen=True):
     """The range of a joint in radians or meters; `soft_*`: its safety controller, None if not given."""
 
     lower: float = 0.0
@@ -34,8 +35,7 @@ class Limits:
     soft_upper: float | None = None
 
 
-@dataclass(frozen=True, slots=True)
-class Mimic:
+class Mimic(Struct, frozen=True):
     """A joint that follows another one: multiplier * position + offset."""
 
     joint: str
@@ -43,8 +43,7 @@ class Mimic:
     offset: float = 0.0
 
 
-@dataclass(frozen=True, slots=True)
-class Joint:
+class Joint(Struct, frozen=True):
     """One joint; `origin` is the pose of the child at position zero, `axis` is in the child's frame."""
 
     name: str

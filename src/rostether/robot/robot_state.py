@@ -9,7 +9,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+
+from msgspec import Struct
 
 from rostether.robot.robot_model import ONE_DEGREE_OF_FREEDOM, Joint, JointType, RobotModel, mimic_chain
 from rostether.robot.transform import (
@@ -28,8 +29,7 @@ from rostether.rostime import NS_PER_S
 OLD_STATE_NS = 30 * NS_PER_S
 
 
-@dataclass(frozen=True, slots=True)
-class RobotStateSettings:
+class RobotStateSettings(Struct, frozen=True):
     """Parameters of robot_state_publisher with its defaults."""
 
     publish_frequency_hz: float = 50.0

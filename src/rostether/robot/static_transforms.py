@@ -12,8 +12,9 @@ from __future__ import annotations
 import asyncio
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Any
+
+from msgspec import Struct
 
 from rostether.errors import ConfigError
 from rostether.graph.ports import ParamValue
@@ -30,8 +31,7 @@ from rostether.robot.transform import (
 USAGE = "write X Y Z YAW PITCH ROLL PARENT CHILD, or X Y Z QX QY QZ QW PARENT CHILD"
 
 
-@dataclass(frozen=True, slots=True)
-class StaticTransform:
+class StaticTransform(Struct, frozen=True):
     """The transform to publish: with a period, repeatedly on /tf; without one, on /tf_static."""
 
     parent: str

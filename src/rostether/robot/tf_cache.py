@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from bisect import bisect_left
-from dataclasses import dataclass
+
+from msgspec import Struct
 
 from rostether.errors import ExtrapolationError
 from rostether.robot.transform import Transform, interpolate
@@ -20,8 +21,7 @@ MAX_TRANSFORMS = 100_000
 _SHORTEST_SPAN_S = 0.0001
 
 
-@dataclass(frozen=True, slots=True)
-class Entry:
+class Entry(Struct, frozen=True):
     """One transform of a frame to its parent."""
 
     stamp_ns: int

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
+
+from msgspec import Struct
 
 from rostether.pictures.digraph import quoted
 from rostether.pictures.tree import branch
@@ -13,8 +14,7 @@ from rostether.robot.transform import StampedTransform, rpy_from_quaternion
 from rostether.rostime import NS_PER_S
 
 
-@dataclass(frozen=True, slots=True)
-class FrameFacts:
+class FrameFacts(Struct, frozen=True):
     """One frame with a parent: its broadcaster, its rate, and the time span of its transforms."""
 
     frame: str

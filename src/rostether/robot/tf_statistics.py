@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+
+from msgspec import Struct, field
 
 from rostether.robot.transform import StampedTransform
 from rostether.rostime import NS_PER_S
@@ -16,8 +17,7 @@ WINDOW = 1_000
 MAX_ROWS = 10_000
 
 
-@dataclass(slots=True)
-class Delays:
+class Delays(Struct):
     """The last delays of one frame or node, in seconds, and the arrival times of its messages."""
 
     delays_s: deque[float] = field(default_factory=lambda: deque(maxlen=WINDOW))

@@ -9,8 +9,9 @@ from __future__ import annotations
 import asyncio
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, field
 from typing import Any
+
+from msgspec import Struct, field
 
 from rostether.errors import ConfigError, GraphError, TransformError
 from rostether.graph.ports import Level
@@ -46,8 +47,7 @@ STATUS_PERIOD_S = 1.0
 _ACTIVE, _PREEMPTED, _REJECTED = 1, 2, 5
 
 
-@dataclass(slots=True)
-class Request:
+class Request(Struct):
     """The request of a page, and the last transform sent for each frame."""
 
     target: str

@@ -8,8 +8,9 @@ than it saves.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from typing import TypeAlias
+
+from msgspec import Struct
 
 Vector: TypeAlias = tuple[float, float, float]
 Quaternion: TypeAlias = tuple[float, float, float, float]
@@ -24,8 +25,7 @@ _TRACE_EPSILON = 1e-12
 _NORM_TOLERANCE = 10e-3
 
 
-@dataclass(frozen=True, slots=True)
-class Transform:
+class Transform(Struct, frozen=True):
     """Converts points from the child's frame to the parent's: first the rotation, then the translation."""
 
     translation: Vector = (0.0, 0.0, 0.0)
@@ -57,8 +57,7 @@ class Transform:
 IDENTITY = Transform()
 
 
-@dataclass(frozen=True, slots=True)
-class StampedTransform:
+class StampedTransform(Struct, frozen=True):
     """The pose of the frame `child` in the frame `parent` at a time, in nanoseconds since the epoch."""
 
     parent: str

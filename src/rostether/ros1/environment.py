@@ -11,7 +11,9 @@ import os
 import re
 import socket
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field, replace
+
+from msgspec import Struct
+from msgspec.structs import replace
 
 from rostether.errors import ConfigError
 from rostether.names.graph_name import canonical, is_global, is_legal_name, join
@@ -31,8 +33,7 @@ _URI = re.compile(
 _HOST = re.compile(r"[A-Za-z0-9]([A-Za-z0-9._-]*[A-Za-z0-9])?")
 
 
-@dataclass(frozen=True, slots=True)
-class RpcUri:
+class RpcUri(Struct, frozen=True):
     """The parts of `http://host:port/` or `rosrpc://host:port`; an IPv6 host has no brackets."""
 
     host: str
@@ -71,8 +72,7 @@ def connect_host(host: str) -> str:
     return LOOPBACK if host == "localhost" else host
 
 
-@dataclass(frozen=True, slots=True)
-class RosEnvironment:
+class RosEnvironment(Struct, frozen=True):
     """The ROS 1 environment, validated.
 
     `master_uri_is_set`: the master was chosen, not the default; `advertised_host` is the host in registered
@@ -85,7 +85,7 @@ class RosEnvironment:
     advertised_host: str = LOOPBACK
     listen_hosts: tuple[str, ...] = (LOOPBACK,)
     namespace: str = "/"
-    admission: Admission = field(default=ALLOW_ALL, compare=False)
+    admission: Admission = ALLOW_ALL
     limits: GraphLimits = DEFAULT_GRAPH_LIMITS
     own_names: tuple[str, ...] = ()
 

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from msgspec import Struct
 
 from rostether.tcpros.header import MAX_HEADER_BYTES
 from rostether.tcpros.message_framing import MAX_MESSAGE_BYTES
 from rostether.xmlrpc.http_message import MAX_BODY_BYTES
 
 
-@dataclass(frozen=True, slots=True)
-class GraphLimits:
+class GraphLimits(Struct, frozen=True):
     """The limits of one server, or of one node.
 
     `body_bytes`: an XML-RPC request or answer. The largest in practice are whole parameter dumps, of a few

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from enum import Enum
 from typing import Protocol, runtime_checkable
+
+from msgspec import Struct
 
 from rostether.graph.ports import Graph
 from rostether.msgdef.interface import MessageType
@@ -23,8 +24,7 @@ class EndpointKind(Enum):
     CLIENT = "CLIENT"
 
 
-@dataclass(frozen=True, slots=True)
-class QosReport:
+class QosReport(Struct, frozen=True):
     """Quality of service in rclpy's terms; UNKNOWN if the middleware does not report it."""
 
     reliability: str
@@ -37,8 +37,7 @@ class QosReport:
     lease: str = INFINITE
 
 
-@dataclass(frozen=True, slots=True)
-class EndpointInfo:
+class EndpointInfo(Struct, frozen=True):
     """One endpoint, with a type such as `std_msgs/msg/String`.
 
     Fields that the middleware does not report are empty or None.

@@ -8,8 +8,9 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping
-from dataclasses import dataclass
 from pathlib import Path
+
+from msgspec import Struct
 
 from rostether.errors import ConfigError
 
@@ -19,8 +20,7 @@ MAX_DOMAIN_ID = 232
 _DISCOVERY_RANGES = ("", "SUBNET", "LOCALHOST", "OFF", "SYSTEM_DEFAULT")
 
 
-@dataclass(frozen=True, slots=True)
-class Ros2Environment:
+class Ros2Environment(Struct, frozen=True):
     """The settings of a ROS 2 graph. Empty strings and None mean "not set": the middleware's default applies.
 
     `zenoh_overrides` are pairs of a zenoh configuration path and its value in JSON5.

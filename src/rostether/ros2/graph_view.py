@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
+
+from msgspec import Struct
 
 from rostether.graph.ports import ServiceEntry, Snapshot, TopicEntry
 from rostether.ros2.endpoint_info import EndpointInfo, EndpointKind
@@ -17,8 +18,7 @@ def is_hidden(name: str) -> bool:
     return any(part.startswith("_") for part in name.split("/"))
 
 
-@dataclass(frozen=True, slots=True)
-class GraphView:
+class GraphView(Struct, frozen=True):
     """The names of nodes, repeated if several nodes share one, and the endpoints of topics and services."""
 
     nodes: Sequence[str]

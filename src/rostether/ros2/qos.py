@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from enum import IntEnum
+
+from msgspec import Struct
 
 
 class Reliability(IntEnum):
@@ -27,8 +28,7 @@ class History(IntEnum):
     KEEP_ALL = 2
 
 
-@dataclass(frozen=True, slots=True)
-class Qos:
+class Qos(Struct, frozen=True):
     """The quality of service of one endpoint; deadline, lifespan and liveliness lease are infinite."""
 
     reliability: Reliability = Reliability.RELIABLE

@@ -18,8 +18,9 @@ received correctly: such a rate is accepted only if all its frames are valid.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from enum import Enum, auto
+
+from msgspec import Struct
 
 from rostether.rosserial.events import FrameDiscarded, HostEvent
 from rostether.rosserial.host_link import HostLink
@@ -78,8 +79,7 @@ class Step(Enum):
     ASK = auto()
 
 
-@dataclass(frozen=True, slots=True)
-class BoardFound:
+class BoardFound(Struct, frozen=True):
     """A board. `received` are the bytes at its rate, for the link that serves it."""
 
     baud: int
@@ -87,8 +87,7 @@ class BoardFound:
     received: bytes
 
 
-@dataclass(frozen=True, slots=True)
-class NoBoard:
+class NoBoard(Struct, frozen=True):
     """No board: the number of unknown bytes, and if they were text, the text and its rate."""
 
     foreign_bytes: int

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+
+from msgspec import Struct
 
 from rostether.errors import LocalProtocolError
 from rostether.rosserial import topic_id as ids
@@ -51,8 +52,7 @@ MAX_WAITING_BYTES = 1 << 20
 LOG_OVERHEAD_BYTES = 5
 
 
-@dataclass(frozen=True, slots=True)
-class DeviceLinkConfig:
+class DeviceLinkConfig(Struct, frozen=True):
     """The properties of the device; the defaults are those of the established library on a large board."""
 
     version: int = 2

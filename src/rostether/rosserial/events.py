@@ -10,9 +10,10 @@ ParameterTimedOut, StopReceived, FrameDiscarded, UnknownTopicId.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
 from enum import Enum
 from typing import TypeAlias
+
+from msgspec import Struct
 
 from rostether.rosserial.packets import LogLevel, TopicInfo
 from rostether.rostime import Time
@@ -51,32 +52,28 @@ class DiscardReason(Enum):
 DAMAGE = frozenset({DiscardReason.LENGTH_CHECKSUM, DiscardReason.PAYLOAD_CHECKSUM, DiscardReason.PACKET})
 
 
-@dataclass(frozen=True, slots=True)
-class MessagesReceived:
+class MessagesReceived(Struct, frozen=True):
     """Payloads of one announced topic id, in order; at most one event for each topic id a chunk."""
 
     topic_id: int
     payloads: list[bytes]
 
 
-@dataclass(frozen=True, slots=True)
-class TopicAnnounced:
+class TopicAnnounced(Struct, frozen=True):
     """The device has a topic; reported again for the same id only when something about it changed."""
 
     role: TopicRole
     info: TopicInfo
 
 
-@dataclass(frozen=True, slots=True)
-class TopicWithdrawn:
+class TopicWithdrawn(Struct, frozen=True):
     """A topic announced earlier has been removed from the device."""
 
     role: TopicRole
     info: TopicInfo
 
 
-@dataclass(frozen=True, slots=True)
-class ServiceAnnounced:
+class ServiceAnnounced(Struct, frozen=True):
     """The device serves or calls a service; reported once its request and its response are known.
 
     The `md5sum` of `request` and `response` is that of their message, not the service's.
@@ -90,8 +87,7 @@ class ServiceAnnounced:
     response: TopicInfo
 
 
-@dataclass(frozen=True, slots=True)
-class ServiceWithdrawn:
+class ServiceWithdrawn(Struct, frozen=True):
     """A service announced earlier has been removed from the device."""
 
     role: ServiceRole
@@ -101,8 +97,7 @@ class ServiceWithdrawn:
     response: TopicInfo
 
 
-@dataclass(frozen=True, slots=True)
-class AnnouncementRefused:
+class AnnouncementRefused(Struct, frozen=True):
     """The device announced twice an endpoint that cannot be bridged; reported once for each.
 
     `reason` explains the problem and what to change in the sketch.
@@ -113,33 +108,28 @@ class AnnouncementRefused:
     reason: str
 
 
-@dataclass(frozen=True, slots=True)
-class NegotiationSettled:
+class NegotiationSettled(Struct, frozen=True):
     """The set of endpoints is considered complete: asked again, the device announced nothing new."""
 
 
-@dataclass(frozen=True, slots=True)
-class TimeRequested:
+class TimeRequested(Struct, frozen=True):
     """The device requests the time: call `HostLink.answer_time`."""
 
 
-@dataclass(frozen=True, slots=True)
-class LogReceived:
+class LogReceived(Struct, frozen=True):
     """The device logs a line."""
 
     level: LogLevel
     text: str
 
 
-@dataclass(frozen=True, slots=True)
-class ParameterRequested:
+class ParameterRequested(Struct, frozen=True):
     """The device requests a parameter and waits: always call `HostLink.answer_parameter`."""
 
     name: str
 
 
-@dataclass(frozen=True, slots=True)
-class FrameDiscarded:
+class FrameDiscarded(Struct, frozen=True):
     """Rejected bytes: `data` has them in order, and none is also part of a frame.
 
     `topic_id` is the reserved id of a packet with a wrong layout.
@@ -147,66 +137,57 @@ class FrameDiscarded:
 
     reason: DiscardReason
     data: bytes
-    topic_id: int | None = field(default=None, compare=False)
+    topic_id: int | None = None
 
 
-@dataclass(frozen=True, slots=True)
-class UnknownTopicId:
+class UnknownTopicId(Struct, frozen=True):
     """`count` messages arrived on a topic id that was never announced; the link asks for the topics again."""
 
     topic_id: int
     count: int = 1
 
 
-@dataclass(frozen=True, slots=True)
-class ControlFlood:
+class ControlFlood(Struct, frozen=True):
     """The device sends too much on a reserved topic id; `count` frames were dropped unread."""
 
     topic_id: int
     count: int
 
 
-@dataclass(frozen=True, slots=True)
-class DeviceReset:
+class DeviceReset(Struct, frozen=True):
     """The device lost its configuration (reset, or no time answers); the link requests its topics.
 
     Until it has announced a topic id again, nothing may be sent on it.
     """
 
 
-@dataclass(frozen=True, slots=True)
-class DeviceSilent:
+class DeviceSilent(Struct, frozen=True):
     """No valid frame for longer than a healthy device stays silent; reported once per silence."""
 
     silence_s: float
 
 
-@dataclass(frozen=True, slots=True)
-class ProtocolDetected:
+class ProtocolDetected(Struct, frozen=True):
     """The device uses protocol version 1 or 2; reported once, and again only if it changes."""
 
     version: int
 
 
-@dataclass(frozen=True, slots=True)
-class TopicsRequested:
+class TopicsRequested(Struct, frozen=True):
     """A host asked for the topics; they were announced and the device is configured now."""
 
 
-@dataclass(frozen=True, slots=True)
-class Unconfigured:
+class Unconfigured(Struct, frozen=True):
     """The device received no time answer for too long, or a stop request: it no longer publishes."""
 
 
-@dataclass(frozen=True, slots=True)
-class TimeAnswered:
+class TimeAnswered(Struct, frozen=True):
     """The host sent its time."""
 
     time: Time
 
 
-@dataclass(frozen=True, slots=True)
-class ParameterReceived:
+class ParameterReceived(Struct, frozen=True):
     """The answer to `DeviceLink.request_parameter`; all lists empty means the parameter does not exist."""
 
     name: str
@@ -215,15 +196,13 @@ class ParameterReceived:
     strings: tuple[str, ...]
 
 
-@dataclass(frozen=True, slots=True)
-class ParameterTimedOut:
+class ParameterTimedOut(Struct, frozen=True):
     """No answer to `DeviceLink.request_parameter` arrived in time."""
 
     name: str
 
 
-@dataclass(frozen=True, slots=True)
-class StopReceived:
+class StopReceived(Struct, frozen=True):
     """The host leaves and asks the device to stop sending."""
 
 

@@ -22,8 +22,9 @@ network may still deliver.
 from __future__ import annotations
 
 from collections.abc import Container
-from dataclasses import dataclass
 from typing import TypeAlias
+
+from msgspec import Struct
 
 from rostether.rosserial.events import FrameDiscarded
 from rostether.rosserial.frame import FORMS, MAX_PAYLOAD_BYTES, SYNC, Header, read_header
@@ -52,8 +53,7 @@ FALSE_STARTS_PER_S = 20_000
 MAX_SAVED_FALSE_STARTS = 10_000
 
 
-@dataclass(slots=True)
-class Frames:
+class Frames(Struct):
     """The payloads of the frames of one topic id in one chunk, in order."""
 
     topic_id: int

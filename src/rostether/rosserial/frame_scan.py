@@ -12,12 +12,14 @@ the search continues at the byte after the sync, because noise may contain a val
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
 from enum import Enum, auto
 from functools import lru_cache
 from struct import Struct
 from typing import NamedTuple
 from zlib import adler32
+
+import msgspec
+from msgspec import field
 
 from rostether.rosserial.checksum import RunningSums, sum_function
 from rostether.rosserial.events import DiscardReason, FrameDiscarded
@@ -64,8 +66,7 @@ class _Known(NamedTuple):
     target: int
 
 
-@dataclass(slots=True)
-class Scan:
+class Scan(msgspec.Struct):
     """The content of a buffer. At `rest`, an unfinished frame of `needed_bytes` begins.
 
     `controls` are the frames of reserved ids in their order, `groups` all others by id.

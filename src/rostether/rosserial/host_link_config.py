@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+
+from msgspec import Struct
 
 from rostether.rosserial.frame import MAX_PAYLOAD_BYTES
 from rostether.rosserial.packets import TopicInfo
 
 
-@dataclass(frozen=True, slots=True)
-class HostLinkConfig:
+class HostLinkConfig(Struct, frozen=True):
     """Limits of a host link; the defaults suit all known boards."""
 
     # The maximum of a frame: Linux devices send images in one frame.

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+
+from msgspec import Struct
 
 from rostether.mechanisms.text import escape_line
 from rostether.rosserial import topic_id as ids
@@ -24,8 +25,7 @@ _KINDS = (
 )
 
 
-@dataclass(frozen=True, slots=True)
-class LineEntry:
+class LineEntry(Struct, frozen=True):
     """A frame, described by `what`, with its payload as `data`; or bytes outside frames.
 
     For those, `data` has the bytes, `topic_id` is None, and `fault` is the reason.

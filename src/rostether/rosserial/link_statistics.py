@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from msgspec import Struct, field
 
 from rostether.rosserial.events import DAMAGE, DiscardReason
 
 
-@dataclass(slots=True)
-class LinkStatistics:
+class LinkStatistics(Struct):
     """Counters of one link since its start."""
 
     bytes_received: int = 0

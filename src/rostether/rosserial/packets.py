@@ -15,9 +15,10 @@ from __future__ import annotations
 
 import re
 import struct
-from dataclasses import dataclass
 from enum import IntEnum
 from typing import Any, NamedTuple
+
+import msgspec
 
 from rostether.errors import LocalProtocolError
 from rostether.rosserial.topic_id import FIRST_USER_ID, LAST_ID
@@ -54,8 +55,7 @@ class LogLevel(IntEnum):
     FATAL = 4
 
 
-@dataclass(frozen=True, slots=True)
-class TopicInfo:
+class TopicInfo(msgspec.Struct, frozen=True):
     """One announced endpoint; `buffer_size`: the bytes that it receives, or sends including 8 of framing."""
 
     topic_id: int

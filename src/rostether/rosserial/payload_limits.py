@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+
+from msgspec import Struct, field
 
 
-@dataclass(frozen=True, slots=True)
-class PayloadLimits:
+class PayloadLimits(Struct, frozen=True):
     """The longest plausible payload of each topic id, and the length above which a header is noise.
 
     `refused_above` has the limit of all other ids under None.

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
 from typing import NamedTuple
+
+from msgspec import Struct
 
 from rostether.rosserial import topic_id as ids
 from rostether.rosserial.events import (
@@ -42,8 +43,7 @@ class EndpointKey(NamedTuple):
     topic_id: int
 
 
-@dataclass(slots=True)
-class _Endpoint:
+class _Endpoint(Struct):
     kind: int
     info: TopicInfo
     largest_payload: int

@@ -8,8 +8,9 @@ also come from peers).
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
 from typing import Final, Protocol, TypeAlias
+
+import msgspec
 
 from rostether.errors import DefinitionError
 from rostether.msgdef.spec import Constant, FieldType, MessageSpec
@@ -35,8 +36,7 @@ class DefinitionSource(Protocol):
         """Return the definition of `package/Name`. Raises UnknownTypeError, DefinitionError."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Number:
+class Number(msgspec.Struct, frozen=True, eq=False):
     """A bool, integer or float; `code` is its `struct` format."""
 
     name: str
@@ -45,8 +45,7 @@ class Number:
     zero_elements: int = 1
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Stamp:
+class Stamp(msgspec.Struct, frozen=True, eq=False):
     """A time (two uint32) or duration (two int32); `code` is its `struct` format."""
 
     name: str
@@ -55,8 +54,7 @@ class Stamp:
     zero_elements: int = 1
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Text:
+class Text(msgspec.Struct, frozen=True, eq=False):
     """A string: a uint32 length and that many bytes, so never of constant size."""
 
     name: str = "string"
@@ -64,8 +62,7 @@ class Text:
     zero_elements: int = 1
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Array:
+class Array(msgspec.Struct, frozen=True, eq=False):
     """An array; `length` is None where a uint32 count precedes the elements.
 
     `zero_elements` counts the objects of the zero value, `fixed_size_bytes` is None if the size varies.
@@ -94,8 +91,7 @@ class Array:
         return None
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Member:
+class Member(msgspec.Struct, frozen=True, eq=False):
     """One field of a struct; `type` is spelled as in the definition."""
 
     name: str
@@ -103,8 +99,7 @@ class Member:
     node: Node
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Struct:
+class Struct(msgspec.Struct, frozen=True, eq=False):
     """A message type; `depth` is 1 where no field is a struct."""
 
     name: str

@@ -8,8 +8,9 @@ char[] prints as a list of numbers, and so does a uint8[] selected by a field pa
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
 from typing import Any, Final
+
+from msgspec import Struct
 
 from rostether.msgdef.spec import FieldType
 from rostether.rostime import NS_PER_S, Duration, Time
@@ -20,8 +21,7 @@ from rostether.serde.values import Message
 _PLAIN_TEXT: Final = re.compile(r"[ !#-\[\]-~]{1,70}")
 
 
-@dataclass(frozen=True, slots=True)
-class EchoStyle:
+class EchoStyle(Struct, frozen=True):
     """The parts that `rostopic echo` can omit or print differently.
 
     `time_offset` is subtracted from times (--offset), `number_width` is the columns of a number (-w).

@@ -6,9 +6,10 @@ Axes as in REP 103: x forward, y left, z up; meters, radians, seconds.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from math import cos, pi, sin
 from typing import NamedTuple
+
+from msgspec import Struct
 
 GRAVITY = 9.80665
 
@@ -30,24 +31,21 @@ class Quaternion(NamedTuple):
     w: float
 
 
-@dataclass(frozen=True, slots=True)
-class Pose:
+class Pose(Struct, frozen=True):
     """Position and orientation of the robot in the frame of its start."""
 
     position: Vector
     orientation: Quaternion
 
 
-@dataclass(frozen=True, slots=True)
-class ImuValues:
+class ImuValues(Struct, frozen=True):
     """The values of an ideal inertial sensor, in the robot's axes."""
 
     turn_rate: Vector
     acceleration: Vector
 
 
-@dataclass(frozen=True, slots=True)
-class CircleDrive:
+class CircleDrive(Struct, frozen=True):
     """Drives one circle per `lap_s`, and rolls and pitches by up to `sway` radians."""
 
     radius: float = 1.0

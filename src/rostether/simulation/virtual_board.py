@@ -17,9 +17,10 @@ from __future__ import annotations
 import asyncio
 import contextlib
 from collections.abc import Callable
-from dataclasses import dataclass
 from random import Random
 from typing import Any
+
+from msgspec import Struct
 
 from rostether.device import Device
 from rostether.device.parameters import DeviceParam
@@ -49,8 +50,7 @@ _ACCELERATION_NOISE = 0.03
 _ORIENTATION_VARIANCE = 1e-4
 
 
-@dataclass(slots=True)
-class _Periodic:
+class _Periodic(Struct):
     action: Callable[[float], None]
     period_s: float
     due_s: float

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
 from typing import TypeAlias
+
+from msgspec import Struct
 
 from rostether.transports.tls import TlsFiles
 
@@ -16,8 +17,7 @@ DEFAULT_PORT = 11411
 LOOPBACK = "127.0.0.1"
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class _Named:
+class _Named(Struct, frozen=True, kw_only=True):
     name: str | None = None
     ns: str | None = None
 
@@ -27,8 +27,7 @@ class _Named:
         return False
 
 
-@dataclass(frozen=True, slots=True)
-class ProgramSize:
+class ProgramSize(Struct, frozen=True):
     """The memory use of a board's program; a limit is 0 if it is unknown."""
 
     flash_bytes: int
@@ -44,8 +43,7 @@ class SimulationPauses:
         self.on_pause: Callable[[], None] = lambda: None
 
 
-@dataclass(frozen=True, slots=True)
-class SerialAddress(_Named):
+class SerialAddress(_Named, frozen=True):
     """A serial port or a pseudo-terminal's slave; `reset=False` leaves DTR and RTS alone.
 
     `given` are the options in the address: they override devices.toml. `program` is set if the board is known
@@ -55,16 +53,25 @@ class SerialAddress(_Named):
     path: str
     baud: int = DEFAULT_BAUD
     reset: bool = True
-    given: tuple[str, ...] = field(default=(), compare=False, kw_only=True)
-    program: ProgramSize | None = field(default=None, compare=False, kw_only=True)
-    pauses: SimulationPauses | None = field(default=None, compare=False, kw_only=True)
+    given: tuple[str, ...] = ()
+    program: ProgramSize | None = None
+    pauses: SimulationPauses | None = None
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, SerialAddress) and self._key == other._key
+
+    def __hash__(self) -> int:
+        return hash(self._key)
+
+    @property
+    def _key(self) -> tuple[object, ...]:
+        return self.name, self.ns, self.path, self.baud, self.reset
 
     def __str__(self) -> str:
         return self.path
 
 
-@dataclass(frozen=True, slots=True)
-class TcpAddress(_Named):
+class TcpAddress(_Named, frozen=True):
     """A TCP port to listen on, or with `connect` one to connect to; `allow` are networks, empty is all.
 
     `psk` is the file of a key that the peer must have; with `tls`, the link is encrypted.
@@ -86,8 +93,7 @@ class TcpAddress(_Named):
         return f"{'tcp' if self.tls is None else 'tls'}://{show_endpoint(self.host, self.port)}"
 
 
-@dataclass(frozen=True, slots=True)
-class UdpAddress(_Named):
+class UdpAddress(_Named, frozen=True):
     """A UDP port to listen on, or with `connect` one peer; `bind` is then the local port, 0 means any."""
 
     host: str
@@ -105,8 +111,7 @@ class UdpAddress(_Named):
         return f"udp://{show_endpoint(self.host, self.port)}"
 
 
-@dataclass(frozen=True, slots=True)
-class PtyAddress(_Named):
+class PtyAddress(_Named, frozen=True):
     """A pseudo-terminal to create, with a symbolic link at `link`."""
 
     link: str
@@ -115,8 +120,7 @@ class PtyAddress(_Named):
         return f"pty:{self.link}"
 
 
-@dataclass(frozen=True, slots=True)
-class XbeeAddress(_Named):
+class XbeeAddress(_Named, frozen=True):
     """An XBee radio's serial port; `peers` are 16-bit or 64-bit addresses served before they send."""
 
     path: str
@@ -132,8 +136,7 @@ class XbeeAddress(_Named):
         return f"xbee:{self.path}"
 
 
-@dataclass(frozen=True, slots=True)
-class SimAddress(_Named):
+class SimAddress(_Named, frozen=True):
     """A sketch or ELF file to run on a simulated board; `commands` are the board's first commands."""
 
     program: str
@@ -146,8 +149,7 @@ class SimAddress(_Named):
         return f"sim:{self.program}"
 
 
-@dataclass(frozen=True, slots=True)
-class WebAddress(_Named):
+class WebAddress(_Named, frozen=True):
     """The serial ports of devices that show the dashboard; `baud` is the baud rate of one board."""
 
     baud: int = DEFAULT_BAUD

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
 from types import MappingProxyType
+
+from msgspec import Struct, field
 
 from rostether.errors import ConfigError
 
@@ -14,16 +15,14 @@ MAX_CERTIFICATE_BYTES = 64 * 1024
 _NONE: Mapping[str, bytes] = MappingProxyType({})
 
 
-@dataclass(frozen=True, slots=True)
-class BoardKeys:
+class BoardKeys(Struct, frozen=True):
     """Pre-shared keys, and certificates in DER form, by their files."""
 
     keys: Mapping[str, bytes] = field(default_factory=lambda: _NONE)
     certificates: Mapping[str, bytes] = field(default_factory=lambda: _NONE)
 
 
-@dataclass(frozen=True, slots=True)
-class Proof:
+class Proof(Struct, frozen=True):
     """The files of a board's key and certificate with which the peer has authenticated."""
 
     psk: str | None = None

@@ -14,9 +14,10 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, TypeAlias
+
+from msgspec import Struct
 
 from rostether.errors import ConfigError
 
@@ -31,8 +32,7 @@ FIRST_LINK = 1
 _SHOWN_CHARACTERS = 40
 
 
-@dataclass(frozen=True, slots=True)
-class Chunk:
+class Chunk(Struct, frozen=True):
     """Bytes of one side at one time."""
 
     time_s: float
@@ -41,8 +41,7 @@ class Chunk:
     data: bytes
 
 
-@dataclass(frozen=True, slots=True)
-class LinkOpened:
+class LinkOpened(Struct, frozen=True):
     """A link begins; `peer` is the other side."""
 
     time_s: float
@@ -50,8 +49,7 @@ class LinkOpened:
     peer: str
 
 
-@dataclass(frozen=True, slots=True)
-class LinkClosed:
+class LinkClosed(Struct, frozen=True):
     """A link ends."""
 
     time_s: float

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections import deque
-from dataclasses import dataclass, field
+
+from msgspec import Struct, field
 
 # How many of the last packets a finding counts: a few seconds of a busy link, and enough that one lost packet
 # has little weight.
@@ -12,8 +13,7 @@ RECENT_PACKETS = 50
 UNREACHED_PACKETS = 10
 
 
-@dataclass(slots=True)
-class LinkQuality:
+class LinkQuality(Struct):
     """Counts since the host opened the radio.
 
     `rssi_dbm`: the signal strength of the last packet from the board, None if unknown. `retries` is None if

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Callable, Hashable
-from dataclasses import dataclass, field
 from typing import Generic, TypeVar
+
+from msgspec import Struct, field
 
 from rostether.errors import TransportClosedError, TransportError
 from rostether.transports.board_keys import NO_PROOF, Proof
@@ -30,8 +31,7 @@ UNANSWERED_LIMIT_S = 0.5
 SILENT_LIMIT_S = 5.0
 
 
-@dataclass(frozen=True, slots=True)
-class PeerEntry:
+class PeerEntry(Struct, frozen=True):
     """How a sender becomes a peer: by a frame; `request` asks for one. An answer proves its address.
 
     Only a board without a host answers `call`, so it can be broadcast.
@@ -43,15 +43,13 @@ class PeerEntry:
     call: bytes = b""
 
 
-@dataclass(slots=True)
-class _Candidate:
+class _Candidate(Struct):
     data: bytearray = field(default_factory=bytearray)
     allowance_bytes: int = 0
     sent_bytes: int = 0
 
 
-@dataclass(frozen=True, slots=True)
-class Medium(Generic[PeerKey]):
+class Medium(Struct, Generic[PeerKey], frozen=True):
     """The medium that peers share: how to send to a peer, and how to describe it.
 
     `show` returns its name for users, `host_of` its host, `write_buffer_bytes` the bytes that wait for it.

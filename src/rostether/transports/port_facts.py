@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from difflib import get_close_matches
 from pathlib import Path
 from typing import Protocol
+
+from msgspec import Struct
 
 from rostether.transports.port_holders import Holder, find_holders, is_character_device
 
@@ -34,8 +35,7 @@ class NamedPort(Protocol):
         """The device on the port."""
 
 
-@dataclass(frozen=True, slots=True)
-class PortFacts:
+class PortFacts(Struct, frozen=True):
     """The state of one port; `group` may use it, None if membership would not help.
 
     `near` are the ports with a similar name, `others` all ports of this machine, as text for users.

@@ -4,16 +4,16 @@ from __future__ import annotations
 
 import os
 import stat
-from dataclasses import dataclass
 from pathlib import Path
+
+from msgspec import Struct
 
 _PTS = "/dev/pts/"
 # State of a listening socket in /proc/net/tcp.
 _LISTENING = "0A"
 
 
-@dataclass(frozen=True, slots=True)
-class Holder:
+class Holder(Struct, frozen=True):
     """A process; `name` is its command name."""
 
     pid: int

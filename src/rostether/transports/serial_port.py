@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import os
 import re
-from dataclasses import dataclass
+
+from msgspec import Struct
 
 # Bus, the sockets of the hubs on the way, configuration and interface: `1-1.2:1.0`.
 _USB_INTERFACE = re.compile(r"[0-9]+-[0-9.]+:[0-9]+\.[0-9]+")
 
 
-@dataclass(frozen=True, slots=True)
-class SerialPort:
+class SerialPort(Struct, frozen=True):
     """One serial port of this machine; the USB fields are None if the port is not on USB.
 
     `usb_location` is the socket that the device is plugged into, with the interface: it stays the

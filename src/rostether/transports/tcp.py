@@ -6,9 +6,10 @@ import asyncio
 import socket
 from collections import Counter
 from collections.abc import Callable
-from dataclasses import replace
 from time import thread_time
 from typing import TYPE_CHECKING
+
+from msgspec.structs import replace
 
 from rostether.errors import RostetherError, TransportOpenError, TransportTimeoutError
 from rostether.transports.address import TcpAddress, show_endpoint

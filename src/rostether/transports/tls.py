@@ -6,8 +6,9 @@ import logging
 import traceback
 from collections.abc import Collection
 from contextlib import suppress
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
+
+from msgspec import Struct
 
 from rostether.errors import ConfigError
 
@@ -27,8 +28,7 @@ _DATE_FAULTS = frozenset({9, 10})
 SPEAKS_NO_TLS = frozenset({"HTTP_REQUEST", "HTTPS_PROXY_REQUEST", "UNKNOWN_PROTOCOL", "WRONG_VERSION_NUMBER"})
 
 
-@dataclass(frozen=True, slots=True)
-class TlsFiles:
+class TlsFiles(Struct, frozen=True):
     """PEM files: a certificate, its key (None: in the same file), and the authority of the peer.
 
     A listener needs a certificate; with `ca`, it accepts only boards that have one too. A connector checks

@@ -12,8 +12,9 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Callable
-from dataclasses import replace
 from typing import Protocol
+
+from msgspec.structs import replace
 
 from rostether.errors import PeerClosedError, RemoteProtocolError, TransportClosedError, TransportError
 from rostether.transports.address import WebAddress

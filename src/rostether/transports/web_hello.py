@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import json
 import re
-from dataclasses import dataclass
 from typing import Any
+
+from msgspec import Struct
 
 from rostether.errors import RemoteProtocolError
 from rostether.transports.address_parser import MAX_BAUD
@@ -19,8 +20,7 @@ _ID = re.compile(r"[A-Za-z0-9-]{8,64}")
 _MAX_BYTES = 1 << 53
 
 
-@dataclass(frozen=True, slots=True)
-class WebHello:
+class WebHello(Struct, frozen=True):
     """A page's first message.
 
     `name` is the board's name for users. `key` is a random text that stays the same while the page reconnects

@@ -8,10 +8,10 @@ import random
 import struct
 import subprocess
 from collections.abc import AsyncIterator
-from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from msgspec.structs import replace
 
 from firmware.platforms.programs import EXTRAS, compile_program
 from rostether.platform.command_channel import CommandChannel

@@ -5,7 +5,9 @@ from __future__ import annotations
 import itertools
 import struct
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
+
+from msgspec.structs import replace
 
 from rostether.rosserial import topic_id as ids
 from rostether.rosserial.frame import encode_frame

@@ -6,10 +6,10 @@ import os
 import pty
 import termios
 from collections.abc import Callable, Iterator
-from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from msgspec.structs import replace
 
 from rostether.errors import FirmwareError, RostetherError
 from rostether.firmware.build import build_sketch, find_board

@@ -5,10 +5,10 @@ import contextlib
 import os
 from collections.abc import AsyncIterator, Iterator
 from contextlib import asynccontextmanager
-from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from msgspec.structs import replace
 
 from rostether.errors import ConfigError
 from rostether.graph.memory_network import MemoryNetwork

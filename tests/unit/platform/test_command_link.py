@@ -1,8 +1,7 @@
 from __future__ import annotations
 
-from dataclasses import replace
-
 import pytest
+from msgspec.structs import replace
 
 from rostether.platform.command_frame import CommandFrame, Flags, decode_frame
 from rostether.platform.command_link import (

@@ -3,9 +3,9 @@ from __future__ import annotations
 import asyncio
 import socket
 import time
-from dataclasses import replace
 
 import pytest
+from msgspec.structs import replace
 
 from rostether.errors import ConfigError, TransportError
 from rostether.msgdef.registry import Registry

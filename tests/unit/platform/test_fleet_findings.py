@@ -1,6 +1,6 @@
 from __future__ import annotations
 
-from dataclasses import replace
+from msgspec.structs import replace
 
 from rostether.platform.fleet_examination import Examination
 from rostether.platform.fleet_findings import FleetFinding, disk_finding, fleet_findings

@@ -2,9 +2,9 @@ from __future__ import annotations
 
 import asyncio
 import time
-from dataclasses import replace
 
 import pytest
+from msgspec.structs import replace
 
 from rostether.errors import ConfigError
 from rostether.graph.typed_graph import TypedGraph

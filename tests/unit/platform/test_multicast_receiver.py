@@ -5,9 +5,9 @@ import contextlib
 import socket
 import time
 from collections.abc import AsyncIterator
-from dataclasses import replace
 
 import pytest
+from msgspec.structs import replace
 
 from rostether.errors import ConfigError
 from rostether.graph.typed_graph import TypedGraph

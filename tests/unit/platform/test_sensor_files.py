@@ -1,10 +1,10 @@
 from __future__ import annotations
 
 import json
-from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from msgspec.structs import replace
 
 from rostether.errors import ConfigError
 from rostether.platform.sensor_files import read_sensors_toml, read_state, write_state

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import random
 from collections.abc import Iterator
-from dataclasses import dataclass
 
 import pytest
 
@@ -13,8 +12,7 @@ from rostether.recording.chunk_order import Entry, Unpacked, in_order
 from rostether.recording.packed_chunks import StoredChunk
 
 
-@dataclass(frozen=True)
-class _Chunk(StoredChunk):
+class _Chunk(StoredChunk, frozen=True):
     times: tuple[int, ...] = ()
 
 

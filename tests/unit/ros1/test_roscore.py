@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import AsyncIterator
-from dataclasses import replace
 
 import pytest
+from msgspec.structs import replace
 
 from rostether.errors import ConfigError, GraphError
 from rostether.graph.log_message import LOG_TYPE

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from enum import Enum, auto
+
+from msgspec.structs import replace
 
 from rostether.bridge.outbound.topic_queue import FRAME_OVERHEAD_BYTES
 from rostether.rosserial import topic_id as ids

@@ -1,7 +1,8 @@
 from __future__ import annotations
 
 import itertools
-from dataclasses import replace
+
+from msgspec.structs import replace
 
 from rostether.rosserial import topic_id as ids
 from rostether.rosserial.announcements import (
@@ -50,7 +51,7 @@ def test_damage_reveals_nothing_about_the_device() -> None:
     known, table = announcements()
     assert known.handle_packet(ids.PUBLISHER, b"?", 0.0) == (
         None,
-        [FrameDiscarded(DiscardReason.PACKET, b"?")],
+        [FrameDiscarded(DiscardReason.PACKET, b"?", ids.PUBLISHER)],
     )
     assert len(table.keys()) == 0
 

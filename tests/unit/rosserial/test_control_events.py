@@ -15,7 +15,7 @@ def test_log_and_parameter_request() -> None:
 
 @pytest.mark.parametrize("topic_id", [ids.LOG, ids.PARAMETER])
 def test_wrong_layout(topic_id: int) -> None:
-    assert control_event(topic_id, b"\xff") == FrameDiscarded(DiscardReason.PACKET, b"\xff")
+    assert control_event(topic_id, b"\xff") == FrameDiscarded(DiscardReason.PACKET, b"\xff", topic_id)
 
 
 @pytest.mark.parametrize("topic_id", [8, 9, ids.TX_STOP, 12, 99])

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from msgspec.structs import replace
 
 from rostether.rosserial import topic_id as ids
 from rostether.rosserial.control_rate import CHANGES, LOGS, TIME_REQUESTS, ControlRate

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import random
-from dataclasses import replace
 from typing import Any
 
 import pytest
+from msgspec.structs import replace
 
 from rostether.rosserial import topic_id as ids
 from rostether.rosserial.device_link import DeviceLink, DeviceLinkConfig

@@ -1,9 +1,9 @@
 from __future__ import annotations
 
 import itertools
-from dataclasses import replace
 
 import pytest
+from msgspec.structs import replace
 
 from rostether.rosserial import negotiation as module
 from rostether.rosserial import topic_id as ids

@@ -64,7 +64,7 @@ def test_names_that_devices_announce(name: str) -> None:
     ids=str,
 )
 def test_announcements_that_must_be_damage(wrong: dict[str, object]) -> None:
-    fields = {name: getattr(CHATTER, name) for name in CHATTER.__slots__}
+    fields = {name: getattr(CHATTER, name) for name in CHATTER.__struct_fields__}
     assert TopicInfo.decode(TopicInfo(**{**fields, **wrong}).encode()) is None
 
 
@@ -85,7 +85,7 @@ def test_announcements_that_must_be_damage(wrong: dict[str, object]) -> None:
     ids=str,
 )
 def test_the_error_names_what_to_change(wrong: dict[str, object], reason: str) -> None:
-    fields = {name: getattr(CHATTER, name) for name in CHATTER.__slots__}
+    fields = {name: getattr(CHATTER, name) for name in CHATTER.__struct_fields__}
     info = TopicInfo.read(TopicInfo(**{**fields, **wrong}).encode())
     assert info is not None
     fault = info.fault()

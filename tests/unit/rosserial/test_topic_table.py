@@ -1,7 +1,8 @@
 from __future__ import annotations
 
 import random
-from dataclasses import replace
+
+from msgspec.structs import replace
 
 from rostether.rosserial import topic_id as ids
 from rostether.rosserial.events import (

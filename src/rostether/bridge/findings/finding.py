@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
 from enum import IntEnum, StrEnum
+
+from msgspec import Struct
 
 
 class Severity(IntEnum):
@@ -47,8 +48,7 @@ class Code(StrEnum):
     MISSING_TOPIC = "missing-topic"
 
 
-@dataclass(frozen=True, slots=True)
-class Finding:
+class Finding(Struct, frozen=True):
     """One problem; `subject` distinguishes findings with the same code (a topic, a type), else it is empty.
 
     `seen` and `next_step` are one line each, without a full stop. `reported`: it has already been reported.
@@ -59,7 +59,7 @@ class Finding:
     seen: str
     next_step: str
     subject: str = ""
-    reported: bool = field(default=False, compare=False)
+    reported: bool = False
 
     @property
     def key(self) -> tuple[Code, str]:

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections import OrderedDict
-from dataclasses import dataclass
+
+from msgspec import Struct
 
 from rostether.rosserial.events import DiscardReason, FrameDiscarded
 from rostether.rosserial.frame import FORMS, read_header
@@ -21,8 +22,7 @@ REST_GAP_S = 0.1
 MAX_IDS = 64
 
 
-@dataclass(slots=True)
-class Oversize:
+class Oversize(Struct):
     """The dropped messages of one topic id; `largest_bytes` is the largest payload."""
 
     count: int = 0

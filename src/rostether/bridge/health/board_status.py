@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Any
+
+from msgspec import Struct
 
 from rostether.mechanisms.text import fold_line
 
@@ -14,8 +15,7 @@ _TOPIC_ROLES = ("publisher", "subscriber")
 _SERVICE_ROLES = ("service server", "service client")
 
 
-@dataclass(frozen=True, slots=True)
-class EndpointStatus:
+class EndpointStatus(Struct, frozen=True):
     """One topic or service of a board; messages per second, and messages lost."""
 
     role: str
@@ -31,8 +31,7 @@ class EndpointStatus:
         return self.role in _TOPIC_ROLES
 
 
-@dataclass(frozen=True, slots=True)
-class BoardStatus:
+class BoardStatus(Struct, frozen=True):
     """One board; unknown figures are None, texts are one line without control characters."""
 
     name: str

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from msgspec import Struct
 
 from rostether.bridge.board_node import BoardNode
 from rostether.bridge.endpoint.publisher import PublisherEndpoint
@@ -10,8 +10,7 @@ from rostether.bridge.session import Session
 from rostether.rosserial.events import ServiceAnnounced
 
 
-@dataclass(frozen=True, slots=True)
-class EndpointView:
+class EndpointView(Struct, frozen=True):
     """One endpoint; counts are in messages since it was first announced.
 
     `dropped_count` were lost to a queue that overflowed, `misfit_count` did not have their type's layout.
@@ -28,8 +27,7 @@ class EndpointView:
     misfit_count: int
 
 
-@dataclass(frozen=True, slots=True)
-class BoardView:
+class BoardView(Struct, frozen=True):
     """One board; link figures are of the present connection and zero without one."""
 
     node: str

@@ -15,9 +15,11 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Awaitable, Callable, Sequence
-from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import cast
+
+from msgspec import Struct, field
+from msgspec.structs import replace
 
 from rostether.bridge.findings.finding import Code, Finding, error
 from rostether.bridge.findings.line_watch import NO_ANSWER_S
@@ -49,8 +51,7 @@ _STARTING_CODES = frozenset(
 )
 
 
-@dataclass(frozen=True, slots=True)
-class Diagnosis:
+class Diagnosis(Struct, frozen=True):
     """The results for one address; `board` is None if none answered, `rates_hz` are by endpoint.
 
     `watched_s` is how long the board was watched.

@@ -5,8 +5,9 @@ from __future__ import annotations
 import asyncio
 from collections.abc import Callable
 from contextlib import aclosing
-from dataclasses import replace
 from typing import TYPE_CHECKING
+
+from msgspec.structs import replace
 
 from rostether.bridge.health.board_status import BoardStatus, read_statuses
 from rostether.mechanisms.block_end import task_beside

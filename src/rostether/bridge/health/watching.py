@@ -5,7 +5,8 @@ from __future__ import annotations
 import asyncio
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
+
+from msgspec import Struct
 
 from rostether.bridge.board_node import BoardNode
 from rostether.bridge.findings.finding import Code, Finding, error
@@ -31,8 +32,7 @@ _FIND_PERIOD_S = 1.0
 _NODE = "/board"
 
 
-@dataclass(frozen=True, slots=True)
-class Watched:
+class Watched(Struct, frozen=True):
     """The observations of one board; rates are messages per second by `role name`."""
 
     findings: tuple[Finding, ...]

@@ -5,9 +5,10 @@ from __future__ import annotations
 import asyncio
 import os
 from collections.abc import Awaitable
-from dataclasses import replace
 from pathlib import Path
 from typing import Protocol
+
+from msgspec.structs import replace
 
 from rostether.bridge.identity import identify_peer
 from rostether.bridge.ports.open_attempts import SETTLE_S, OpenAttempts, ServeLink

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Awaitable, Callable, Sequence
-from dataclasses import dataclass
 from typing import Protocol
+
+from msgspec import Struct
 
 from rostether.bridge.ports.port_probe import TunableTransport
 from rostether.ports.port_locks import find_port_user
@@ -27,8 +28,7 @@ async def open_port(address: SerialAddress) -> TunableTransport:
     return await open_serial(address)
 
 
-@dataclass(frozen=True, slots=True)
-class MachinePorts:
+class MachinePorts(Struct, frozen=True):
     """`list_ports` returns the system's list, `folders` are watched for changes of it.
 
     `find_port_user` names the other program that uses a port; it is called in a thread.

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
 from enum import StrEnum
 from functools import partial
 from importlib.util import find_spec
@@ -12,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import click
+from msgspec import Struct, field
 
 from rostether.cli.shell.option_group import (
     EXISTING_FILE,
@@ -85,8 +85,7 @@ def chosen_middleware(
     return Middleware.RCLPY if find_spec("rclpy") is not None else Middleware.ZENOH
 
 
-@dataclass(frozen=True, slots=True)
-class ZenohReach:
+class ZenohReach(Struct, frozen=True):
     """The zenoh options: endpoints such as `tcp/192.168.1.7:7447`, and a `RouterChoice`."""
 
     connect: tuple[str, ...] = ()
@@ -94,8 +93,7 @@ class ZenohReach:
     router: str = "auto"
 
 
-@dataclass(frozen=True, slots=True)
-class GraphOptions:
+class GraphOptions(Struct, frozen=True):
     """The graph that a command line selects.
 
     Args:

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from collections.abc import AsyncIterator, Callable, Iterable, Mapping
 from contextlib import asynccontextmanager
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
+
+from msgspec import Struct
 
 from rostether.cli.access.graph_options import Middleware, ZenohReach
 from rostether.errors import ConfigError
@@ -20,8 +21,7 @@ if TYPE_CHECKING:
     from rostether.ros2.zenoh.session import ZenohSession
 
 
-@dataclass(frozen=True, slots=True)
-class Ros2Access:
+class Ros2Access(Struct, frozen=True):
     """A session on a ROS 2 graph: its node factory, its types, and a line for users.
 
     Over zenoh, `listens_on` and `connects_to` are endpoints of the session, `is_router` is true if it is the

@@ -5,10 +5,12 @@ from __future__ import annotations
 import asyncio
 from collections.abc import AsyncIterator, Sequence
 from contextlib import AsyncExitStack, asynccontextmanager
-from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
+
+from msgspec import Struct
+from msgspec.structs import replace
 
 from rostether.cli.access.graph_options import GraphOptions, ZenohReach
 from rostether.cli.access.ros1_access import ros1_join
@@ -29,8 +31,7 @@ if TYPE_CHECKING:
 _ANSWER_LIMIT_S = 2.0
 
 
-@dataclass(frozen=True, slots=True)
-class ServedGraphs:
+class ServedGraphs(Struct, frozen=True):
     """The factory of the boards' nodes, the ROS 1 environment (None without ROS 1), and lines for users.
 
     `types` are the ROS 2 types, None without ROS 2.
@@ -97,8 +98,7 @@ async def native_session(graph: GraphOptions, msg_paths: Sequence[Path]) -> Asyn
         yield NativeSession(access.join, types, registry)
 
 
-@dataclass(frozen=True, slots=True)
-class UsedMaster:
+class UsedMaster(Struct, frozen=True):
     """The environment to join with, a line for users about its master, and whether it was started here."""
 
     environment: RosEnvironment

@@ -5,10 +5,11 @@ from __future__ import annotations
 import asyncio
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
-from dataclasses import dataclass
 from datetime import datetime
 from pathlib import Path
 from typing import TYPE_CHECKING
+
+from msgspec import Struct
 
 from rostether.cli.bag.formatting import MEGABYTE, size_text
 from rostether.cli.shell.option_group import COUNT, PATH, NumberRange, add_option, option_group
@@ -27,8 +28,7 @@ if TYPE_CHECKING:
 MAX_JOIN_RETRY_S = 1.0
 
 
-@dataclass(frozen=True, slots=True)
-class BagRecording:
+class BagRecording(Struct, frozen=True):
     """The folder of the bags, their size, and how many to keep; None keeps all."""
 
     folder: Path

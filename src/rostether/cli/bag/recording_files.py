@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import AsyncIterator, Iterable
 from contextlib import asynccontextmanager
-from dataclasses import dataclass
 from datetime import datetime
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
+from msgspec import Struct
 
 from rostether.cli.access.graph_options import GraphOptions, Middleware, ZenohReach
 from rostether.cli.access.ros1_access import joined, read_environment
@@ -78,8 +78,7 @@ def open_for(source: Path, target: Path, asked: Form | None = None) -> tuple[Rec
     return reader, form
 
 
-@dataclass(frozen=True, slots=True)
-class Packing:
+class Packing(Struct, frozen=True):
     """The compression and the size of chunks, and the file format in a ROS 2 bag's folder."""
 
     compression: str
@@ -180,8 +179,7 @@ def _check_compression(packing: Packing, suffix: str) -> None:
         raise ConfigError("MCAP does not support bz2; use --lz4, or no compression")
 
 
-@dataclass(frozen=True, slots=True)
-class RecordingGraph:
+class RecordingGraph(Struct, frozen=True):
     """This command's node; `types` are its known ROS 2 types, None if it is on ROS 1 only."""
 
     raw: Graph

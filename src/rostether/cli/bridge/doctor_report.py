@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import asdict
+
+from msgspec import to_builtins
 
 from rostether.bridge.findings.finding import Finding, Severity
 from rostether.bridge.health.board_status import BoardStatus
@@ -45,7 +46,7 @@ def reported_lines(board: BoardStatus, master_uri: str) -> Iterator[str]:
 
 def reported_record(board: BoardStatus) -> dict[str, object]:
     """Return the record of a board that a running bridge reports."""
-    return {"address": board.peer, "healthy": not board.level, **asdict(board)}
+    return {"address": board.peer, "healthy": not board.level, **to_builtins(board)}
 
 
 def finding_record(diagnosis: Diagnosis, finding: Finding) -> dict[str, object]:

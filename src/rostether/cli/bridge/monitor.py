@@ -6,8 +6,9 @@ import asyncio
 import contextlib
 import shutil
 from collections.abc import Sequence
-from dataclasses import asdict
 from typing import TYPE_CHECKING
+
+from msgspec import to_builtins
 
 from rostether.bridge.health.board_status import BoardStatus
 from rostether.bridge.health.reported_boards import BoardsSeen, listen, reported_boards
@@ -75,7 +76,7 @@ async def _monitor(once: bool, as_json: bool, graph: GraphOptions) -> int:
 
 
 def _write_status(status: BoardStatus) -> None:
-    write_json(asdict(status))
+    write_json(to_builtins(status))
 
 
 async def _print_once(node: TypedGraph, as_json: bool) -> int:

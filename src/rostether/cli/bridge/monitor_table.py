@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
 from typing import Literal, TypeAlias
+
+from msgspec import Struct
 
 from rostether.bridge.health.board_status import BoardStatus, EndpointStatus
 
@@ -21,8 +22,7 @@ _STATE_STYLES: dict[str, Style] = {"connected": "green", "disconnected": "bold r
 _ERROR = 2
 
 
-@dataclass(frozen=True, slots=True)
-class Line:
+class Line(Struct, frozen=True):
     """One line of the table: pieces of text, each in a style."""
 
     pieces: tuple[tuple[str, Style], ...]
@@ -33,8 +33,7 @@ class Line:
         return "".join(text for text, _ in self.pieces).rstrip()
 
 
-@dataclass(frozen=True, slots=True)
-class _Column:
+class _Column(Struct, frozen=True):
     title: str
     width: int
 

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
+
+from msgspec.structs import replace
 
 from rostether.cli.shell.option_group import PATH, Function, add_flag, add_option
 from rostether.errors import ConfigError
@@ -100,7 +101,7 @@ def read_limits(texts: Sequence[str]) -> tuple[BridgeSettings, GraphLimits]:
 
     given = _read(texts, {**BRIDGE_LIMITS, **GRAPH_LIMITS})
     bridge = {BRIDGE_LIMITS[name].setting: value for name, value in given.items() if name in BRIDGE_LIMITS}
-    return replace(DEFAULT_SETTINGS, **bridge), _graph_limits(given)  # type: ignore[arg-type]
+    return replace(DEFAULT_SETTINGS, **bridge), _graph_limits(given)
 
 
 def read_graph_limits(texts: Sequence[str]) -> GraphLimits:
@@ -110,7 +111,7 @@ def read_graph_limits(texts: Sequence[str]) -> GraphLimits:
 
 def _graph_limits(given: Mapping[str, float]) -> GraphLimits:
     graph = {GRAPH_LIMITS[name].setting: value for name, value in given.items() if name in GRAPH_LIMITS}
-    return replace(DEFAULT_GRAPH_LIMITS, **graph)  # type: ignore[arg-type]
+    return replace(DEFAULT_GRAPH_LIMITS, **graph)
 
 
 def _read(texts: Sequence[str], limits: Mapping[str, Limit]) -> dict[str, float]:

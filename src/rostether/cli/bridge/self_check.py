@@ -7,9 +7,10 @@ import os
 import shutil
 import sys
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
 from importlib.util import find_spec
 from pathlib import Path
+
+from msgspec import Struct
 
 from rostether.cli.shell.output import json_option, write_json, write_line
 from rostether.cli.shell.verbs import verb
@@ -36,8 +37,7 @@ _EXTRAS = (
 _BROWSERS = ("chromium", "google-chrome", "firefox", "xdg-open")
 
 
-@dataclass(frozen=True, slots=True)
-class Finding:
+class Finding(Struct, frozen=True):
     """One optional part: its name, its purpose, what was found (empty: nothing), and the next step."""
 
     part: str

@@ -10,12 +10,12 @@ from __future__ import annotations
 
 import shlex
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import Protocol
 
 import click
+from msgspec import Struct
 
 from rostether.cli.access.completions import complete_ports
 from rostether.cli.access.console_reporter import ConsoleReporter
@@ -52,8 +52,7 @@ class ChooseLink(Protocol):
         """Return the address."""
 
 
-@dataclass(frozen=True, slots=True)
-class HostRole:
+class HostRole(Struct, frozen=True):
     """An established rosserial host to replace: its node name, its parameters, and the board they select."""
 
     node_name: str

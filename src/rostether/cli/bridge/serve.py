@@ -5,13 +5,15 @@ from __future__ import annotations
 import gc
 from collections.abc import Sequence
 from contextlib import AbstractAsyncContextManager, nullcontext
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 from click.core import ParameterSource
+from msgspec import Struct
+from msgspec.structs import replace
 
 from rostether.cli.access.completions import complete_ports
 from rostether.cli.access.console_reporter import ConsoleReporter
@@ -201,8 +203,7 @@ def _refuse_token() -> None:
         raise click.UsageError("--token is for web clients; add --dashboard, --foxglove or --rosbridge")
 
 
-@dataclass(frozen=True, slots=True)
-class _Settings:
+class _Settings(Struct, frozen=True):
     """The meaning of the options: the links to serve, their settings, and the limits."""
 
     links: Sequence[Address]

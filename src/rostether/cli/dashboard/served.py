@@ -9,12 +9,14 @@ import socket
 import sys
 from collections.abc import AsyncIterator, Sequence
 from contextlib import AsyncExitStack, asynccontextmanager
-from dataclasses import dataclass, replace
 from functools import partial
 from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING
 from urllib.parse import quote
+
+from msgspec import Struct
+from msgspec.structs import replace
 
 from rostether.cli.access.served_graphs import ServedGraphs
 from rostether.cli.dashboard.view import View
@@ -48,8 +50,7 @@ _PORT_TRIES = 5
 _EVERYWHERE = ("", "0.0.0.0", "::")  # noqa: S104 - what was typed
 
 
-@dataclass(frozen=True, slots=True)
-class Dashboard:
+class Dashboard(Struct, frozen=True):
     """A running dashboard; `url` is its address, with the token if there is one."""
 
     gateway: FoxgloveGateway

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
+
+from msgspec import Struct, field
 
 from rostether.cli.gateway.node import NodeNaming
 from rostether.cli.gateway.options import DEFAULT_ADDRESS, GatewayOptions
@@ -15,8 +16,7 @@ if TYPE_CHECKING:
     from rostether.transports.web_boards import WebBoards
 
 
-@dataclass(frozen=True, slots=True)
-class DashboardSettings:
+class DashboardSettings(Struct, frozen=True):
     """Where the dashboard is served, and who may use it.
 
     `address` is [HOST:]PORT; without a port, the next free one from 8765 is used. Without `has_page` only the

@@ -5,9 +5,10 @@ from __future__ import annotations
 import base64
 import json
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
 from pathlib import Path
 from urllib.parse import quote
+
+from msgspec import Struct, field
 
 from rostether.errors import ConfigError
 
@@ -39,8 +40,7 @@ PANELS = (
 _MAX_RVIZ_BYTES = 1 << 20
 
 
-@dataclass(frozen=True, slots=True)
-class View:
+class View(Struct, frozen=True):
     """A panel with its settings; `files` are served with the page."""
 
     panel: str

@@ -6,11 +6,12 @@ import asyncio
 import contextlib
 from collections.abc import AsyncIterator, Callable, Mapping
 from contextlib import AbstractAsyncContextManager, AsyncExitStack, asynccontextmanager
-from dataclasses import dataclass
 from functools import partial
 from math import inf, isinf
 from pathlib import Path
 from typing import TYPE_CHECKING
+
+from msgspec import Struct
 
 from rostether.bridge.reporter import Reporter
 from rostether.bridge.supervisor import Supervisor
@@ -45,8 +46,7 @@ _LONG_BUILD_S = 0.5
 PlugIn = Callable[[Supervisor, JoinGraph], AbstractAsyncContextManager[None]]
 
 
-@dataclass(frozen=True, slots=True)
-class DemoBoard:
+class DemoBoard(Struct, frozen=True):
     """A running board: its description, link and topics, and its other node on the graph."""
 
     title: str

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from collections.abc import AsyncIterator
 from contextlib import AsyncExitStack, asynccontextmanager
-from dataclasses import replace
 from importlib.util import find_spec
+
+from msgspec.structs import replace
 
 from rostether.bridge.reporter import Reporter
 from rostether.cli.access.graph_options import Middleware

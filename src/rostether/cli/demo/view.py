@@ -6,12 +6,12 @@ import shutil
 import sys
 from collections import deque
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
 from itertools import pairwise
 from math import ceil, degrees
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from msgspec import Struct
 from rich.console import Console, ConsoleOptions, RenderResult
 from rich.rule import Rule
 from rich.table import Column, Table
@@ -45,8 +45,7 @@ _COUNT_WIDTH = 8
 _INDENT = "  "
 
 
-@dataclass(frozen=True, slots=True)
-class _Shown:
+class _Shown(Struct, frozen=True):
     """How values of a type are shown: as text and, with `number`, as a curve on a scale."""
 
     text: Callable[[Any], str]
@@ -75,8 +74,7 @@ def _position(translation: Any) -> str:
     return f"{translation.x:+.1f} {translation.y:+.1f} m"
 
 
-@dataclass(frozen=True, slots=True)
-class DemoFacts:
+class DemoFacts(Struct, frozen=True):
     """The texts that do not change while the demo runs."""
 
     title: str

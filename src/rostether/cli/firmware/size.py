@@ -7,11 +7,11 @@ import re
 import shutil
 import sys
 from collections.abc import Sequence
-from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
+from msgspec import to_builtins
 from rich.console import Console
 from rich.table import Table
 
@@ -131,10 +131,10 @@ def _record(
         "ram_limit_bytes": footprint.board.ram_bytes or None,
         "stack_bytes": None if stack is None else stack.total_bytes,
         "free_ram_bytes": footprint.free_ram_bytes if stack is not None else None,
-        "stack": None if stack is None else asdict(stack),
-        "groups": [asdict(group) for group in footprint.groups],
+        "stack": None if stack is None else to_builtins(stack),
+        "groups": [to_builtins(group) for group in footprint.groups],
         "input_buffer_bytes": buffer_bytes or None,
-        "endpoints": [{**asdict(each), "note": each.note(buffer_bytes)} for each in endpoints],
+        "endpoints": [{**to_builtins(each), "note": each.note(buffer_bytes)} for each in endpoints],
         "warnings": problems,
     }
 

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import AsyncIterator, Awaitable, Callable, Mapping, Sequence
 from contextlib import AbstractAsyncContextManager, asynccontextmanager
-from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Protocol, TypeAlias
+
+from msgspec import Struct
 
 from rostether.cli.access.console_reporter import ConsoleReporter
 from rostether.cli.access.graph_options import GraphOptions
@@ -30,8 +31,7 @@ Report: TypeAlias = Callable[[Level, str], None]
 AskService: TypeAlias = Callable[[str], Awaitable[str]]
 
 
-@dataclass(frozen=True, slots=True)
-class GatewayGraph:
+class GatewayGraph(Struct, frozen=True):
     """How gateways join a graph: their node factory, their types, and how they query services.
 
     With `is_ros2`, type names are those of ROS 2. ROS 1 needs `ask_service_type`, `ask_service_host` and

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Awaitable, Callable, Mapping, Sequence
-from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 import click
+from msgspec import Struct, field
 
 from rostether.cli.gateway.options import DEFAULT_ADDRESS
 from rostether.errors import ConfigError, GraphError, UnknownNameError
@@ -28,8 +28,7 @@ _TRUE = ("true", "1", "yes", "on")
 _NOTHING = (None, "", "None")
 
 
-@dataclass(frozen=True, slots=True)
-class NodeNaming:
+class NodeNaming(Struct, frozen=True):
     """The name, namespace and remappings of a gateway's node; an empty name means the gateway's own."""
 
     name: str = ""

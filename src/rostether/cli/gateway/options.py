@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import os
 import re
-from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
+
+from msgspec import Struct
 
 from rostether.cli.shell.option_group import Decorator, OptionalValueOption, add_option, option_group
 from rostether.errors import ConfigError
@@ -27,8 +28,7 @@ _HEADING = "Web clients"
 AUTO = "auto"
 
 
-@dataclass(frozen=True, slots=True)
-class GatewayOptions:
+class GatewayOptions(Struct, frozen=True):
     """The typed options: the address of each requested gateway (None: not requested), and who may use it.
 
     Raises ConfigError for an invalid origin, and for a view token without a different token.
@@ -145,8 +145,7 @@ viewer_access_options = _client_group(*_ACCESS_OPTIONS, *_VIEW_OPTIONS)
 gateway_options = _client_group(*_ADDRESS_OPTIONS, *_ACCESS_OPTIONS, *_VIEW_OPTIONS)
 
 
-@dataclass(frozen=True, slots=True)
-class Encryption:
+class Encryption(Struct, frozen=True):
     """Files for a gateway's settings, empty without encryption; other devices install `authority`."""
 
     certificate: str = ""

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import os
-from dataclasses import dataclass, replace
 
 import click
+from msgspec import Struct
+from msgspec.structs import replace
 
 from rostether.cli.access.ros1_access import no_master, ros1_join
 from rostether.cli.access.served_graphs import ServedGraphs, master_answers, used_master, wait_for_answer
@@ -24,8 +25,7 @@ from rostether.ros1.environment import RosEnvironment
 _WAIT_S = 0.2
 
 
-@dataclass(frozen=True, slots=True)
-class MasterSettings:
+class MasterSettings(Struct, frozen=True):
     """The master of the nodes; `is_chosen` if an option named it, `waits` if none may be started."""
 
     environment: RosEnvironment

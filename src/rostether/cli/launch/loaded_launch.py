@@ -5,8 +5,9 @@ from __future__ import annotations
 import os
 import shlex
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
+
+from msgspec import Struct
 
 from rostether.cli.access.graph_options import ros_arguments
 from rostether.cli.dashboard.view import View, read_view
@@ -29,8 +30,7 @@ _PACKAGE_PATH = "ROS_PACKAGE_PATH"
 _MAX_PATH_CHARS = 100_000
 
 
-@dataclass(frozen=True, slots=True)
-class LoadedLaunch:
+class LoadedLaunch(Struct, frozen=True):
     """A plan with the environment of its nodes, and `locate`, which finds their programs."""
 
     plan: LaunchPlan

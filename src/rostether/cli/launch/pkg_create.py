@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import getpass
-from dataclasses import replace
 from pathlib import Path
 
 import click
+from msgspec.structs import replace
 
 from rostether.cli.shell.option_group import add_flag, add_option, ignored_options, option_group
 from rostether.cli.shell.output import json_option, warn, write_json, write_line

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
+from msgspec import Struct
 
 from rostether.cli.access.completions import complete_message_types, complete_service_types
 from rostether.cli.access.graph_options import GraphOptions, graph_options
@@ -24,8 +24,7 @@ if TYPE_CHECKING:
     from rostether.msgdef.spec import MessageSpec
 
 
-@dataclass(frozen=True, slots=True)
-class _Kind:
+class _Kind(Struct, frozen=True):
     """The differences between the two groups."""
 
     group: str

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import asdict
 from typing import Any
+
+from msgspec.structs import asdict
 
 from rostether.msgdef.interface import ANY_TYPE
 from rostether.ros1.node.node_calls import Connection, Registrations

@@ -5,10 +5,11 @@ from __future__ import annotations
 import struct
 from collections.abc import Sequence
 from contextlib import closing
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import click
+from msgspec.structs import replace
 
 from rostether.cli.platform.fleet_options import MAX_ROBOT, fleet_options, for_robot
 from rostether.cli.shell.failures import EXIT_DONE, EXIT_FAILED

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import click
+from msgspec.structs import replace
 
 from rostether.cli.shell.option_group import PORT, Function, add_option, option_group
 from rostether.errors import ConfigError

@@ -7,9 +7,11 @@ import contextlib
 import shutil
 import time
 from collections.abc import Callable, Coroutine, Iterable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
+
+from msgspec.structs import replace
 
 from rostether.cli.access.options import msg_path_option
 from rostether.cli.plot.curves import Curves, expand

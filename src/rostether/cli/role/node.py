@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import AsyncIterator, Awaitable, Callable, Sequence
 from contextlib import asynccontextmanager
-from dataclasses import replace
 from typing import TYPE_CHECKING, TypeAlias
 
 import click
+from msgspec.structs import replace
 
 from rostether.cli.access.graph_options import (
     ROS2_CHOICE,

@@ -5,7 +5,6 @@ from __future__ import annotations
 import re
 import shutil
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import dataclass
 from importlib import import_module
 from itertools import groupby
 from textwrap import dedent
@@ -14,6 +13,7 @@ from typing import Any
 
 import click
 from click.shell_completion import CompletionItem
+from msgspec import Struct
 
 from rostether.cli.shell.interrupts import raise_at_interrupt
 from rostether.cli.shell.option_group import OptionalValueOption, option_sections
@@ -36,8 +36,7 @@ _COMMENTED = re.compile(r"(\S.*?) {2,}(\S.*)")
 _MIN_SIMILARITY = 0.7
 
 
-@dataclass(frozen=True, slots=True)
-class VerbEntry:
+class VerbEntry(Struct, frozen=True):
     """The location of a verb (`module:attribute`), and its line and heading in the help.
 
     The help is shown without an import of the verb.

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import click
+from msgspec.structs import asdict
 
 from rostether.cli.access.completions import complete_topics
 from rostether.cli.access.graph_options import GraphOptions, graph_options

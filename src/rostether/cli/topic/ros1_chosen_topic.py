@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
+
+from msgspec import Struct
 
 from rostether.cli.access.ros1_access import resolve
 from rostether.cli.shell.output import warn
@@ -23,8 +24,7 @@ if TYPE_CHECKING:
 POLL_S = 0.1
 
 
-@dataclass(frozen=True, slots=True)
-class ChosenTopic:
+class ChosenTopic(Struct, frozen=True):
     """A topic that exists, its type, and the path to a field in it, empty for the whole message."""
 
     topic: str

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+
+from msgspec import Struct
 
 from rostether.cli.access.ros1_access import master_client
 from rostether.errors import UnknownNameError
@@ -16,8 +17,7 @@ from rostether.ros1.node.master_client import MasterClient
 UNKNOWN_TYPE = "unknown type"
 
 
-@dataclass(frozen=True, slots=True)
-class TopicView:
+class TopicView(Struct, frozen=True):
     """One topic; `type` is "unknown type" until a publisher or subscriber has registered one."""
 
     name: str

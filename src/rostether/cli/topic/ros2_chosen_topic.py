@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import asyncio
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
+
+from msgspec import Struct
 
 from rostether.cli.shell.output import warn
 from rostether.errors import ConfigError, DefinitionError, TypeMismatchError
@@ -24,16 +25,14 @@ if TYPE_CHECKING:
 POLL_S = 0.1
 
 
-@dataclass(frozen=True, slots=True)
-class ChosenField:
+class ChosenField(Struct, frozen=True):
     """A field of a topic's messages, and its type."""
 
     path: FieldPath
     type: Ros2Type
 
 
-@dataclass(frozen=True, slots=True)
-class ChosenRos2Topic:
+class ChosenRos2Topic(Struct, frozen=True):
     """A topic, the short name of its type, and the field of it that is meant, None for the whole message."""
 
     topic: str

@@ -5,7 +5,9 @@ from __future__ import annotations
 import math
 from collections import deque
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+
+from msgspec import Struct
+from msgspec.structs import asdict
 
 # Messages in a window that was not limited: about 15 minutes at 50 Hz, 400 kB.
 UNBOUNDED_WINDOW = 50_000
@@ -14,8 +16,7 @@ UNBOUNDED_WINDOW = 50_000
 DEFAULT_BANDWIDTH_WINDOW = 100
 
 
-@dataclass(frozen=True, slots=True)
-class Spread:
+class Spread(Struct, frozen=True):
     """Statistics of a window: mean, extremes and standard deviation in seconds; `window` counts messages."""
 
     mean_s: float
@@ -81,8 +82,7 @@ class DelayWindow:
         return _spread(self._delays, len(self._delays))
 
 
-@dataclass(frozen=True, slots=True)
-class Bandwidth:
+class Bandwidth(Struct, frozen=True):
     """Bytes a second, and the sizes of the messages in the window."""
 
     bytes_per_s: float

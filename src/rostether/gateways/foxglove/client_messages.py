@@ -5,41 +5,35 @@ Source: the Foxglove WebSocket protocol, https://github.com/foxglove/ws-protocol
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any, ClassVar
 
+from msgspec import Struct
 
-class ClientMessage:
+
+class ClientMessage(Struct, frozen=True):
     """A message of a client."""
-
-    __slots__ = ()
 
     # The capability of the gateway that it needs; empty: none.
     capability: ClassVar[str] = ""
 
 
-class Action(ClientMessage):
+class Action(ClientMessage, frozen=True):
     """A message that acts on the robot or on the recordings: clients that may only view cannot send it."""
 
-    __slots__ = ()
 
-
-@dataclass(frozen=True, slots=True)
-class Subscribe(ClientMessage):
+class Subscribe(ClientMessage, frozen=True):
     """Subscribes to channels: pairs of an id that the client chose and the channel's id."""
 
     subscriptions: tuple[tuple[int, int], ...]
 
 
-@dataclass(frozen=True, slots=True)
-class Unsubscribe(ClientMessage):
+class Unsubscribe(ClientMessage, frozen=True):
     """Ends subscriptions."""
 
     subscription_ids: tuple[int, ...]
 
 
-@dataclass(frozen=True, slots=True)
-class ClientChannel:
+class ClientChannel(Struct, frozen=True):
     """A topic that a client publishes, with the id that it chose.
 
     With a `driver`, a display name, it is driven under a lease.
@@ -53,8 +47,7 @@ class ClientChannel:
     driver: str | None = None
 
 
-@dataclass(frozen=True, slots=True)
-class Advertise(Action):
+class Advertise(Action, frozen=True):
     """Announces that the client publishes topics."""
 
     capability = "clientPublish"
@@ -62,23 +55,20 @@ class Advertise(Action):
     channels: tuple[ClientChannel, ...]
 
 
-@dataclass(frozen=True, slots=True)
-class Unadvertise(ClientMessage):
+class Unadvertise(ClientMessage, frozen=True):
     """Announces that the client stops publishing."""
 
     channel_ids: tuple[int, ...]
 
 
-@dataclass(frozen=True, slots=True)
-class MessageData(Action):
+class MessageData(Action, frozen=True):
     """A message on one of the client's channels."""
 
     channel_id: int
     payload: bytes
 
 
-@dataclass(frozen=True, slots=True)
-class ServiceRequest(Action):
+class ServiceRequest(Action, frozen=True):
     """A service call."""
 
     capability = "services"
@@ -89,8 +79,7 @@ class ServiceRequest(Action):
     payload: bytes
 
 
-@dataclass(frozen=True, slots=True)
-class GetParameters(ClientMessage):
+class GetParameters(ClientMessage, frozen=True):
     """Requests values; no names means all."""
 
     capability = "parameters"
@@ -99,8 +88,7 @@ class GetParameters(ClientMessage):
     request_id: str | None
 
 
-@dataclass(frozen=True, slots=True)
-class GivenParameter:
+class GivenParameter(Struct, frozen=True):
     """One value to set, in JSON; None unsets it."""
 
     name: str
@@ -108,8 +96,7 @@ class GivenParameter:
     type: str | None
 
 
-@dataclass(frozen=True, slots=True)
-class SetParameters(Action):
+class SetParameters(Action, frozen=True):
     """Sets values."""
 
     capability = "parameters"
@@ -118,8 +105,7 @@ class SetParameters(Action):
     request_id: str | None
 
 
-@dataclass(frozen=True, slots=True)
-class SubscribeParameters(ClientMessage):
+class SubscribeParameters(ClientMessage, frozen=True):
     """Subscribes to changes of values."""
 
     capability = "parametersSubscribe"
@@ -127,27 +113,23 @@ class SubscribeParameters(ClientMessage):
     names: tuple[str, ...]
 
 
-@dataclass(frozen=True, slots=True)
-class UnsubscribeParameters(ClientMessage):
+class UnsubscribeParameters(ClientMessage, frozen=True):
     """Unsubscribes from changes of values."""
 
     names: tuple[str, ...]
 
 
-@dataclass(frozen=True, slots=True)
-class SubscribeConnectionGraph(ClientMessage):
+class SubscribeConnectionGraph(ClientMessage, frozen=True):
     """Subscribes to the lists of publishers, subscribers and services."""
 
     capability = "connectionGraph"
 
 
-@dataclass(frozen=True, slots=True)
-class UnsubscribeConnectionGraph(ClientMessage):
+class UnsubscribeConnectionGraph(ClientMessage, frozen=True):
     """Unsubscribes from these lists."""
 
 
-@dataclass(frozen=True, slots=True)
-class FetchAsset(ClientMessage):
+class FetchAsset(ClientMessage, frozen=True):
     """Requests a file."""
 
     capability = "assets"
@@ -156,26 +138,22 @@ class FetchAsset(ClientMessage):
     request_id: int
 
 
-@dataclass(frozen=True, slots=True)
-class ListRecordings(ClientMessage):
+class ListRecordings(ClientMessage, frozen=True):
     """Requests the recordings, now and when they change; an op of this gateway."""
 
 
-@dataclass(frozen=True, slots=True)
-class StartRecording(Action):
+class StartRecording(Action, frozen=True):
     """Starts a recording; no topics means all. An op of this gateway."""
 
     topics: tuple[str, ...]
     form: str
 
 
-@dataclass(frozen=True, slots=True)
-class StopRecording(Action):
+class StopRecording(Action, frozen=True):
     """Ends the recording; an op of this gateway."""
 
 
-@dataclass(frozen=True, slots=True)
-class PlayRecording(Action):
+class PlayRecording(Action, frozen=True):
     """Plays a recording; an op of this gateway. `start_s` is a time in the recording."""
 
     name: str
@@ -184,20 +162,17 @@ class PlayRecording(Action):
     is_prefixed: bool
 
 
-@dataclass(frozen=True, slots=True)
-class PausePlayback(Action):
+class PausePlayback(Action, frozen=True):
     """Pauses or continues the playback; an op of this gateway."""
 
     is_paused: bool
 
 
-@dataclass(frozen=True, slots=True)
-class StopPlayback(Action):
+class StopPlayback(Action, frozen=True):
     """Ends the playback; an op of this gateway."""
 
 
-@dataclass(frozen=True, slots=True)
-class AskTime(ClientMessage):
+class AskTime(ClientMessage, frozen=True):
     """Requests the robot's time; an op of this gateway. The answer has the id."""
 
     request_id: int

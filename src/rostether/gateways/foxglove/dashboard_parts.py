@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Awaitable, Callable
-from dataclasses import dataclass
+
+from msgspec import Struct
 
 from rostether.gateways.foxglove.recording_control import RecordingControl
 from rostether.gateways.websocket.admission import Rights
@@ -12,8 +13,7 @@ from rostether.graph.ports import Graph
 from rostether.transports.web_boards import WebBoards
 
 
-@dataclass(frozen=True, slots=True)
-class DashboardParts:
+class DashboardParts(Struct, frozen=True):
     """All parts are optional.
 
     `site` has the files to serve, `join_teleop` makes the node of clients that drive, `recordings` records

@@ -5,8 +5,9 @@ from __future__ import annotations
 import asyncio
 import sys
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Final
+
+from msgspec import Struct
 
 from rostether.errors import SerializationError
 from rostether.gateways.foxglove.json_messages import decode_json
@@ -23,8 +24,7 @@ MAX_QUICK_ROS1_BYTES: Final = 32 << 10
 _MANY_DEFAULTS: Final = 1000
 
 
-@dataclass(frozen=True, slots=True)
-class Encoder:
+class Encoder(Struct, frozen=True):
     """Converts a client's message to a ROS message. `encode` raises SerializationError."""
 
     encode: Callable[[bytes], bytes]

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Coroutine
-from dataclasses import dataclass, field
 from typing import Any
+
+from msgspec import Struct, field
 
 from rostether.errors import RostetherError
 from rostether.gateways.foxglove.assets import Assets
@@ -22,8 +23,7 @@ from rostether.graph.ports import Graph
 from rostether.serde.store import TypeStore
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class GatewayContext:
+class GatewayContext(Struct, frozen=True, kw_only=True):
     """The graph and everything that clients share; made by `FoxgloveGateway`."""
 
     graph: Graph

@@ -9,9 +9,10 @@ from __future__ import annotations
 import json
 import struct
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
 from enum import IntEnum
 from typing import Any
+
+import msgspec
 
 from rostether.mechanisms.text import fold_line
 from rostether.msgdef.interface import MessageType, ServiceType
@@ -45,8 +46,7 @@ class StatusLevel(IntEnum):
     ERROR = 2
 
 
-@dataclass(frozen=True, slots=True)
-class Channel:
+class Channel(msgspec.Struct, frozen=True):
     """A topic as clients see it; a topic whose type changes gets another id."""
 
     id: int
@@ -54,8 +54,7 @@ class Channel:
     type: MessageType
 
 
-@dataclass(frozen=True, slots=True)
-class OfferedService:
+class OfferedService(msgspec.Struct, frozen=True):
     """A service as clients see it."""
 
     id: int

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
+
+from msgspec import Struct, field
 
 from rostether.errors import ConfigError
 from rostether.gateways.websocket.settings import ConnectionLimits, ServerSettings
@@ -23,8 +24,7 @@ CAPABILITIES = (
 )
 
 
-@dataclass(frozen=True, slots=True)
-class FoxgloveLimits:
+class FoxgloveLimits(Struct, frozen=True):
     """Bounds of one gateway and its clients."""
 
     # A school class with one robot; each client may need `waiting_bytes`.
@@ -86,8 +86,7 @@ class FoxgloveLimits:
         )
 
 
-@dataclass(frozen=True, slots=True)
-class NameFilter:
+class NameFilter(Struct, frozen=True):
     """The offered names: those that fully match a pattern; None offers every name."""
 
     patterns: tuple[re.Pattern[str], ...] | None = None
@@ -105,8 +104,7 @@ class NameFilter:
         return self.patterns is None or any(pattern.fullmatch(name) for pattern in self.patterns)
 
 
-@dataclass(frozen=True, slots=True)
-class FoxgloveSettings(ServerSettings):
+class FoxgloveSettings(ServerSettings, frozen=True):
     """The settings of a gateway.
 
     Clients show the `name`, and also get the `metadata`. Log lines start with `label`. Clients can only use

@@ -10,8 +10,9 @@ from __future__ import annotations
 import asyncio
 from collections import deque
 from collections.abc import Callable
-from dataclasses import dataclass
 from enum import StrEnum
+
+from msgspec import Struct
 
 from rostether.errors import RemoteProtocolError, RostetherError
 from rostether.gateways.rosbridge.outbox import Outbox
@@ -43,8 +44,7 @@ class Compression(StrEnum):
 _STRENGTH = list(Compression)
 
 
-@dataclass(frozen=True, slots=True)
-class Delivery:
+class Delivery(Struct, frozen=True):
     """The rate, queue and form of the messages of one subscription."""
 
     throttle_s: float = 0.0

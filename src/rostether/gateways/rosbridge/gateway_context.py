@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Awaitable, Callable
-from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Protocol, TypeAlias
+
+from msgspec import Struct, field
 
 from rostether.errors import RostetherError
 from rostether.gateways.rosbridge.settings import RosbridgeSettings
@@ -35,8 +36,7 @@ class LocalServices(Protocol):
         """Return the handler of a service by its full name; it accepts and returns JSON values."""
 
 
-@dataclass(slots=True, eq=False)
-class GatewayContext:
+class GatewayContext(Struct, eq=False):
     """The graph and everything that clients share; made by `RosbridgeServer`."""
 
     graph: Graph

@@ -8,8 +8,9 @@ from __future__ import annotations
 
 import asyncio
 from collections import deque
-from dataclasses import dataclass
 from typing import Generic, Protocol, TypeAlias, TypeVar
+
+from msgspec import Struct
 
 from rostether.gateways.shared_subscriptions import Batch
 from rostether.gateways.websocket.topic_queues import TopicQueues
@@ -29,8 +30,7 @@ class Receiver(Protocol):
 ReceiverT = TypeVar("ReceiverT", bound=Receiver)
 
 
-@dataclass(frozen=True, slots=True)
-class Due(Generic[ReceiverT]):
+class Due(Struct, Generic[ReceiverT], frozen=True):
     """One message to send now: the payload of `batch` at `index`."""
 
     receiver: ReceiverT

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from fnmatch import fnmatchcase
 
 from rostether.gateways.websocket.settings import ServerSettings
@@ -69,8 +68,7 @@ def matches(name: str, globs: tuple[str, ...] | None) -> bool:
     return globs is None or any(fnmatchcase(name, each) for each in globs)
 
 
-@dataclass(frozen=True, slots=True)
-class RosbridgeSettings(ServerSettings):
+class RosbridgeSettings(ServerSettings, frozen=True):
     """The settings of a rosbridge server.
 
     Only `path` is served, unless it is empty. Clients can only use names that match the globs; None allows

@@ -11,8 +11,9 @@ For geometry_msgs/TwistStamped the result is:
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Any, Final, Generic, TypeAlias, TypeVar
+
+import msgspec
 
 from rostether.serde.codec import Codec
 from rostether.serde.generated_source import attribute
@@ -26,8 +27,7 @@ FormT = TypeVar("FormT")
 _MAX_FORMS: Final = 512
 
 
-@dataclass(frozen=True, slots=True)
-class Leaves:
+class Leaves(msgspec.Struct, frozen=True):
     """Converts the values that are not messages; `numbers` gets the element's `struct` format.
 
     `omitted` are fields, as `package/Name.field`, that the form omits.

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, fields
 from typing import Any
+
+from msgspec import Struct
 
 from rostether.errors import SerializationError
 from rostether.serde.values import Message
@@ -13,8 +14,7 @@ from rostether.serde.values import Message
 LINEAR, ANGULAR, SPEED = "linear", "angular", "speed"
 
 
-@dataclass(frozen=True, slots=True)
-class DriveLimits:
+class DriveLimits(Struct, frozen=True):
     """The limits of published commands; each is also a parameter of the node.
 
     `linear` is in m/s, `angular` in rad/s, `speed` in the unit of the command, the others in that unit per
@@ -32,9 +32,9 @@ class DriveLimits:
     def of(cls, values: Mapping[str, object]) -> DriveLimits:
         """Read parameters; those that are missing or negative keep their default."""
         known = {
-            each.name: float(value)
-            for each in fields(cls)
-            if isinstance(value := values.get(each.name), int | float)
+            each: float(value)
+            for each in cls.__struct_fields__
+            if isinstance(value := values.get(each), int | float)
             and not isinstance(value, bool)
             and value >= 0
         }

@@ -5,7 +5,6 @@ from __future__ import annotations
 import asyncio
 from collections.abc import Awaitable, Callable, Hashable
 from contextlib import suppress
-from dataclasses import fields
 from typing import Protocol
 
 from rostether.errors import ConfigError, RostetherError, TypeMismatchError
@@ -210,9 +209,9 @@ class Teleop:
             graph = await self._join()
             # As parameters, so that all programs can read and change them.
             with suppress(RostetherError):
-                for each in fields(DriveLimits):
-                    if not await graph.has_param(f"~{each.name}"):
-                        await graph.set_param(f"~{each.name}", getattr(DriveLimits(), each.name))
+                for each in DriveLimits.__struct_fields__:
+                    if not await graph.has_param(f"~{each}"):
+                        await graph.set_param(f"~{each}", getattr(DriveLimits(), each))
             self._graph = graph
             self._watching = asyncio.ensure_future(self._forget_when_gone(graph))
         return self._graph
@@ -229,9 +228,9 @@ class Teleop:
 
 async def _read_limits(graph: Graph) -> DriveLimits:
     values: dict[str, object] = {}
-    for each in fields(DriveLimits):
+    for each in DriveLimits.__struct_fields__:
         with suppress(RostetherError):
-            values[each.name] = await graph.get_param(f"~{each.name}")
+            values[each] = await graph.get_param(f"~{each}")
     return DriveLimits.of(values)
 
 

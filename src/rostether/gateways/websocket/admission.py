@@ -8,10 +8,11 @@ from __future__ import annotations
 
 import hmac
 from collections.abc import Sequence
-from dataclasses import dataclass, field
 from enum import Enum
 from http import HTTPStatus
 from urllib.parse import SplitResult, parse_qs, urlsplit
+
+from msgspec import Struct, field
 
 from rostether.gateways.websocket.site import RequestHeaders
 from rostether.transports.own_names import OwnNames
@@ -23,8 +24,7 @@ _WEB_SCHEMES = ("http", "https")
 _BEARER = "bearer"
 
 
-@dataclass(frozen=True, slots=True)
-class PageRule:
+class PageRule(Struct, frozen=True):
     """The pages that may connect: pages of this machine to this machine, and pages of the same address.
 
     `origins` are pages that the user allows, such as `https://panel.example` (`*`: all), `own_names` the
@@ -77,11 +77,13 @@ def is_of_program(origin: str | None) -> bool:
     return origin is None or (":" in origin and not origin.startswith(("http:", "https:")))
 
 
-@dataclass(frozen=True, slots=True)
-class Token:
+class Token(Struct, frozen=True):
     """The secret that clients must present; an empty one admits every client."""
 
-    secret: str = field(default="", repr=False)
+    secret: str = ""
+
+    def __repr__(self) -> str:
+        return "Token()"
 
     @property
     def is_required(self) -> bool:

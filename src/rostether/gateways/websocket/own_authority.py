@@ -11,10 +11,11 @@ import ipaddress
 import os
 import socket
 from collections.abc import Iterable
-from dataclasses import dataclass
 from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeAlias
+
+from msgspec import Struct
 
 from rostether.errors import ConfigError
 from rostether.extras import install_command
@@ -45,8 +46,7 @@ _LOCAL_NETWORKS = (
 )
 
 
-@dataclass(frozen=True, slots=True)
-class OwnCertificate:
+class OwnCertificate(Struct, frozen=True):
     """Files of a server's certificate with its key, and of the authority's certificate for other devices."""
 
     certificate: Path

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from msgspec import Struct
 
 DEFAULT_HOST = "localhost"
 
 
-@dataclass(frozen=True, slots=True)
-class ConnectionLimits:
+class ConnectionLimits(Struct, frozen=True):
     """Limits of one server and its connections."""
 
     # Open WebSockets.
@@ -32,8 +31,7 @@ class ConnectionLimits:
     pings: int = 1
 
 
-@dataclass(frozen=True, slots=True)
-class ServedProtocol:
+class ServedProtocol(Struct, frozen=True):
     """The protocol that a server speaks over its WebSockets."""
 
     # The prefix of log lines, such as `foxglove`.
@@ -55,8 +53,7 @@ class ServedProtocol:
     wants_token_first: bool = True
 
 
-@dataclass(frozen=True, slots=True)
-class ServerSettings:
+class ServerSettings(Struct, frozen=True):
     """The address and the access rules of a server.
 
     `host` is a name or address of this machine; `localhost` is both loopback addresses. Clients must send
@@ -67,9 +64,13 @@ class ServerSettings:
 
     host: str = DEFAULT_HOST
     port: int = 0
-    token: str = field(default="", repr=False)
+    token: str = ""
     origins: tuple[str, ...] = ()
     allow: tuple[str, ...] = ()
     certificate: str = ""
     key: str = ""
-    view_token: str = field(default="", repr=False)
+    view_token: str = ""
+
+    def __repr__(self) -> str:
+        # Without the tokens: logs may show it.
+        return f"{type(self).__name__}({self.host!r}, {self.port})"

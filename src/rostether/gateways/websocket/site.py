@@ -13,11 +13,12 @@ import mimetypes
 import os
 import re
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 from http import HTTPStatus
 from pathlib import Path
 from typing import BinaryIO, Protocol
 from urllib.parse import quote, unquote
+
+from msgspec import Struct
 
 from rostether.errors import ConfigError
 
@@ -67,8 +68,7 @@ class RequestHeaders(Protocol):
         """Return all values of a header."""
 
 
-@dataclass(frozen=True, slots=True)
-class Reply:
+class Reply(Struct, frozen=True):
     """The response to a plain request; `length` is the size of the body, which a response to HEAD lacks."""
 
     status: HTTPStatus
@@ -77,8 +77,7 @@ class Reply:
     length: int
 
 
-@dataclass(frozen=True, slots=True)
-class SiteFile:
+class SiteFile(Struct, frozen=True):
     """One file: its content, the compressed content if that is smaller, and the tag of its version."""
 
     content_type: str

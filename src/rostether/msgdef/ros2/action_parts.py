@@ -12,7 +12,8 @@ Source: the design document "Actions" of ROS 2, and rosidl_parser, which generat
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+
+from msgspec import Struct
 
 from rostether.msgdef.ros2.parse import REQUEST_SUFFIX, RESPONSE_SUFFIX
 from rostether.msgdef.ros2.spec import Ros2Action, Ros2Field, Ros2Message, Ros2Service, Ros2Type
@@ -32,8 +33,7 @@ _SUFFIXES = (
 _GOAL_ID = Ros2Field(Ros2Type("unique_identifier_msgs/msg/UUID"), "goal_id")
 
 
-@dataclass(frozen=True, slots=True)
-class ActionParts:
+class ActionParts(Struct, frozen=True):
     """The parts of an action on the graph."""
 
     action: Ros2Action

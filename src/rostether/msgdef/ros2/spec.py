@@ -7,15 +7,15 @@ Type names are `package/msg/Name` and `package/srv/Name`, as in ROS 2; the messa
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TypeAlias
+
+from msgspec import Struct
 
 ConstantValue: TypeAlias = bool | int | float | str
 DefaultValue: TypeAlias = ConstantValue | tuple[ConstantValue, ...]
 
 
-@dataclass(frozen=True, slots=True)
-class Ros2Type:
+class Ros2Type(Struct, frozen=True):
     """The type of one field.
 
     `base` is a primitive (`bool byte char int8 ... uint64 float32 float64 string wstring`) or a full
@@ -38,8 +38,7 @@ class Ros2Type:
         return f"{base}[{'' if self.bound is None else f'<={self.bound}'}]"
 
 
-@dataclass(frozen=True, slots=True)
-class Ros2Field:
+class Ros2Field(Struct, frozen=True):
     """One named field; `default` is None if the text has none."""
 
     type: Ros2Type
@@ -47,8 +46,7 @@ class Ros2Field:
     default: DefaultValue | None = None
 
 
-@dataclass(frozen=True, slots=True)
-class Ros2Constant:
+class Ros2Constant(Struct, frozen=True):
     """One constant."""
 
     type: str
@@ -56,8 +54,7 @@ class Ros2Constant:
     value: ConstantValue
 
 
-@dataclass(frozen=True, slots=True)
-class Ros2Message:
+class Ros2Message(Struct, frozen=True):
     """One message; `kind` is `msg`, `srv` for a part of a service, or `action` for a part of an action."""
 
     package: str
@@ -77,8 +74,7 @@ class Ros2Message:
         return (self,)
 
 
-@dataclass(frozen=True, slots=True)
-class Ros2Service:
+class Ros2Service(Struct, frozen=True):
     """One service definition; `kind` is `action` for a service of an action."""
 
     package: str
@@ -98,8 +94,7 @@ class Ros2Service:
         return (self.request, self.response)
 
 
-@dataclass(frozen=True, slots=True)
-class Ros2Action:
+class Ros2Action(Struct, frozen=True):
     """One action definition."""
 
     package: str

@@ -6,8 +6,9 @@ import json
 import re
 import shlex
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
 from enum import Enum
+
+from msgspec import Struct, field
 
 
 class Kind(Enum):
@@ -18,8 +19,7 @@ class Kind(Enum):
     BOTH = "both"
 
 
-@dataclass(frozen=True, slots=True)
-class Machine:
+class Machine(Struct, frozen=True):
     """The settings for a new robot.toml; `core` is the address of the base station's master.
 
     `address`, or the network interface `interface`, is where other machines reach this one.

@@ -6,9 +6,10 @@ import os
 import re
 import shlex
 from collections.abc import Collection, Mapping
-from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
+
+from msgspec import Struct, field
 
 from rostether.errors import ConfigError
 from rostether.mechanisms.toml_text import parse_toml, read_toml_text
@@ -29,16 +30,14 @@ _VARIABLES = {
 }
 
 
-@dataclass(frozen=True, slots=True)
-class Part:
+class Part(Struct, frozen=True):
     """One program of a robot: a name, and the arguments of `rostether`."""
 
     name: str
     words: tuple[str, ...]
 
 
-@dataclass(frozen=True, slots=True)
-class RobotFile:
+class RobotFile(Struct, frozen=True):
     """The content of a robot.toml."""
 
     name: str = ""

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from pathlib import Path
+
+from msgspec import Struct
 
 from rostether.errors import ConfigError
 
@@ -15,8 +16,7 @@ STATE = Path("/var/lib") / SERVICE
 GROUPS = ("dialout", "video", "gpio", "i2c", "spi")
 
 
-@dataclass(frozen=True, slots=True)
-class Installation:
+class Installation(Struct, frozen=True):
     """The paths of a robot's files, and the user that runs it.
 
     `program` is the command line that starts rostether; `user` is empty for a user's own service manager;

@@ -5,7 +5,8 @@ from __future__ import annotations
 import asyncio
 from collections.abc import AsyncGenerator, Callable
 from contextlib import aclosing
-from dataclasses import asdict
+
+from msgspec.structs import asdict
 
 from rostether.graph.ports import Level
 from rostether.graph.typed_graph import TypedGraph

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
+
+from msgspec import Struct
 
 from rostether.errors import BoardError, ConfigError
 from rostether.extras import install_command
@@ -19,8 +20,7 @@ _GREEN_BGR = (0, 255, 0)
 _LINE_PIXELS = 2
 
 
-@dataclass(frozen=True, slots=True)
-class Region:
+class Region(Struct, frozen=True):
     """A rectangle of a picture, in pixels from its upper left corner: sensor_msgs/RegionOfInterest."""
 
     x_offset: int

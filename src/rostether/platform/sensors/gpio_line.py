@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import AsyncGenerator
-from dataclasses import dataclass
 from typing import Any
+
+from msgspec import Struct
 
 from rostether.errors import BoardError, ConfigError
 from rostether.extras import install_command
@@ -16,8 +17,7 @@ REPEAT_S = 1.0
 BIASES = ("as_is", "disabled", "pull_up", "pull_down")
 
 
-@dataclass(frozen=True, slots=True)
-class GpioLine:
+class GpioLine(Struct, frozen=True):
     """A line of a chip: its number, or its name, such as GPIO17."""
 
     line: str

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import io
 import time
-from dataclasses import dataclass
 from typing import Any
+
+from msgspec import Struct
 
 from rostether.errors import BoardError, ConfigError
 from rostether.extras import install_command
@@ -13,8 +14,7 @@ from rostether.extras import install_command
 DEFAULT_QUALITY = 80
 
 
-@dataclass(frozen=True, slots=True)
-class PictureChange:
+class PictureChange(Struct, frozen=True):
     """Changes to each picture; width and height 0 keep the size, and quality 0 keeps the compression."""
 
     vflip: bool = False

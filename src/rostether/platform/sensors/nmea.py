@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from typing import Any
+
+from msgspec import Struct
 
 from rostether.errors import ConfigError
 from rostether.extras import install_command
@@ -24,8 +25,7 @@ _MAX_LONGITUDE = 180
 _COVARIANCE_APPROXIMATED = 1
 
 
-@dataclass(frozen=True, slots=True)
-class Position:
+class Position(Struct, frozen=True):
     """A position on the WGS 84 ellipsoid in degrees and meters; NaN without a fix."""
 
     status: int

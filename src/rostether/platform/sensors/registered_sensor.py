@@ -10,8 +10,9 @@ import re
 import socket
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager, suppress
-from dataclasses import dataclass
 from typing import Any
+
+from msgspec import Struct
 
 from rostether.errors import GraphError
 from rostether.graph.ports import Level
@@ -29,8 +30,7 @@ _SHORTEST_PERIOD_S = 0.2
 _CALL_LIMIT_S = 5.0
 
 
-@dataclass(frozen=True, slots=True)
-class SensorDescription:
+class SensorDescription(Struct, frozen=True):
     """Describes a sensor; `id` is the robot's name and the sensor's name, such as `robot3/front`."""
 
     id: str

@@ -5,9 +5,10 @@ from __future__ import annotations
 import asyncio
 import shutil
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
+
+from msgspec import Struct
 
 from rostether.errors import BoardError
 from rostether.graph.ports import Level
@@ -23,8 +24,7 @@ CELSIUS = "\N{DEGREE SIGN}C"
 _ALERT_ABOVE = {"memory": 95.0, "temperature": 80.0, "disk": 95.0}
 
 
-@dataclass(frozen=True, slots=True)
-class SystemFiles:
+class SystemFiles(Struct, frozen=True):
     """The files where Linux reports its load, and a folder on the disk to watch."""
 
     proc: Path = Path("/proc")

@@ -6,7 +6,8 @@ import asyncio
 import math
 from collections.abc import AsyncGenerator, Callable
 from contextlib import aclosing
-from dataclasses import dataclass
+
+from msgspec import Struct
 
 from rostether.errors import BoardError, ConfigError
 from rostether.graph.ports import Level
@@ -21,8 +22,7 @@ MESSAGE_TYPE = "std_msgs/Float64"
 ALERT_HOLD_S = 2.0
 
 
-@dataclass(frozen=True, slots=True)
-class Scaling:
+class Scaling(Struct, frozen=True):
     """Scales a number: `value * scale + offset`; outside the limits the sensor is in alert."""
 
     scale: float = 1.0

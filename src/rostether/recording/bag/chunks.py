@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, field
+
+from msgspec import field
 
 from rostether.errors import RecordingError
 from rostether.recording.bag.records import (
@@ -30,14 +31,12 @@ MAX_CONNECTIONS = 100_000
 MAX_CONNECTIONS_BYTES = 256 << 20
 
 
-@dataclass(frozen=True, slots=True)
-class BagChunk(StoredChunk):
+class BagChunk(StoredChunk, frozen=True):
     """A chunk of a bag, with the number of messages of each connection."""
 
     counts: Mapping[int, int]
 
 
-@dataclass(slots=True)
 class BagContent(Damage):
     """The content of a bag."""
 

@@ -10,9 +10,10 @@ import struct
 import sys
 from array import array
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
 from itertools import chain
 from pathlib import Path
+
+import msgspec
 
 from rostether.recording.bag.records import (
     CHUNK_INFO_VERSION,
@@ -36,8 +37,7 @@ _MESSAGE_HEAD = struct.Struct("<II5sII4sI5s")
 _MESSAGE_HEADER_BYTES = 38
 
 
-@dataclass(frozen=True, slots=True)
-class _ChunkInfo:
+class _ChunkInfo(msgspec.Struct, frozen=True):
     position: int
     start_ns: int
     end_ns: int

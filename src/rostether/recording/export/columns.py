@@ -9,10 +9,11 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
 from fnmatch import fnmatchcase
 from operator import attrgetter
 from typing import Any
+
+import msgspec
 
 from rostether.errors import ConfigError, SerializationError
 from rostether.serde.codec import Codec
@@ -25,8 +26,7 @@ MAX_SPREAD = 64
 _WHOLE = "[:]"
 
 
-@dataclass(frozen=True, slots=True)
-class Column:
+class Column(msgspec.Struct, frozen=True):
     """One column; `node` is the type of the values that `read` returns, inside `lists` nested lists."""
 
     name: str

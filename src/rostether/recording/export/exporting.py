@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from contextlib import ExitStack, closing
-from dataclasses import dataclass
 from fnmatch import fnmatchcase
+
+from msgspec import Struct
 
 from rostether.errors import ConfigError, RostetherError, SerializationError
 from rostether.recording.decoding import Decoder
@@ -22,8 +23,7 @@ MAX_WAITING_BYTES = 32 << 20
 _CELL_BYTES = 8
 
 
-@dataclass(slots=True)
-class ExportedTable:
+class ExportedTable(Struct):
     """One topic with messages of one type; `number` distinguishes the tables of a topic with several types.
 
     `unfit_count` is the number of messages omitted because they do not fit their type; `why` is the reason

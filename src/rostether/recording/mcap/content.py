@@ -5,7 +5,9 @@ from __future__ import annotations
 import contextlib
 import re
 from collections.abc import Iterator
-from dataclasses import dataclass, field, replace
+
+from msgspec import field
+from msgspec.structs import replace
 
 from rostether.errors import RecordingError
 from rostether.recording.chunk_order import Entry
@@ -45,7 +47,6 @@ _CHUNK_HEAD = re.compile(rb"\x06.{5}\0\0\0.{28}(?:\0\0\0\0|\x03\0\0\0lz4|\x04\0\
 MAX_LOOSE_BYTES = 4 << 20
 
 
-@dataclass(slots=True)
 class McapContent(Damage):
     """The content of a file."""
 

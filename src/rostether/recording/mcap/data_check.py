@@ -5,7 +5,8 @@ from __future__ import annotations
 import zlib
 from array import array
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field
+
+from msgspec import Struct, field
 
 from rostether.errors import RecordingError
 from rostether.recording.compression import MAX_CHUNK_BYTES, Buffer, check_unpacked_size, decompress
@@ -21,8 +22,7 @@ from rostether.recording.mcap.records import KINDS, MESSAGE_HEAD, Chunk, Op
 from rostether.recording.time_order import TimeOrder
 
 
-@dataclass(slots=True)
-class FoundChunk:
+class FoundChunk(Struct):
     """A chunk in the data section, its content, and the indexes that follow it.
 
     `places` has (time, offset) of each message by channel, until the indexes are compared.

@@ -12,8 +12,9 @@ from __future__ import annotations
 
 import struct
 from collections.abc import Mapping
-from dataclasses import dataclass
 from enum import IntEnum
+
+import msgspec
 
 MAGIC = b"\x89MCAP0\r\n"
 
@@ -56,8 +57,7 @@ U32 = struct.Struct("<I")
 U64 = struct.Struct("<Q")
 
 
-@dataclass(frozen=True, slots=True)
-class Schema:
+class Schema(msgspec.Struct, frozen=True):
     """A type: its name, the encoding of its definition, and the definition."""
 
     number: int
@@ -66,8 +66,7 @@ class Schema:
     data: bytes
 
 
-@dataclass(frozen=True, slots=True)
-class Channel:
+class Channel(msgspec.Struct, frozen=True):
     """A topic of a publisher; schema 0 means no schema."""
 
     number: int
@@ -77,8 +76,7 @@ class Channel:
     metadata: Mapping[str, str]
 
 
-@dataclass(frozen=True, slots=True)
-class Chunk:
+class Chunk(msgspec.Struct, frozen=True):
     """A chunk; `start` and `end` are the positions of its stored records in the file."""
 
     start_ns: int
@@ -90,8 +88,7 @@ class Chunk:
     data_end: int
 
 
-@dataclass(frozen=True, slots=True)
-class ChunkIndex:
+class ChunkIndex(msgspec.Struct, frozen=True):
     """The position of a chunk and of its message indexes; `indexes` by channel number."""
 
     start_ns: int
@@ -105,8 +102,7 @@ class ChunkIndex:
     size_bytes: int
 
 
-@dataclass(frozen=True, slots=True)
-class Statistics:
+class Statistics(msgspec.Struct, frozen=True):
     """The statistics of a file; `counts` by channel number."""
 
     message_count: int

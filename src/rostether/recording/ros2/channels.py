@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+
+from msgspec import Struct
 
 from rostether.errors import RecordingError, RostetherError, SerializationError
 from rostether.msgdef.interface import ANY_MD5SUM
@@ -18,8 +19,7 @@ from rostether.ros2.types.type_hash import TYPE_HASH_NOT_SUPPORTED
 from rostether.ros2.types.type_support import Ros2Types
 
 
-@dataclass(slots=True)
-class Channel:
+class Channel(Struct):
     """One topic with one type in one file; `origin` is its description in the file."""
 
     number: int

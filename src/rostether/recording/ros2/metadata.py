@@ -8,11 +8,11 @@ Source: rosbag2_storage's yaml.hpp.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 from typing import Any
 
 import yaml
+from msgspec import Struct
 
 from rostether.bounded_yaml import load
 from rostether.errors import RecordingError
@@ -33,8 +33,7 @@ _KEY = "rosbag2_bagfile_information"
 _NO_TIME = 9223372036854775807
 
 
-@dataclass(frozen=True, slots=True)
-class FileFacts:
+class FileFacts(Struct, frozen=True):
     """The contents of one file; `start_ns` is None without messages."""
 
     name: str
@@ -50,8 +49,7 @@ class FileFacts:
         return sum(count for _, count in self.topics.values())
 
 
-@dataclass(frozen=True, slots=True)
-class Metadata:
+class Metadata(Struct, frozen=True):
     """The content of metadata.yaml."""
 
     version: int

@@ -11,7 +11,8 @@ from __future__ import annotations
 import asyncio
 import logging
 from collections.abc import Callable, Collection
-from dataclasses import dataclass, field
+
+from msgspec import Struct, field
 
 from rostether.errors import ConfigError, GraphError, SerializationError
 from rostether.mechanisms.backoff import Backoff
@@ -40,8 +41,7 @@ _MAX_KEPT_CONNECTIONS = 256
 _log = logging.getLogger("rostether.ros1.master")
 
 
-@dataclass(slots=True)
-class _Outbox:
+class _Outbox(Struct):
     client: XmlRpcClient
     # {(method, key): arguments}, in the order of sending.
     pending: dict[tuple[str, str], tuple[XmlRpcValue, ...]] = field(default_factory=dict)

@@ -7,8 +7,9 @@ watches a name receives every change of it, above it and below it.
 from __future__ import annotations
 
 from collections.abc import Generator, Iterable, Iterator
-from dataclasses import dataclass
 from typing import Any, NamedTuple, cast
+
+from msgspec import Struct
 
 from rostether.errors import GraphError, UnknownNameError
 from rostether.ros1.graph_limits import DEFAULT_GRAPH_LIMITS, GraphLimits
@@ -29,8 +30,7 @@ _STEP_VALUES = 4096
 _MAX_INTERRUPTIONS = 3
 
 
-@dataclass(frozen=True, slots=True)
-class Update:
+class Update(Struct, frozen=True):
     """A change for watchers of `watched`: `key` (with a trailing slash) is now `value`; `{}` means unset."""
 
     watched: str

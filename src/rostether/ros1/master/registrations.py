@@ -7,8 +7,9 @@ its registrations; the caller gets both results, and notifies the nodes.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field
 from enum import Enum
+
+from msgspec import Struct, field
 
 from rostether.errors import GraphError
 
@@ -38,8 +39,7 @@ class Kind(Enum):
     PARAM = "parameter subscriber"
 
 
-@dataclass(slots=True)
-class Node:
+class Node(Struct):
     """One node: its name, its XML-RPC URI, and the keys it is registered for, of every kind.
 
     `keys[Kind.SERVICE]` also contains services that another node provides now.
@@ -55,8 +55,7 @@ class Node:
         return not any(self.keys.values())
 
 
-@dataclass(frozen=True, slots=True)
-class Removal:
+class Removal(Struct, frozen=True):
     """A node that was removed with all its registrations; `topics` have lost a publisher."""
 
     name: str

@@ -7,7 +7,8 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import AsyncIterator
-from dataclasses import replace
+
+from msgspec.structs import replace
 
 from rostether.errors import MasterUnreachableError
 from rostether.graph.ports import ServiceEntry, Snapshot, TopicEntry

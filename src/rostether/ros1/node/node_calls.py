@@ -6,8 +6,9 @@ import re
 import time
 from collections.abc import AsyncIterator, Callable, Iterable
 from contextlib import asynccontextmanager
-from dataclasses import dataclass
 from typing import Any
+
+from msgspec import Struct
 
 from rostether.errors import ConfigError, GraphError, UnknownNameError
 from rostether.mechanisms.block_end import closed_at_end
@@ -25,8 +26,7 @@ NODE_TIMEOUT_S = 3.0
 _CONNECTION = re.compile(r"\w+ connection on port (\d+) to \[(.*) on socket (\d+)\]")
 
 
-@dataclass(frozen=True, slots=True)
-class Registrations:
+class Registrations(Struct, frozen=True):
     """The registrations of one node; topics have their types."""
 
     publications: dict[str, str]
@@ -34,8 +34,7 @@ class Registrations:
     services: list[str]
 
 
-@dataclass(frozen=True, slots=True)
-class Connection:
+class Connection(Struct, frozen=True):
     """One connection of a node. `peer` is a node's name, `peer_uri` its address if the node reports that.
 
     `sockets` is (local port, remote address, descriptor), or None if the node does not report it.

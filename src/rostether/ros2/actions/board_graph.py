@@ -9,8 +9,9 @@ from __future__ import annotations
 import asyncio
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import AbstractAsyncContextManager, AsyncExitStack
-from dataclasses import dataclass
 from typing import Any, TypeAlias, cast
+
+from msgspec import Struct
 
 from rostether.graph.ports import Graph, JoinGraph, Level, OnMessages, Publisher, Subscriber
 from rostether.msgdef.interface import MessageType
@@ -21,8 +22,7 @@ from rostether.ros2.types.native_types import NativeTypes
 from rostether.ros2.types.type_support import Ros2Types
 
 
-@dataclass(frozen=True, slots=True)
-class NativeSession:
+class NativeSession(Struct, frozen=True):
     """A session on the boards' graph, with native ROS 2 types."""
 
     join: JoinGraph
@@ -63,8 +63,7 @@ class BoardJoin:
         await self._stack.aclose()
 
 
-@dataclass(slots=True)
-class _Topics:
+class _Topics(Struct):
     """The topics of one action: the handler of cancels, and the action once the board subscribes to goals."""
 
     on_cancels: OnMessages | None = None

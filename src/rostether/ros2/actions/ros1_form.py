@@ -10,9 +10,11 @@ status    [GoalStatusArray]     Header, list of GoalStatus       to the clients,
 from __future__ import annotations
 
 import struct
-from dataclasses import dataclass, replace
 from enum import IntEnum
 from typing import Final
+
+import msgspec
+from msgspec.structs import replace
 
 from rostether.errors import DefinitionError
 from rostether.msgdef.ros2.action_parts import action_parts
@@ -53,8 +55,7 @@ class Ros1Status(IntEnum):
     RECALLED = 8
 
 
-@dataclass(frozen=True, slots=True)
-class GoalId:
+class GoalId(msgspec.Struct, frozen=True):
     """A goal's id of ROS 1; a zero stamp and an empty text mean `now` and `any`."""
 
     stamp: tuple[int, int]

@@ -6,8 +6,10 @@ import asyncio
 import struct
 from collections.abc import Callable
 from contextlib import AsyncExitStack
-from dataclasses import dataclass, field
 from typing import Final
+
+import msgspec
+from msgspec import field
 
 from rostether.errors import UnknownNameError
 from rostether.graph.ports import Graph, Publisher
@@ -36,8 +38,7 @@ _FINISHED = (GoalStatus.SUCCEEDED, GoalStatus.CANCELED, GoalStatus.ABORTED)
 _COUNT = struct.Struct("<I")
 
 
-@dataclass(slots=True)
-class _Goal:
+class _Goal(msgspec.Struct):
     stamp: tuple[int, int]
     status: GoalStatus = GoalStatus.EXECUTING
     result: asyncio.Future[bytes] = field(default_factory=lambda: asyncio.get_running_loop().create_future())

@@ -10,9 +10,10 @@ import contextlib
 import struct
 import uuid
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from enum import IntEnum
 from typing import Final
+
+import msgspec
 
 from rostether.errors import ServiceCallError
 from rostether.graph.ports import Graph
@@ -58,8 +59,7 @@ class CancelCode(IntEnum):
     TERMINATED = 3
 
 
-@dataclass(frozen=True, slots=True)
-class ActionTypes:
+class ActionTypes(msgspec.Struct, frozen=True):
     """One action type; `goal`, `result` and `feedback` are names of messages in the registry."""
 
     goal: str

@@ -15,10 +15,11 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable
-from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 from typing import Any
+
+from msgspec import Struct
 
 from rostether.bounded_yaml import YamlError, has_alias, load, safe_loader
 from rostether.errors import ConfigError, SerializationError
@@ -34,14 +35,12 @@ _FLOAT = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)[eE][-+]?\d+$")
 _TIMESTAMP_TAG = "tag:yaml.org,2002:timestamp"
 
 
-@dataclass(frozen=True, slots=True)
-class _Entry:
+class _Entry(Struct, frozen=True):
     pattern: re.Pattern[str]
     values: dict[str, TypedValue]
 
 
-@dataclass(frozen=True, slots=True)
-class ParameterRules:
+class ParameterRules(Struct, frozen=True):
     """The initial parameters that files set for nodes."""
 
     entries: tuple[_Entry, ...] = ()

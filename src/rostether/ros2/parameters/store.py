@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
 from typing import TypeAlias
+
+from msgspec import Struct, field
 
 from rostether.errors import GraphError
 from rostether.graph.callbacks import call_safely
@@ -26,8 +27,7 @@ MAX_NAME_CHARACTERS = 256
 FIXED_TYPES = {USE_SIM_TIME: ParameterType.BOOL}
 
 
-@dataclass(frozen=True, slots=True)
-class Changes:
+class Changes(Struct, frozen=True):
     """The parameters that were set or deleted together."""
 
     new: Mapping[str, TypedValue] = field(default_factory=dict)

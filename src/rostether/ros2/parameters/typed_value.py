@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from enum import IntEnum
 from typing import Any
+
+from msgspec import Struct
 
 from rostether.errors import SerializationError
 from rostether.graph.ports import ParamValue
@@ -37,8 +38,7 @@ class ParameterType(IntEnum):
         return f"{self.name.lower()}_value"
 
 
-@dataclass(frozen=True, slots=True)
-class TypedValue:
+class TypedValue(Struct, frozen=True):
     """A parameter's value with its type, which an empty list also has."""
 
     type: ParameterType

@@ -6,8 +6,9 @@ Texts and arrays longer than `truncate_length` are cut, with `...` for the rest;
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
 from typing import Any
+
+from msgspec import Struct
 
 from rostether.msgdef.ros2.primitives import PRIMITIVE_TYPES
 from rostether.msgdef.ros2.spec import Ros2Message, Ros2Type
@@ -30,8 +31,7 @@ _IDL_NAMES = {
 }
 
 
-@dataclass(frozen=True, slots=True)
-class TextStyle:
+class TextStyle(Struct, frozen=True):
     """The parts that `ros2 topic echo` can omit."""
 
     truncate_length: int | None = DEFAULT_TRUNCATE_LENGTH

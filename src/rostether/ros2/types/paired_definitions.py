@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from msgspec.structs import replace
 
 from rostether.errors import UnknownTypeError
 from rostether.msgdef.full_text import message_full_text

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import asyncio
-from dataclasses import dataclass
+
+from msgspec import Struct
 
 from rostether.errors import DefinitionError, TypeMismatchError
 from rostether.msgdef.interface import MessageType, ServiceType
@@ -25,8 +26,7 @@ ANY_HASH = ""
 _MD5SUM_OF_NOTHING = digest("")
 
 
-@dataclass(frozen=True, slots=True)
-class MessageSupport:
+class MessageSupport(Struct, frozen=True):
     """One message type: `name` as `sensor_msgs/msg/Imu`, its RIHS01 hash, and its form and type in ROS 1."""
 
     name: str
@@ -35,8 +35,7 @@ class MessageSupport:
     converter: CdrConverter
 
 
-@dataclass(frozen=True, slots=True)
-class ServiceSupport:
+class ServiceSupport(Struct, frozen=True):
     """One service type: `name` as `std_srvs/srv/SetBool`, its RIHS01 hash, and its converters."""
 
     name: str

@@ -7,16 +7,15 @@ sequence and the GID of the request, which identify the request.
 from __future__ import annotations
 
 import struct
-from dataclasses import dataclass
 
+import msgspec
 import xxhash
 
 GID_BYTES = 16
 ATTACHMENT = struct.Struct(f"<qqB{GID_BYTES}s")
 
 
-@dataclass(frozen=True, slots=True)
-class Attachment:
+class Attachment(msgspec.Struct, frozen=True):
     """The sequence number, time and sender of one sample."""
 
     sequence: int

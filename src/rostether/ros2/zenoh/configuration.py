@@ -10,11 +10,11 @@ import asyncio
 import json
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
 from enum import Enum
 from pathlib import Path
 
 import zenoh
+from msgspec import Struct
 
 from rostether.errors import ConfigError
 from rostether.mechanisms.text import fold_line
@@ -67,8 +67,7 @@ class RouterChoice(Enum):
     ALWAYS = "always"
 
 
-@dataclass(frozen=True, slots=True)
-class Reach:
+class Reach(Struct, frozen=True):
     """Where a session connects and listens: endpoints (`tcp/192.168.1.7:7447`) besides the default ones."""
 
     router: RouterChoice = RouterChoice.AUTO

@@ -20,7 +20,8 @@ import logging
 from collections import deque
 from collections.abc import Callable, Sequence
 from concurrent.futures import Executor
-from dataclasses import dataclass
+
+from msgspec import Struct
 
 from rostether.errors import SerializationError
 from rostether.graph.flow_control import PublicationFlow, SubscriberFlow
@@ -47,8 +48,7 @@ FINISH_LIMIT_S = 1.0
 _log = logging.getLogger("rostether.ros2")
 
 
-@dataclass(slots=True)
-class Puts:
+class Puts(Struct):
     """The result of a batch: `done` messages are finished, the others were not started.
 
     `misfits` of them did not fit their type; `error` is the reason for the last one. Zenoh dropped `lost`.

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Container, Sequence
-from dataclasses import dataclass
 
 import zenoh
+from msgspec import Struct
 from zenoh import ext
 
 from rostether.errors import SerializationError
@@ -33,8 +33,7 @@ LATCHED_SAMPLES = 1
 Report = Callable[[Level, str], None]
 
 
-@dataclass(frozen=True, slots=True)
-class Receiver:
+class Receiver(Struct, frozen=True):
     """The receiver of a subscription's messages."""
 
     on_messages: OnMessages

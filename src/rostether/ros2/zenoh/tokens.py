@@ -8,8 +8,9 @@ Names are mangled: `/` is written as `%`. Newer distributions append one more pa
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from enum import Enum
+
+from msgspec import Struct
 
 from rostether.names.graph_name import join
 from rostether.ros2.qos import DEFAULT_QOS, Durability, History, Qos, Reliability
@@ -37,8 +38,7 @@ class Kind(Enum):
 _KINDS = {kind.value: kind for kind in Kind}
 
 
-@dataclass(frozen=True, slots=True)
-class Token:
+class Token(Struct, frozen=True):
     """One token; `name`, `type` (`std_msgs::msg::dds_::String_`), `type_hash` and `qos` are an endpoint's."""
 
     domain_id: int

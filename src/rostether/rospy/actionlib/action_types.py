@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any
+
+from msgspec import Struct
 
 from rostether.rospy.client.message import Message
 from rostether.rospy.client.message_types import all_types
@@ -17,8 +18,7 @@ class ActionException(Exception):  # noqa: N818 - the name is actionlib's
     """The type is not an action."""
 
 
-@dataclass(frozen=True, slots=True)
-class ActionParts:
+class ActionParts(Struct, frozen=True):
     """The classes that make up an action's class `NameAction`."""
 
     goal: type[Message]

@@ -11,6 +11,8 @@ from dataclasses import dataclass, field
 from enum import Enum
 from typing import Final, TypeAlias
 
+from msgspec import Struct
+
 # The only field, a uint8, of a ROS 2 message without fields, as in rosidl.
 DUMMY_NAME: Final = "structure_needs_at_least_one_member"
 
@@ -23,24 +25,21 @@ class Side(Enum):
     ROS2 = "ROS 2"
 
 
-@dataclass(frozen=True, slots=True)
-class Block:
+class Block(Struct, frozen=True):
     """Bytes that are equal on both sides, without padding inside once the first byte is aligned."""
 
     size_bytes: int
     alignment: int
 
 
-@dataclass(frozen=True, slots=True)
-class Translation:
+class Translation(Struct, frozen=True):
     """Two tables of 256 bytes for `bytes.translate`."""
 
     to_ros2: bytes
     to_ros1: bytes
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Plain:
+class Plain(Struct, frozen=True, eq=False):
     """A number, or a stamp (two numbers of four bytes).
 
     `translation` is given for numbers of one byte whose values differ between ROS 1 and ROS 2.
@@ -65,8 +64,7 @@ class Plain:
         return self.size_bytes
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Text:
+class Text(Struct, frozen=True, eq=False):
     """A string, or a wstring where it `is_wide`: UTF-16 in ROS 2, UTF-8 in ROS 1.
 
     `bound` is the limit of bytes, or units of UTF-16, in ROS 2; None for any number.
@@ -110,8 +108,7 @@ class Array:
         return 4 if self.length is None else self.length * self.element.min_bytes(side)
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Slot:
+class Slot(Struct, frozen=True, eq=False):
     """One field of a record, under its name on each side ("" where it has none).
 
     `default` is the value of a field that only ROS 2 has: pieces of bytes with their alignment.

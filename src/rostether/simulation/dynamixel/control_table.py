@@ -6,7 +6,7 @@ wheel does not need them.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from msgspec import Struct
 
 MODEL = 1060
 FIRMWARE = 45
@@ -14,8 +14,7 @@ FIRMWARE = 45
 RAM_START = 64
 
 
-@dataclass(frozen=True, slots=True)
-class Register:
+class Register(Struct, frozen=True):
     """One number of the table. `lowest` and `highest` limit what may be written."""
 
     name: str

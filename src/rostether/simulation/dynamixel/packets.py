@@ -8,8 +8,9 @@ from the instruction to the last parameter, an additional fd is sent (byte stuff
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from enum import IntEnum
+
+from msgspec import Struct
 
 HEADER = b"\xff\xff\xfd\x00"
 BROADCAST_ID = 0xFE
@@ -51,8 +52,7 @@ class ServoError(IntEnum):
 ALERT = 0x80
 
 
-@dataclass(frozen=True, slots=True)
-class Packet:
+class Packet(Struct, frozen=True):
     """One packet, without stuffing."""
 
     id: int

@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import Any
+
+from msgspec import Struct, field
 
 from rostether.errors import BoardError
 
 
-@dataclass(frozen=True, slots=True)
-class BoardEvent:
+class BoardEvent(Struct, frozen=True):
     """One event: `name` as in the reference of commands and events, `time_s` in the board's time."""
 
     name: str

@@ -11,7 +11,8 @@ from __future__ import annotations
 import asyncio
 import random
 from collections.abc import Callable
-from dataclasses import dataclass
+
+from msgspec import Struct
 
 from rostether.simulation.xbee.radio import BROADCAST, SimulatedRadio, Transmission
 
@@ -28,8 +29,7 @@ _NO_NETWORK_ACKNOWLEDGEMENT = 0x21
 _DELIVERED = 0x00
 
 
-@dataclass(frozen=True, slots=True)
-class AirConditions:
+class AirConditions(Struct, frozen=True):
     """The conditions of transmissions.
 
     `loss` is the probability that a transmission or its acknowledgement is lost, `repeat` that a packet
@@ -42,8 +42,7 @@ class AirConditions:
     rssi_dbm: int = -60
 
 
-@dataclass(slots=True)
-class AirCounts:
+class AirCounts(Struct):
     """Counts since the start; `lost_packets` are those whose last retry failed."""
 
     packets: int = 0

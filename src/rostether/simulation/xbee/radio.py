@@ -10,7 +10,8 @@ Source: Digi, XBee 802.15.4 and DigiMesh User Guides, "Modes" and "API operation
 from __future__ import annotations
 
 from collections import deque
-from dataclasses import dataclass
+
+from msgspec import Struct
 
 from rostether.simulation.xbee.command_mode import CommandMode
 from rostether.simulation.xbee.models import BAUD_RATES, Model
@@ -41,8 +42,7 @@ _INVALID_COMMAND, _INVALID_VALUE = 2, 3
 _NO_NUMBER = 0xFFFFFFFFFFFFFFFF
 
 
-@dataclass(frozen=True, slots=True)
-class Transmission:
+class Transmission(Struct, frozen=True):
     """A packet to send to a 16-bit address, or to one of 64 bits if `is_long`.
 
     With `remote`, it has an AT command or its answer instead of bytes.

@@ -12,8 +12,9 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Callable, Hashable, Iterator
-from dataclasses import dataclass, field
 from typing import Generic, NamedTuple, TypeVar
+
+from msgspec import Struct, field
 
 from rostether.transports.xbee.packets import TransmitStatus
 
@@ -49,8 +50,7 @@ class Finished(NamedTuple, Generic[Key]):
     status: TransmitStatus | None
 
 
-@dataclass(slots=True)
-class _Waiting:
+class _Waiting(Struct):
     data: bytearray = field(default_factory=bytearray)
     has_failed: bool = False
     is_gone: bool = False

@@ -5,7 +5,8 @@ from __future__ import annotations
 import asyncio
 import contextlib
 from collections.abc import Awaitable, Callable
-from dataclasses import dataclass
+
+from msgspec import Struct
 
 from rostether.errors import ConfigError, TransportError, TransportTimeoutError
 from rostether.transports.transport import Transport
@@ -25,8 +26,7 @@ _SERIES_3_HARDWARE = 0x40
 OpenAt = Callable[[int], Awaitable[Transport]]
 
 
-@dataclass(frozen=True, slots=True)
-class RadioSettings:
+class RadioSettings(Struct, frozen=True):
     """The settings for a radio.
 
     `address` is a 16-bit address; with None, the radio uses its own 64-bit address.
@@ -41,8 +41,7 @@ class RadioSettings:
     baud: int = 57600
 
 
-@dataclass(frozen=True, slots=True)
-class RadioFound:
+class RadioFound(Struct, frozen=True):
     """A radio that answered: `serial_number` is its 64-bit address."""
 
     baud: int

@@ -1,8 +1,7 @@
 from __future__ import annotations
 
-from dataclasses import replace
-
 import pytest
+from msgspec.structs import replace
 
 from rostether.bridge.endpoint.factory import EndpointFactory
 from rostether.bridge.endpoint.publisher import PublisherEndpoint

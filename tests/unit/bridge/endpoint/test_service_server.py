@@ -1,9 +1,9 @@
 from __future__ import annotations
 
 import asyncio
-from dataclasses import replace
 
 import pytest
+from msgspec.structs import replace
 
 from rostether.bridge.endpoint import service_server as service_server_endpoint
 from rostether.bridge.endpoint.service_server import ServiceServerEndpoint

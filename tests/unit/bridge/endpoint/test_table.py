@@ -3,10 +3,10 @@ from __future__ import annotations
 import asyncio
 import math
 from collections.abc import Mapping
-from dataclasses import replace
 from typing import Any
 
 import pytest
+from msgspec.structs import replace
 
 from rostether.bridge.endpoint.factory import EndpointFactory
 from rostether.bridge.endpoint.table import EndpointTable

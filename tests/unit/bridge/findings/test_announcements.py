@@ -1,6 +1,6 @@
 from __future__ import annotations
 
-from dataclasses import replace
+from msgspec.structs import replace
 
 from rostether.bridge.findings.announcements import MAX_KEPT, Announcements, is_overwritten
 from rostether.bridge.findings.finding import Code

@@ -1,6 +1,6 @@
 from __future__ import annotations
 
-from dataclasses import replace
+from msgspec.structs import replace
 
 from rostether.bridge.health.reported_boards import FORGET_S, MAX_BOARDS, STALE_S, BoardsSeen
 from unit.cli.bridge.test_monitor_table import ARM

@@ -8,11 +8,11 @@ import subprocess
 import sys
 from collections.abc import AsyncIterator, Mapping
 from contextlib import AsyncExitStack
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import pytest
+from msgspec.structs import replace
 
 from rostether.bridge.settings import BridgeSettings
 from rostether.bridge.supervisor import Supervisor

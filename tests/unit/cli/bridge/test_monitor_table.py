@@ -1,10 +1,10 @@
 from __future__ import annotations
 
-from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
 import pytest
+from msgspec.structs import replace
 
 from rostether.bridge.health.board_status import BoardStatus, EndpointStatus, read_statuses
 from rostether.cli.bridge.monitor_table import amount, duration, table

@@ -1,9 +1,9 @@
 from __future__ import annotations
 
-from dataclasses import fields
 from pathlib import Path
 
 import pytest
+from msgspec.structs import fields
 
 from rostether.bridge.settings import DEFAULT_SETTINGS, BridgeSettings
 from rostether.cli.bridge.options import (

@@ -7,11 +7,11 @@ import os
 import ssl
 import struct
 import subprocess
-from dataclasses import replace
 from pathlib import Path
 from typing import TypeAlias, cast
 
 import pytest
+from msgspec.structs import replace
 from websockets.asyncio.client import connect
 from websockets.typing import Subprotocol
 

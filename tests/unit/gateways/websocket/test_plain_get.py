@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import asyncio
 import resource
-from dataclasses import replace
 
 import pytest
+from msgspec.structs import replace
 
 from rostether.gateways.foxglove.settings import FoxgloveLimits, FoxgloveSettings
 from rostether.gateways.websocket.site import Site

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import dataclasses
 import logging
 from collections.abc import AsyncIterator
 
+import msgspec.structs
 import pytest
 import pytest_asyncio
 
@@ -28,7 +28,7 @@ class OddTypes(Ros2Types):
     def message(self, message_type: MessageType) -> MessageSupport:
         support = super().message(message_type)
         if message_type is STRING:
-            return dataclasses.replace(support, type_hash="RIHS01_" + "0" * 64)
+            return msgspec.structs.replace(support, type_hash="RIHS01_" + "0" * 64)
         return support
 
 

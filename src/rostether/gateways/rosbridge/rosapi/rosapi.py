@@ -9,8 +9,9 @@ from __future__ import annotations
 import os
 from collections.abc import AsyncIterator, Awaitable, Callable, Mapping
 from contextlib import asynccontextmanager
-from dataclasses import dataclass
 from typing import Any, Final, TypeAlias
+
+from msgspec import Struct
 
 from rostether.errors import RostetherError
 from rostether.gateways.rosbridge.request import fields_by_name
@@ -157,8 +158,7 @@ def _by_name(request: Codec, args: Any) -> Any:
     return fields
 
 
-@dataclass(frozen=True, slots=True)
-class Row:
+class Row(Struct, frozen=True):
     """One service: the fields of its response, and `ask`, which returns the field's value or a tuple of them.
 
     `own_type` is set where the name of the type does not follow from the name of the service.
