@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
 from enum import StrEnum
 from functools import partial
 from importlib.util import find_spec
@@ -11,7 +12,6 @@ from pathlib import Path
 from typing import Any
 
 import click
-from msgspec import Struct, field
 
 from rostether.cli.shell.option_group import (
     EXISTING_FILE,
@@ -85,7 +85,8 @@ def chosen_middleware(
     return Middleware.RCLPY if find_spec("rclpy") is not None else Middleware.ZENOH
 
 
-class ZenohReach(Struct, frozen=True):
+@dataclass(frozen=True, slots=True)
+class ZenohReach:
     """The zenoh options: endpoints such as `tcp/192.168.1.7:7447`, and a `RouterChoice`."""
 
     connect: tuple[str, ...] = ()
@@ -93,7 +94,8 @@ class ZenohReach(Struct, frozen=True):
     router: str = "auto"
 
 
-class GraphOptions(Struct, frozen=True):
+@dataclass(frozen=True, slots=True)
+class GraphOptions:
     """The graph that a command line selects.
 
     Args:

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import asyncio
+from dataclasses import replace
 
 import click
-from msgspec.structs import replace
 
 from rostether.cli.access.graph_options import (
     GraphOptions,

@@ -9,11 +9,10 @@ from importlib import import_module
 from itertools import groupby
 from textwrap import dedent
 from types import MappingProxyType
-from typing import Any
+from typing import Any, NamedTuple
 
 import click
 from click.shell_completion import CompletionItem
-from msgspec import Struct
 
 from rostether.cli.shell.interrupts import raise_at_interrupt
 from rostether.cli.shell.option_group import OptionalValueOption, option_sections
@@ -36,7 +35,7 @@ _COMMENTED = re.compile(r"(\S.*?) {2,}(\S.*)")
 _MIN_SIMILARITY = 0.7
 
 
-class VerbEntry(Struct, frozen=True):
+class VerbEntry(NamedTuple):
     """The location of a verb (`module:attribute`), and its line and heading in the help.
 
     The help is shown without an import of the verb.
