@@ -133,7 +133,8 @@ class Client:
     # Requests.
 
     def _subscribe(self, request: requests.Subscribe) -> None:
-        for subscription_id, channel_id in request.subscriptions:
+        for given in request.subscriptions:
+            subscription_id, channel_id = given.id, given.channel_id
             channel = self._context.channels.by_id.get(channel_id)
             if channel is None:
                 # The channel may have just ended, which is not an error of the client.
@@ -244,7 +245,7 @@ class Client:
         self.wants_connection_graph = False
 
     def _send_time(self, request: requests.AskTime) -> None:
-        self.sender.send(replies.time_answer(request.request_id, self._context.clock.now_ns()))
+        self.sender.send(replies.time_answer(request.id, self._context.clock.now_ns()))
 
     def _fetch(self, request: requests.FetchAsset) -> None:
         async def fetch() -> None:

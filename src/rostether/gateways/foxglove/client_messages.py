@@ -1,16 +1,32 @@
-"""The messages of Foxglove clients as values; `client_parser.py` reads them.
+"""The messages of Foxglove clients: JSON objects with the fields' names in camel case, and binary messages.
 
 Source: the Foxglove WebSocket protocol, https://github.com/foxglove/ws-protocol/blob/main/docs/spec.md.
 """
 
 from __future__ import annotations
 
-from typing import Any, ClassVar
+from typing import Annotated, Any, ClassVar, TypeAlias
 
-from msgspec import Struct
+from msgspec import Meta, Struct, field
+
+# Subscriptions, channels or names in one message; a large system has a few thousand topics.
+MAX_ITEMS = 4096
+
+# The limit of a name, an encoding or an id; ROS names have less than 256 characters.
+MAX_TEXT_CHARACTERS = 4096
+
+# Seconds of a recording: a century.
+_MAX_NUMBER = 3.2e9
+
+_Id: TypeAlias = Annotated[int, Meta(ge=0, lt=1 << 32)]
+_Text: TypeAlias = Annotated[str, Meta(max_length=MAX_TEXT_CHARACTERS)]
+_Number: TypeAlias = Annotated[float, Meta(ge=0, le=_MAX_NUMBER)]
+_Few = Meta(max_length=MAX_ITEMS)
+_Ids: TypeAlias = Annotated[tuple[_Id, ...], _Few]
+_Texts: TypeAlias = Annotated[tuple[_Text, ...], _Few]
 
 
-class ClientMessage(Struct, frozen=True):
+class ClientMessage(Struct, frozen=True, rename="camel"):
     """A message of a client."""
 
     # The capability of the gateway that it needs; empty: none.
@@ -21,30 +37,43 @@ class Action(ClientMessage, frozen=True):
     """A message that acts on the robot or on the recordings: clients that may only view cannot send it."""
 
 
-class Subscribe(ClientMessage, frozen=True):
-    """Subscribes to channels: pairs of an id that the client chose and the channel's id."""
+class GivenSubscription(Struct, frozen=True, rename="camel"):
+    """A subscription to a channel, with the id that the client chose."""
 
-    subscriptions: tuple[tuple[int, int], ...]
+    id: _Id
+    channel_id: _Id
+
+
+class Subscribe(ClientMessage, frozen=True):
+    """Subscribes to channels."""
+
+    subscriptions: Annotated[tuple[GivenSubscription, ...], _Few]
 
 
 class Unsubscribe(ClientMessage, frozen=True):
     """Ends subscriptions."""
 
-    subscription_ids: tuple[int, ...]
+    subscription_ids: _Ids
 
 
-class ClientChannel(Struct, frozen=True):
+class ClientChannel(Struct, frozen=True, rename="camel"):
     """A topic that a client publishes, with the id that it chose.
 
     With a `driver`, a display name, it is driven under a lease.
     """
 
-    id: int
-    topic: str
-    encoding: str
-    schema_name: str
-    schema: str
-    driver: str | None = None
+    id: _Id
+    topic: _Text
+    encoding: _Text
+    schema_name: _Text
+    schema: str | None = None
+    schema_encoding: str | None = None
+    driver: _Text | None = None
+
+    @property
+    def definition(self) -> str | None:
+        """The definition of the type in ROS 1's format."""
+        return self.schema if self.schema_encoding == "ros1msg" or self.encoding == "ros1" else None
 
 
 class Advertise(Action, frozen=True):
@@ -52,13 +81,13 @@ class Advertise(Action, frozen=True):
 
     capability = "clientPublish"
 
-    channels: tuple[ClientChannel, ...]
+    channels: Annotated[tuple[ClientChannel, ...], _Few]
 
 
 class Unadvertise(ClientMessage, frozen=True):
     """Announces that the client stops publishing."""
 
-    channel_ids: tuple[int, ...]
+    channel_ids: _Ids
 
 
 class MessageData(Action, frozen=True):
@@ -84,16 +113,16 @@ class GetParameters(ClientMessage, frozen=True):
 
     capability = "parameters"
 
-    names: tuple[str, ...]
-    request_id: str | None
+    parameter_names: _Texts
+    id: _Text | None = None
 
 
 class GivenParameter(Struct, frozen=True):
     """One value to set, in JSON; None unsets it."""
 
-    name: str
-    value: Any
-    type: str | None
+    name: _Text
+    value: Any = None
+    type: _Text | None = None
 
 
 class SetParameters(Action, frozen=True):
@@ -101,8 +130,8 @@ class SetParameters(Action, frozen=True):
 
     capability = "parameters"
 
-    parameters: tuple[GivenParameter, ...]
-    request_id: str | None
+    parameters: Annotated[tuple[GivenParameter, ...], _Few]
+    id: _Text | None = None
 
 
 class SubscribeParameters(ClientMessage, frozen=True):
@@ -110,13 +139,13 @@ class SubscribeParameters(ClientMessage, frozen=True):
 
     capability = "parametersSubscribe"
 
-    names: tuple[str, ...]
+    parameter_names: _Texts
 
 
 class UnsubscribeParameters(ClientMessage, frozen=True):
     """Unsubscribes from changes of values."""
 
-    names: tuple[str, ...]
+    parameter_names: _Texts
 
 
 class SubscribeConnectionGraph(ClientMessage, frozen=True):
@@ -134,8 +163,8 @@ class FetchAsset(ClientMessage, frozen=True):
 
     capability = "assets"
 
-    uri: str
-    request_id: int
+    uri: _Text
+    request_id: _Id
 
 
 class ListRecordings(ClientMessage, frozen=True):
@@ -145,8 +174,8 @@ class ListRecordings(ClientMessage, frozen=True):
 class StartRecording(Action, frozen=True):
     """Starts a recording; no topics means all. An op of this gateway."""
 
-    topics: tuple[str, ...]
-    form: str
+    topics: _Texts = ()
+    format: _Text = "bag"
 
 
 class StopRecording(Action, frozen=True):
@@ -156,16 +185,16 @@ class StopRecording(Action, frozen=True):
 class PlayRecording(Action, frozen=True):
     """Plays a recording; an op of this gateway. `start_s` is a time in the recording."""
 
-    name: str
-    start_s: float
-    rate: float
-    is_prefixed: bool
+    name: _Text
+    start_s: _Number = field(name="start", default=0.0)
+    rate: _Number = 1.0
+    is_prefixed: bool = field(name="prefixed", default=True)
 
 
 class PausePlayback(Action, frozen=True):
     """Pauses or continues the playback; an op of this gateway."""
 
-    is_paused: bool
+    is_paused: bool = field(name="paused", default=True)
 
 
 class StopPlayback(Action, frozen=True):
@@ -175,4 +204,4 @@ class StopPlayback(Action, frozen=True):
 class AskTime(ClientMessage, frozen=True):
     """Requests the robot's time; an op of this gateway. The answer has the id."""
 
-    request_id: int
+    id: _Id

@@ -34,8 +34,8 @@ class ClientParameters:
         """Answer with values."""
 
         async def get() -> None:
-            values = await self._context.parameters.get(request.names)
-            self._send(replies.parameter_values(values, request.request_id))
+            values = await self._context.parameters.get(request.parameter_names)
+            self._send(replies.parameter_values(values, request.id))
 
         self._ask(get, "parameters cannot be read")
 
@@ -46,15 +46,15 @@ class ClientParameters:
             values, errors = await self._context.parameters.set(request.parameters)
             for text in errors:
                 self._report_error(text)
-            if request.request_id is not None:
-                self._send(replies.parameter_values(values, request.request_id))
+            if request.id is not None:
+                self._send(replies.parameter_values(values, request.id))
 
         self._ask(set_values, "parameters cannot be set")
 
     def watch(self, request: requests.SubscribeParameters) -> None:
         """Report changes from now on; no names means all parameters."""
-        if request.names:
-            self._watch_each(request.names)
+        if request.parameter_names:
+            self._watch_each(request.parameter_names)
             return
 
         async def watch_all() -> None:
@@ -64,7 +64,7 @@ class ClientParameters:
 
     def unwatch(self, request: requests.UnsubscribeParameters) -> None:
         """Stop reporting changes; no names means all parameters."""
-        self._unwatch_each(request.names or tuple(self._watched))
+        self._unwatch_each(request.parameter_names or tuple(self._watched))
 
     def close(self) -> None:
         """Stop all watches."""

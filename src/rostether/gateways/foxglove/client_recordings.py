@@ -49,7 +49,7 @@ class ClientRecordings:
 
     def start(self, request: StartRecording) -> None:
         """Start a recording."""
-        self._change(lambda control: control.start(request.topics, request.form))
+        self._change(lambda control: control.start(request.topics, request.format))
 
     def stop(self, _: StopRecording) -> None:
         """End the recording."""

@@ -130,10 +130,10 @@ async def types_of(channel: ClientChannel, store: TypeStore) -> tuple[Codec, Mes
     try:
         store.registry.message(type_name)
     except UnknownTypeError:
-        if not channel.schema:
+        if not channel.definition:
             raise
         # Compiling 4,000 fields takes 200 ms.
-        return await asyncio.to_thread(_defined, type_name, channel.schema)
+        return await asyncio.to_thread(_defined, type_name, channel.definition)
     return store.codec(type_name), store.registry.message_type(type_name)
 
 

@@ -209,6 +209,11 @@ def given_value(given: GivenParameter, before: ParamValue) -> ParamValue:
         if not isinstance(value, list):
             raise ConfigError(f"parameter {given.name} must be a list of numbers")
         return [_float(given.name, each) for each in value]
+    if given.type == _BYTES:
+        try:
+            return base64.b64decode(value, validate=True)
+        except (ValueError, TypeError):
+            raise ConfigError(f"parameter {given.name} is not a byte_array: it is not base64") from None
     return _native(given.name, value)
 
 

@@ -14,6 +14,7 @@ from rostether.gateways.foxglove.client_messages import (
     FetchAsset,
     GetParameters,
     GivenParameter,
+    GivenSubscription,
     MessageData,
     ServiceRequest,
     SetParameters,
@@ -26,13 +27,13 @@ def test_messages_are_read() -> None:
     for text, wanted in (
         (
             '{"op":"subscribe","subscriptions":[{"id":0,"channelId":4294967295}]}',
-            Subscribe(((0, 4294967295),)),
+            Subscribe((GivenSubscription(0, 4294967295),)),
         ),
         ('{"op":"getParameters","parameterNames":["a"],"id":"x"}', GetParameters(("a",), "x")),
         ('{"op":"getParameters","parameterNames":[]}', GetParameters((), None)),
         (
             '{"op":"setParameters","parameters":[{"name":"a","value":"AP8=","type":"byte_array"}]}',
-            SetParameters((GivenParameter("a", b"\0\xff", "byte_array"),), None),
+            SetParameters((GivenParameter("a", "AP8=", "byte_array"),), None),
         ),
         ('{"op":"fetchAsset","uri":"package://a","requestId":3}', FetchAsset("package://a", 3)),
         (
@@ -59,7 +60,6 @@ def test_messages_are_read() -> None:
         '{"op":"subscribe","subscriptions":[{"id":true,"channelId":1}]}',
         '{"op":"subscribe","subscriptions":[{"id":1.5,"channelId":1}]}',
         '{"op":"unsubscribe","subscriptionIds":["1"]}',
-        '{"op":"setParameters","parameters":[{"name":"a","value":1,"type":"byte_array"}]}',
         '{"op":"getParameters","parameterNames":[1]}',
         '{"op":"fetchAsset","uri":1,"requestId":1}',
         json.dumps({"op": "getParameters", "parameterNames": [""] * 10_001}),
@@ -72,6 +72,12 @@ def test_what_is_wrong_is_reported_in_one_short_line(text: str) -> None:
         parse_text(text)
     assert "\n" not in str(caught.value)
     assert len(str(caught.value)) < 500
+
+
+def test_a_wrong_field_is_named() -> None:
+    with pytest.raises(RemoteProtocolError) as caught:
+        parse_text('{"op":"subscribe","subscriptions":[{"id":1,"channelId":"1"}]}')
+    assert str(caught.value) == "subscribe: Expected `int`, got `str` - at `$.subscriptions[0].channelId`"
 
 
 @given(st.binary(max_size=40))

@@ -62,7 +62,7 @@ async def test_a_long_definition(monkeypatch: pytest.MonkeyPatch) -> None:
     [
         ('{"op": [' + ",".join(["9" * 4000] * 1000) + "]}", "more than 64 digits"),
         ('{"op": "' + "x" * MAX_TEXT_MESSAGE_CHARACTERS + '"}', "at most 4194304 characters"),
-        ('{"op": "unadvertise", "channelIds": [' + "1," * 4096 + "1]}", "a list of at most 4096"),
+        ('{"op": "unadvertise", "channelIds": [' + "1," * 4096 + "1]}", "length <= 4096"),
     ],
     ids=["long integers", "a long text", "many items"],
 )
