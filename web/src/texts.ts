@@ -269,7 +269,7 @@ export const texts = {
     share: "Max speed (1 is full speed)",
     angular: "Max turn rate (rad/s)",
     ready: (topic: string) => `Ready to drive ${topic}`,
-    driving: (topic: string) => `You drive ${topic}`,
+    driving: (topic: string) => `You are driving ${topic}`,
     blocked: "The robot has stopped. Let go, then drive again.",
     taken: (driver: string) => `Now driven by ${driver}`,
     notConnected: "Not connected: commands are not sent",

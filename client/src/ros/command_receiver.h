@@ -154,7 +154,8 @@ class CommandReceiver {
     uint8_t tag[SipHash::TAG_BYTES];
   };
 
-  // Compares a frame with the newest of a sender: its epoch is earlier or later, or it is the next one, or a copy.
+  // Compares a frame with the newest one of its sender. A frame of another epoch is earlier or later; one of the same
+  // epoch is the next frame or a copy.
   ROS_APART static uint8_t compare(const uint8_t* frame, const Sender* sender) {
     const uint8_t* theirs = frame + PLACE + EPOCH_BYTES;
     const uint8_t* newest = sender->place + EPOCH_BYTES;
@@ -206,7 +207,7 @@ class CommandReceiver {
   uint8_t state_;
   uint16_t deadline_ms_;
   const FleetKey* key_;
-  // As in a frame.
+  // In the byte order of a frame.
   uint8_t id_[4];
   uint8_t groups_[4];
   uint32_t kind_;

@@ -93,14 +93,14 @@ class Reader {
   }
   template <class T>
   void sequence(T*& array, array_length& count) {
-    const array_length had = count;
+    const array_length old_length = count;
     const size_t length = sequenceLength(sizeof(T), typename FieldKind<T>::type());
     count = static_cast<array_length>(length);
     if (length == 0) {
       if (!heap_) array = nullptr;
       return;
     }
-    place(array, length, had, typename FieldKind<T>::type());
+    place(array, length, old_length, typename FieldKind<T>::type());
     if (!ok_) count = 0;
   }
   void sequence(Float64Pointer& array, array_length& count) {
@@ -201,31 +201,31 @@ class Reader {
     normalize(array, length);
   }
   template <class T>
-  void place(T*& array, size_t length, array_length had, StringKind kind) {
-    array = allocate(array, length, had);
+  void place(T*& array, size_t length, array_length old_length, StringKind kind) {
+    array = allocate(array, length, old_length);
     if (!array) return;
     elements(array, length, kind);
   }
   template <class T>
-  void place(T*& array, size_t length, array_length had, MessageKind) {
-    array = allocate(array, length, had);
+  void place(T*& array, size_t length, array_length old_length, MessageKind) {
+    array = allocate(array, length, old_length);
     if (!array) return;
-    for (size_t i = heap_ ? had : 0; i < length; ++i) array[i] = T();
+    for (size_t i = heap_ ? old_length : 0; i < length; ++i) array[i] = T();
     for (size_t i = 0; i < length && ok_; ++i) message(array[i]);
   }
 
   template <class T>
-  T* allocate(T* array, size_t length, array_length had) {
+  T* allocate(T* array, size_t length, array_length old_length) {
 #if !defined(__AVR__)
     if (heap_) {
-      if (length <= had) return array;
+      if (length <= old_length) return array;
       T* grown = static_cast<T*>(realloc(static_cast<void*>(array), length * sizeof(T)));
       if (!grown) fail();
       return grown;
     }
 #else
     (void)array;
-    (void)had;
+    (void)old_length;
 #endif
     uint8_t* end = arena_end_ - reinterpret_cast<uintptr_t>(arena_end_) % alignof(T);
     if (end < arena_ || length > static_cast<size_t>(end - arena_) / sizeof(T)) {

@@ -191,10 +191,10 @@ class ReceiveWindow {
 
   bool compact() {
     if (begin_ == base_) return false;
-    const uint16_t have = static_cast<uint16_t>(end_ - begin_);
-    memmove(base_, begin_, have);
+    const uint16_t kept = have();
+    memmove(base_, begin_, kept);
     begin_ = base_;
-    end_ = base_ + have;
+    end_ = base_ + kept;
     return true;
   }
 

@@ -33,7 +33,7 @@ def node_base_name(
 ) -> str:
     """Return a legal name without slashes (`name=` may have some) for a link's board.
 
-    `peer` is the transport's.
+    `peer` is the `peer` of its transport.
     """
     given = address.name if address.name is not None else device.name
     if given is not None:
@@ -48,12 +48,12 @@ def node_base_name(
 
 
 def identify_peer(remote: str | None, proof: Proof = NO_PROOF) -> BoardIdentity:
-    """Return what can be known of a board that is not a serial port; `remote` is its transport's."""
+    """Return the identity of a board that is not on a serial port; `remote` is its transport's `remote`."""
     return BoardIdentity(address=remote, psk=proof.psk, certificate=proof.certificate)
 
 
 def hardware_id(address: Address, peer: str, identity: BoardIdentity) -> str:
-    """Return the identity, which stays the same when the board reconnects; `peer` is the transport's."""
+    """Return the identity, which stays the same when the board reconnects; `peer` as in `node_base_name`."""
     if identity.address is not None:
         return f"{_protocol(address)} {identity.address}"
     return identity.own_serial_number or identity.usb_location or peer

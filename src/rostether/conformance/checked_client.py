@@ -84,7 +84,7 @@ class CheckedClient(SmallWriter):
         )
 
     async def reconnect(self) -> None:
-        """Close the line if it is open, and open it again. Raises TransportError."""
+        """Close the connection if it is open, and open it again. Raises TransportError."""
         await self.close()
         self._decoder = FrameDecoder()
         self._is_configured = False
@@ -92,7 +92,7 @@ class CheckedClient(SmallWriter):
         self._transport.start(self)
 
     async def close(self) -> None:
-        """Close the line."""
+        """Close the connection."""
         transport, self._transport = self._transport, None
         if transport is not None:
             transport.close()
@@ -101,8 +101,8 @@ class CheckedClient(SmallWriter):
     async def prepare(self) -> None:
         """Bring the client into the initial state of a case: configured, with no unread data.
 
-        Raises Deviation if it does not answer even on a new line, TransportError if the line is lost and
-        cannot be reopened.
+        Raises Deviation if it does not answer even on a new connection, TransportError if the connection is
+        lost and cannot be opened again.
         """
         self.answers_time = True
         self._parameters.clear()
@@ -118,7 +118,7 @@ class CheckedClient(SmallWriter):
         except Deviation:
             if self._is_silent:
                 raise
-            # A client that ignores a second request answers the first one on a new line.
+            # A client that ignores a second request answers the first one on a new connection.
             self._is_silent = True
             await self.reconnect()
             await self.configure()
@@ -157,9 +157,9 @@ class CheckedClient(SmallWriter):
         self.send_bytes(encode_frame(topic_id, payload))
 
     def send_bytes(self, data: bytes) -> None:
-        """Send bytes that need not be a frame. Raises Deviation if the line has ended."""
+        """Send bytes that need not be a frame. Raises Deviation if the connection has ended."""
         if self._transport is None:
-            raise Deviation("the client closed the line")
+            raise Deviation("the client closed the connection")
         self._transport.write(data)
 
     async def send_slowly(self, data: bytes) -> None:
@@ -198,7 +198,7 @@ class CheckedClient(SmallWriter):
         """Return the same as `find`. Raises Deviation if no frame arrives."""
         frame = await self.find(is_wanted, within_s)
         if frame is None:
-            raise Deviation(f"{what} did not come within {within_s:g} s")
+            raise Deviation(f"{what} did not arrive within {within_s:g} s")
         return frame
 
     async def next_on(self, name: str) -> bytes:
@@ -222,7 +222,7 @@ class CheckedClient(SmallWriter):
 
     @property
     def is_over_tcp(self) -> bool:
-        """Whether the line loses no bytes."""
+        """Whether the connection loses no bytes."""
         transport = self._transport
         return transport is not None and transport.remote is not None and transport.can_pause
 
@@ -262,7 +262,7 @@ class CheckedClient(SmallWriter):
         self._arrived.set()
 
     def connection_lost(self, error: TransportError | None) -> None:
-        """Note that the line has ended."""
+        """Note that the connection has ended."""
         self._transport = None
         self._is_configured = False
         self._arrived.set()

@@ -32,7 +32,7 @@ CASES: tuple[Case, ...] = (
 async def run_cases(client: CheckedClient, cases: Sequence[Case] = CASES) -> AsyncIterator[Outcome]:
     """Check an open client, and yield the outcome of each case.
 
-    Raises TransportError if the line ends and does not open again.
+    Raises TransportError if the connection ends and cannot be opened again.
     """
     for each in cases:
         missing = [part for part in each.needs if not client.has(part)]

@@ -59,8 +59,8 @@ class Publisher(Declared, Generic[P]):
         """Send one message, given as a message, by its fields, or as the value of its only field.
 
         Returns False if no host is connected or the line is full. A time may be "now" or seconds. Raises
-        SerializationError with the name of a field that does not fit, LocalProtocolError if it exceeds the
-        buffer.
+        SerializationError with the name of a field that does not fit, LocalProtocolError if the message
+        exceeds the buffer.
         """
         return self._line.publish(self._topic_id, [self._codec.encode_given(message, fields, now=self._now)])
 

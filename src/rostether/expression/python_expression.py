@@ -158,7 +158,7 @@ def _compile(expression: str) -> CodeType:
 
 
 class _Guard(ast.NodeTransformer):
-    """Replaces expensive operations by calls of guards, whose names no expression can contain."""
+    """Replaces expensive operations with calls to guards, whose names no expression can contain."""
 
     def visit(self, node: ast.AST) -> Any:
         node = super().visit(node)

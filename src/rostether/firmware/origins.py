@@ -27,13 +27,13 @@ _MESSAGE_NAME = re.compile(r"\b(\w+_msgs|\w+_srvs|tf|\w+_interfaces)::")
 
 
 class Origins(Struct, frozen=True):
-    """Finds the owner of a file or a name. `libraries` are names with their folders."""
+    """Finds the origin of a file or a name. `libraries` are names with their folders."""
 
     sketch_folder: Path | None = None
     libraries: Sequence[tuple[str, Path]] = ()
 
     def of_file(self, file: str) -> str | None:
-        """Return the group of a source file; None for a file of the compiler."""
+        """Return the origin of a source file; None for a file of the compiler."""
         path = Path(file)
         if path.suffix in _INO:
             return SKETCH
@@ -53,7 +53,7 @@ class Origins(Struct, frozen=True):
         return CORE if _CORE_FILE.search(file) else None
 
     def of_name(self, name: str) -> str | None:
-        """Return the group of a function, type or table by its readable name, None if unknown."""
+        """Return the origin of a function, type or table by its readable name, None if unknown."""
         name = name.removeprefix("vtable for ").removeprefix("void ")
         if name.startswith(("ros::", "tf::Transform")):
             return NODE

@@ -6,14 +6,14 @@ from __future__ import annotations
 MAX_INDENTED = 100
 
 
-def branch(lead: str, *, is_last: bool) -> tuple[str, str]:
-    """Return the text before a child's name, and the lead of the child's own children.
+def branch(indent: str, *, is_last: bool) -> tuple[str, str]:
+    """Return the text before an entry's name, and the indent of the entries below it.
 
     Levels deeper than `MAX_INDENTED` are not indented further.
 
     Args:
-        lead: The lead of its parent's children; empty at the root.
+        indent: The indent of the entry and its siblings; empty for those of the root.
         is_last: Whether no sibling follows.
     """
-    below = lead + ("   " if is_last else "│  ")
-    return lead + ("└─ " if is_last else "├─ "), below[: 3 * MAX_INDENTED]
+    below = indent + ("   " if is_last else "│  ")
+    return indent + ("└─ " if is_last else "├─ "), below[: 3 * MAX_INDENTED]

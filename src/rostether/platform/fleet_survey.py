@@ -40,7 +40,7 @@ class Survey:
         self._commands = commands or CommandSender(settings, time.time_ns() // 1000)
         self._sender = DatagramSender(address.checked(), report, on_datagram=self._receive)
         self._table = RobotTable(settings.key)
-        # When each query was sent, by its sequence.
+        # When each query was sent, by its sequence number.
         self._sent_us: dict[int, int] = {}
         self._answered = asyncio.Event()
         self.clocks: dict[RobotKey, ClockOffset] = {}

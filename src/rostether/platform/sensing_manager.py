@@ -214,8 +214,8 @@ class SensingManager:
                 self._reported = True
                 self._report(
                     Level.ERROR,
-                    f"{self._state_path}: cannot be written: {error.strerror or error}; the sensors "
-                    "will be lost at a restart",
+                    f"cannot write {self._state_path}: {error.strerror or error}; make it writable, or the "
+                    "sensors are lost at a restart",
                 )
 
     def _publish(self) -> None:

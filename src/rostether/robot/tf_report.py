@@ -78,12 +78,12 @@ def frame_tree(buffer: TransformBuffer) -> Iterator[str]:
     def show(root: str) -> Iterator[str]:
         waiting = [(root, "", "")]
         while waiting:
-            frame, lead, below_lead = waiting.pop()
+            frame, lead, indent = waiting.pop()
             shown.add(frame)
             yield lead + frame + _described(facts.get(frame))
             children = [child for child in sorted(below.get(frame, ())) if child not in shown]
             for place, child in reversed(list(enumerate(children))):
-                waiting.append((child, *branch(below_lead, is_last=place == len(children) - 1)))
+                waiting.append((child, *branch(indent, is_last=place == len(children) - 1)))
 
     for frame in buffer.frames:
         if frame not in facts:

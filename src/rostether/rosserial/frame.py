@@ -50,7 +50,7 @@ FORMS = {1: FrameForm(0xFF, 6, 7), 2: FrameForm(0xFE, 7, 8)}
 class Header(NamedTuple):
     """The content of a frame header.
 
-    The sum of `base`, the payload's bytes and the checksum is 255.
+    The sum of `base`, the payload's bytes and the checksum is 255 modulo 256.
     """
 
     topic_id: int

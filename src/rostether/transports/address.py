@@ -1,4 +1,4 @@
-"""Link addresses as values: the kind of line, its place and its options; `address_parser` reads them."""
+"""Link addresses as values: the kind of link, its place and its options; `address_parser` reads them."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ class ProgramSize(Struct, frozen=True):
 
 
 class SimulationPauses:
-    """Calls `on_pause` when a simulated board paused: this machine was too busy to run it in real time."""
+    """Has a callback for the pauses of a simulated board that this machine cannot run in real time."""
 
     def __init__(self) -> None:
         self.on_pause: Callable[[], None] = lambda: None

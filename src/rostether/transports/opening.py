@@ -79,10 +79,10 @@ async def listen(
 
     Raises the same errors as `open_transport`.
 
-    `connections` is the limit at a time, `connections_per_host` that of one address (None: the default of
-    the kind of link; only links with connections have one). `board_keys` are those of individual boards.
-    `entry` decides which senders of datagrams become links. `web_boards` are those that the dashboard's pages
-    connect.
+    `connections` limits how many links are open at a time, `connections_per_host` how many TCP connections
+    one host may have open (None: the default of the kind of link). `board_keys` are the keys of individual
+    boards. `entry` decides which senders of datagrams become links. `web_boards` are the boards that the
+    dashboard's pages connect.
     """
     if isinstance(address, str):
         address = parse_address(address)

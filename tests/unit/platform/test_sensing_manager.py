@@ -148,9 +148,9 @@ async def test_a_folder_that_cannot_be_written_is_reported_once(tmp_path: Path) 
     async with running(SensingManager(node, lines, state_path=tmp_path / "file" / "s.json").run()):
         await until(lambda: "/sensors_register" in network.snapshot().services)
         assert await register(robot, "ANALOG") == "sensor_node0"
-        await until(lambda: "cannot be written" in "".join(lines.texts))
+        await until(lambda: "cannot write" in "".join(lines.texts))
         assert await register(robot, "ANALOG") == "sensor_node1"
-    assert sum("cannot be written" in each for each in lines.texts) == 1
+    assert sum("cannot write" in each for each in lines.texts) == 1
 
 
 async def test_the_digital_tester_waits_for_the_manager(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -3,7 +3,7 @@ import type { Robot } from "../store/robot.ts";
 import { boardsOf } from "./boards/board_history.ts";
 import type { Graph } from "./panel.ts";
 
-/** Returns the present graph. A computed signal that calls this follows its changes. */
+/** Returns the current graph. A computed signal that calls this follows its changes. */
 export function graphOf(robot: Robot): Graph {
   const { node = "", teleop_node: teleopNode = "" } = robot.info.value?.metadata ?? {};
   return {

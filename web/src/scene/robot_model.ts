@@ -87,7 +87,7 @@ export class RobotModel {
     }
   }
 
-  /** sensor_msgs/JointState. */
+  /** Applies a sensor_msgs/JointState. */
   moveJoints(names: readonly string[], positions: ArrayLike<number>): void {
     names.forEach((name, i) => {
       const position = positions[i];

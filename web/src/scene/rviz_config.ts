@@ -79,7 +79,7 @@ class Lines {
     this.at++;
   }
 
-  /** Replaces the dash of a list's item with a space, so that its first key reads as the others. */
+  /** Replaces the dash of a list's item with a space, so that its first key is read like the others. */
   openItem(): void {
     const line = this.lines[this.at] as string;
     this.lines[this.at] = line.replace("-", " ");

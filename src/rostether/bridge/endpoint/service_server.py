@@ -175,7 +175,7 @@ class ServiceServerEndpoint:
         if len(request) > limit_bytes:
             reason = (
                 f"the request has {counted(len(request), 'byte')}, but the board's buffer has only "
-                f"{limit_bytes}; enlarge it in the sketch, or send less"
+                f"{limit_bytes}; enlarge it in the sketch, or send a smaller request"
             )
             self._notices.episode(f"request {name}", Level.ERROR, f"a call of {name} failed: {reason}")
             raise ServiceCallError(f"{name}: {reason}")

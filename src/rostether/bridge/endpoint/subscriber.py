@@ -134,6 +134,6 @@ class SubscriberEndpoint:
             Level.ERROR,
             f"not sent: a message of {self.info.topic_name} [{self._type.name}] has "
             f"{counted(size, 'byte')}, but the board's buffer has only {self.info.buffer_size}; enlarge "
-            "it in the sketch, or send less",
+            "it in the sketch, or send smaller messages",
             count=count,
         )

@@ -65,7 +65,7 @@ class EndpointFindings:
             step = "generate the message headers of the sketch again, and publish nothing else on this topic"
         else:
             most = f"and the board announced a buffer of {info.buffer_size}"
-            step = f"{_LARGER}, or send less at a time"
+            step = f"{_LARGER}, or send smaller messages"
         return [
             error(
                 Code.MESSAGES_TOO_LONG,
@@ -113,7 +113,7 @@ class EndpointFindings:
                     Code.BUFFER_TOO_SMALL,
                     f"messages of {info.topic_name} [{info.message_type}] have {largest} bytes, but the "
                     f"board's input buffer has only {info.buffer_size}: they are not sent",
-                    f"{_LARGER}, or send less",
+                    f"{_LARGER}, or send smaller messages",
                     info.topic_name,
                     reported=endpoint.largest_oversize_bytes > 0,
                 )

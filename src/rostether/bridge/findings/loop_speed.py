@@ -95,7 +95,7 @@ class LoopSpeed:
             Code.SLOW_LOOP,
             f"loop() is too slow: the board's time request is late by {late_s * 1000:.0f} ms "
             f"(at worst {(max(self._intervals_s) - self._period_s) * 1000:.0f} ms)",
-            "call nh.spinOnce() every few ms: replace delay() by a comparison of millis(), and split long "
+            "call nh.spinOnce() every few ms: replace delay() with a comparison of millis(), and split long "
             "work into short steps",
         )
 

@@ -1,4 +1,4 @@
-"""Messages longer than the board announced: refused at their header, and followed by their other bytes."""
+"""Messages longer than the board announced: each is refused at its header, and its rest is discarded."""
 
 from __future__ import annotations
 

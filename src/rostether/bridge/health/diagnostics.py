@@ -28,7 +28,7 @@ class EndpointView(Struct, frozen=True):
 
 
 class BoardView(Struct, frozen=True):
-    """One board; link figures are of the present connection and zero without one."""
+    """One board; link figures are those of the current connection, zero without one."""
 
     node: str
     peer: str

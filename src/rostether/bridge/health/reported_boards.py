@@ -30,7 +30,7 @@ LISTEN_S = 6.0
 # A bridge measures rates from its first report to a subscriber on. The second may follow immediately.
 RATES_AFTER_S = 0.9
 
-# How long it waits for a publisher: a newly connected board advertises within a second.
+# How long `reported_boards` waits for a publisher: a newly connected board advertises within a second.
 NO_PUBLISHER_S = 2.5
 
 # Any node may publish on /diagnostics; no user needs more boards than this.

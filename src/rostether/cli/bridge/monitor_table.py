@@ -213,7 +213,7 @@ def _cut(text: str, width: int) -> str:
 
 
 def _cut_middle(name: str, width: int) -> str:
-    """Return a name that fits; the end of a name is kept because it distinguishes it."""
+    """Return a name that fits; its end is kept, because long names mostly differ at the end."""
     if len(name) <= width:
         return name
     tail = (width - 2) * 2 // 3

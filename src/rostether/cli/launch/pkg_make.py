@@ -22,13 +22,13 @@ if TYPE_CHECKING:
     from rostether.msgdef.registry import Registry
     from rostether.packages.workspace import PackageContents
 
-_OF_CMAKE = ("-D", "-G", "-j", "-l", "-W")
+_CMAKE_OPTIONS = ("-D", "-G", "-j", "-l", "-W")
 # Common targets, and their replacements.
 _TARGETS = {
     "install": "no install folder is made; packages are used where they are",
-    "run_tests": "no tests are built or run; run those of Python with pytest",
-    "test": "no tests are built or run; run those of Python with pytest",
-    "tests": "no tests are built or run; run those of Python with pytest",
+    "run_tests": "no tests are built or run; run Python tests with pytest",
+    "test": "no tests are built or run; run Python tests with pytest",
+    "tests": "no tests are built or run; run Python tests with pytest",
     "clean": "nothing was built, so nothing is removed",
     "doxygen": "no documentation is built",
 }
@@ -49,7 +49,7 @@ def init(folder: Path | None) -> None:
 class _CatkinVerb(Verb):
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
         # Otherwise -DCMAKE_X=h is read as short options, and its h prints the help.
-        return super().parse_args(ctx, [each for each in args if not each.startswith(_OF_CMAKE)])
+        return super().parse_args(ctx, [each for each in args if not each.startswith(_CMAKE_OPTIONS)])
 
 
 @verb(

@@ -32,7 +32,7 @@ def params_of(graph: GraphOptions) -> Params:
 @option_group("wanted", ParamListing)
 @graph_options()
 def list_params(wanted: ParamListing, graph: GraphOptions) -> None:
-    """List the names of all parameters, or of those in a namespace; with --ros2, of a node's."""
+    """List the names of all parameters, or of those in a namespace or, with --ros2, of a node."""
     params_of(graph).list_params(wanted)
 
 

@@ -1,4 +1,4 @@
-"""The nodes of sensors as roles: analog, digital, gps, battery and system_load; the camera is in camera."""
+"""The sensors' nodes as roles: analog, digital, gps, battery and system_load; `camera.py` has the camera."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from rostether.platform.sensors.registered_sensor import platform_word
 
 
 def sensor_node_name(word: str, arguments: Arguments) -> str:
-    """Return the name of a sensor's node; it contains the robot's, so that robots share a graph."""
+    """Return the name of a sensor's node; it begins with the robot's, so that robots can share a graph."""
     given = arguments.private_params
     platform = str(given.get("platform_name") or default_platform())
     return f"{platform_word(platform)}_{platform_word(str(given.get('id', word)))}"
@@ -138,7 +138,7 @@ async def _publish_value(word: str, graph: TypedGraph) -> None:
 async def _value_source(
     graph: TypedGraph, parameters: NodeParameters, word: str
 ) -> tuple[Callable[[], AsyncGenerator[float, None]], str, str]:
-    """Return a function that opens the source in the parameters, its unit, and why it may have no number.
+    """Return a function that opens the source in the parameters, its unit, and the text while it is silent.
 
     Raises ConfigError.
     """

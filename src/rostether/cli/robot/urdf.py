@@ -98,16 +98,16 @@ def _numbered_backward(model: RobotModel, link: str) -> list[tuple[int, Joint]]:
 def _tree_lines(model: RobotModel) -> Iterator[str]:
     waiting: list[tuple[str, str, Joint]] = []
 
-    def push(link: str, lead: str) -> None:
+    def push(link: str, indent: str) -> None:
         joints = model.joints_below(link)
         for index, joint in reversed(list(enumerate(joints))):
-            waiting.append((*branch(lead, is_last=index == len(joints) - 1), joint))
+            waiting.append((*branch(indent, is_last=index == len(joints) - 1), joint))
 
     push(model.root, "")
     while waiting:
-        lead, below, joint = waiting.pop()
+        lead, indent, joint = waiting.pop()
         yield f"{lead}{joint.child}  ({joint.name}: {_described(joint)})"
-        push(joint.child, below)
+        push(joint.child, indent)
 
 
 def _described(joint: Joint) -> str:

@@ -103,7 +103,7 @@ class _CommandWithExamples(click.Command):
 class Verb(_CommandWithExamples):
     """A command of the command line.
 
-    `old_options` maps former names of options, which stay accepted, to the present ones; `hints` maps
+    `old_options` maps former names of options, which stay accepted, to the current ones; `hints` maps
     options that users expect to the right spelling.
     """
 

@@ -87,12 +87,12 @@ def status(level: StatusLevel, text: str, status_id: str | None = None) -> str:
 
 
 def remove_status(status_ids: Iterable[str]) -> str:
-    """Return the removal of status messages."""
+    """Return the message that removes lines for users."""
     return _json({"op": "removeStatus", "statusIds": list(status_ids)})
 
 
 def advertise(channels: Iterable[Channel]) -> str:
-    """Return the offer of channels."""
+    """Return the message that offers channels."""
     described = [
         {
             "id": channel.id,
@@ -108,12 +108,12 @@ def advertise(channels: Iterable[Channel]) -> str:
 
 
 def unadvertise(channel_ids: Iterable[int]) -> str:
-    """Return the end of channels; subscriptions to them end."""
+    """Return the message that ends channels and the subscriptions to them."""
     return _json({"op": "unadvertise", "channelIds": list(channel_ids)})
 
 
 def advertise_services(services: Iterable[OfferedService]) -> str:
-    """Return the offer of services."""
+    """Return the message that offers services."""
     described = [
         {
             "id": service.id,
@@ -128,12 +128,12 @@ def advertise_services(services: Iterable[OfferedService]) -> str:
 
 
 def unadvertise_services(service_ids: Iterable[int]) -> str:
-    """Return the end of services."""
+    """Return the message that ends services."""
     return _json({"op": "unadvertiseServices", "serviceIds": list(service_ids)})
 
 
 def parameter_values(parameters: Sequence[Mapping[str, Any]], request_id: str | None = None) -> str:
-    """Return parameters in their JSON form, see `parameters.py`; the id is the id of the request."""
+    """Return parameters in their JSON form, see `parameters.py`; the message has the id of the request."""
     message: dict[str, Any] = {"op": "parameterValues", "parameters": list(parameters)}
     if request_id is not None:
         message["id"] = request_id

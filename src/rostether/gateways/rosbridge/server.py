@@ -18,8 +18,8 @@ from rostether.gateways.rosbridge.session import Session
 from rostether.gateways.rosbridge.settings import (
     MAX_CLIENTS,
     MAX_GREETING,
+    MAX_UNANSWERED_PINGS,
     PING_PERIOD_S,
-    PINGS,
     UNSENT_BYTES,
     RosbridgeSettings,
 )
@@ -82,7 +82,7 @@ class RosbridgeServer:
                 message_bytes=settings.max_message_bytes,
                 unsent_bytes=UNSENT_BYTES,
                 ping_period_s=PING_PERIOD_S,
-                pings=PINGS,
+                pings=MAX_UNANSWERED_PINGS,
             ),
             self._open_session,
             lambda text: report(Level.WARN, f"rosbridge: {text}"),

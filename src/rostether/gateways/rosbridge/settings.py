@@ -54,7 +54,7 @@ GREETING_LIMIT_S = 10.0
 PING_PERIOD_S = 20.0
 
 # A client that answers no ping has disconnected. A slow client answers late, after it has read earlier data.
-PINGS = 3
+MAX_UNANSWERED_PINGS = 3
 
 # The size of a slow client's socket buffer; further messages wait in queues that drop the oldest.
 UNSENT_BYTES = 32 << 10

@@ -75,7 +75,9 @@ def path_below(root: Path | None, path: Path) -> Path:
     place = root / path.relative_to("/")
     if not place.resolve().is_relative_to(root.resolve()):
         # An absolute link in an image leads to this machine.
-        raise ConfigError(f"{place} is outside of {root}, at {place.resolve()}; replace the link by a folder")
+        raise ConfigError(
+            f"{place} is outside of {root}, at {place.resolve()}; replace the link with a folder"
+        )
     return place
 
 

@@ -131,7 +131,7 @@ class MasterServer:
         self._work_later(self._drop_steps(api))
 
     def _drop_steps(self, api: str) -> Iterator[None]:
-        """Drop the nodes of a URI; a hostile one has thousands."""
+        """Drop the nodes of a URI one by one: a hostile program may register thousands."""
         gone = [node.name for node in self.api.registrations.nodes.values() if node.api == api]
         for name in gone:
             node = self.api.registrations.nodes.get(name)

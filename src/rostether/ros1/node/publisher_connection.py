@@ -104,7 +104,7 @@ class PublisherConnection(asyncio.Protocol):
 
 
 class PublisherLink:
-    """Keeps one publisher connected: requests its address, and again when the connection breaks.
+    """Keeps one publisher connected: requests its address at the start and whenever the connection breaks.
 
     `accept` creates the connection from its header, as in `HandshakeProtocol`. `report` gets one line for
     users if the publisher is unreachable for some time, or if its type does not match; then there is no

@@ -67,7 +67,7 @@ class Subscription:
         return len(self.connections)
 
     def set_publishers(self, uris: Sequence[str]) -> None:
-        """Connect to new publishers, and disconnect from those that have ended after their last message."""
+        """Connect to new publishers; disconnect from ended ones after their last message."""
         for uri in self._links.keys() - set(uris):
             link = self._links.pop(uri)
             self._ending_links[link] = task = asyncio.ensure_future(link.drain())

@@ -86,7 +86,7 @@ class GraphParameters:
         return bool(await self._values(await self._locate(name)))
 
     async def search(self, name: str, resolve: Callable[[str], str]) -> str | None:
-        """Find a parameter of our own node by a relative name; others belong to other nodes.
+        """Find a parameter; a relative name is only searched on our own node.
 
         As in ROS 1, only the first part of the name must exist.
         """

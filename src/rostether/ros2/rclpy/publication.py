@@ -119,7 +119,7 @@ class Publication:
             await asyncio.sleep(ACKNOWLEDGE_POLL_S)
 
     def send_rest(self) -> None:
-        """Send what waits immediately, before the publisher closes; in the event loop."""
+        """Send the waiting messages at once, before the publisher closes; called in the event loop."""
         while self._backlog:
             self._send(self._backlog.popleft())
 

@@ -1,4 +1,4 @@
-"""Types for tools that do not need the fields of messages: types without a definition stay CDR."""
+"""Types for tools that do not need fields: messages of a type without a definition stay CDR."""
 
 from __future__ import annotations
 

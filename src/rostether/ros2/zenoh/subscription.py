@@ -65,8 +65,8 @@ class Subscription:
         self._node = node
         self._own_gids = own_gids
         self._skip_nodes = skip_nodes
-        # The type of the first publisher, if a subscription of any type takes only one.
         self._accepts_one_type = one_type
+        # The type of the first publisher, if a subscription of any type accepts only one type.
         self._learned_type: MessageSupport | None = None
         # The sender of a sample is looked up only if some nodes are excluded.
         self._node_names: dict[bytes, str] = {}

@@ -59,15 +59,15 @@ def _fill(msg: Any, arguments: Any, keys: Mapping[str, Any], prefix: str) -> Non
 
 
 def _fill_field(msg: Any, name: str, value: Any, keys: Mapping[str, Any], prefix: str) -> None:
-    present = getattr(msg, name)
-    if isinstance(present, Message | TVal):
+    current = getattr(msg, name)
+    if isinstance(current, Message | TVal):
         if isinstance(value, str):
             if value not in keys:
                 raise MessageException(f"No key named [{value}]")
             setattr(msg, name, keys[value])
         else:
-            setattr(msg, name, _filled(present, value, keys, f"{prefix}{name}."))
-    elif isinstance(present, list):
+            setattr(msg, name, _filled(current, value, keys, f"{prefix}{name}."))
+    elif isinstance(current, list):
         setattr(msg, name, _elements(msg, name, value, keys, prefix))
     else:
         setattr(msg, name, value)
@@ -93,8 +93,8 @@ def _elements(msg: Any, name: str, value: Any, keys: Mapping[str, Any], prefix: 
     return [_filled(element_class(), each, keys, prefix) for each in value]
 
 
-def _filled(present: Any, value: Any, keys: Mapping[str, Any], prefix: str) -> Any:
-    if isinstance(present, TVal) and isinstance(value, int) and not isinstance(value, bool):
-        return type(present)(*divmod(value, NS_PER_S))
-    _fill(present, value, keys, prefix)
-    return present
+def _filled(current: Any, value: Any, keys: Mapping[str, Any], prefix: str) -> Any:
+    if isinstance(current, TVal) and isinstance(value, int) and not isinstance(value, bool):
+        return type(current)(*divmod(value, NS_PER_S))
+    _fill(current, value, keys, prefix)
+    return current

@@ -1,4 +1,4 @@
-"""rosservice, as programs use it: which services there are, of which types, and calling them by name."""
+"""The functions of rosservice that programs use: they list services, look up their types, and call them."""
 
 from __future__ import annotations
 

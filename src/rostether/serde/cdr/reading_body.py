@@ -149,6 +149,6 @@ class ReadingBody:
         return self.parts + self.functions.part_count(node) > MAX_PARTS
 
     def variable(self, prefix: str) -> str:
-        """Return a new variable."""
+        """Return the name of a new variable."""
         self._count += 1
         return f"{prefix}{self._count - 1}"

@@ -60,8 +60,8 @@ class Servo:
 
     def set_voltage(self, volts: float) -> None:
         """Change the supply. Outside the servo's limits, it reports an input voltage error."""
-        self._set(BY_NAME["present_input_voltage"], round(volts * 10))
         tenths = round(volts * 10)
+        self._set(BY_NAME["present_input_voltage"], tenths)
         if not self["min_voltage_limit"] <= tenths <= self["max_voltage_limit"]:
             self.fail(0x01)
 

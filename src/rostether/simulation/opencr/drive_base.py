@@ -70,9 +70,9 @@ class DriveBase(ServoBus):
         left_m = (left.angle_rad - before[0]) * WHEEL_RADIUS_M
         right_m = (right.angle_rad - before[1]) * WHEEL_RADIUS_M
         turn_rad = (right_m - left_m) / WHEEL_SEPARATION_M
-        # The chord of the arc.
-        chord = 1.0 if abs(turn_rad) < 1e-9 else math.sin(turn_rad / 2) / (turn_rad / 2)
-        distance_m = (left_m + right_m) / 2 * chord
+        # The distance is the chord of the arc that the robot drives.
+        chord_per_arc = 1.0 if abs(turn_rad) < 1e-9 else math.sin(turn_rad / 2) / (turn_rad / 2)
+        distance_m = (left_m + right_m) / 2 * chord_per_arc
         self.x_m += distance_m * math.cos(self.heading_rad + turn_rad / 2)
         self.y_m += distance_m * math.sin(self.heading_rad + turn_rad / 2)
         self.heading_rad = math.remainder(self.heading_rad + turn_rad, math.tau)

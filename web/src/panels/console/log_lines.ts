@@ -13,7 +13,7 @@ export interface LogLine {
 export type Level = "debug" | "info" | "warning" | "error" | "fatal";
 export const LEVELS: readonly Level[] = ["debug", "info", "warning", "error", "fatal"];
 
-// An hour of a robot that logs much; the oldest lines are removed first.
+// An hour of a robot that logs a lot; the oldest lines are removed first.
 const MAX_LINES = 5000;
 const MAX_TEXT = 10_000;
 
