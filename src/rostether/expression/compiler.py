@@ -90,8 +90,8 @@ def compile_filter(expression: str) -> Callable[[object, str], bool]:
 def compile_expression(expression: str, names: frozenset[str], *, source: str) -> Evaluate:
     """Return a function that computes the expression from values for `names`; errors start with `source`.
 
-    Raises ConfigError for what is not whitelisted; so does the computation where it does not work, takes too
-    many steps or makes too large a value.
+    Raises ConfigError for an expression that is not whitelisted. The function raises ConfigError if the
+    computation fails, takes too many steps, or makes too large a value.
     """
     if len(expression) > MAX_EXPRESSION_CHARS:
         raise ConfigError(f"{source}: longer than {MAX_EXPRESSION_CHARS} characters: use a script instead")

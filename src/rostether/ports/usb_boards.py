@@ -61,7 +61,7 @@ _OTHERS = {
 
 
 # FTDI, Silicon Labs and WCH chips on Nanos, RedBoards and ESP boards, but also in GPS receivers and lidars;
-# the id of ST's example, which flight controllers and printers also use; a Python prompt.
+# the id of ST's example, which flight controllers and printers also use; a port that may be a Python prompt.
 _LIKELY_BOARDS = frozenset(
     {
         (0x0403, 0x6001),

@@ -33,7 +33,7 @@ class ChosenField(Struct, frozen=True):
 
 
 class ChosenRos2Topic(Struct, frozen=True):
-    """A topic, the short name of its type, and the field of it that is meant, None for the whole message."""
+    """A topic, the short name of its type, and the chosen field, None for the whole message."""
 
     topic: str
     type: str
