@@ -9,20 +9,25 @@ DIR/ros_lib/
 
 from __future__ import annotations
 
+import ast
 from collections.abc import Collection, Iterator
 from pathlib import Path
 
 from rostether.codegen.arduino_library import RenderedLibrary, WrittenLibrary, write_rendered
 from rostether.codegen.library_source import MICROPYTHON_FOLDER, client_library, library_files
-from rostether.codegen.program_imports import types_of_program
 from rostether.codegen.python_message import message_module, service_module
 from rostether.codegen.python_names import MODULES, class_name, package_name
 from rostether.codegen.reserved_words import LIBRARY_NAMESPACE
 from rostether.codegen.type_index import TypeIndex
 from rostether.codegen.wanted_types import WantedTypes, add_field_types, all_types, types_of_packages
-from rostether.errors import CodegenError, RostetherError
+from rostether.errors import CodegenError, ConfigError, RostetherError
+from rostether.msgdef.definition_files import Kind
 from rostether.msgdef.registry import Registry
 from rostether.msgdef.resolve_types import dependencies
+from rostether.msgdef.unknown_type import explain_unknown
+
+# No board has room for a larger program.
+MAX_PROGRAM_BYTES = 1 << 20
 
 _PACKAGE = '''"""Loads a message or service when it is imported."""
 
@@ -94,7 +99,7 @@ def _wanted(index: TypeIndex, program: Path | None, packages: Collection[str] | 
         return all_types(index)
     wanted = types_of_packages(index, packages or ())
     if program is not None:
-        of_program = types_of_program(index, program)
+        of_program = _types_of_program(index, program)
         wanted.names |= of_program.names
         wanted.missing += of_program.missing
         add_field_types(index, wanted)
@@ -125,3 +130,45 @@ def _path(index: TypeIndex, name: str, kind: str = "") -> str:
     package, _, short_name = name.partition("/")
     kind = kind or ("msg" if index.is_message(name) else "srv")
     return f"{package_name(package)}/{kind}/_{class_name(short_name)}"
+
+
+def _types_of_program(index: TypeIndex, program: Path) -> WantedTypes:
+    """Return the types that a .py file, or each in a folder, imports: `from std_msgs.msg import String`.
+
+    Raises ConfigError if a file cannot be read.
+    """
+    wanted = WantedTypes()
+    files = sorted(program.glob("*.py")) if program.is_dir() else [program]
+    if not files:
+        raise ConfigError(f"no Python files in {program}; name the program of the board")
+    for file in files:
+        for line, package, kind, name in _imports(file):
+            full_name = f"{package}/{name}"
+            if index.is_message(full_name) if kind is Kind.MESSAGE else index.is_service(full_name):
+                wanted.names.add(full_name)
+            else:
+                reason = explain_unknown(index.registry, kind, package, name)
+                wanted.missing.append(f"{file}:{line}: {reason}")
+    return wanted
+
+
+def _imports(file: Path) -> Iterator[tuple[int, str, Kind, str]]:
+    for node in ast.walk(_parse(file)):
+        if not isinstance(node, ast.ImportFrom) or node.module is None or node.level:
+            continue
+        package, dot, kind = node.module.rpartition(".")
+        if not dot or "." in package or kind not in ("msg", "srv"):
+            continue
+        for each in node.names:
+            yield node.lineno, package, Kind.MESSAGE if kind == "msg" else Kind.SERVICE, each.name
+
+
+def _parse(file: Path) -> ast.Module:
+    try:
+        if file.stat().st_size > MAX_PROGRAM_BYTES:
+            raise ConfigError(f"{file} is larger than 1 MiB; name the program of the board")
+        return ast.parse(file.read_bytes())
+    except OSError as error:
+        raise ConfigError(f"cannot read {file}: {error.strerror}; name the program of the board") from error
+    except (SyntaxError, ValueError, RecursionError, MemoryError) as error:
+        raise ConfigError(f"{file} is not a Python program: {error}") from error

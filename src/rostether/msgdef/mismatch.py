@@ -10,16 +10,16 @@ from __future__ import annotations
 import functools
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import combinations, islice
-from typing import NamedTuple, Protocol
+from typing import NamedTuple
 
 from msgspec.structs import replace
 
 from rostether.errors import DefinitionError
 from rostether.msgdef.definition_files import earlier_files, read_definition
-from rostether.msgdef.interface import MessageType
 from rostether.msgdef.md5sum import declarations_text, digest, message_md5sum
 from rostether.msgdef.parse_msg import parse_message
 from rostether.msgdef.primitives import PRIMITIVE_TYPES
+from rostether.msgdef.registry import Registry
 from rostether.msgdef.resolve_types import dependencies
 from rostether.msgdef.spec import Constant, Field, FieldType, MessageSpec
 
@@ -45,20 +45,7 @@ _HEADER = Field(FieldType("std_msgs/Header"), "header")
 _MAX_LISTED = 6
 
 
-class Types(Protocol):
-    """The lookups of a registry."""
-
-    def message(self, name: str) -> MessageSpec:
-        """Return a definition."""
-
-    def message_type(self, name: str) -> MessageType:
-        """Return a type with its md5sum."""
-
-    def messages(self, package: str | None = None) -> list[str]:
-        """List all messages."""
-
-
-def explain_mismatch(types: Types, name: str, md5sum: str) -> str:
+def explain_mismatch(types: Registry, name: str, md5sum: str) -> str:
     """Return one line on a device that announced `name` with `md5sum`: the difference, if it can be found.
 
     Raises the errors of `types` for a type that is unknown or broken here.
@@ -80,7 +67,7 @@ def explain_mismatch(types: Types, name: str, md5sum: str) -> str:
     return f"{start}: {whose} {difference(types.message(guess.full_name), guess)}; {advice}"
 
 
-def name_of_md5sum(types: Types, md5sum: str) -> str | None:
+def name_of_md5sum(types: Registry, md5sum: str) -> str | None:
     """Return the name of a known message that has this md5sum, or None."""
     for known in islice(types.messages(), MAX_KNOWN_TYPES):
         try:
@@ -91,7 +78,7 @@ def name_of_md5sum(types: Types, md5sum: str) -> str | None:
     return None
 
 
-def guess_definition(types: Types, name: str, md5sum: str) -> MessageSpec | None:
+def guess_definition(types: Registry, name: str, md5sum: str) -> MessageSpec | None:
     """Find a changed definition that gives `name` this md5sum, or None.
 
     The answer is another version of `name`, or (see its `full_name`) of one of the messages below it.

@@ -11,10 +11,10 @@ from msgspec.structs import replace
 
 from rostether.ports.board_identity import BoardIdentity
 from rostether.ports.port_pattern import fits_entry
-from rostether.ports.port_watch import SETTLING_S, ListPorts, folder_mark
+from rostether.ports.port_watch import SETTLING_S, folder_mark
 from rostether.ports.settings import DeviceSettings, DiscoverySettings
 from rostether.ports.usb_boards import Kind, kind_of
-from rostether.transports.serial_port import SerialPort
+from rostether.transports.serial_port import ListPorts, SerialPort
 
 
 class PortUse(Enum):

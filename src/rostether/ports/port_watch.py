@@ -11,12 +11,12 @@ from __future__ import annotations
 import asyncio
 import os
 import sys
-from collections.abc import AsyncIterator, Callable, Iterable, Sequence
+from collections.abc import AsyncIterator, Iterable, Sequence
 from pathlib import Path
 from typing import Self
 
 from rostether.ports.port_pattern import is_port_pattern, named_ports
-from rostether.transports.serial_port import SerialPort, find_usb_location
+from rostether.transports.serial_port import ListPorts, SerialPort, find_usb_location
 
 # How soon a board is noticed on systems without notifications; one check takes about 0.2 ms.
 LOOK_PERIOD_S = 0.25
@@ -32,8 +32,6 @@ BLIND_LIST_PERIOD_S = 2.0
 
 DEVICE_FOLDER = "/dev"
 _REPORTS_CHANGES = sys.platform == "linux"
-
-ListPorts = Callable[[], Sequence[SerialPort]]
 
 # <sys/inotify.h>
 _IN_NONBLOCK = os.O_NONBLOCK

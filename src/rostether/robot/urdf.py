@@ -13,8 +13,7 @@ from rostether.errors import RobotModelError
 from rostether.mechanisms.xml_tree import XmlElement, parse_xml
 from rostether.robot.robot_model import Joint, JointType, Limits, Mimic, RobotModel
 from rostether.robot.transform import Vector
-from rostether.robot.urdf_link import check_link, check_materials
-from rostether.robot.urdf_numbers import number, origin, vector
+from rostether.robot.urdf_numbers import number, numbers, origin, vector
 
 # The largest robot descriptions have a few MB.
 MAX_XML_BYTES = 64 << 20
@@ -23,6 +22,7 @@ MAX_XML_BYTES = 64 << 20
 MAX_LINKS = 100_000
 
 _NEED_LIMITS = frozenset({JointType.REVOLUTE, JointType.PRISMATIC})
+_INERTIA = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
 
 
 def parse_urdf(text: str | bytes, *, file: str = "robot_description") -> RobotModel:
@@ -58,11 +58,11 @@ def _robot(robot: XmlElement) -> RobotModel:
     if robot.get("version") not in (None, "1.0", "1"):
         raise robot.error(f"version {robot.get('version')} is not supported; only 1.0 is")
     problems: list[str] = []
-    check_materials(robot, problems)
+    _check_materials(robot, problems)
     links: dict[str, None] = {}
     for element in robot.all("link"):
         link = element.get("name") or ""
-        check_link(link, element, problems)
+        _check_link(link, element, problems)
         if link in links:
             raise element.error(f"link {link!r} is not unique")
         links[link] = None
@@ -196,3 +196,70 @@ def _xacro_hint(robot: XmlElement) -> str:
     if any(child.tag.startswith("xacro:") for child in robot.children):
         return '; this is xacro; expand it first, e.g. with command="$(find xacro)/xacro FILE"'
     return ""
+
+
+def _check_materials(robot: XmlElement, problems: list[str]) -> None:
+    """Append the errors in the materials that a robot defines for all links."""
+    for material in robot.all("material"):
+        try:
+            _check_color(material)
+        except RobotModelError as error:
+            problems.append(str(error))
+
+
+def _check_link(name: str, element: XmlElement, problems: list[str]) -> None:
+    """Append the errors in a link's name, shapes and masses."""
+    if not name:
+        problems.append(str(element.error("a link has no name")))
+    checks = {"visual": _check_shape, "collision": _check_shape, "inertial": _check_inertial}
+    for kind, check in checks.items():
+        for each in element.all(kind):
+            try:
+                check(each, f"{kind} of link {name!r}")
+            except RobotModelError as error:
+                problems.append(str(error))
+
+
+def _check_shape(element: XmlElement, what: str) -> None:
+    geometry = element.first("geometry")
+    form = next(iter(geometry.children), None) if geometry is not None else None
+    if form is None:
+        raise element.error(f"{what} has no geometry")
+    origin(element, what)
+    material = element.first("material")
+    if material is not None:
+        _check_color(material)
+    _check_form(form, what)
+
+
+def _check_form(form: XmlElement, what: str) -> None:
+    match form.tag:
+        case "box":
+            vector(form, form.get("size") or "", f"the size of {what}")
+        case "cylinder":
+            number(form, "radius", what)
+            number(form, "length", what)
+        case "sphere":
+            number(form, "radius", what)
+        case "mesh":
+            if not form.get("filename"):
+                raise form.error(f"the mesh of {what} has no filename")
+            vector(form, form.get("scale") or "1 1 1", f"the scale of {what}")
+        case _:
+            raise form.error(f"{what} is a <{form.tag}>; known: box, cylinder, sphere, mesh")
+
+
+def _check_color(material: XmlElement) -> None:
+    color = material.first("color")
+    if color is not None:
+        numbers(color, color.get("rgba") or "", f"the rgba of material {material.get('name')!r}", 4)
+
+
+def _check_inertial(element: XmlElement, what: str) -> None:
+    mass, inertia = element.first("mass"), element.first("inertia")
+    if mass is None or inertia is None:
+        raise element.error(f"{what} needs <mass> and <inertia>")
+    for name in _INERTIA:
+        number(inertia, name, what)
+    number(mass, "value", what)
+    origin(element, what)

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from difflib import get_close_matches
 from pathlib import Path
-from typing import Protocol
 
 from msgspec import Struct
 
 from rostether.transports.port_holders import Holder, find_holders, is_character_device
+from rostether.transports.serial_port import ListPorts, SerialPort
 
 # The number that fits on a line.
 LISTED_PORTS = 6
@@ -21,18 +21,6 @@ USUAL_GROUP = "dialout"
 _GROUP_MAY_USE = 0o060
 _MAINBOARD_PREFIX = "ttyS"
 _LIKELY_PREFIXES = ("ttyACM", "ttyUSB", "cu.usb")
-
-
-class NamedPort(Protocol):
-    """A port of this machine."""
-
-    @property
-    def path(self) -> str:
-        """The path of the port."""
-
-    @property
-    def description(self) -> str:
-        """The device on the port."""
 
 
 class PortFacts(Struct, frozen=True):
@@ -51,7 +39,7 @@ class PortFacts(Struct, frozen=True):
     others: tuple[str, ...] = ()
 
 
-def read_port_facts(path: str, list_ports: Callable[[], Sequence[NamedPort]]) -> PortFacts:
+def read_port_facts(path: str, list_ports: ListPorts) -> PortFacts:
     """Return the facts about a port. Takes a few ms, because it reads /proc."""
     if os.name == "nt":
         return _windows_facts(path, list_ports())
@@ -106,7 +94,7 @@ def group_of(path: str) -> str | None:
     return group
 
 
-def _windows_facts(path: str, ports: Sequence[NamedPort]) -> PortFacts:
+def _windows_facts(path: str, ports: Sequence[SerialPort]) -> PortFacts:
     shown = {port.path: f"{port.path} ({port.description})" for port in ports}
     exists = path.upper().removeprefix("\\\\.\\") in (each.upper() for each in shown)
     near = tuple(shown[each] for each in get_close_matches(path, shown, n=3))

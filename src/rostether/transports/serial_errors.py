@@ -6,23 +6,14 @@ import errno
 import os
 import re
 import sys
-from collections.abc import Callable, Sequence
-from typing import Protocol
 
 from rostether.errors import ConfigError, RostetherError, TransportOpenError
 from rostether.transports.address import SerialAddress
 from rostether.transports.port_facts import LISTED_PORTS, group_of
 from rostether.transports.port_holders import find_holders, is_open_here
+from rostether.transports.serial_port import ListPorts
 
 _PTY_NAME = re.compile(r"/dev/pts/[0-9]+|/dev/tty[p-za-e][0-9a-f]|/dev/ttys[0-9]{3,}")
-
-
-class _Port(Protocol):
-    @property
-    def path(self) -> str: ...
-
-    @property
-    def description(self) -> str: ...
 
 
 def is_pseudo_terminal(path: str) -> bool:
@@ -30,9 +21,7 @@ def is_pseudo_terminal(path: str) -> bool:
     return _PTY_NAME.fullmatch(os.path.realpath(path)) is not None
 
 
-def explain_open_error(
-    address: SerialAddress, error: Exception, list_ports: Callable[[], Sequence[_Port]]
-) -> RostetherError:
+def explain_open_error(address: SerialAddress, error: Exception, list_ports: ListPorts) -> RostetherError:
     """Return the error to raise for a port that did not open."""
     path = address.path
     code = error.errno if isinstance(error, OSError) else None
@@ -90,7 +79,7 @@ def explain_permission(path: str) -> str:
     )
 
 
-def _describe_ports(list_ports: Callable[[], Sequence[_Port]]) -> str:
+def _describe_ports(list_ports: ListPorts) -> str:
     ports = list_ports()
     if not ports:
         return "no serial port found"

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import os
 import re
+from collections.abc import Callable, Sequence
+from typing import TypeAlias
 
 from msgspec import Struct
 
@@ -34,6 +36,10 @@ class SerialPort(Struct, frozen=True):
         if self.usb_vendor_id is None:
             return None
         return f"{self.usb_vendor_id:04x}:{self.usb_product_id or 0:04x}"
+
+
+# Lists the ports of this machine.
+ListPorts: TypeAlias = Callable[[], Sequence[SerialPort]]
 
 
 def find_usb_location(path: str, *, sys_folder: str = "/sys/class/tty") -> str | None:

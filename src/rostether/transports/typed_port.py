@@ -6,24 +6,19 @@ import re
 import stat
 import sys
 import unicodedata
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Protocol
 
 from rostether.errors import ConfigError
 from rostether.transports.address import Address, SerialAddress, XbeeAddress
 from rostether.transports.address_advice import WINDOWS_PORT, baud_option, sketch_advice
+from rostether.transports.serial_port import ListPorts, SerialPort
 
 _NUMBERED = re.compile(r"/?dev/(tty)?(ACM|USB|AMA|S)([0-9OIl]*)", re.IGNORECASE)
 _DIGITS = str.maketrans("OoIl", "0011")
 
 
-class _Port(Protocol):
-    @property
-    def path(self) -> str: ...
-
-
-def check_typed_port(address: Address, list_ports: Callable[[], Sequence[_Port]]) -> None:
+def check_typed_port(address: Address, list_ports: ListPorts) -> None:
     """Raise ConfigError for a serial port that cannot appear: a typing error, a file, a folder."""
     if not isinstance(address, SerialAddress | XbeeAddress) or sys.platform == "win32":
         return
@@ -65,7 +60,7 @@ def _meant(path: str) -> str | None:
     return f"{meant} (with a zero)" if "O" in match[3].upper() else meant
 
 
-def _plugged_in(ports: Sequence[_Port]) -> str:
+def _plugged_in(ports: Sequence[SerialPort]) -> str:
     # Every PC has the ports of the mainboard, which have no board.
     plugged_in = [each.path for each in ports if not each.path.startswith("/dev/ttyS")]
     return " or ".join(plugged_in[:3]) or "/dev/ttyACM0 or /dev/ttyUSB0 (none is plugged in now)"

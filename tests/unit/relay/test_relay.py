@@ -26,8 +26,7 @@ from rostether.relay import relay as relay_module
 from rostether.relay.relay import Relay
 from rostether.relay.relay_filter import Direction, RelayFilter, Services, Topics
 from rostether.relay.side import Side
-from rostether.relay.static_transforms import StaticTransforms
-from rostether.relay.topic_relay import TopicRelay
+from rostether.relay.topic_relay import StaticTransforms, TopicRelay
 from rostether.serde.store import TypeStore
 from unit.relay.relay_world import World, service_type
 from waiting import until

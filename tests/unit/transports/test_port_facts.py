@@ -3,22 +3,16 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
-from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
 
 from rostether.transports.port_facts import group_of, near_names, read_port_facts
-
-
-@dataclass(frozen=True)
-class Port:
-    path: str
-    description: str = "Arduino Uno"
+from rostether.transports.serial_port import SerialPort
 
 
 def test_a_port_that_is_not_there_has_neighbors() -> None:
-    ports = [Port("/dev/ttyACM0"), Port("/dev/ttyUSB3")]
+    ports = [SerialPort(path, "Arduino Uno") for path in ("/dev/ttyACM0", "/dev/ttyUSB3")]
     facts = read_port_facts("/dev/ttyACM9", lambda: ports)
     assert not facts.exists
     assert "/dev/ttyACM0 (Arduino Uno)" in facts.near

@@ -2,15 +2,15 @@ from __future__ import annotations
 
 import re
 from pathlib import Path
-from types import SimpleNamespace
 
 import pytest
 
 from rostether.errors import ConfigError
 from rostether.transports.address_parser import parse_address
+from rostether.transports.serial_port import SerialPort
 from rostether.transports.typed_port import check_typed_port
 
-PORTS = [SimpleNamespace(path="/dev/ttyS0"), SimpleNamespace(path="/dev/ttyACM7")]
+PORTS = [SerialPort("/dev/ttyS0", "a port"), SerialPort("/dev/ttyACM7", "an Uno")]
 
 
 def _refused(address: str) -> str:

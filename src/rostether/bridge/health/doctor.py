@@ -14,7 +14,7 @@ It uses the session and the findings of the bridge; only the graph is a private 
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Awaitable, Callable, Sequence
+from collections.abc import Awaitable, Callable
 from functools import partial
 from typing import cast
 
@@ -41,9 +41,10 @@ from rostether.transports.address import (
     UdpAddress,
 )
 from rostether.transports.opening import listen, open_transport
-from rostether.transports.port_facts import NamedPort, PortFacts, read_port_facts
+from rostether.transports.port_facts import PortFacts, read_port_facts
 from rostether.transports.port_holders import find_listener
 from rostether.transports.serial_errors import is_pseudo_terminal
+from rostether.transports.serial_port import ListPorts
 from rostether.transports.transport import Listener, Transport
 
 _STARTING_CODES = frozenset(
@@ -82,7 +83,7 @@ class Doctor:
         watch_s: float = WATCH_S,
         report_step: Callable[[str], object] = lambda _text: None,
         read_facts: Callable[[str], Awaitable[PortFacts]] | None = None,
-        list_ports: Callable[[], Sequence[NamedPort]] = list,
+        list_ports: ListPorts = list,
         open_transport: Callable[[Address], Awaitable[Transport]] = open_transport,
     ) -> None:
         self._store = store
@@ -202,7 +203,7 @@ class Doctor:
         )
 
 
-async def _read_facts(list_ports: Callable[[], Sequence[NamedPort]], path: str) -> PortFacts:
+async def _read_facts(list_ports: ListPorts, path: str) -> PortFacts:
     return await asyncio.to_thread(read_port_facts, path, list_ports)
 
 

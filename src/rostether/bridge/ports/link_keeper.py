@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import asyncio
 import os
-from collections.abc import Awaitable
+from collections.abc import Awaitable, Callable
 from pathlib import Path
-from typing import Protocol
+from typing import TypeAlias
 
 from msgspec.structs import replace
 
@@ -19,11 +19,11 @@ from rostether.mechanisms.backoff import Backoff
 from rostether.ports.board_identity import BoardIdentity
 from rostether.ports.device_book import DeviceBook
 from rostether.ports.port_policy import PortFinder
-from rostether.ports.port_watch import ListPorts
 from rostether.ports.settings import DeviceSettings
 from rostether.transports.address import Address, SerialAddress
 from rostether.transports.opening import list_serial_ports
 from rostether.transports.serial_errors import is_pseudo_terminal
+from rostether.transports.serial_port import ListPorts
 from rostether.transports.transport import Transport
 
 # Messages should flow half a second after a board is back, including the time to open its port; a check costs
@@ -33,11 +33,8 @@ PRESENCE_POLL_S = 0.1
 MAX_RETRY_S = 0.4
 
 
-class OpenTransport(Protocol):
-    """Opens one link; `transports.opening.open_transport` is the real one."""
-
-    def __call__(self, address: Address) -> Awaitable[Transport]:
-        """Open. Raises TransportError."""
+# Opens one link; raises TransportError.
+OpenTransport: TypeAlias = Callable[[Address], Awaitable[Transport]]
 
 
 class LinkKeeper:

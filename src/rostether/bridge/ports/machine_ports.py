@@ -3,22 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Awaitable, Callable, Sequence
-from typing import Protocol
 
 from msgspec import Struct
 
 from rostether.bridge.ports.port_probe import TunableTransport
 from rostether.ports.port_locks import find_port_user
-from rostether.ports.port_watch import DEVICE_FOLDER, ListPorts
+from rostether.ports.port_watch import DEVICE_FOLDER
 from rostether.transports.address import SerialAddress
 from rostether.transports.opening import list_serial_ports
-
-
-class OpenPort(Protocol):
-    """Opens a serial port."""
-
-    def __call__(self, address: SerialAddress) -> Awaitable[TunableTransport]:
-        """Open. Raises TransportOpenError, ConfigError."""
+from rostether.transports.serial_port import ListPorts
 
 
 async def open_port(address: SerialAddress) -> TunableTransport:
@@ -36,7 +29,7 @@ class MachinePorts(Struct, frozen=True):
 
     list_ports: ListPorts = list_serial_ports
     folders: Sequence[str] = (DEVICE_FOLDER,)
-    open_port: OpenPort = open_port
+    open_port: Callable[[SerialAddress], Awaitable[TunableTransport]] = open_port
     find_port_user: Callable[[str], str | None] = find_port_user
 
 

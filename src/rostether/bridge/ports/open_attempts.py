@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Awaitable, Callable
-from typing import Protocol
+from typing import TypeAlias
 
 from rostether.errors import TransportError
 from rostether.mechanisms.backoff import Backoff
@@ -17,16 +17,9 @@ from rostether.transports.transport import Transport
 SETTLE_S = 1.0
 
 
-class ServeLink(Protocol):
-    """Uses an open link until it ends."""
-
-    def __call__(
-        self, address: Address, transport: Transport, identity: BoardIdentity
-    ) -> Awaitable[TransportError | None]:
-        """Serve the link; return the error that ended it, None if the bridge ended it.
-
-        Raises SessionError if it must not be served again.
-        """
+# Uses an open link until it ends; returns the error that ended it, None if the bridge ended it. Raises
+# SessionError if it must not be served again.
+ServeLink: TypeAlias = Callable[[Address, Transport, BoardIdentity], Awaitable[TransportError | None]]
 
 
 class OpenAttempts:

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+from typing import Any
+
 import click
+from msgspec.structs import asdict
 
 from rostether.cli.access.graph_options import GraphOptions
 from rostether.cli.access.options import refuse_ros2_only
 from rostether.cli.access.ros1_access import master_client, read_environment, resolve
-from rostether.cli.node import ros1_report
 from rostether.cli.node.nodes import NodeListing
 from rostether.cli.shell.failures import EXIT_FAILED, print_error
 from rostether.cli.shell.output import warn, write_json, write_line
@@ -15,10 +18,22 @@ from rostether.cli.shell.own_command import called_as
 from rostether.cli.shell.running import run
 from rostether.errors import ConfigError, UnknownNameError
 from rostether.mechanisms.text import escape_line
+from rostether.msgdef.interface import ANY_TYPE
 from rostether.names.graph_name import in_namespace
 from rostether.ros1.environment import RosEnvironment, parse_rpc_uri
 from rostether.ros1.machines import hosts_of_machine
-from rostether.ros1.node.node_calls import ask, connections, find_node, node_client, node_names, registrations
+from rostether.ros1.node.node_calls import (
+    Connection,
+    Registrations,
+    ask,
+    connections,
+    find_node,
+    node_client,
+    node_names,
+    registrations,
+)
+
+_RULE = "-" * 80
 
 
 class Ros1Nodes:
@@ -95,10 +110,10 @@ async def _info(environment: RosEnvironment, names: tuple[str, ...], *, quiet: b
                 continue
             registered = await registrations(client, name)
             if not as_json:
-                write_line(ros1_report.format_registrations(name, registered))
+                write_line(_format_registrations(name, registered))
             if quiet:
                 if as_json:
-                    write_json(ros1_report.to_record(name, uri, registered))
+                    write_json(_to_record(name, uri, registered))
                 continue
             if not as_json:
                 write_line(f"\ncontacting node {uri} ...")
@@ -106,9 +121,9 @@ async def _info(environment: RosEnvironment, names: tuple[str, ...], *, quiet: b
                 pid = await ask(peer, "getPid")
                 connected = await connections(client, peer)
             if as_json:
-                write_json(ros1_report.to_record(name, uri, registered, pid, connected))
+                write_json(_to_record(name, uri, registered, pid, connected))
             else:
-                write_line(ros1_report.format_connections(pid, connected))
+                write_line(_format_connections(pid, connected))
     # Scripts for rosnode may rely on its exit code: 0 for unknown nodes too.
     if is_missing and called_as() != "rosnode":
         raise click.exceptions.Exit(EXIT_FAILED)
@@ -122,3 +137,80 @@ async def _hosts(environment: RosEnvironment) -> dict[str, str]:
         except ConfigError:
             continue
     return hosts
+
+
+def _format_registrations(name: str, registered: Registrations) -> str:
+    """Return the part that the master knows."""
+    sections = (
+        ("Publications", _typed(registered.publications)),
+        ("Subscriptions", _typed(registered.subscriptions)),
+        ("Services", registered.services),
+    )
+    return f"{_RULE}\nNode [{name}]\n" + "\n".join(_section(title, lines) for title, lines in sections)
+
+
+def _format_connections(pid: int, connected: Iterable[Connection]) -> str:
+    """Return the part that the node itself reported."""
+    lines = [f"Pid: {pid}"]
+    for index, each in enumerate(connected):
+        if not index:
+            lines.append("Connections:")
+        peer = f"{each.peer} ({each.peer_uri})" if each.peer_uri else each.peer
+        sockets = " ({} - {}) [{}]".format(*each.sockets) if each.sockets else ""
+        lines += [
+            f" * topic: {each.topic}",
+            f"    * to: {peer}",
+            f"    * direction: {each.direction}{sockets}",
+            f"    * transport: {each.transport}",
+        ]
+    return "\n".join(lines) + "\n"
+
+
+def _to_record(
+    name: str,
+    uri: str,
+    registered: Registrations,
+    pid: int | None = None,
+    connected: Iterable[Connection] = (),
+) -> dict[str, Any]:
+    """Return the record for `--json`; `pid` is null when the node was not asked."""
+    return {
+        "node": name,
+        "uri": uri,
+        "pid": pid,
+        "publications": _records(registered.publications),
+        "subscriptions": _records(registered.subscriptions),
+        "services": registered.services,
+        "connections": [_connection_record(each) for each in connected],
+    }
+
+
+def _connection_record(connection: Connection) -> dict[str, Any]:
+    record = asdict(connection)
+    port, remote, descriptor = record.pop("sockets") or (None, None, None)
+    return {
+        **record,
+        "local_port": int(port) if port else None,
+        "remote_address": remote,
+        "descriptor": int(descriptor) if descriptor else None,
+    }
+
+
+def _records(topics: dict[str, str]) -> list[dict[str, str | None]]:
+    return [
+        {"topic": topic, "type": None if type_name == ANY_TYPE else type_name}
+        for topic, type_name in topics.items()
+    ]
+
+
+def _typed(topics: dict[str, str]) -> list[str]:
+    return [
+        f"{topic} [{'unknown type' if type_name == ANY_TYPE else type_name}]"
+        for topic, type_name in topics.items()
+    ]
+
+
+def _section(title: str, lines: list[str]) -> str:
+    if not lines:
+        return f"{title}: None\n"
+    return f"{title}: \n" + "".join(f" * {line}\n" for line in lines)

@@ -12,9 +12,6 @@ from rostether.gateways.foxglove.data_outlet import DataOutlet
 from rostether.gateways.foxglove.settings import FoxgloveLimits
 from rostether.gateways.websocket.connection import Connection
 
-# 50 ms of a fast network; further messages wait in queues where they can be dropped.
-HIGH_WATER_BYTES = 1 << 20
-
 # A client that reads fewer bytes of a large answer in this time is disconnected: the answer occupies memory
 # for which other clients wait.
 _LARGE_STEP_BYTES = 128 << 10
@@ -73,7 +70,8 @@ class ClientSender:
         # The collected messages are older: send them first.
         self.data.flush()
         self.connection.send(message)
-        if self.connection.unsent_bytes > self._limits.control_bytes + HIGH_WATER_BYTES + self._large_bytes:
+        limits = self._limits
+        if self.connection.unsent_bytes > limits.control_bytes + limits.unsent_bytes + self._large_bytes:
             self.abort()
 
     async def send_large(self, message: bytes) -> None:

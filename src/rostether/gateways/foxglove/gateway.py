@@ -21,7 +21,7 @@ from rostether.gateways.foxglove import server_messages as replies
 from rostether.gateways.foxglove.assets import Assets, FindPackages
 from rostether.gateways.foxglove.channels import Channels
 from rostether.gateways.foxglove.client import Client
-from rostether.gateways.foxglove.client_sender import HIGH_WATER_BYTES, ClientSender
+from rostether.gateways.foxglove.client_sender import ClientSender
 from rostether.gateways.foxglove.connection_graph import ConnectionGraph
 from rostether.gateways.foxglove.dashboard_parts import DashboardParts
 from rostether.gateways.foxglove.gateway_context import GatewayContext
@@ -103,7 +103,7 @@ class FoxgloveGateway(BlockClosable):
         self._server = WebSocketServer(
             ServedProtocol(settings.label, replies.SUBPROTOCOLS, viewer_site=FOXGLOVE_SITE),
             settings,
-            settings.limits.of_connections(HIGH_WATER_BYTES),
+            settings.limits,
             self._open_client,
             self._warn,
             site=parts.site,

@@ -24,7 +24,7 @@ CAPABILITIES = (
 )
 
 
-class FoxgloveLimits(Struct, frozen=True):
+class FoxgloveLimits(ConnectionLimits, frozen=True):
     """Bounds of one gateway and its clients."""
 
     # A school class with one robot; each client may need `waiting_bytes`.
@@ -36,6 +36,9 @@ class FoxgloveLimits(Struct, frozen=True):
 
     # The largest message of a client: an image or map that it publishes.
     message_bytes: int = 16 << 20
+
+    # 50 ms of a fast network; further messages wait in queues where they can be dropped.
+    unsent_bytes: int = 1 << 20
 
     # For each slow client: about five camera images, or seconds of all other data.
     waiting_bytes: int = 32 << 20
@@ -62,28 +65,11 @@ class FoxgloveLimits(Struct, frozen=True):
     # Watched parameters of one client; on ROS 2 each costs a request.
     watched_parameters: int = 1024
 
-    # The time until a connection must request a WebSocket or a file.
-    handshake_s: float = 10.0
-
-    # A client that reads nothing and does not answer until the next ping is disconnected.
-    ping_period_s: float = 20.0
-
     # Longer than a user waits for a service; Foxglove itself has no limit.
     call_timeout_s: float = 60.0
 
     # The time limit for a request about parameters; a ROS 2 node that hangs must not delay all others.
     parameters_timeout_s: float = 10.0
-
-    def of_connections(self, unsent_bytes: int) -> ConnectionLimits:
-        """Return the limits of the WebSocket server; `unsent_bytes` is the socket buffer's size."""
-        return ConnectionLimits(
-            clients=self.clients,
-            others=self.others,
-            message_bytes=self.message_bytes,
-            unsent_bytes=unsent_bytes,
-            handshake_s=self.handshake_s,
-            ping_period_s=self.ping_period_s,
-        )
 
 
 class NameFilter(Struct, frozen=True):

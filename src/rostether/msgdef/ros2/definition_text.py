@@ -15,14 +15,11 @@ from typing import Protocol
 from rostether.msgdef.full_text import SEPARATOR
 from rostether.msgdef.resolve_types import dependencies
 from rostether.msgdef.ros2.spec import ConstantValue, DefaultValue, Ros2Message, Ros2Type
-from rostether.msgdef.ros2.to_ros1 import ros1_name
+from rostether.msgdef.ros2.to_ros1 import MessageSource, ros1_name
 
 
-class TextSource(Protocol):
+class TextSource(MessageSource, Protocol):
     """Finds messages and their texts, like `Ros2Definitions`."""
-
-    def message(self, name: str) -> Ros2Message:
-        """Return a message by `package/msg/Name`."""
 
     def text(self, name: str) -> str:
         """Return a message's own text."""

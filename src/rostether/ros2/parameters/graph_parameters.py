@@ -10,12 +10,11 @@ from rostether.errors import GraphError, SerializationError, UnknownNameError
 from rostether.graph.ports import Graph, ParamValue
 from rostether.ros2.parameters.client import LIST_SERVICE, ParameterClient
 from rostether.ros2.parameters.parameter_name import ParameterPath, full_name, locate, name_parts
-from rostether.ros2.parameters.store import OnChanges
 from rostether.ros2.parameters.typed_value import NOT_SET, TypedValue, flatten
-from rostether.ros2.parameters.watches import ParameterWatch, ParameterWatches
+from rostether.ros2.parameters.watches import ParameterWatch, ParameterWatches, ReportingParameters
 
 
-class OwnParameters(Protocol):
+class OwnParameters(ReportingParameters, Protocol):
     """The parameters of our own node; `store.ParameterStore` is one."""
 
     def get(self, name: str) -> TypedValue:
@@ -29,12 +28,6 @@ class OwnParameters(Protocol):
 
     def apply(self, values: Mapping[str, TypedValue]) -> None:
         """Set all the values, or none; `NOT_SET` deletes. Raises GraphError with the reason."""
-
-    def listen(self, on_changes: OnChanges) -> None:
-        """Call back after each change, until `unlisten`."""
-
-    def unlisten(self, on_changes: OnChanges) -> None:
-        """Stop calling back."""
 
 
 class GraphParameters:

@@ -15,6 +15,7 @@ from rostether.errors import DefinitionError
 from rostether.msgdef.resolve_types import dependencies
 from rostether.msgdef.ros2.primitives import PRIMITIVE_TYPES
 from rostether.msgdef.ros2.spec import Ros2Field, Ros2Message, Ros2Service, Ros2Type
+from rostether.msgdef.ros2.to_ros1 import MessageSource
 
 TYPE_HASH_NOT_SUPPORTED = "TypeHashNotSupported"
 PREFIX = "RIHS01_"
@@ -47,13 +48,6 @@ _STRING_BASES = {number: name for name, number in _BOUNDED_STRING_IDS.items()}
 _KINDS_OF_ARRAYS = (0, _FIXED_ARRAY, _BOUNDED_SEQUENCE, _SEQUENCE)
 _MEMBER_OF_EMPTY = "structure_needs_at_least_one_member"
 _EVENT_INFO = "service_msgs/msg/ServiceEventInfo"
-
-
-class MessageSource(Protocol):
-    """Finds the messages that a type contains, as `Ros2Definitions` does."""
-
-    def message(self, name: str) -> Ros2Message:
-        """Return a message by `package/msg/Name`."""
 
 
 class HashSource(MessageSource, Protocol):

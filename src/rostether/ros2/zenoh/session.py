@@ -5,12 +5,12 @@ from __future__ import annotations
 import asyncio
 import logging
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import zenoh
 
-from rostether.errors import MasterUnreachableError
+from rostether.errors import ConfigError, MasterUnreachableError
 from rostether.graph.ports import ParamValue
 from rostether.names.graph_name import join
 from rostether.ros2.environment import Ros2Environment
@@ -24,13 +24,20 @@ from rostether.ros2.zenoh.configuration import (
     RouterChoice,
     configures_endpoints,
     is_router_there,
+    one_line,
     peer_configuration,
     router_configuration,
 )
 from rostether.ros2.zenoh.node import ZenohGraph
-from rostether.ros2.zenoh.opening import open_session
-from rostether.ros2.zenoh.reachability import NO_SESSION, endpoints_of, find_faults, tls_of
-from rostether.ros2.zenoh.router_watch import watch_router
+from rostether.ros2.zenoh.reachability import (
+    NO_SESSION,
+    endpoints_of,
+    find_faults,
+    find_listen_fault,
+    tls_of,
+    uses_tls,
+)
+from rostether.ros2.zenoh.refusals import report_refusals
 from rostether.ros2.zenoh.shared_session import SharedSession
 from rostether.ros2.zenoh.thread_state import keep_thread_state
 from rostether.ros2.zenoh.tokens import all_tokens
@@ -48,6 +55,9 @@ FIRST_LINK_TIMEOUT_S = 0.5
 ACCESS_CHECK_AFTER_S = 1.0
 
 LINK_POLL_S = 0.005
+
+# The interval at which a graph of ROS 1 asks its master. A check takes microseconds.
+_CHECK_S = 1.0
 
 _log = logging.getLogger("rostether.ros2")
 
@@ -76,7 +86,7 @@ class ZenohSession(SharedSession):
         reach = reach or Reach()
         if await _replaces_router(environment, reach):
             try:
-                session = await open_session(configuration := router_configuration(environment, reach))
+                session = await _open_session(configuration := router_configuration(environment, reach))
             except MasterUnreachableError:
                 # Another process became the router first.
                 if reach.router is RouterChoice.ALWAYS or not await is_router_there():
@@ -86,7 +96,7 @@ class ZenohSession(SharedSession):
                 opened.is_router = True
                 return await opened._start(configuration)
         configuration = peer_configuration(environment, reach)
-        opened = cls(await open_session(configuration), environment, types)
+        opened = cls(await _open_session(configuration), environment, types)
         return await opened._start(configuration)
 
     async def join(
@@ -137,7 +147,7 @@ class ZenohSession(SharedSession):
             # In the background: a machine that is off is detected only after a second.
             self._tasks.append(asyncio.ensure_future(self._report_faults(named, configuration)))
         if named or not self.is_router:
-            watching = watch_router(self.zenoh, named, self.graph.set_problem)
+            watching = _watch_router(self.zenoh, named, self.graph.set_problem)
             self._tasks.append(asyncio.ensure_future(watching))
         key = all_tokens(self.domain_id)
         self._watch = self.liveliness.declare_subscriber(
@@ -201,3 +211,42 @@ async def _replaces_router(environment: Ros2Environment, reach: Reach) -> bool:
     if reach.connect or configures_endpoints(environment):
         return False
     return not await is_router_there(ROUTER_ENDPOINT)
+
+
+async def _open_session(configuration: zenoh.Config) -> zenoh.Session:
+    """Open a session. Raises ConfigError if zenoh refuses the configuration, else MasterUnreachableError."""
+    if uses_tls(endpoints_of(configuration, "listen")):
+        report_refusals()
+    try:
+        # Opening blocks until the first connections are established or have failed.
+        return await asyncio.to_thread(zenoh.open, configuration)
+    except zenoh.ZError as error:
+        text = one_line(error)
+        if fault := find_listen_fault(configuration):
+            raise MasterUnreachableError(f"zenoh cannot listen: {fault}") from error
+        if "listener" in text:
+            advice = "check the listen endpoints of the configuration"
+            if "in use" in text:
+                advice = "stop the program that uses the port, or choose another endpoint"
+            raise MasterUnreachableError(f"zenoh cannot listen: {text}; {advice}") from error
+        raise MasterUnreachableError(f"zenoh cannot open a session: {text}") from error
+    except Exception as error:
+        raise ConfigError(f"zenoh does not accept its configuration: {one_line(error)}") from error
+
+
+async def _watch_router(session: zenoh.Session, named: Sequence[str], report: Callable[[str], None]) -> None:
+    """Report when no router is connected, and an empty text when one is connected again: zenoh does not.
+
+    Runs until it is cancelled. `named` are the endpoints that the configuration names: one that never
+    answered is also a problem, unless other peers are connected: a network of peers needs no router.
+    """
+    place = f" at {', '.join(named)}" if named else ""
+    problem = f"the zenoh router{place} does not answer"
+    had_router = False
+    while True:
+        info = session.info
+        has_router = bool(info.routers_zid())
+        had_router |= has_router
+        is_lost = not has_router and (had_router or (bool(named) and not info.peers_zid()))
+        report(problem if is_lost else "")
+        await asyncio.sleep(_CHECK_S)
