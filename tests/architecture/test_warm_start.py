@@ -122,6 +122,24 @@ def test_how_a_program_ends(code: str, status: int, error: str, request: pytest.
     assert subprocess.run(command, capture_output=True, text=True, check=False).stdout == warm.stdout
 
 
+@pytest.mark.ros1
+def test_a_closed_server_of_rospy_ends() -> None:
+    code = """
+import threading, time
+from rosgraph.xmlrpc import XmlRpcHandler, XmlRpcNode
+node = XmlRpcNode(0, XmlRpcHandler())
+thread = threading.Thread(target=node.run, daemon=True)
+thread.start()
+while node.uri is None:
+    time.sleep(0.01)
+node.shutdown("")
+thread.join(10)
+print(thread.is_alive())
+"""
+    command = [warm_start.DEBIAN_PYTHON, "-c", code]
+    assert subprocess.run(command, capture_output=True, text=True, check=True).stdout == "False\n"
+
+
 async def test_a_program_of_asyncio() -> None:
     process = await asyncio.create_subprocess_exec(
         sys.executable, "-m", "rostether", "--version", stdout=asyncio.subprocess.PIPE
