@@ -74,6 +74,7 @@ class _Search:
         self._graph = graph
         self._known: dict[tuple[int, frozenset[int]], _Path] = {}
         self._cycles: dict[int, frozenset[int]] = {}
+        self._reachable: dict[int, frozenset[int]] = {}
         self._closed: dict[int, _Path] = {}
         self._open: dict[int, list[tuple[int, int]]] = {}
         self.gave_up = False
@@ -151,11 +152,14 @@ class _Search:
         """Return the functions that a function can reach, and that can reach it."""
         if entry not in self._cycles:
             self._cycles[entry] = frozenset(
-                each
-                for each in self._graph.reachable([entry])
-                if entry in self._graph.reachable(self._graph.calls(each))
+                each for each in {entry, *self._below(entry)} if entry in self._below(each)
             )
         return self._cycles[entry]
+
+    def _below(self, entry: int) -> frozenset[int]:
+        if entry not in self._reachable:
+            self._reachable[entry] = frozenset(self._graph.reachable(self._graph.calls(entry)))
+        return self._reachable[entry]
 
 
 def _unknown(graph: CallGraph, elf: ElfFile) -> list[str]:
