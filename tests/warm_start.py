@@ -275,20 +275,19 @@ def _program(command: list[str], environment: Mapping[str, str], folder: Path) -
         return None
     if found in _LIBRARIES:
         return _python_program(found, command, folder)
-    python = _python_of_script(found)
-    if python is None:
-        return None
+    with Path(found).open("rb") as script:
+        first_line = script.readline(256).decode(errors="replace")
     path = [str(Path(found).resolve().parent)]
     arguments = [found, *command[1:]]
-    return _Program(python, ("file", found), path, arguments, [python, *arguments], Path(found).name)
-
-
-def _python_of_script(file: str) -> str | None:
-    """Return the Python that a script's first line names, if there is an interpreter for it."""
-    with Path(file).open("rb") as script:
-        line = script.readline(256).decode(errors="replace").rstrip()
-    python = line.removeprefix("#!")
-    return python if python in _LIBRARIES and line != python else None
+    what = ("file", found)
+    match first_line.removeprefix("#!").split() if first_line.startswith("#!") else []:
+        case [python] if python in _LIBRARIES:
+            return _Program(python, what, path, arguments, [python, *arguments], Path(found).name)
+        case ["/usr/bin/env", name]:
+            python = shutil.which(name, path=environment.get("PATH", os.defpath)) or ""
+            if python in _LIBRARIES:
+                return _Program(python, what, path, arguments, [name, *arguments], name)
+    return None
 
 
 def _python_program(python: str, command: list[str], folder: Path) -> _Program | None:

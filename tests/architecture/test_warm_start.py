@@ -37,7 +37,7 @@ print(json.dumps({
     "folder": os.getcwd(), "leads": os.getsid(0) == os.getpid(), "parent": os.getppid(),
     "files": sorted(os.listdir("/proc/self/fd")), "cmdline": read("cmdline"),
     "signals": [repr(signal.getsignal(number)) for number in (1, 2, 3, 13, 15)],
-    "names": sorted(globals()), "file": globals().get("__file__"), "helper": helper.__file__,
+    "comm": read("comm"), "names": sorted(globals()), "file": globals().get("__file__"), "helper": helper.__file__,
 }))
 """
 HELPER = "import sitecustomize\n"
@@ -49,9 +49,10 @@ def folder(tmp_path: Path) -> Path:
     """A folder with a script, a module that it imports, and what a folder of PYTHONPATH may hold."""
     (tmp_path / "helper.py").write_text(HELPER)
     (tmp_path / "sitecustomize.py").write_text("")
-    script = tmp_path / "show_what_it_has_at_its_start"
-    script.write_text(f"#!{sys.executable}\n{SHOW}")
-    script.chmod(0o755)
+    for name, python in (("show", sys.executable), ("show_of_env", "/usr/bin/env python")):
+        script = tmp_path / f"{name}_what_it_has_at_its_start"
+        script.write_text(f"#!{python}\n{SHOW}")
+        script.chmod(0o755)
     return tmp_path
 
 
@@ -65,7 +66,7 @@ def run(*command: str, **options: Any) -> Any:
 
 @pytest.mark.parametrize("is_leader", [False, True])
 @pytest.mark.parametrize("variables", [{}, {"PYTHONUNBUFFERED": "1", "LANG": "C.UTF-8"}], ids=len)
-@pytest.mark.parametrize("how", ["text", "file", "script", "unbuffered"])
+@pytest.mark.parametrize("how", ["text", "file", "script", "env", "unbuffered"])
 def test_what_a_program_finds(
     folder: Path, how: str, variables: dict[str, str], is_leader: bool, request: pytest.FixtureRequest
 ) -> None:
@@ -74,6 +75,7 @@ def test_what_a_program_finds(
         "text": [sys.executable, "-c", SHOW],
         "file": [sys.executable, script.name],
         "script": [str(script)],
+        "env": [str(folder / "show_of_env_what_it_has_at_its_start")],
         "unbuffered": [sys.executable, "-P", "-u", "-c", SHOW],
     }[how]
     environment = {"PATH": os.environ["PATH"], "PYTHONPATH": str(folder), **variables}
