@@ -105,14 +105,16 @@ _peers: weakref.WeakKeyDictionary[Peer, str] = weakref.WeakKeyDictionary()
 
 def _descendants(pid: int) -> set[int]:
     """Return the ids of a process, its children, and theirs."""
-    parents: dict[int, int] = {}
-    # Not `*/stat`: a search that looks into a process that ends may raise ProcessLookupError.
-    for folder in Path("/proc").glob("[0-9]*"):
+    found: set[int] = set()
+    pending = [pid]
+    while pending:
+        parent = pending.pop()
+        found.add(parent)
+        # A process and a thread may end at any moment.
         with contextlib.suppress(OSError):
-            parents[int(folder.name)] = int((folder / "stat").read_text().rpartition(")")[2].split()[1])
-    found = {pid}
-    while added := {child for child, parent in parents.items() if parent in found} - found:
-        found |= added
+            for thread in Path(f"/proc/{parent}/task").iterdir():
+                with contextlib.suppress(OSError):
+                    pending += map(int, (thread / "children").read_text().split())
     return found
 
 

@@ -37,7 +37,8 @@ print(json.dumps({
     "folder": os.getcwd(), "leads": os.getsid(0) == os.getpid(), "parent": os.getppid(),
     "files": sorted(os.listdir("/proc/self/fd")), "cmdline": read("cmdline"),
     "signals": [repr(signal.getsignal(number)) for number in (1, 2, 3, 13, 15)],
-    "comm": read("comm"), "names": sorted(globals()), "file": globals().get("__file__"), "helper": helper.__file__,
+    "comm": read("comm"),
+    "names": sorted(globals()), "file": globals().get("__file__"), "helper": helper.__file__,
 }))
 """
 HELPER = "import sitecustomize\n"
