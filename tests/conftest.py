@@ -102,6 +102,9 @@ WAITING = (
     "tests/web/",
 )
 
+# Of these, the folders whose tests share a browser, compiled programs or rclpy, once in each test process.
+SHARING = ("tests/firmware/platforms/", "tests/interop_ros2/", "tests/web/")
+
 # In CI a test may be skipped for no other reason.
 SKIPPED_IN_CI = ("this graph has not:",)
 
@@ -123,23 +126,27 @@ def pytest_xdist_auto_num_workers() -> int:
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Give each test process some files of the tests that take long, and then short tests.
+    """Give each test process a folder or some files of the tests that take long, and then short tests.
 
     With `--dist worksteal` a test process runs its part of the list from the start, and then takes over the
     end of another's part. So no long test is the last.
     """
     count = pytest_xdist_auto_num_workers()
+    folders: dict[str, list[pytest.Item]] = {folder: [] for folder in SHARING}
     files: dict[str, list[pytest.Item]] = {}
     short = []
     for item in items:
         file = item.nodeid.partition("::")[0]
-        if file.startswith(WAITING):
+        folder = next((each for each in SHARING if file.startswith(each)), "")
+        if folder:
+            folders[folder].append(item)
+        elif file.startswith(WAITING):
             files.setdefault(file, []).append(item)
         else:
             short.append(item)
-    parts: list[list[pytest.Item]] = [[] for _ in range(count)]
+    parts: list[list[pytest.Item]] = [*folders.values(), *([] for _ in range(count - len(folders)))]
     for number, tests in enumerate(files.values()):
-        parts[number % count] += tests
+        parts[-1 - number % (count - len(folders))] += tests
     left = len(items)
     for number, part in enumerate(parts):
         more = max(0, left // (count - number) - len(part))

@@ -151,19 +151,21 @@ sys.exit(exit_code_of(lambda: run(compute(), is_service={is_service}, uvloop={uv
 """
 
 
+ENDS = [(signal.SIGINT, False, 130), (signal.SIGTERM, False, 143), (signal.SIGTERM, True, 0)]
+WORK = [
+    ("sleep_long()", False),
+    ("sleep_long()", None),
+    ("asyncio.get_running_loop().call_soon(sleep_long); await elsewhere", False),
+    ("asyncio.get_running_loop().call_soon(sleep_long); await elsewhere", None),
+]
+
+
 @pytest.mark.parametrize(
-    ("number", "is_service", "code"),
-    [(signal.SIGINT, False, 130), (signal.SIGTERM, False, 143), (signal.SIGTERM, True, 0)],
-)
-@pytest.mark.parametrize(
-    ("work", "uvloop"),
+    ("number", "is_service", "code", "work", "uvloop"),
     [
+        *((*end, *work) for end in ENDS for work in WORK),
         # Costs two seconds of a processor.
-        ("while True: pass", None),
-        ("sleep_long()", False),
-        ("sleep_long()", None),
-        ("asyncio.get_running_loop().call_soon(sleep_long); await elsewhere", False),
-        ("asyncio.get_running_loop().call_soon(sleep_long); await elsewhere", None),
+        (signal.SIGINT, False, 130, "while True: pass", None),
     ],
 )
 def test_a_signal_interrupts_what_computes(
