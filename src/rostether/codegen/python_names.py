@@ -1,6 +1,6 @@
 """The MicroPython names of fields, constants and classes: those of the definition if possible.
 
-A keyword of Python or the name of a method gets trailing underscores, as many as make it unique.
+A Python keyword or the name of a method gets trailing underscores, as many as make it unique.
 """
 
 from __future__ import annotations

@@ -108,7 +108,7 @@ class _Builder:
         return self._root
 
     def _cause(self, error: str, data: bytes, place: int) -> str:
-        """Return a hint what to change, if there is one; `place` is the byte at which the parser stopped."""
+        """Return a hint for the user, or ""; `place` is the byte at which the parser stopped."""
         before = data[max(place - _CAUSE_BYTES, 0) : place].decode(errors="replace")
         after = data[place : place + _CAUSE_BYTES].decode(errors="replace")
         last = self._open[-1] if self._open else None
@@ -119,7 +119,7 @@ class _Builder:
         if error == "undefined entity":
             return "of the words between & and ; only &amp; &lt; &gt; &quot; and &apos; are known"
         if error == "junk after document element":
-            return "only one element may be outermost"
+            return "only one outermost element is allowed"
         return _cause_of_token(before, after) if error == "not well-formed (invalid token)" else ""
 
     def _start(self, tag: str, attributes: dict[str, str]) -> None:

@@ -1,4 +1,4 @@
-"""The key of a fleet: 32 hexadecimal digits, the same file on all its machines and boards."""
+"""The key of a fleet: a file of 32 hexadecimal digits, the same on all its machines and boards."""
 
 from __future__ import annotations
 

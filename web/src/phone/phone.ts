@@ -48,7 +48,7 @@ export class PhoneSensor {
     }
   }
 
-  /** Switches the sensor on or off; must be called by a tap, because browsers ask for permission only then. */
+  /** Switches the sensor on or off; must be called from a tap: only then do browsers ask for permission. */
   toggle(): void {
     this.isOn.value = !this.isOn.value;
     this.problem.value = undefined;

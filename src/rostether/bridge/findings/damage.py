@@ -8,7 +8,8 @@ from rostether.bridge.findings.finding import Code, Finding, warning
 from rostether.bridge.findings.medium import Medium
 from rostether.rosserial.events import DiscardReason, FrameDiscarded
 
-# Long enough for a percentage on a board that sends once a second, short enough to follow a cable.
+# Long enough for a percentage on a board that sends once a second, short enough to show the effect of a new
+# cable soon.
 WINDOW_S = 30.0
 
 MIN_DAMAGED = 3

@@ -29,7 +29,7 @@ AUTO = "auto"
 
 
 class GatewayOptions(Struct, frozen=True):
-    """The typed options: the address of each requested gateway (None: not requested), and who may use it.
+    """The options as given: the address of each requested gateway (None: not requested), and who may use it.
 
     Raises ConfigError for an invalid origin, and for a view token without a different token.
     """

@@ -156,7 +156,7 @@ class SimpleActionServer:
         self.execute_condition.notify()
 
     def _request_preemption(self) -> None:
-        logdebug("The current goal is to be given up")
+        logdebug("Requesting preemption of the current goal")
         self.preempt_request = True
         if self.preempt_callback is not None:
             self.preempt_callback()

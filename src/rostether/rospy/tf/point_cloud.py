@@ -1,4 +1,4 @@
-"""sensor_msgs.point_cloud2: reading and making clouds of points."""
+"""sensor_msgs.point_cloud2: reads and makes point clouds."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from rostether.rospy.client.message_types import all_types
 _PointCloud2: Any = all_types().message_class("sensor_msgs/PointCloud2")
 _PointField: Any = all_types().message_class("sensor_msgs/PointField")
 
-# PointField's types to those of `struct`, with their sizes.
+# The format characters of `struct` for PointField's types, and their sizes in bytes.
 DATATYPES = {
     _PointField.INT8: ("b", 1),
     _PointField.UINT8: ("B", 1),

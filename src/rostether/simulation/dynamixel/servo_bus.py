@@ -30,7 +30,7 @@ class ServoBus:
     ) -> None:
         self.servos = {servo_id: Servo(servo_id, clock()) for servo_id in ids}
         self.damage = damage
-        self.requests = 0
+        self.request_count = 0
         self._clock = clock
         self._reader = PacketReader()
 
@@ -46,7 +46,7 @@ class ServoBus:
         for packet in self._reader.feed(data):
             if packet.instruction == Instruction.STATUS:
                 continue
-            self.requests += 1
+            self.request_count += 1
             self.advance()
             for reply in self._handle_packet(packet, self._clock()):
                 answer += reply if self.damage is None else self.damage(reply)

@@ -178,4 +178,4 @@ def test_answers_can_be_lost() -> None:
     controller = Controller()
     controller.bus.damage = lambda _answer: b""
     assert controller.ask(1, Instruction.PING) == []
-    assert controller.bus.requests == 1
+    assert controller.bus.request_count == 1

@@ -13,7 +13,7 @@ export const MAX_PIXELS = 40_000_000;
 
 type Fill = (image: RawImage, out: Uint8ClampedArray) => void;
 
-/** The positions of red, green and blue in a pixel of `bytes` bytes. `deep`: of 16 bits each; the upper 8 are shown. */
+/** `red`, `green` and `blue` are positions in a pixel of `bytes` bytes. `deep`: each has 16 bits; the upper 8 are shown. */
 function interleaved(bytes: number, red: number, green: number, blue: number, deep = false): Fill {
   return ({ width, height, step, data, is_bigendian: big }, out) => {
     const scale = deep ? 2 : 1;
