@@ -9,7 +9,7 @@ from rostether.errors import RostetherError
 from rostether.graph.ports import Level
 from rostether.mechanisms.line_budget import LineBudget
 from rostether.mechanisms.repeat_limiter import RepeatLimiter
-from rostether.mechanisms.text import escape_line
+from rostether.mechanisms.text import counted, escape_line
 
 # The length of a line on a terminal; longer log text of a board is only complete in the graph.
 MAX_LINE_CHARS = 500
@@ -47,7 +47,7 @@ class LimitedReporter:
         if omitted_count is None:
             return
         if omitted_count:
-            self._reporter.line(Level.WARN, f"{omitted_count} lines like the next one were omitted")
+            self._reporter.line(Level.WARN, f"omitted {counted(omitted_count, 'line')} like the next one")
         self._reporter.line(level, shown_line(text), node=node)
 
 

@@ -45,6 +45,11 @@ def counted(number: int, noun: str) -> str:
     return f"{number} {noun}{'' if number == 1 else 's'}"
 
 
+def misfit_text(number: int) -> str:
+    """Return `1 message does not fit its type` or `2 messages do not fit their type`."""
+    return f"{counted(number, 'message')} {'does not fit its' if number == 1 else 'do not fit their'} type"
+
+
 def did_you_mean(name: str, known: Iterable[str], *, prefix: str = "", then: str = "") -> str:
     """Return `did you mean X?` with the most similar of the known names; empty if none is similar.
 

@@ -119,7 +119,7 @@ class _Builder:
         if error == "undefined entity":
             return "of the words between & and ; only &amp; &lt; &gt; &quot; and &apos; are known"
         if error == "junk after document element":
-            return "only one outermost element is allowed"
+            return "only one root element is allowed"
         return _cause_of_token(before, after) if error == "not well-formed (invalid token)" else ""
 
     def _start(self, tag: str, attributes: dict[str, str]) -> None:

@@ -11,6 +11,7 @@ from collections import deque
 from collections.abc import Callable, Sequence
 
 from rostether.errors import RecordingError
+from rostether.mechanisms.text import counted
 from rostether.recording.recorded import Connection, RecordingWriter
 
 # The size that rosbag uses: bz2 compresses it in about a minute.
@@ -123,7 +124,9 @@ class BackgroundWriter:
         if now_s - self._reported_s >= REPORT_PERIOD_S:
             self._reported_s = now_s
             self._reported_count = self.lost_count
-            self._report(f"{self.lost_count} messages lost: they arrive faster than they can be compressed")
+            self._report(
+                f"lost {counted(self.lost_count, 'message')}: data arrives faster than it can be compressed"
+            )
 
     def _work(self) -> None:
         numbers: dict[int, int] = {}

@@ -8,7 +8,7 @@ from pathlib import Path
 from msgspec import Struct
 
 from rostether.errors import RecordingError, RostetherError, UnknownTypeError
-from rostether.mechanisms.text import escape_line
+from rostether.mechanisms.text import counted, escape_line, misfit_text
 from rostether.msgdef.registry import Registry
 from rostether.recording.bag import checking as bag_checking
 from rostether.recording.decoding import Decoder
@@ -62,12 +62,10 @@ def check(path: Path, registry: Registry) -> Checked:
         faults += [f"{topic}: {why}" for topic, why in reader.unreadable.items()]
         expected = sum(reader.counts.values())
         if count != expected and not faults:
-            faults.append(f"its index counts {expected} messages, but the file has {count}")
+            faults.append(f"its index counts {counted(expected, 'message')}, but the file has {count}")
     finally:
         reader.close()
-    faults += [
-        f"{topic}: {many} messages do not fit their type: {why}" for topic, (many, why) in unfit.items()
-    ]
+    faults += [f"{topic}: {misfit_text(many)}: {why}" for topic, (many, why) in unfit.items()]
     # Names in a damaged file may contain anything.
     return Checked(count, tuple(dict.fromkeys(escape_line(fault) for fault in faults)))
 

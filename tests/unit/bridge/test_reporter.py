@@ -104,7 +104,7 @@ def test_strangers_bring_about_few_lines(reporter: RecordingReporter, clock: Clo
     assert reporter.texts == ["connection 0", "connection 1", "connection 2"]
     clock.now_s = 10.0
     door.line(Level.INFO, "connection 100")
-    assert reporter.texts[3:] == ["97 lines like the next one were omitted", "connection 100"]
+    assert reporter.texts[3:] == ["omitted 97 lines like the next one", "connection 100"]
 
 
 def test_silence(capfd: pytest.CaptureFixture[str], caplog: pytest.LogCaptureFixture) -> None:

@@ -164,7 +164,7 @@ def test_what_is_skipped_while_recording_is_reported_once_and_counted(
     assert "2 messages, " in out
     first, last = err.splitlines()
     assert first.startswith("WARNING: /chat: messages that do not fit their type are skipped: ")
-    assert last == "WARNING: /chat: skipped 2 messages that do not fit their type"
+    assert last == "WARNING: /chat: 2 messages do not fit their type; skipped"
     assert _count(tmp_path / name) == 2
 
 
@@ -217,6 +217,6 @@ def test_messages_that_fit_no_type_are_reported(tmp_path: Path, shell: Shell) ->
     writer.write(number, START_NS, [text("good"), b"\xff\xff\xff\xff"])
     writer.close()
     result = shell("bag", "convert", str(bag), str(out))
-    assert (result.code, result.out) == (0, f"{out}: 1 messages\n")
-    assert "1 messages do not fit their type" in result.err
-    assert "1 messages, no errors" in shell.output("bag", "check", str(out))
+    assert (result.code, result.out) == (0, f"{out}: 1 message\n")
+    assert "1 message does not fit its type" in result.err
+    assert "1 message, no errors" in shell.output("bag", "check", str(out))

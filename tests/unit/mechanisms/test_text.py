@@ -6,7 +6,7 @@ import json
 
 import pytest
 
-from rostether.mechanisms.text import counted, escape_line, escape_text, fold_line
+from rostether.mechanisms.text import counted, escape_line, escape_text, fold_line, misfit_text
 
 EVIL = "a\x1b[2J\x9b31m\u202e\x7f\r\nFAKE\tb\u00e4\u6c34"
 
@@ -47,3 +47,8 @@ def test_a_line_is_cut_at_its_limit() -> None:
 @pytest.mark.parametrize(("number", "text"), [(0, "0 bytes"), (1, "1 byte"), (2, "2 bytes")])
 def test_a_noun_has_its_number(number: int, text: str) -> None:
     assert counted(number, "byte") == text
+
+
+def test_misfits_agree_with_their_number() -> None:
+    assert misfit_text(1) == "1 message does not fit its type"
+    assert misfit_text(2) == "2 messages do not fit their type"

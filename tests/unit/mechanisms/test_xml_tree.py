@@ -48,7 +48,7 @@ def test_a_document_becomes_a_tree() -> None:
         (b"<a b='x < y'/>", "write &lt; for < in an attribute"),
         (b"<a b=c/>", "1: not XML: .* at column 6: the value of an attribute must be in quotes, at 'c/>'"),
         (b"<a><!-- x -- y --></a>", "a comment must not contain --"),
-        (b"<a/><b/>", "only one outermost element is allowed"),
+        (b"<a/><b/>", "only one root element is allowed"),
         (b"<a>&undefined;</a>", "1: not XML: undefined entity"),
         (BOMB, "1: declares a DTD or an entity, which is not allowed; remove it"),
         (b"\n<!DOCTYPE a SYSTEM 'file:///etc/passwd'><a/>", "2: declares a DTD"),

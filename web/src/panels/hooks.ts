@@ -15,7 +15,7 @@ export function useFeed(context: PanelContext, topicName: string, listener?: Lis
   return feed;
 }
 
-/** Subscribes without drawing again on messages: for panels that draw by themselves, or once a second. */
+/** Subscribes without drawing again on messages: for panels that draw themselves, or once a second. */
 export function useSubscription(
   context: PanelContext,
   topicName: string | undefined,

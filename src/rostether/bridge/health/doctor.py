@@ -224,8 +224,7 @@ def _judge_search(address: SerialAddress, watched: Watched, found: NoBoard) -> F
         return error(
             Code.TEXT_RECEIVED,
             f"no rosserial frame at any usual baud rate, but text at {found.text_baud} baud "
-            f"({show(found.text)}): the "
-            "sketch prints on this port (Serial.print)",
+            f"({show(found.text)}): the sketch prints on this port (Serial.print)",
             "upload a sketch that runs rosserial on this port",
         )
     if first.code is Code.NOTHING_RECEIVED:

@@ -17,6 +17,7 @@ from rostether.errors import ConfigError, GraphError, RecordingError
 from rostether.graph.ports import Level
 from rostether.mechanisms.block_end import closed_at_end
 from rostether.mechanisms.run_until import run_until
+from rostether.mechanisms.text import counted
 
 if TYPE_CHECKING:
     from rostether.bridge.reporter import Reporter
@@ -122,7 +123,7 @@ async def _record(
             reporter.line(Level.ERROR, f"{error}; boards stay connected")
         finally:
             count, size = recorder.progress.message_count, size_text(recorder.size_bytes)
-            reporter.line(Level.INFO, f"Recorded {count} messages, {size}, in {recording.folder}")
+            reporter.line(Level.INFO, f"Recorded {counted(count, 'message')}, {size}, in {recording.folder}")
 
 
 def _files(

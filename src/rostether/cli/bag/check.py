@@ -11,6 +11,7 @@ from rostether.cli.shell.failures import EXIT_FAILED
 from rostether.cli.shell.option_group import PATH
 from rostether.cli.shell.output import write_line
 from rostether.cli.shell.verbs import verb
+from rostether.mechanisms.text import counted
 
 
 @verb(
@@ -38,7 +39,7 @@ def bag_check(files: tuple[Path, ...], msg_paths: tuple[Path, ...]) -> None:
         for fault in checked.faults:
             write_line(f"{path}: {fault}")
         if not checked.faults:
-            write_line(f"{path}: {checked.message_count} messages, no errors")
+            write_line(f"{path}: {counted(checked.message_count, 'message')}, no errors")
         has_errors = has_errors or bool(checked.faults)
     if has_errors:
         raise click.exceptions.Exit(EXIT_FAILED)

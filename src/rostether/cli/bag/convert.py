@@ -18,6 +18,7 @@ from rostether.cli.bag.recording_files import (
 from rostether.cli.shell.option_group import PATH, add_option
 from rostether.cli.shell.output import warn, write_line
 from rostether.cli.shell.verbs import verb
+from rostether.mechanisms.text import counted, misfit_text
 
 
 @verb(
@@ -67,7 +68,7 @@ def bag_convert(
         count = copy(reader, target, compression=compression, form=target_form, storage=storage, types=types)
         unfit = sum(reader.counts.values()) - count
         if unfit and not reader.unreadable:
-            warn(f"{source}: {unfit} messages do not fit their type; `rostether bag check` shows which")
+            warn(f"{source}: {misfit_text(unfit)}; `rostether bag check` shows which")
         for topic, why in reader.unreadable.items():
             warn(f"{source}: {topic} is not copied completely: {why}")
-    write_line(f"{target}: {count} messages")
+    write_line(f"{target}: {counted(count, 'message')}")

@@ -14,6 +14,7 @@ from rostether.cli.shell.option_group import PATH, add_option
 from rostether.cli.shell.output import warn, write_line
 from rostether.cli.shell.verbs import verb
 from rostether.errors import ConfigError
+from rostether.mechanisms.text import counted
 from rostether.rostime import NS_PER_S
 
 if TYPE_CHECKING:
@@ -82,4 +83,7 @@ def bag_cut(
             f"nothing was recorded at {time_text(start_ns)}; the recordings reach from {time_text(first_ns)} "
             f"to {time_text(last_ns)}"
         )
-    write_line(f"{target}: {count} messages from {recordings} recordings, from {time_text(start_ns)}")
+    write_line(
+        f"{target}: {counted(count, 'message')} from {counted(recordings, 'recording')}, "
+        f"from {time_text(start_ns)}"
+    )

@@ -16,6 +16,7 @@ from rostether.cli.shell.option_group import PATH, argument, option, option_grou
 from rostether.cli.shell.output import discard_output, warn, write_line
 from rostether.cli.shell.verbs import verb
 from rostether.errors import ConfigError
+from rostether.mechanisms.text import counted, misfit_text
 
 if TYPE_CHECKING:
     from rostether.recording.export.exporting import Export, ExportedTable
@@ -165,11 +166,11 @@ class _TableFiles:
         """Report the written files; exits with 1 if messages were omitted."""
         for table in tables:
             if not self._is_stdout:
-                rows = f"{table.row_count} rows, {len(table.columns) + 2} columns"
+                rows = f"{counted(table.row_count, 'row')}, {len(table.columns) + 2} columns"
                 if self._format == "pictures":
-                    rows = f"{table.row_count} pictures"
+                    rows = counted(table.row_count, "picture")
                 write_line(f"{self.path_of(table)}: {rows} of {table.topic}")
             if table.unfit_count:
-                warn(f"{table.topic}: {table.unfit_count} messages do not fit their type: {table.why}")
+                warn(f"{table.topic}: {misfit_text(table.unfit_count)}: {table.why}")
         if any(table.unfit_count for table in tables):
             raise click.exceptions.Exit(EXIT_FAILED)

@@ -15,6 +15,7 @@ from rostether.cli.shell.option_group import PATH, add_option
 from rostether.cli.shell.output import write_line
 from rostether.cli.shell.verbs import verb
 from rostether.errors import ConfigError
+from rostether.mechanisms.text import counted
 from rostether.rostime import Time
 
 if TYPE_CHECKING:
@@ -75,4 +76,4 @@ def bag_filter(source: Path, target: Path, expression: str, shown: str | None) -
     with closing(reader):
         messages = filter(is_wanted, reader.messages())
         count = write_messages(messages, target, partial(create_recording, form=form))
-    write_line(f"{target}: {count} of {total} messages")
+    write_line(f"{target}: {count} of {counted(total, 'message')}")

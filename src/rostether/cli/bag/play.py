@@ -31,7 +31,7 @@ from rostether.cli.shell.output import warn, write_line
 from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import verb
 from rostether.errors import ConfigError
-from rostether.mechanisms.text import did_you_mean
+from rostether.mechanisms.text import counted, did_you_mean
 from rostether.rostime import NS_PER_S
 
 if TYPE_CHECKING:
@@ -188,7 +188,7 @@ async def _play(
                     leaving.cancel()
                     playing.cancel()
             if not options.quiet:
-                write_line(f"played {player.played_count} messages")
+                write_line(f"played {counted(player.played_count, 'message')}")
 
 
 def _check_topics(settings: PlaySettings, recorded: set[str]) -> None:
@@ -233,5 +233,5 @@ async def _show(player: Player) -> None:
         word = "PAUSED " if player.is_paused else "RUNNING"
         passed_s = max(player.time_ns - player.start_ns, 0) / NS_PER_S
         line = f"[{word}]  time {player.time_ns / NS_PER_S:.3f}   {passed_s:.2f} of {span_s:.2f} s"
-        show(f"{line}   {player.played_count} messages")
+        show(f"{line}   {counted(player.played_count, 'message')}")
         await asyncio.sleep(PROGRESS_PERIOD_S)

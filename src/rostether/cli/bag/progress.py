@@ -8,6 +8,7 @@ import sys
 from typing import TYPE_CHECKING
 
 from rostether.cli.bag.formatting import size_text
+from rostether.mechanisms.text import counted
 
 if TYPE_CHECKING:
     from rostether.recording.recorder import Recorder
@@ -39,8 +40,9 @@ class ProgressLine:
             now = (recorder.progress.message_count, recorder.size_bytes)
             rate, speed = ((new - old) / (now_s - before_s) for new, old in zip(now, before, strict=True))
             show(
-                f"[{now_s - began_s:.0f} s]  {now[0]} messages, {max(rate, 0):.0f}/s   "
-                f"{size_text(now[1])}, {size_text(max(speed, 0))}/s   {recorder.topic_count} topics"
+                f"[{now_s - began_s:.0f} s]  {counted(now[0], 'message')}, {max(rate, 0):.0f}/s   "
+                f"{size_text(now[1])}, {size_text(max(speed, 0))}/s   "
+                f"{counted(recorder.topic_count, 'topic')}"
             )
             before, before_s = now, now_s
 

@@ -41,6 +41,7 @@ from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import verb
 from rostether.errors import ConfigError
 from rostether.mechanisms.run_until import run_until
+from rostether.mechanisms.text import counted, misfit_text
 
 if TYPE_CHECKING:
     from rostether.graph.ports import Graph
@@ -236,10 +237,10 @@ async def _record(
             line.clear()
             # If the first file cannot be created, the error is enough.
             if written := [str(each) for each in recorder.progress.files if each.exists()]:
-                total = f"{recorder.progress.message_count} messages, {size_text(recorder.size_bytes)}"
-                report(f"{total} in {', '.join(written)}")
+                total = counted(recorder.progress.message_count, "message")
+                report(f"{total}, {size_text(recorder.size_bytes)} in {', '.join(written)}")
                 for topic, count in unfit.counts.items():
-                    warn(f"WARNING: {topic}: skipped {count} messages that do not fit their type")
+                    warn(f"WARNING: {topic}: {misfit_text(count)}; skipped")
                 if not recorder.progress.message_count and not unfit.counts:
                     warn(
                         "WARNING: no messages were received; `rostether topic list -v` shows which topics "

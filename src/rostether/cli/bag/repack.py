@@ -14,6 +14,7 @@ from rostether.cli.shell.option_group import PATH, add_flag, argument, flag, opt
 from rostether.cli.shell.output import write_line
 from rostether.cli.shell.verbs import verb
 from rostether.errors import ConfigError
+from rostether.mechanisms.text import counted
 
 
 @dataclass(frozen=True, slots=True)
@@ -86,7 +87,7 @@ def _repack(path: Path, compression: str, options: RepackOptions) -> None:
     count = repack(path, output, compression, keep_original=backup)
     if not options.quiet:
         sizes = f"{size_text(before)} before, {size_text(_size_bytes(output))} now"
-        write_line(f"{output}: {count} messages, {sizes}")
+        write_line(f"{output}: {counted(count, 'message')}, {sizes}")
 
 
 def _size_bytes(path: Path) -> int:
@@ -116,10 +117,10 @@ def bag_reindex(options: RepackOptions) -> None:
         output, backup = new_paths(path, options)
         repaired = reindex(path, output, keep_original=backup)
         if not options.quiet:
-            what = f"{repaired.message_count} messages"
+            what = counted(repaired.message_count, "message")
             if not repaired.damage:
                 write_line(f"{output}: {what}, complete, not changed")
                 continue
             if repaired.listed_count is not None:
-                what = f"{repaired.message_count} of {repaired.listed_count} messages"
+                what = f"{repaired.message_count} of {counted(repaired.listed_count, 'message')}"
             write_line(f"{output}: {what} kept ({repaired.damage})")

@@ -10,6 +10,7 @@ from rostether.bridge.findings.finding import Finding, Severity
 from rostether.bridge.health.board_status import BoardStatus
 from rostether.bridge.health.diagnostics import BoardView, EndpointView
 from rostether.bridge.health.doctor import Diagnosis
+from rostether.mechanisms.text import counted
 
 _WORDS = {Severity.WARN: "warning", Severity.ERROR: "error"}
 
@@ -101,7 +102,7 @@ def _endpoint_record(diagnosis: Diagnosis, endpoint: EndpointView) -> dict[str, 
 
 
 def _describe(diagnosis: Diagnosis, board: BoardView) -> str:
-    parts = [f"protocol version {board.protocol_version}", f"{board.received_frames} frames"]
+    parts = [f"protocol version {board.protocol_version}", counted(board.received_frames, "frame")]
     parts.append(f"{board.damaged_frames} damaged")
     if board.round_trip_s is not None:
         parts.append(f"round trip {board.round_trip_s * 1e3:.1f} ms")

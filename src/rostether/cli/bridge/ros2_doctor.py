@@ -11,6 +11,7 @@ from rostether.cli.shell.output import write_finding
 from rostether.errors import RostetherError
 from rostether.mechanisms.anonymous import anonymous_name
 from rostether.mechanisms.block_end import closed_at_end
+from rostether.mechanisms.text import counted
 from rostether.ros2.environment import Ros2Environment
 from rostether.ros2.rclpy.left_over_memory import SHARED_MEMORY, find_left_over
 
@@ -38,8 +39,8 @@ async def _examine(middleware: Middleware) -> AsyncIterator[_Finding]:
     elif left := find_left_over():
         # Checked first, because leftover files can also delay the join below.
         text = (
-            f"killed programs have left {len(left)} files, such as {left[0]}. If programs hang at their "
-            "start, stop all ROS 2 programs and run `rm -f /dev/shm/*fastdds* /dev/shm/*fastrtps*`"
+            f"killed programs have left {counted(len(left), 'file')}, such as {left[0]}. If programs hang at "
+            "their start, stop all ROS 2 programs and run `rm -f /dev/shm/*fastdds* /dev/shm/*fastrtps*`"
         )
         yield _Finding(True, f"shared memory of Fast DDS in {SHARED_MEMORY}", text)
     try:
@@ -51,7 +52,7 @@ async def _examine(middleware: Middleware) -> AsyncIterator[_Finding]:
     except RostetherError as error:
         yield _Finding(False, "graph", str(error))
     else:
-        yield _Finding(True, "graph", f"{len(nodes)} nodes found. {access.line}")
+        yield _Finding(True, "graph", f"{counted(len(nodes), 'node')} found. {access.line}")
 
 
 async def _routers(environment: Ros2Environment) -> AsyncIterator[_Finding]:

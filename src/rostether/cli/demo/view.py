@@ -18,6 +18,7 @@ from rich.table import Column, Table
 from rich.text import Text
 
 from rostether.graph.ports import Level
+from rostether.mechanisms.text import counted
 from rostether.ros1.environment import DEFAULT_MASTER_PORT, parse_rpc_uri
 
 if TYPE_CHECKING:
@@ -152,7 +153,10 @@ class DemoView:
             for value in [self.value(endpoint)]
         ]
         return "; ".join(
-            [*topics, f"{self.board.received_frames} frames, {self.board.discarded_frames} discarded"]
+            [
+                *topics,
+                f"{counted(self.board.received_frames, 'frame')}, {self.board.discarded_frames} discarded",
+            ]
         )
 
     def rate_hz(self, endpoint: EndpointView) -> float:
@@ -271,9 +275,9 @@ def _link(board: BoardView | None, width: int) -> str:
         return "link: waiting for the board"
     facts = [
         f"link: {'negotiated' if board.is_settled else 'negotiating'}",
-        f"{board.received_frames} frames",
+        counted(board.received_frames, "frame"),
         f"{board.discarded_frames} damaged",
-        f"{board.reset_count} resets",
+        counted(board.reset_count, "reset"),
         f"{board.received_bytes / 1000:.0f} kB in",
         f"{board.sent_bytes / 1000:.1f} kB out",
         board.peer,

@@ -23,6 +23,7 @@ from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import verb
 from rostether.errors import ConfigError
 from rostether.graph.ports import Level
+from rostether.mechanisms.text import counted
 from rostether.ros1.environment import RosEnvironment
 from rostether.transports.address import Address, TcpAddress
 from rostether.transports.peers import PeerEntry
@@ -145,7 +146,9 @@ async def _replay(
         )
     kinds = "topic or service" if len(endpoints) == 1 else "topics and services"
     messages = sum(each.message_count for each in endpoints)
-    write_line(f"played {listener.played_bytes} bytes: {len(endpoints)} {kinds}, {messages} messages")
+    write_line(
+        f"played {listener.played_bytes} bytes: {len(endpoints)} {kinds}, {counted(messages, 'message')}"
+    )
 
 
 class _Settling:

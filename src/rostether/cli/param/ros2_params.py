@@ -86,7 +86,7 @@ class Ros2Params:
         self._graph = graph
 
     def list_params(self, wanted: ParamListing) -> None:
-        """Print the names of a node's parameters, or of all nodes'."""
+        """Print the names of the parameters of one node, or of all nodes."""
         from rostether.ros2.parameters.client import ParameterClient
 
         node = None if wanted.namespace == "/" else wanted.namespace

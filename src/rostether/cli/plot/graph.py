@@ -15,6 +15,7 @@ from rostether.cli.shell.picture_files import SUFFIXES, picture_format, save
 from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import verb
 from rostether.graph.shown_graph import Shown, as_digraph, as_records, as_text, choose
+from rostether.mechanisms.text import counted
 
 if TYPE_CHECKING:
     from rostether.graph.ports import Snapshot
@@ -74,7 +75,7 @@ def show_graph(
             write_json(record)
     elif file is not None:
         save(file, _content(shown, kind, nodes_only=nodes_only))
-        write_line(f"{file}: {len(shown.nodes)} nodes, {len(shown.topics)} topics")
+        write_line(f"{file}: {counted(len(shown.nodes), 'node')}, {counted(len(shown.topics), 'topic')}")
     else:
         write_line(str(_content(shown, kind, nodes_only=nodes_only)).rstrip("\n"))
 

@@ -130,7 +130,8 @@ class PlotSession:
             labels = Labels(self._options.title or "", self._begin_unix_s, self._options.is_clock)
             save(file, encode(draw_plot(curves, labels), picture_format(file)))
             write_line(
-                f"{file}: {counted(len(curves), 'curve')}, {sum(len(each.points) for each in curves)} values"
+                f"{file}: {counted(len(curves), 'curve')}, "
+                f"{counted(sum(len(each.points) for each in curves), 'value')}"
             )
         elif not self._is_live:
             from rostether.pictures.terminal_plot import as_plain

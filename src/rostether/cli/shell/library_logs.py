@@ -12,7 +12,7 @@ from rostether.cli.shell.output import warn
 from rostether.graph.ports import Level
 from rostether.mechanisms.line_budget import LineBudget
 from rostether.mechanisms.repeat_limiter import RepeatLimiter
-from rostether.mechanisms.text import fold_line
+from rostether.mechanisms.text import counted, fold_line
 
 _LEVELS = {
     logging.DEBUG: Level.DEBUG,
@@ -47,7 +47,7 @@ class _Lines(logging.Handler):
             if omitted_count is None:
                 return
             if omitted_count:
-                self.show(Level.WARN, f"{omitted_count} lines like the next one were omitted")
+                self.show(Level.WARN, f"omitted {counted(omitted_count, 'line')} like the next one")
         text = fold_line(record.getMessage())
         error = record.exc_info[1] if record.exc_info else None
         if isinstance(error, OSError) and error.errno in _EXHAUSTED:

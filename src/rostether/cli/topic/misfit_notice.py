@@ -7,6 +7,7 @@ from contextlib import aclosing, asynccontextmanager
 from typing import TYPE_CHECKING, Any
 
 from rostether.cli.shell.output import warn
+from rostether.mechanisms.text import misfit_text
 
 if TYPE_CHECKING:
     from collections.abc import AsyncGenerator, AsyncIterator
@@ -31,8 +32,7 @@ async def shown_messages(stream: MessageStream[Any]) -> AsyncIterator[AsyncGener
     def report() -> None:
         nonlocal reported_count
         reported_count = stream.misfit_count
-        many = "1 message does" if reported_count == 1 else f"{reported_count} messages do"
-        warn(f"WARNING: {stream.topic}: {many} not fit the type and cannot be shown: {reason}")
+        warn(f"WARNING: {stream.topic}: {misfit_text(reported_count)} and cannot be shown: {reason}")
 
     def on_misfit(error: SerializationError) -> None:
         nonlocal next_s, reason

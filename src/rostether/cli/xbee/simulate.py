@@ -172,7 +172,9 @@ async def _add_sketches(
 
 def _show_totals(network: XbeeNetwork, boards: list[CountingBoard]) -> None:
     for board in boards:
-        write_line(f"{board.name}: published {board.published}, LED switched {board.led_changes} times")
+        write_line(
+            f"{board.name}: published {board.published}, LED switched {counted(board.led_changes, 'time')}"
+        )
     counts = network.air.counts
     write_line(
         f"The air carried {counts.packets} packets in {counts.transmissions} transmissions; "

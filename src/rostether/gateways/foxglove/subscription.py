@@ -16,6 +16,7 @@ from rostether.gateways.shared_subscriptions import (
     SharedSubscription,
     SharedSubscriptions,
 )
+from rostether.mechanisms.text import counted
 from rostether.msgdef.interface import ANY_MD5SUM
 
 _STATUS_ID = "slow-client"
@@ -99,6 +100,6 @@ class DroppedReport:
             self._send(replies.remove_status([_STATUS_ID]))
             return
         self._reported = self.count
-        text = f"this client reads too slowly: {self.count} messages have been dropped so far"
+        text = f"this client reads too slowly: {counted(self.count, 'message')} dropped so far"
         self._send(replies.status(StatusLevel.WARNING, text, _STATUS_ID))
         self._timer = asyncio.get_running_loop().call_later(_PERIOD_S, self._report)

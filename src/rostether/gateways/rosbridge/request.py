@@ -115,7 +115,7 @@ def fields_by_name(request: Codec, args: Any) -> dict[str, Any]:
     if len(values) > len(names):
         fields = counted(len(names), "field")
         raise RemoteProtocolError(
-            f"call_service: {request.type_name} has {fields}, but args has {len(values)} values"
+            f"call_service: {request.type_name} has {fields}, but args has {counted(len(values), 'value')}"
         )
     return dict(zip(names, values, strict=False))
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import struct
 
 from rostether.errors import RecordingError
+from rostether.mechanisms.text import counted
 from rostether.recording.bag.chunks import BagChunk, messages_in
 from rostether.recording.bag.content import read_content
 from rostether.recording.bag.records import Op, op_of, read_record, time_field, u32_field
@@ -86,5 +87,5 @@ def _check_indexes(data: Buffer, position: int, plain: Buffer, counts: dict[int,
         position = end
     if indexed != counts:
         raise RecordingError(
-            f"it lists {sum(indexed.values())} messages, but there are {sum(counts.values())}"
+            f"it lists {counted(sum(indexed.values()), 'message')}, but the chunk has {sum(counts.values())}"
         )

@@ -8,6 +8,7 @@ from collections.abc import Callable, Mapping, Sequence
 from rostether.graph.flow_control import DEFAULT_QUEUE_BYTES, PublicationFlow
 from rostether.graph.ports import Level
 from rostether.graph.publisher_handle import PublisherHandle, check_same_type
+from rostether.mechanisms.text import counted
 from rostether.msgdef.interface import MessageType
 from rostether.ros1.node.subscriber_connection import SubscriberConnection
 from rostether.tcpros.handshake import check_subscriber, publisher_fields
@@ -116,7 +117,8 @@ class Publication:
         self._report(
             Level.WARN,
             f"{connection.record.peer} is too slow for {self.topic}; dropping its oldest messages "
-            f"({self._queue_bytes} bytes queued, {connection.dropped_count} messages dropped so far)",
+            f"({self._queue_bytes} bytes queued, {counted(connection.dropped_count, 'message')} dropped so "
+            "far)",
         )
 
 

@@ -49,7 +49,7 @@ class DescribedTypes:
         return f"{type_name}/{type_hash}" in self._found
 
     def find(self, type_name: str, type_hash: str, node_name: str = "") -> MessageSupport | None:
-        """Return a type; None if it is not known, or not before `node_name` has answered."""
+        """Return a type; None if it is unknown, or as long as `node_name` has not answered."""
         key = f"{type_name}/{type_hash}"
         if self._found.get(key) is None and key not in self._asking:
             name = type_of_dds_name(type_name)

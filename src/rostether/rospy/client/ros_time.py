@@ -91,7 +91,7 @@ def simulated_time_s() -> float | None:
 def sleep(duration: Any) -> None:
     """Sleep for seconds or a Duration of ROS time; a shutdown ends it.
 
-    In simulated time raises ROSTimeMovedBackwardsException, and ROSInterruptException at a shutdown.
+    In simulated time, it raises ROSTimeMovedBackwardsException, and ROSInterruptException at a shutdown.
     """
     seconds = duration.to_sec() if isinstance(duration, stamps.Duration) else float(duration)
     if is_wallclock():

@@ -85,7 +85,7 @@ def create_cloud(header: Any, fields: Sequence[Any], points: Iterable[Sequence[A
 
 
 def create_cloud_xyz32(header: Any, points: Iterable[Sequence[float]]) -> Any:
-    """Return a cloud of points with x, y and z."""
+    """Return a point cloud with x, y and z."""
     fields = [_PointField(name, 4 * index, _PointField.FLOAT32, 1) for index, name in enumerate("xyz")]
     return create_cloud(header, fields, points)
 

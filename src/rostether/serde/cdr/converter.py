@@ -53,16 +53,18 @@ class CdrConverter:
             walker.over(self._tree)
         except Misfit as reason:
             raise SerializationError(
-                f"{self.ros1_name}: the payload of {len(payload)} bytes {reason}"
+                f"{self.ros1_name}: the payload of {counted(len(payload), 'byte')} {reason}"
             ) from None
         raise SerializationError(
-            f"the payload has {len(payload) - walker.at} bytes more than {self.ros1_name}"
+            f"the payload has {counted(len(payload) - walker.at, 'byte')} more than {self.ros1_name}"
         )
 
     def _other_cdr(self, cdr: bytes) -> bytes:
         """Convert big-endian CDR; raise SerializationError with the reason for other data."""
         if len(cdr) < len(LITTLE_ENDIAN):
-            raise SerializationError(f"{len(cdr)} bytes are not CDR, which starts with a header of 4 bytes")
+            raise SerializationError(
+                f"a payload of {counted(len(cdr), 'byte')} is not CDR, which starts with a header of 4 bytes"
+            )
         if cdr[:2] not in (_BIG_ENDIAN, LITTLE_ENDIAN[:2]):
             raise SerializationError(
                 f"the payload starts with {cdr[:2].hex(' ')}, but ROS 2 sends plain CDR: 00 01 or 00 00"
@@ -73,9 +75,11 @@ class CdrConverter:
             if self._has_fields:
                 walker.over(self._tree)
         except (Misfit, *ERRORS) as reason:
-            raise SerializationError(f"{self.ros2_name}: the CDR of {len(cdr)} bytes {reason}") from None
+            raise SerializationError(
+                f"{self.ros2_name}: the CDR of {counted(len(cdr), 'byte')} {reason}"
+            ) from None
         if not is_big_endian:
-            raise SerializationError(f"{self.ros2_name}: the CDR of {len(cdr)} bytes does not fit")
+            raise SerializationError(f"{self.ros2_name}: the CDR of {counted(len(cdr), 'byte')} does not fit")
         return self.from_cdr(LITTLE_ENDIAN + bytes(walker.payload[len(LITTLE_ENDIAN) :]))
 
     @property

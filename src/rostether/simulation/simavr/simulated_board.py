@@ -200,7 +200,7 @@ class SimulatedBoard(BlockClosable):
             )
 
     async def servo_pulse_us(self, pin: str, *, timeout_s: float = DEFAULT_TIMEOUT_S) -> float:
-        """Return the length of the last servo pulse on a pin, after the first one has come."""
+        """Return the length of the last servo pulse on a pin; wait for the first one."""
         if not self._has_pulsed(pin):
             await self.send_command(f"servo {pin}")
         if not self._has_pulsed(pin):
@@ -209,7 +209,7 @@ class SimulatedBoard(BlockClosable):
         return float((await self.ask(f"servo {pin}", "servo"))["pulse_us"])
 
     async def servo_angle(self, pin: str) -> float:
-        """Return the angle of a servo on a pin in degrees from 0 to 180, after the first pulse has come."""
+        """Return the angle of a servo on a pin in degrees from 0 to 180; wait for the first pulse."""
         return (await self.servo_pulse_us(pin) - 544.0) * 180.0 / (2400.0 - 544.0)
 
     async def set_faults(self, faults: str) -> None:

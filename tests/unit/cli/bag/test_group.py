@@ -96,7 +96,7 @@ def test_check_names_what_does_not_fit(tmp_path: Path, bag: Path, shell: Shell) 
     bag.write_bytes(data.replace(text("message 7"), b"\xff" + text("message 7")[1:]))
     result = shell("bag", "check", str(bag))
     assert result.code == 1
-    assert "/b: 1 messages do not fit their type" in result.out
+    assert "/b: 1 message does not fit its type" in result.out
     bag.write_bytes(data[:5000])
     assert "bag reindex" in shell("bag", "check", str(bag)).out
 
@@ -330,7 +330,7 @@ def test_a_terminal_shows_rates_and_sizes_while_recording(graph: LiveGraph, tmp_
         graph.wait_until(lambda: publisher.subscriber_count == 1)
         graph.do(_published(publisher, [text("x" * 1000)] * 50))
         shown = ""
-        line = r"\[\d+ s\]  50 messages, \d+/s   5\d\.\d KB, [\d.]+ K?B/s   1 topics"
+        line = r"\[\d+ s\]  50 messages, \d+/s   5\d\.\d KB, [\d.]+ K?B/s   1 topic"
         while not re.search(line, shown):
             assert select.select([keyboard], [], [], 60)[0], shown
             shown += os.read(keyboard, 65536).decode()
@@ -350,7 +350,7 @@ def test_cut_a_time_out_of_a_folder(bag: Path, tmp_path: Path, shell: Shell) -> 
         *("bag", "cut", str(bag.parent), "-o", str(target), "--duration", "5m", "-t", "/a"),
         *("--from", f"{start:%Y-%m-%d %H:%M:%S}"),
     )
-    assert printed.startswith(f"{target}: 15 messages from 1 recordings, from ")
+    assert printed.startswith(f"{target}: 15 messages from 1 recording, from ")
     failed = shell.failure("bag", "cut", str(bag), "-o", str(target), "--from", "2020-01-01 10:00")
     assert "nothing was recorded at Jan 01 2020 10:00:00.00" in failed
     assert "the recordings reach from Nov 1" in failed

@@ -54,7 +54,7 @@ def test_dot_is_graphvizs(shell: Shell) -> None:
 )
 def test_files_by_their_names(shell: Shell, tmp_path: Path, name: str) -> None:
     file = tmp_path / name
-    assert shell.output("graph", "-o", str(file)) == f"{file}: 2 nodes, 1 topics\n"
+    assert shell.output("graph", "-o", str(file)) == f"{file}: 2 nodes, 1 topic\n"
     content = file.read_bytes()
     if name.endswith("svg"):
         texts = {each.text for each in ET.fromstring(content).iter(f"{SVG}text")}

@@ -22,7 +22,7 @@ def test_graph(world: ZenohWorld, shell: Shell, tmp_path: Path) -> None:
     ]
     assert "/_raw" in shell.output("graph", "--all")
     file = tmp_path / "graph.svg"
-    assert shell.output("graph", "--save", str(file)) == f"{file}: 1 nodes, 4 topics\n"
+    assert shell.output("graph", "--save", str(file)) == f"{file}: 1 node, 4 topics\n"
     assert "works on ROS 1 only; omit it" in shell.failure("graph", "--master", "http://x:1", code=2)
 
 
