@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from rostether.mechanisms.text import counted
+
 # Some systems permit a billion, and subprocesses then need a long time to close them.
 MAX_DESCRIPTORS = 65_536
 
@@ -45,7 +47,7 @@ def shortage(boards: int) -> str | None:
     needed = _OTHER_DESCRIPTORS + boards * BOARD_DESCRIPTORS
     return (
         f"{boards} boards need up to {needed} open files, but the system permits {_soft_limit()}, enough for "
-        f"about {fitting} boards; raise the limit with `ulimit -n {needed}` as root, or with "
+        f"about {counted(fitting, 'board')}; raise the limit with `ulimit -n {needed}` as root, or with "
         f"LimitNOFILE={needed} in a systemd unit"
     )
 

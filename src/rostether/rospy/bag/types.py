@@ -37,7 +37,6 @@ def header_of(connection: Connection) -> dict[str, bytes]:
 
 def with_header(topic: str, kind: MessageType, header: Mapping[str, str | bytes]) -> Connection:
     """Return the connection of a topic with a header from a script."""
-
     given = {
         str(name): value.decode("utf-8", "surrogateescape") if isinstance(value, bytes) else str(value)
         for name, value in header.items()
