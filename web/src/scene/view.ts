@@ -289,7 +289,7 @@ export class SceneView {
   }
 }
 
-/** Puts a thing at its place; returns whether it was elsewhere. */
+/** Places an object; returns whether it has moved. */
 function applyTransform({ object }: Placed, transform: Transform | undefined): boolean {
   const [x, y, z] = transform?.translation ?? [0, 0, 0];
   const [i, j, k, w] = transform?.rotation ?? [0, 0, 0, 1];

@@ -88,7 +88,7 @@ class NodeNames:
         try:
             return _resolve(name, namespace=_parent(caller_id), node_name=caller_id)
         except ValueError:
-            # rospy only warns of illegal names; the graph rejects them.
+            # rospy only warns about illegal names; the graph rejects them.
             if is_private(name):
                 return canonical(f"{caller_id}/{name[1:]}")
             return canonical(name if is_global(name) else _parent(caller_id) + name)

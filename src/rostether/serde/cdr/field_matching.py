@@ -2,7 +2,7 @@
 
 Fields are matched by name, or else by the name without capitals and underscores (`D` is `d` in ROS 2). A
 field of only one side is dropped, or becomes zero or its default. If both sides have such fields, they are
-probably one renamed field, and a guess could lose its values: that is refused.
+probably one renamed field. Such types are refused, because a guess could lose values.
 """
 
 from __future__ import annotations
