@@ -65,7 +65,7 @@ export class PoseDisplay extends HeaderDisplay<{ pose: Pose | { pose: Pose } }> 
   }
 }
 
-/** geometry_msgs/PoseArray: an arrow each. */
+/** geometry_msgs/PoseArray: an arrow for each pose. */
 export class PoseArrayDisplay extends HeaderDisplay<{ poses: Pose[] }> {
   private readonly arrows: Group[] = [];
 

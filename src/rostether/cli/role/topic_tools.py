@@ -49,7 +49,7 @@ def _throttle_words(arguments: Arguments) -> tuple[str, str, list[float]]:
     if count is None or len(rest) not in (count, count + 1):
         raise ConfigError(f"write {usage}")
     target = rest[count] if len(rest) > count else f"{rest[1]}_throttle"
-    return rest[1], target, [_number(each) for each in rest[2:count]]
+    return rest[1], target, [_number(each, usage) for each in rest[2:count]]
 
 
 @role(
@@ -153,11 +153,11 @@ def _unique_name(topic: str, suffix: str) -> str:
     return anonymous_name(f"{topic.strip('~/').rpartition('/')[2] or 'topic'}_{suffix}")
 
 
-def _number(text: str) -> float:
+def _number(text: str, usage: str) -> float:
     try:
         return float(text)
     except ValueError:
-        raise ConfigError(f"{text!r} is not a number") from None
+        raise ConfigError(f"{text!r} is not a number; write {usage}") from None
 
 
 async def _flag(graph: TypedGraph, name: str) -> bool:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 
+from rostether.mechanisms.text import counted
 from rostether.msgdef.ros2.primitives import INTEGER_RANGES, STRING_TYPES
 from rostether.msgdef.ros2.spec import ConstantValue, DefaultValue, Ros2Type
 from rostether.names.graph_name import quote
@@ -22,9 +23,9 @@ def read_default(field_type: Ros2Type, text: str) -> DefaultValue:
     inner = text[1:-1].strip()
     parts = _split_strings(inner) if field_type.base in STRING_TYPES else _split_numbers(inner)
     if field_type.length is not None and len(parts) != field_type.length:
-        raise ValueError(f"{len(parts)} values for an array of {field_type.length}")
+        raise ValueError(f"{counted(len(parts), 'value')} for an array of {field_type.length}")
     if field_type.bound is not None and len(parts) > field_type.bound:
-        raise ValueError(f"{len(parts)} values for an array of at most {field_type.bound}")
+        raise ValueError(f"{counted(len(parts), 'value')} for an array of at most {field_type.bound}")
     return tuple(read_literal(field_type.base, part, string_bound=field_type.string_bound) for part in parts)
 
 

@@ -47,7 +47,9 @@ class FacadeClasses(MessageClasses):
 
     def _zero(self, node: Node) -> Any:
         if isinstance(node, Stamp):
-            return self.time if node.name == "time" else self.duration  # mutable: each message its own
+            return (
+                self.time if node.name == "time" else self.duration
+            )  # mutable, so each message gets its own
         return super()._zero(node)
 
     def _make(self, tree: Struct) -> type[SerdeMessage]:

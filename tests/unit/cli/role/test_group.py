@@ -161,7 +161,7 @@ def test_the_links_of_rosserial_server() -> None:
     ("words", "reason"),
     [
         (("relay",), "write relay IN [OUT]; given: no arguments"),
-        (("throttle", "messages", "/a", "fast"), "'fast' is not a number"),
+        (("throttle", "messages", "/a", "fast"), "'fast' is not a number; write throttle messages IN HZ"),
         (("throttle", "words", "/a", "1"), "write throttle messages IN HZ"),
         (("throttle", "bytes", "/a", "1"), "write throttle messages IN HZ"),
         (("mux", "/out"), "write mux OUT IN..."),

@@ -96,7 +96,7 @@ def test_reads_constants_comments_and_blank_lines() -> None:
         ("int8 a 1.5", "1:8", "not an integer"),
         ("float32 a x", "1:11", "not a number"),
         ("bool a yes", "1:8", "not true"),
-        ("int32[2] a [1]", "1:12", "1 values for an array of 2"),
+        ("int32[2] a [1]", "1:12", "1 value for an array of 2"),
         ("int32[<=1] a [1, 2]", "1:14", "2 values for an array of at most 1"),
         ("int32[] a 1", "1:11", "not a list"),
         ("string[] a ['x]", "1:12", "no closing '"),
