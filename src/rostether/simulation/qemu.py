@@ -47,15 +47,15 @@ _TERMINAL = re.compile(rb"char device redirected to (\S+)")
 class QemuBoard(BlockClosable):
     """One board.
 
-    It ends with `close`, and with this process. `exit_message` is qemu's error message after it has ended by
-    itself.
+    It ends with `close`, and with this process. `address` is the link address of its UART for `serve`.
+    `exit_message` is qemu's error message after it has ended by itself.
     """
 
     def __init__(
         self, process: asyncio.subprocess.Process, terminal: str, link: PtyLink, output: bytes = b""
     ) -> None:
+        self.address = terminal
         self._process = process
-        self._terminal = terminal
         self._link = link
         self.exit_message = ""
         # The output must be read, because qemu blocks if the pipe is full.
@@ -108,11 +108,6 @@ class QemuBoard(BlockClosable):
                     f"{PROGRAM} did not start within {START_LIMIT_S:g} s; the machine may be too busy"
                 ) from None
             raise
-
-    @property
-    def address(self) -> str:
-        """The link address of the board's UART for `serve`."""
-        return self._terminal
 
     @property
     def has_ended(self) -> bool:

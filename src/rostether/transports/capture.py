@@ -12,12 +12,12 @@ a capture with only bytes is of one link that was always open. Unknown keys and 
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import Any, TypeAlias
+from typing import Annotated, Any, Literal, TypeAlias, TypeVar
 
-from msgspec import Struct
+import msgspec
+from msgspec import Meta, Struct
 
 from rostether.errors import ConfigError
 
@@ -29,7 +29,7 @@ MAX_TIME_S = 1e8
 
 FIRST_LINK = 1
 
-_SHOWN_CHARACTERS = 40
+_T = TypeVar("_T")
 
 
 class Chunk(Struct, frozen=True):
@@ -82,7 +82,7 @@ class Capture:
             if number == 1 or not line.strip():
                 continue
             try:
-                entry = _entry(_object(line), last_s)
+                entry = _entry(_decoded(line, _Line), last_s)
             except ValueError as error:
                 # A recorder that was killed left its last line unfinished.
                 if not is_whole:
@@ -95,7 +95,7 @@ class Capture:
     def _read_description(self) -> Mapping[str, Any]:
         for _, line, _ in self._lines():
             try:
-                found = _object(line)
+                found = _decoded(line, dict[str, Any])
             except ValueError as error:
                 raise ConfigError(
                     f"{self.path}, line 1: {error}; is it a capture of `rostether link record`?"
@@ -128,45 +128,34 @@ class Capture:
             ) from error
 
 
-def _object(line: bytes) -> dict[str, Any]:
+class _Line(Struct, rename={"time_s": "t", "sender": "from"}):
+    time_s: Annotated[float, Meta(ge=0, le=MAX_TIME_S)]
+    link: Annotated[int, Meta(ge=FIRST_LINK)] = FIRST_LINK
+    event: str | None = None
+    peer: str = ""
+    sender: Literal["device", "host"] | None = None
+    hex: str | None = None
+
+
+def _decoded(line: bytes, kind: type[_T]) -> _T:
     try:
-        found = json.loads(line)
-    except (ValueError, RecursionError):
-        raise ValueError("no JSON object") from None
-    if isinstance(found, dict):
-        return found
-    raise ValueError("no JSON object")
+        return msgspec.json.decode(line, type=kind)
+    except RecursionError:
+        raise ValueError("JSON is nested too deeply") from None
 
 
-def _entry(line: Mapping[str, Any], last_s: float) -> Entry | None:
-    time_s = line.get("t")
-    if not isinstance(time_s, int | float) or not 0 <= time_s <= MAX_TIME_S:
-        raise ValueError(f"'t' is {_short(time_s)}; it is a time in seconds since the start")
-    time_s = max(float(time_s), last_s)
-    link = line.get("link", FIRST_LINK)
-    if not isinstance(link, int) or link < FIRST_LINK:
-        raise ValueError(f"'link' is {_short(link)}; links are numbered from {FIRST_LINK}")
-    event = line.get("event")
-    if event == "opened":
-        return LinkOpened(time_s, link, str(line.get("peer", "")))
-    if event == "closed":
-        return LinkClosed(time_s, link)
-    if event is not None:
+def _entry(line: _Line, last_s: float) -> Entry | None:
+    time_s = max(line.time_s, last_s)
+    if line.event == "opened":
+        return LinkOpened(time_s, line.link, line.peer)
+    if line.event == "closed":
+        return LinkClosed(time_s, line.link)
+    if line.event is not None:
         return None
-    side = line.get("from")
-    if side not in ("device", "host"):
-        raise ValueError(f'\'from\' is {side!r}; it is "device" or "host"')
+    if line.sender is None or line.hex is None:
+        raise ValueError("neither an event, nor bytes with `from` and `hex`")
     try:
-        data = bytes.fromhex(line["hex"])
-    except (KeyError, TypeError, ValueError):
-        raise ValueError("'hex' has no bytes in hexadecimal") from None
-    return Chunk(time_s, link, side == "device", data)
-
-
-def _short(value: object) -> str:
-    """Return a value of an untrusted file as one line of text."""
-    try:
-        text = repr(value)
+        data = bytes.fromhex(line.hex)
     except ValueError:
-        return "a very large number"
-    return text if len(text) <= _SHOWN_CHARACTERS else f"{text[:_SHOWN_CHARACTERS]}..."
+        raise ValueError("`hex` has no bytes in hexadecimal") from None
+    return Chunk(time_s, line.link, line.sender == "device", data)

@@ -2,66 +2,53 @@
 
 from __future__ import annotations
 
-import json
-import re
-from typing import Any
+from typing import Annotated, TypeVar
 
-from msgspec import Struct
+import msgspec
+from msgspec import Meta, Struct
 
 from rostether.errors import RemoteProtocolError
 from rostether.transports.address_parser import MAX_BAUD
 
 # A hello has about 100 characters.
 MAX_TEXT_CHARACTERS = 1000
-_NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,39}")
-_ID = re.compile(r"[A-Za-z0-9-]{8,64}")
 
 # More than a line of 20 Mbaud transfers in a century.
 _MAX_BYTES = 1 << 53
 
+_T = TypeVar("_T")
 
-class WebHello(Struct, frozen=True):
+
+class WebHello(Struct, frozen=True, tag_field="op", tag="connect"):
     """A page's first message.
 
     `name` is the board's name for users. `key` is a random text that stays the same while the page reconnects
     this board. `baud` is the baud rate of its serial port.
     """
 
-    name: str
-    key: str
-    baud: int
+    name: Annotated[str, Meta(pattern=r"^[A-Za-z][A-Za-z0-9_]{0,39}\Z")]
+    key: Annotated[str, Meta(pattern=r"^[A-Za-z0-9-]{8,64}\Z")]
+    baud: Annotated[int, Meta(ge=1, le=MAX_BAUD)]
+
+
+class _Written(Struct, tag_field="op", tag="written"):
+    bytes: Annotated[int, Meta(ge=0, le=_MAX_BYTES)]
 
 
 def read_hello(text: str) -> WebHello:
     """Return the first message of a page. Raises RemoteProtocolError with the reason."""
-    message = _read(text, "connect")
-    name, key, baud = message.get("name"), message.get("key"), message.get("baud")
-    if not isinstance(name, str) or not _NAME.fullmatch(name):
-        raise RemoteProtocolError(
-            "the name of a board has 1 to 40 letters, digits or _, and begins with a letter"
-        )
-    if not isinstance(key, str) or not _ID.fullmatch(key):
-        raise RemoteProtocolError("the key of a board has 8 to 64 letters, digits or -")
-    if isinstance(baud, bool) or not isinstance(baud, int) or not 1 <= baud <= MAX_BAUD:
-        raise RemoteProtocolError(f"the baud rate must be 1 to {MAX_BAUD}")
-    return WebHello(name, key, baud)
+    return _read(text, WebHello)
 
 
 def read_progress(text: str) -> int:
     """Return how many bytes a page has written to its port so far. Raises RemoteProtocolError."""
-    written = _read(text, "written").get("bytes")
-    if isinstance(written, bool) or not isinstance(written, int) or not 0 <= written <= _MAX_BYTES:
-        raise RemoteProtocolError("the number of written bytes is missing")
-    return written
+    return _read(text, _Written).bytes
 
 
-def _read(text: str, op: str) -> dict[str, Any]:
+def _read(text: str, kind: type[_T]) -> _T:
     if len(text) > MAX_TEXT_CHARACTERS:
         raise RemoteProtocolError(f"a text message has at most {MAX_TEXT_CHARACTERS} characters")
     try:
-        message = json.loads(text)
-    except (ValueError, RecursionError):
-        message = None
-    if not isinstance(message, dict) or message.get("op") != op:
-        raise RemoteProtocolError(f'a text message with "op": "{op}" is expected')
-    return message
+        return msgspec.json.decode(text, type=kind)
+    except (ValueError, RecursionError) as error:
+        raise RemoteProtocolError(f"a wrong text message: {error}") from None

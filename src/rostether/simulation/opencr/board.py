@@ -52,9 +52,10 @@ class Tone(NamedTuple):
 class OpenCrBoard(BlockClosable):
     """One board on a robot. It ends with `close`, and with this process.
 
-    `base`: the robot. `pins`: the levels of its outputs by number. `tones`: the last tones, oldest first.
-    `watched`: the outputs whose changes are passed to `on_event`, in addition to the tones, and BLUETOOTH for
-    the lines that the sketch prints to SerialBT2. `exit_message`: what the program reported before it ended.
+    `address`: the link address of its USB port for `serve`. `base`: the robot. `pins`: the levels of its
+    outputs by number. `tones`: the last tones, oldest first. `watched`: the outputs whose changes are passed
+    to `on_event`, in addition to the tones, and BLUETOOTH for the lines that the sketch prints to SerialBT2.
+    `exit_message`: what the program reported before it ended.
     """
 
     def __init__(
@@ -65,6 +66,7 @@ class OpenCrBoard(BlockClosable):
         terminal: str,
         link: PtyLink,
     ) -> None:
+        self.address = terminal
         self.base = base
         self.pins: dict[int, bool] = {}
         self.tones: deque[Tone] = deque(maxlen=_MAX_TONES)
@@ -73,7 +75,6 @@ class OpenCrBoard(BlockClosable):
         self.exit_message = ""
         self._process = process
         self._lines = lines
-        self._terminal = terminal
         self._link = link
         self._unfinished = b""
         self._unfinished_text = b""
@@ -128,11 +129,6 @@ class OpenCrBoard(BlockClosable):
                 raise BoardError(f"cannot run {program}: {error.strerror}; build the sketch again") from error
         link.place(terminal)
         return cls(process, base, own_ends, terminal, link)
-
-    @property
-    def address(self) -> str:
-        """The link address of the board's USB port for `serve`."""
-        return self._terminal
 
     @property
     def has_ended(self) -> bool:

@@ -39,7 +39,8 @@ Matches = Callable[[BoardEvent], bool]
 class SimulatedBoard(BlockClosable):
     """One board. Its methods raise BoardError for an invalid command, or if the board has ended.
 
-    `recent` has its last events, `serial` the bytes that it sent while "serial" was watched.
+    `address` is the link address of its serial line for `serve`, empty without a link. `recent` has its last
+    events, `serial` the bytes that it sent while "serial" was watched.
     """
 
     commands = frozenset(("adc", "aref", "attitude", "fault", "pin", "power", "range", "reset", "wheels"))
@@ -51,8 +52,8 @@ class SimulatedBoard(BlockClosable):
         self.recent: deque[BoardEvent] = deque([ready], maxlen=MAX_RECENT_EVENTS)
         self.serial = bytearray()
         self.pauses = SimulationPauses()
+        self.address: str = ready["link"]
         self._process = process
-        self._terminal: str = ready["link"]
         self._link = link
         self._listeners: list[Callable[[BoardEvent], None]] = []
         self._levels: dict[str, bool] = {}
@@ -93,7 +94,7 @@ class SimulatedBoard(BlockClosable):
         for event in events[1:]:
             made._handle_event(event)
         try:
-            terminal_link.place(made._terminal)
+            terminal_link.place(made.address)
             wrong = next((event for event in events if event.name == "error"), None)
             if wrong is not None:
                 raise BoardError(f"{wrong['line']}: {wrong['text']}")
@@ -101,11 +102,6 @@ class SimulatedBoard(BlockClosable):
             await made.close()
             raise
         return made
-
-    @property
-    def address(self) -> str:
-        """The link address of the board's serial line for `serve`; empty without a link."""
-        return self._terminal
 
     @property
     def has_ended(self) -> bool:

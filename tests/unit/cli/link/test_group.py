@@ -208,7 +208,7 @@ def test_bad_files(shell: Shell, tmp_path: Path, verb: str) -> None:
     file = tmp_path / "problem.jsonl"
     assert "No such file" in shell.failure("link", verb, str(file))
     file.write_text("text\n")
-    assert f"{file}, line 1: no JSON object" in shell.failure("link", verb, str(file))
+    assert f"{file}, line 1: JSON is malformed" in shell.failure("link", verb, str(file))
 
 
 def test_a_damaged_line_is_named_after_those_before_it(shell: Shell, tmp_path: Path) -> None:
@@ -217,7 +217,7 @@ def test_a_damaged_line_is_named_after_those_before_it(shell: Shell, tmp_path: P
     result = shell("link", "show", str(file))
     assert result.code == 1
     assert "asks for topics" in result.out
-    assert f"{file}, line 3: 'from' is None" in result.err
+    assert f"{file}, line 3: neither an event, nor bytes" in result.err
 
 
 async def test_a_capture_without_a_board(tmp_path: Path) -> None:
