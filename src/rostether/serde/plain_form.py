@@ -7,7 +7,9 @@ NaN or infinity: they become the strings "NaN", "Infinity" and "-Infinity" (as i
 
 from __future__ import annotations
 
+import base64
 import math
+from collections.abc import Callable
 from typing import Any
 
 from rostether.rostime import Duration, Time
@@ -19,23 +21,28 @@ def to_plain(message: Message) -> dict[str, Any]:
     return {name: plain_value(getattr(message, name)) for name, _ in message._fields}
 
 
-def plain_value(value: Any) -> Any:
-    """Return one field's value, or what a field path selected, in the same form."""
-    if isinstance(value, float):
-        if math.isfinite(value):
-            return value
+def plain_value(value: Any, of_bytes: Callable[[bytes], Any] = list) -> Any:
+    """Return the value of a field or parameter in the same form, bytes as `of_bytes` returns them."""
+    if isinstance(value, float) and not math.isfinite(value):
         return "NaN" if math.isnan(value) else "Infinity" if value > 0 else "-Infinity"
     if isinstance(value, str):
         return clean_text(value)
     if isinstance(value, list):
-        return [plain_value(each) for each in value]
+        return [plain_value(each, of_bytes) for each in value]
+    if isinstance(value, dict):
+        return {clean_text(name): plain_value(each, of_bytes) for name, each in value.items()}
     if isinstance(value, bytes):
-        return list(value)
+        return of_bytes(value)
     if isinstance(value, Message):
         return to_plain(value)
     if isinstance(value, Time | Duration):
         return {"secs": value.secs, "nsecs": value.nsecs}
     return value
+
+
+def base64_text(value: bytes) -> str:
+    """Return bytes as base64 text, for parameters: their numbers would not show that they are bytes."""
+    return base64.b64encode(value).decode()
 
 
 def clean_text(text: str) -> str:

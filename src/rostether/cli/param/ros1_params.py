@@ -47,7 +47,9 @@ class Ros1Params:
         if options.verbose:
             write_line(f"getting parameter [{full_name}]")
         if options.as_json:
-            write_json({"name": full_name, "value": _plain(value)})
+            from rostether.serde.plain_form import base64_text, plain_value
+
+            write_json({"name": full_name, "value": plain_value(value, base64_text)})
         elif options.pretty and isinstance(value, dict):
             for line in pretty_lines(value):
                 write_line(line)
@@ -127,19 +129,6 @@ async def _fetch(environment: RosEnvironment, name: str) -> tuple[str, Any]:
             return full_name, await client.get_param(full_name)
         except UnknownNameError:
             raise await not_set(client, full_name) from None
-
-
-def _plain(value: Any) -> Any:
-    """Return a value with types that JSON has; bytes stay: `write_json` encodes them."""
-    if isinstance(value, dict):
-        return {key: _plain(each) for key, each in value.items()}
-    if isinstance(value, list):
-        return [_plain(each) for each in value]
-    if isinstance(value, float):
-        from rostether.serde.plain_form import plain_value
-
-        return plain_value(value)
-    return value
 
 
 async def _delete(environment: RosEnvironment, name: str) -> str:

@@ -145,7 +145,9 @@ class Ros2Params:
 
         value = _asked_of(self._graph, node, ask)
         if options.as_json:
-            write_json({"node": node, "name": path, "value": value.value})
+            from rostether.serde.plain_form import base64_text, plain_value
+
+            write_json({"node": node, "name": path, "value": plain_value(value.value, base64_text)})
         elif options.hide_type:
             write_line(_shown(value))
         else:

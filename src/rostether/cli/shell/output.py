@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import base64
 import json
 import os
 import re
@@ -70,17 +69,8 @@ def warn(text: str) -> None:
 
 
 def write_json(record: Mapping[str, object]) -> None:
-    """Write one object as one line of JSON; messages come as `serde.plain_form` makes them.
-
-    Bytes (found only in parameters) become base64 text.
-    """
-    write_line(json.dumps(record, ensure_ascii=False, allow_nan=False, default=_encode_bytes))
-
-
-def _encode_bytes(value: object) -> str:
-    if isinstance(value, bytes):
-        return base64.b64encode(value).decode()
-    raise TypeError(f"{type(value).__name__} cannot be written as JSON")
+    """Write one object as one line of JSON; messages come as `serde.plain_form` makes them."""
+    write_line(json.dumps(record, ensure_ascii=False, allow_nan=False))
 
 
 def write_result(record: Mapping[str, object], text: str, *, as_json: bool) -> None:

@@ -15,7 +15,7 @@ from rostether.errors import RemoteProtocolError, SerializationError
 from rostether.gateways.large_json import check_few_values, parse_json
 from rostether.rostime import Duration, Time
 from rostether.serde.codec import Codec
-from rostether.serde.plain_form import plain_value
+from rostether.serde.plain_form import base64_text, plain_value
 from rostether.serde.type_tree import Array, Node, Stamp, Struct
 from rostether.serde.values import Message
 
@@ -78,7 +78,7 @@ def _plain(value: Any) -> Any:
     if isinstance(value, Time | Duration):
         return {"sec": value.secs, "nsec": value.nsecs}
     if isinstance(value, bytes):
-        return base64.b64encode(value).decode()
+        return base64_text(value)
     if isinstance(value, list):
         return [_plain(each) for each in value]
     return plain_value(value)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 import base64
 import math
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from typing import Any
 
 from rostether.errors import (
@@ -18,7 +18,7 @@ from rostether.errors import (
 from rostether.gateways.foxglove.client_messages import GivenParameter
 from rostether.gateways.foxglove.settings import NameFilter
 from rostether.graph.ports import Graph, ParamValue, Watch
-from rostether.serde.plain_form import clean_text
+from rostether.serde.plain_form import base64_text, plain_value
 
 # The limit in one response; a large robot has a few thousand parameters.
 MAX_PARAMETERS = 20_000
@@ -186,7 +186,7 @@ def describe(name: str, value: ParamValue) -> dict[str, Any]:
     """Return a parameter for clients; an unset one has no value."""
     if value is None:
         return {"name": name}
-    described: dict[str, Any] = {"name": name, "value": _plain(value)}
+    described: dict[str, Any] = {"name": name, "value": plain_value(value, base64_text)}
     if isinstance(value, bytes):
         described["type"] = _BYTES
     elif isinstance(value, float) and math.isfinite(value):
@@ -242,17 +242,3 @@ def _native(name: str, value: Any, depth: int = 0) -> ParamValue:
     if isinstance(value, bool | int | float | str | bytes):
         return value
     raise ConfigError(f"parameter {name} cannot hold null inside of a value")
-
-
-def _plain(value: ParamValue) -> Any:
-    if isinstance(value, bytes):
-        return base64.b64encode(value).decode()
-    if isinstance(value, str):
-        return clean_text(value)
-    if isinstance(value, float) and not math.isfinite(value):
-        return "NaN" if math.isnan(value) else "Infinity" if value > 0 else "-Infinity"
-    if isinstance(value, Mapping):
-        return {clean_text(str(key)): _plain(each) for key, each in value.items()}
-    if isinstance(value, list):
-        return [_plain(each) for each in value]
-    return value

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import math
 from pathlib import Path
 
 import pytest
@@ -34,6 +35,11 @@ def test_set_and_delete(world: ZenohWorld, shell: Shell) -> None:
     assert shell.output("param", "set", "/far/board", "trim", "-5") == "Set parameter successful\n"
     assert shell.output("param", "get", "/far/board", "trim") == "Integer value is: -5\n"
     assert world.do(world.board.get_param("~trim")) == -5
+    world.do(world.board.set_param("~offset", math.nan))
+    assert shell("param", "get", "--json", "/far/board/offset").records == [
+        {"node": "/far/board", "name": "offset", "value": "NaN"}
+    ]
+    shell.output("param", "delete", "/far/board", "offset")
     assert shell.output("param", "delete", "/far/board", "trim") == "Deleted parameter successfully\n"
     assert not world.do(world.board.has_param("~trim"))
     assert shell.output("param", "set", "/far/board", "a", "1", "b", "two") == (
