@@ -9,7 +9,7 @@ from pathlib import Path
 
 
 def install_command(extra: str) -> str:
-    """Return the command that adds an extra to the environment that runs.
+    """Return the command that adds an extra to the current environment.
 
     A bare `pip` belongs to another environment if pipx installed rostether, or if no environment is active.
     """

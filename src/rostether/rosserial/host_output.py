@@ -108,7 +108,7 @@ class HostOutput:
         self._queue_frame(ids.TX_STOP, b"")
 
     def call_started(self) -> None:
-        """Hold back what ends the device's wait for a service response."""
+        """Hold back frames that would end the device's wait for a service response."""
         self._gate.call_started()
 
     def call_finished(self, now_s: float) -> None:

@@ -105,7 +105,7 @@ class RecentLines:
             self.lines.append(f"{node}: {text}" if node else text)
 
     def warning(self, level: Level, text: str) -> None:
-        """Keep a line only from WARN upwards: the screen shows the information in other lines elsewhere."""
+        """Keep a line only from WARN upwards: the screen shows the content of INFO lines elsewhere."""
         if level >= Level.WARN:
             self.line(level, text)
 

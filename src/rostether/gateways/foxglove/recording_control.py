@@ -44,7 +44,7 @@ class RecordingControl(Protocol):
 
 
 class RecordingReports:
-    """Reports the recordings to the clients that requested them, at changes and while one runs."""
+    """Reports the recordings to the clients that requested them, when they change and while one runs."""
 
     def __init__(self, control: RecordingControl) -> None:
         self.control = control

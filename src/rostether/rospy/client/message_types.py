@@ -47,9 +47,8 @@ class FacadeClasses(MessageClasses):
 
     def _zero(self, node: Node) -> Any:
         if isinstance(node, Stamp):
-            return (
-                self.time if node.name == "time" else self.duration
-            )  # mutable, so each message gets its own
+            # Stamps are mutable, so each message gets its own.
+            return self.time if node.name == "time" else self.duration
         return super()._zero(node)
 
     def _make(self, tree: Struct) -> type[SerdeMessage]:
