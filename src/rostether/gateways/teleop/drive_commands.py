@@ -40,7 +40,7 @@ class DriveLimits(Struct, frozen=True):
         }
         return cls(**known)
 
-    def most(self, kind: str) -> tuple[float, float]:
+    def limits_of(self, kind: str) -> tuple[float, float]:
         """Return the limits of a kind of value: its maximum, and its maximum change per second."""
         return getattr(self, f"max_{kind}"), getattr(self, f"max_{kind}_acceleration")
 
@@ -84,7 +84,7 @@ class DriveCommands:
             raise SerializationError("a command must hold numbers, not NaN or infinity")
         step_s = min(max(now_s - self._published_s, 0.0), _MAX_STEP_S)
         for index, (kind, paths) in enumerate(self._vectors):
-            most, acceleration = self.limits.most(kind)
+            most, acceleration = self.limits.limits_of(kind)
             length = math.hypot(*wanted[index])
             scale = most / length if length > most else 1.0
             before = self._published[index]
