@@ -68,7 +68,7 @@ class UnreadBytes:
         self.forget()
 
     def forget(self) -> None:
-        """Forget the board: another one may come."""
+        """Forget the board: another one may be connected."""
         self.version = None
         self._reads_all = False
         self._answers = 0
