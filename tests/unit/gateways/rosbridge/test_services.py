@@ -36,7 +36,7 @@ async def test_services_are_called_by_fields_by_order_and_by_a_single_value(ther
         mistakes: list[tuple[Any, str]] = [
             ({"date": True}, "std_srvs/SetBoolRequest has no field date; it has data"),
             ({"data": "yes"}, "std_srvs/SetBoolRequest needs a bool for field data, got 'yes'"),
-            ([True, 1], "call_service: std_srvs/SetBoolRequest has 1 field, args 2 values"),
+            ([True, 1], "call_service: std_srvs/SetBoolRequest has 1 field, but args has 2 values"),
         ]
         for args, reason in mistakes:
             await client.say("call_service", service="/enable", args=args)
