@@ -27,6 +27,22 @@ class _Named(Struct, frozen=True, kw_only=True):
         return False
 
 
+class _Endpoint(_Named, frozen=True):
+    host: str
+    port: int
+    connect: bool = False
+
+    @property
+    def listens(self) -> bool:
+        return not self.connect
+
+
+class _Shared(_Named, frozen=True):
+    @property
+    def listens(self) -> bool:
+        return True
+
+
 class ProgramSize(Struct, frozen=True):
     """The memory use of a board's program; a limit is 0 if it is unknown."""
 
@@ -71,41 +87,25 @@ class SerialAddress(_Named, frozen=True):
         return self.path
 
 
-class TcpAddress(_Named, frozen=True):
+class TcpAddress(_Endpoint, frozen=True):
     """A TCP port to listen on, or with `connect` one to connect to; `allow` are networks, empty is all.
 
     `psk` is the file of a key that the peer must have; with `tls`, the link is encrypted.
     """
 
-    host: str
-    port: int
-    connect: bool = False
     allow: tuple[str, ...] = ()
     psk: str | None = None
     tls: TlsFiles | None = None
-
-    @property
-    def listens(self) -> bool:
-        """Whether one address accepts many devices (see `opening.listen`)."""
-        return not self.connect
 
     def __str__(self) -> str:
         return f"{'tcp' if self.tls is None else 'tls'}://{show_endpoint(self.host, self.port)}"
 
 
-class UdpAddress(_Named, frozen=True):
+class UdpAddress(_Endpoint, frozen=True):
     """A UDP port to listen on, or with `connect` one peer; `bind` is then the local port, 0 means any."""
 
-    host: str
-    port: int
-    connect: bool = False
     bind: int = 0
     allow: tuple[str, ...] = ()
-
-    @property
-    def listens(self) -> bool:
-        """Whether one address accepts many devices (see `opening.listen`)."""
-        return not self.connect
 
     def __str__(self) -> str:
         return f"udp://{show_endpoint(self.host, self.port)}"
@@ -120,17 +120,12 @@ class PtyAddress(_Named, frozen=True):
         return f"pty:{self.link}"
 
 
-class XbeeAddress(_Named, frozen=True):
+class XbeeAddress(_Shared, frozen=True):
     """An XBee radio's serial port; `peers` are 16-bit or 64-bit addresses served before they send."""
 
     path: str
     baud: int = DEFAULT_BAUD
     peers: tuple[int, ...] = ()
-
-    @property
-    def listens(self) -> bool:
-        """Whether one address accepts many devices (see `opening.listen`)."""
-        return True
 
     def __str__(self) -> str:
         return f"xbee:{self.path}"
@@ -149,15 +144,10 @@ class SimAddress(_Named, frozen=True):
         return f"sim:{self.program}"
 
 
-class WebAddress(_Named, frozen=True):
+class WebAddress(_Shared, frozen=True):
     """The serial ports of devices that show the dashboard; `baud` is the baud rate of one board."""
 
     baud: int = DEFAULT_BAUD
-
-    @property
-    def listens(self) -> bool:
-        """Whether one address accepts many devices (see `opening.listen`)."""
-        return True
 
     def __str__(self) -> str:
         return "web:"

@@ -30,6 +30,7 @@ SECTION_MARK = "---"
 REQUEST_SUFFIX = "_Request"
 RESPONSE_SUFFIX = "_Response"
 
+# The names of packages and fields.
 _LOWER_NAME = re.compile(r"(?!.*__)(?!.*_$)[a-z][a-z0-9_]*")
 _TYPE_NAME = re.compile(r"[A-Z][A-Za-z0-9]*")
 # Equivalent to rosidl's [A-Z]([A-Z0-9_]?[A-Z0-9]+)*, but in linear time.
@@ -41,19 +42,9 @@ _MAX_COUNT_DIGITS = 19
 _ROS1_TYPES = {"time": "builtin_interfaces/Time", "duration": "builtin_interfaces/Duration"}
 
 
-def is_package_name(name: str) -> bool:
-    """Return whether a ROS 2 package may have this name; fields follow the same rule."""
-    return _LOWER_NAME.fullmatch(name) is not None
-
-
 def is_field_name(name: str) -> bool:
     """Return whether a field may have this name."""
     return _LOWER_NAME.fullmatch(name) is not None
-
-
-def is_type_name(name: str) -> bool:
-    """Return whether a message or service may have this name, without its package."""
-    return _TYPE_NAME.fullmatch(name) is not None
 
 
 def is_constant_name(name: str) -> bool:
@@ -199,11 +190,11 @@ def _full_name(line: SourceLine, text: str, package: str) -> str:
     if text in _ROS1_TYPES:
         line.fail(f"{text!r} is a type of ROS 1; ROS 2 has {_ROS1_TYPES[text]}", text)
     owner, slash, name = text.rpartition("/")
-    if slash and not is_package_name(owner):
+    if slash and not _LOWER_NAME.fullmatch(owner):
         line.fail(
             f"{quote(text)} is not 'package/Name'; packages are lowercase letters, digits, single '_'", text
         )
-    if not is_type_name(name):
+    if not _TYPE_NAME.fullmatch(name):
         line.fail(
             f"{quote(name)} is not a built-in type or a message name (an uppercase letter, then letters"
             " and digits)",
