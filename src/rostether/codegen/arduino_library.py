@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterable, Mapping
 from pathlib import Path
+from typing import Concatenate, ParamSpec
 
 from msgspec import Struct
 
@@ -23,6 +24,8 @@ from rostether.errors import CodegenError
 from rostether.msgdef.registry import Registry
 
 LIBRARY_NAME = "ros_lib"
+
+_P = ParamSpec("_P")
 _KEYWORDS_FILE = "keywords.txt"
 # The examples use messages of many packages.
 _ONLY_WITH_ALL_TYPES = ("examples/", "extras/")
@@ -49,36 +52,23 @@ class WrittenLibrary(Struct, frozen=True):
     library: RenderedLibrary
 
 
-def write_library(
-    directory: Path,
-    registry: Registry,
-    *,
-    for_sketch: Path | None = None,
-    packages: Collection[str] | None = None,
-    search: Iterable[Path] = (),
-) -> WrittenLibrary:
-    """Write the library to `directory`/ros_lib, replacing an older generated one as a whole.
+def writer_of(render: Callable[_P, RenderedLibrary]) -> Callable[Concatenate[Path, _P], WrittenLibrary]:
+    """Return a function that writes what `render` returns to DIR/ros_lib, replacing an older one as a whole.
 
-    Takes the arguments and raises the errors of `render_library`; also raises CodegenError if the path is in
-    use or cannot be written.
+    It takes DIR and the arguments of `render`. Raises CodegenError if the path is in use or cannot be
+    written, and the errors of `render`.
     """
-    return write_rendered(
-        directory, lambda: render_library(registry, for_sketch=for_sketch, packages=packages, search=search)
-    )
 
+    def write(directory: Path, /, *arguments: _P.args, **options: _P.kwargs) -> WrittenLibrary:
+        directory = directory.expanduser()
+        check_parent(directory, LIBRARY_NAME)
+        rendered = render(*arguments, **options)
+        target = directory / LIBRARY_NAME
+        if target.resolve() == client_library().resolve():
+            raise CodegenError(f"{target} is the hand-written library itself; give another folder")
+        return WrittenLibrary(target, write_library_folder(target, rendered.files), rendered)
 
-def write_rendered(directory: Path, render: Callable[[], RenderedLibrary]) -> WrittenLibrary:
-    """Write a library to `directory`/ros_lib, replacing an older generated one as a whole.
-
-    Raises CodegenError if the path is in use or cannot be written, and the errors of `render`.
-    """
-    directory = directory.expanduser()
-    check_parent(directory, LIBRARY_NAME)
-    rendered = render()
-    target = directory / LIBRARY_NAME
-    if target.resolve() == client_library().resolve():
-        raise CodegenError(f"{target} is the hand-written library itself; give another folder")
-    return WrittenLibrary(target, write_library_folder(target, rendered.files), rendered)
+    return write
 
 
 def render_library(
@@ -118,6 +108,9 @@ def render_library(
         (*wanted.missing, *headers.skipped),
         (*wanted.doubtful, *headers.warnings),
     )
+
+
+write_library = writer_of(render_library)
 
 
 def _selected(

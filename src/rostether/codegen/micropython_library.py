@@ -13,7 +13,7 @@ import ast
 from collections.abc import Collection, Iterator
 from pathlib import Path
 
-from rostether.codegen.arduino_library import RenderedLibrary, WrittenLibrary, write_rendered
+from rostether.codegen.arduino_library import RenderedLibrary, writer_of
 from rostether.codegen.library_source import MICROPYTHON_FOLDER, client_library, library_files
 from rostether.codegen.python_message import message_module, service_module
 from rostether.codegen.python_names import MODULES, class_name, package_name
@@ -37,24 +37,6 @@ def __getattr__(name):
         raise AttributeError(name)
     return getattr(__import__(__name__ + "._" + name, None, None, (name,)), name)
 '''
-
-
-def write_micropython_library(
-    directory: Path,
-    registry: Registry,
-    *,
-    for_program: Path | None = None,
-    packages: Collection[str] | None = None,
-) -> WrittenLibrary:
-    """Write the library to `directory`/ros_lib, replacing an older generated one as a whole.
-
-    Takes the arguments and raises the errors of `render_micropython_library`; also raises CodegenError if the
-    path is in use or cannot be written.
-    """
-    return write_rendered(
-        directory,
-        lambda: render_micropython_library(registry, for_program=for_program, packages=packages),
-    )
 
 
 def render_micropython_library(
@@ -92,6 +74,9 @@ def render_micropython_library(
             files[f"{package}/__init__.py"] = _PACKAGE.encode()
             files[f"{package.partition('/')[0]}/__init__.py"] = b""
     return RenderedLibrary(dict(sorted(files.items())), tuple(types), tuple(skipped), ())
+
+
+write_micropython_library = writer_of(render_micropython_library)
 
 
 def _wanted(index: TypeIndex, program: Path | None, packages: Collection[str] | None) -> WantedTypes:
