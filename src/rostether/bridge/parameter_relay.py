@@ -5,8 +5,8 @@ from __future__ import annotations
 import asyncio
 import math
 from collections import deque
-from collections.abc import Callable, Sequence
-from typing import NamedTuple, Protocol
+from collections.abc import Callable
+from typing import NamedTuple
 
 from rostether.bridge.endpoint.access import check_parameter
 from rostether.bridge.reporter import Notices, reason_of
@@ -20,6 +20,7 @@ from rostether.errors import (
 )
 from rostether.graph.ports import Graph, Level, ParamValue
 from rostether.ports.settings import ANY_ACCESS, Access
+from rostether.rosserial.host_link import HostLink
 
 # A board waits for each answer before its next request; more than a few waiting requests are damage.
 MAX_WAITING = 16
@@ -28,15 +29,6 @@ RETRY_S = 0.1
 
 _FLOAT32_MAX = 3.4028234663852886e38
 _INT32_MIN, _INT32_MAX = -(2**31), 2**31 - 1
-
-
-class ParameterAnswerer(Protocol):
-    """The answering function of a link."""
-
-    def answer_parameter(
-        self, ints: Sequence[int] = (), floats: Sequence[float] = (), strings: Sequence[str] = ()
-    ) -> None:
-        """Answer the board. Raises LocalProtocolError if the answer does not fit the board's buffer."""
 
 
 class Answer(NamedTuple):
@@ -66,7 +58,7 @@ class ParameterRelay:
 
     def __init__(
         self,
-        link: ParameterAnswerer,
+        link: HostLink,
         graph: Graph,
         notices: Notices,
         settings: BridgeSettings,

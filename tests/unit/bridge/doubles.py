@@ -11,6 +11,7 @@ from rostether.bridge.outbound.topic_queue import TopicQueue
 from rostether.bridge.settings import DEFAULT_SETTINGS, BridgeSettings
 from rostether.errors import LocalProtocolError
 from rostether.graph.ports import Level
+from rostether.rosserial.host_link import HostLink
 from rostether.rosserial.unread_bytes import UnreadBytes
 from rostether.transports.board_keys import NO_PROOF
 from rostether.transports.transport import Receiver
@@ -193,7 +194,7 @@ class FakeLine:
         self.dropped: list[tuple[str, int]] = []
         self.outbox = Outbox(
             self.transport,
-            self.link,
+            cast(HostLink, self.link),
             asyncio.get_running_loop(),
             on_dropped=self._note_dropped,
             settings=settings,

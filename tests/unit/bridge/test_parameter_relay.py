@@ -10,6 +10,7 @@ from rostether.bridge.parameter_relay import MAX_WAITING, Answer, ParameterRelay
 from rostether.bridge.settings import BridgeSettings
 from rostether.errors import LocalProtocolError, MasterUnreachableError
 from rostether.graph.ports import Graph, ParamValue
+from rostether.rosserial.host_link import HostLink
 from unit.bridge.nodes import World
 from waiting import until
 
@@ -52,7 +53,7 @@ class BrokenGraph:
 
 def relay(world: World, answers: Answers, graph: object = None, timeout_s: float = 0.8) -> ParameterRelay:
     return ParameterRelay(
-        answers,
+        cast(HostLink, answers),
         cast(Graph, graph) if graph is not None else world.board,
         world.notices,
         BridgeSettings(parameter_timeout_s=timeout_s),

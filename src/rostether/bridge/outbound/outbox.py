@@ -7,16 +7,15 @@ the oldest messages of the topic are dropped. Control traffic and responses neve
 
 from __future__ import annotations
 
-from asyncio import TimerHandle
+from asyncio import AbstractEventLoop, TimerHandle
 from collections import deque
 from collections.abc import Callable, Sequence
-from typing import Protocol
 
-from rostether.bridge.outbound.frame_source import FrameSource
 from rostether.bridge.outbound.line_pacer import LinePacer
 from rostether.bridge.outbound.topic_queue import FRAME_OVERHEAD_BYTES, TopicQueue
 from rostether.bridge.settings import BridgeSettings
 from rostether.errors import LocalProtocolError
+from rostether.rosserial.host_link import HostLink
 from rostether.transports.transport import Transport
 
 # On a line with a baud rate, a command older than this is dropped rather than sent late.
@@ -36,19 +35,6 @@ EAGER_MESSAGES = 16
 STALL_CHECK_S = 0.1
 
 
-class Scheduler(Protocol):
-    """The functions of an event loop that the outbox needs."""
-
-    def time(self) -> float:
-        """Return the loop's clock in seconds."""
-
-    def call_soon(self, callback: Callable[[], object]) -> object:
-        """Call in the next turn."""
-
-    def call_later(self, delay: float, callback: Callable[[], object]) -> TimerHandle:
-        """Call after a delay in seconds."""
-
-
 class Outbox:
     """Queues everything that one session writes.
 
@@ -58,8 +44,8 @@ class Outbox:
     def __init__(
         self,
         transport: Transport,
-        link: FrameSource,
-        loop: Scheduler,
+        link: HostLink,
+        loop: AbstractEventLoop,
         *,
         on_dropped: Callable[[TopicQueue, int], None],
         settings: BridgeSettings,

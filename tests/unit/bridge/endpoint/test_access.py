@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import cast
+
 import pytest
 
 from rostether.bridge.endpoint.access import check_endpoint, check_parameter
@@ -13,6 +15,7 @@ from rostether.errors import AccessDeniedError
 from rostether.ports.devices_toml import parse_devices_toml
 from rostether.ports.settings import ANY_ACCESS, Access, DeviceSettings, NameRule
 from rostether.rosserial.events import ServiceRole, TopicRole
+from rostether.rosserial.host_link import HostLink
 from unit.bridge.doubles import FakeLine
 from unit.bridge.nodes import STORE, World, publisher, service, subscriber
 from unit.bridge.test_parameter_relay import Answers
@@ -77,7 +80,9 @@ async def test_a_denied_parameter_is_answered_with_nothing() -> None:
     await world.board.set_param("/secret", 7)
     await world.board.set_param("/gains/p", 3)
     answers = Answers()
-    relay = ParameterRelay(answers, world.board, world.notices, DEFAULT_SETTINGS, answers.send, LIMITED)
+    relay = ParameterRelay(
+        cast(HostLink, answers), world.board, world.notices, DEFAULT_SETTINGS, answers.send, LIMITED
+    )
     for name in ("/secret", "secret", "/gains/p", "~gains//p"):
         relay.ask(name)
     await until(lambda: len(answers.given) == 4, "the answers")

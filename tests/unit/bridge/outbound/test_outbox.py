@@ -1,6 +1,8 @@
 from __future__ import annotations
 
 import re
+from asyncio import AbstractEventLoop
+from typing import cast
 
 import pytest
 
@@ -8,6 +10,7 @@ from rostether.bridge.outbound.outbox import MIN_QUEUE_BYTES, Outbox
 from rostether.bridge.outbound.topic_queue import TopicQueue
 from rostether.bridge.settings import DEFAULT_SETTINGS, BridgeSettings
 from rostether.errors import LocalProtocolError
+from rostether.rosserial.host_link import HostLink
 from unit.bridge.doubles import FakeLink, FakeSerialPort, FakeSource, FakeTransport, ManualLoop
 
 
@@ -25,8 +28,8 @@ class Bench:
         self.dropped: list[tuple[str, int]] = []
         self.outbox = Outbox(
             self.transport,
-            self.link,
-            self.loop,
+            cast(HostLink, self.link),
+            cast(AbstractEventLoop, self.loop),
             on_dropped=lambda lane, count: self.dropped.append((lane.topic, count)),
             settings=BridgeSettings(stall_s=1.0),
             baud=baud,
