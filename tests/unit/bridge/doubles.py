@@ -170,6 +170,9 @@ class FakeLink:
 class FakeSource:
     """A subscription that notes whether it was told to wait."""
 
+    topic = "/chatter"
+    publisher_count = 1
+
     def __init__(self) -> None:
         self.is_paused = False
 
@@ -177,6 +180,9 @@ class FakeSource:
         self.is_paused = True
 
     def resume(self) -> None:
+        self.is_paused = False
+
+    async def close(self) -> None:
         self.is_paused = False
 
 

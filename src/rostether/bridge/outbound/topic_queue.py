@@ -3,20 +3,11 @@
 from __future__ import annotations
 
 from collections import deque
-from typing import Protocol
+
+from rostether.graph.ports import Subscriber
 
 # The overhead of a message besides its payload, so that the limit also applies to empty messages.
 FRAME_OVERHEAD_BYTES = 8
-
-
-class PausableSource(Protocol):
-    """The source of a queue's messages: a graph subscription."""
-
-    def pause(self) -> None:
-        """Deliver nothing until `resume`."""
-
-    def resume(self) -> None:
-        """Deliver again."""
 
 
 class TopicQueue:
@@ -40,7 +31,7 @@ class TopicQueue:
         self.payloads: deque[bytes] = deque()
         self.queued_bytes = 0
         self.dropped_count = 0
-        self._source: PausableSource | None = None
+        self._source: Subscriber | None = None
         self.is_source_paused = False
 
     @property
@@ -48,7 +39,7 @@ class TopicQueue:
         """Whether there is a publisher to pause."""
         return self._source is not None
 
-    def set_source(self, source: PausableSource | None) -> None:
+    def set_source(self, source: Subscriber | None) -> None:
         """Set the source of the queue; the previous source is resumed."""
         self.resume_source()
         self._source = source
