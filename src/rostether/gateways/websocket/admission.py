@@ -13,8 +13,8 @@ from http import HTTPStatus
 from urllib.parse import SplitResult, parse_qs, urlsplit
 
 from msgspec import Struct, field
+from websockets.datastructures import Headers
 
-from rostether.gateways.websocket.site import RequestHeaders
 from rostether.transports.own_names import OwnNames
 
 ANY_PAGE = "*"
@@ -102,7 +102,7 @@ class Token(Struct, frozen=True):
         return is_same_secret(given, self.secret)
 
 
-def single_header(headers: RequestHeaders, name: str) -> str | None:
+def single_header(headers: Headers, name: str) -> str | None:
     """Return the value of a header, None if it is missing.
 
     The value of a repeated header is "null", which is neither the Origin of a page nor a valid token.
@@ -118,7 +118,7 @@ def foreign_host(host: str) -> str:
     return f"{host!r:.200} is not a name of this machine; use its address, set ROS_HOSTNAME, or use a --token"
 
 
-def _is_presented(token: Token, path: str, headers: RequestHeaders) -> bool:
+def _is_presented(token: Token, path: str, headers: Headers) -> bool:
     authorization = single_header(headers, "Authorization") or ""
     return token.is_required and token.is_presented_in(path, authorization)
 
@@ -158,22 +158,22 @@ class Admission:
         self._path = path.strip("/")
         self._wants_token_first = wants_token_first
 
-    def has_token(self, path: str, headers: RequestHeaders) -> bool:
+    def has_token(self, path: str, headers: Headers) -> bool:
         """Return whether a request has the token; False if the server has none."""
         return _is_presented(self.token, path, headers)
 
-    def rights(self, path: str, headers: RequestHeaders) -> Rights:
+    def rights(self, path: str, headers: Headers) -> Rights:
         """Return the rights of a client whose request is not refused."""
         return Rights.FULL if not self.token.is_required or self.has_token(path, headers) else Rights.VIEW
 
-    def _has_view_token(self, path: str, headers: RequestHeaders) -> bool:
+    def _has_view_token(self, path: str, headers: Headers) -> bool:
         return self.token.is_required and _is_presented(self._view_token, path, headers)
 
-    def refusal(self, path: str, headers: RequestHeaders) -> tuple[HTTPStatus, str] | None:
+    def refusal(self, path: str, headers: Headers) -> tuple[HTTPStatus, str] | None:
         """Return why a WebSocket is refused, None if it is admitted."""
         return self._refusal(path, headers, self._pages)
 
-    def own_refusal(self, path: str, headers: RequestHeaders) -> tuple[HTTPStatus, str] | None:
+    def own_refusal(self, path: str, headers: Headers) -> tuple[HTTPStatus, str] | None:
         """Return why a WebSocket is refused, if it requires the full token and excludes a viewer's pages."""
         if (refused := self._refusal(path, headers, self._own_pages)) is not None:
             return refused
@@ -181,7 +181,7 @@ class Admission:
             return HTTPStatus.FORBIDDEN, "this requires the full token, not the view token"
         return None
 
-    def _refusal(self, path: str, headers: RequestHeaders, pages: PageRule) -> tuple[HTTPStatus, str] | None:
+    def _refusal(self, path: str, headers: Headers, pages: PageRule) -> tuple[HTTPStatus, str] | None:
         origin, host = single_header(headers, "Origin"), single_header(headers, "Host") or ""
         has_token = self.has_token(path, headers) or self._has_view_token(path, headers)
         if not pages.admits(origin, host) and not (has_token and is_of_program(origin)):
@@ -196,7 +196,7 @@ class Admission:
             return HTTPStatus.NOT_FOUND, f"nothing is served at {path!r:.200}"
         return None
 
-    def page_refusal(self, headers: RequestHeaders) -> str | None:
+    def page_refusal(self, headers: Headers) -> str | None:
         """Return why a plain request for a file is refused, None if it is admitted.
 
         Files are not secret, so they need no token: the page sends it when it connects.
@@ -204,7 +204,7 @@ class Admission:
         host = single_header(headers, "Host") or ""
         return None if self._pages.admits_host(host) else foreign_host(host)
 
-    def download_refusal(self, path: str, headers: RequestHeaders) -> str | None:
+    def download_refusal(self, path: str, headers: Headers) -> str | None:
         """Return why a request for a recording is refused, None if it is admitted.
 
         Unlike the page, recordings need the token if one is set, and pages of other sites are refused.

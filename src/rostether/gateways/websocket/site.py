@@ -19,6 +19,7 @@ from typing import BinaryIO, Protocol
 from urllib.parse import quote, unquote
 
 from msgspec import Struct
+from websockets.datastructures import Headers
 
 from rostether.errors import ConfigError
 
@@ -59,13 +60,6 @@ _TYPES = {
     ".wasm": "application/wasm",
     ".woff2": "font/woff2",
 }
-
-
-class RequestHeaders(Protocol):
-    """The read access to a request's headers."""
-
-    def get_all(self, key: str, /) -> list[str]:
-        """Return all values of a header."""
 
 
 class Reply(Struct, frozen=True):
@@ -185,7 +179,7 @@ class Site:
         headers = (*_ALWAYS, ("Content-Type", self._tiles.content_type))
         return Reply(HTTPStatus.OK, headers, b"", len(tile)), io.BytesIO(tile)
 
-    def reply(self, method: str, path: str, headers: RequestHeaders) -> Reply:
+    def reply(self, method: str, path: str, headers: Headers) -> Reply:
         """Return the response to a plain request."""
         if method not in ("GET", "HEAD"):
             return refusal(
