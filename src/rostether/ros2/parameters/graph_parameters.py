@@ -4,30 +4,14 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Callable, Iterable, Mapping
-from typing import Protocol
 
 from rostether.errors import GraphError, SerializationError, UnknownNameError
 from rostether.graph.ports import Graph, ParamValue
 from rostether.ros2.parameters.client import LIST_SERVICE, ParameterClient
 from rostether.ros2.parameters.parameter_name import ParameterPath, full_name, locate, name_parts
+from rostether.ros2.parameters.store import OwnParameters
 from rostether.ros2.parameters.typed_value import NOT_SET, TypedValue, flatten
-from rostether.ros2.parameters.watches import ParameterWatch, ParameterWatches, ReportingParameters
-
-
-class OwnParameters(ReportingParameters, Protocol):
-    """The parameters of our own node; `store.ParameterStore` is one."""
-
-    def get(self, name: str) -> TypedValue:
-        """Return a value, or `NOT_SET`."""
-
-    def names(self) -> list[str]:
-        """Return the names of all parameters that are set."""
-
-    def declare(self, name: str) -> None:
-        """Declare a parameter that is requested but not set."""
-
-    def apply(self, values: Mapping[str, TypedValue]) -> None:
-        """Set all the values, or none; `NOT_SET` deletes. Raises GraphError with the reason."""
+from rostether.ros2.parameters.watches import ParameterWatch, ParameterWatches
 
 
 class GraphParameters:

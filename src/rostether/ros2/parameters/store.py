@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from typing import TypeAlias
+from typing import Protocol, TypeAlias
 
 from msgspec import Struct, field
 
@@ -41,6 +41,28 @@ class Changes(Struct, frozen=True):
 
 
 OnChanges: TypeAlias = Callable[[Changes], None]
+
+
+class OwnParameters(Protocol):
+    """The parameters of our own node; `ParameterStore` is one."""
+
+    def get(self, name: str) -> TypedValue:
+        """Return a value, or `NOT_SET`."""
+
+    def names(self) -> list[str]:
+        """Return the names of all parameters that are set."""
+
+    def declare(self, name: str) -> None:
+        """Declare a parameter that is requested but not set."""
+
+    def apply(self, values: Mapping[str, TypedValue]) -> None:
+        """Set all the values, or none; `NOT_SET` deletes. Raises GraphError with the reason."""
+
+    def listen(self, on_changes: OnChanges) -> None:
+        """Call back after each change, until `unlisten`."""
+
+    def unlisten(self, on_changes: OnChanges) -> None:
+        """Stop calling back."""
 
 
 class ParameterStore:

@@ -5,24 +5,13 @@ from __future__ import annotations
 import asyncio
 import contextlib
 from collections.abc import Awaitable, Callable, Sequence
-from typing import Protocol
 
 from rostether.errors import GraphError, SerializationError
 from rostether.graph.callbacks import call_safely
 from rostether.graph.ports import Graph, ParamValue, Subscriber
 from rostether.ros2.parameters.services import PARAMETER_EVENTS
-from rostether.ros2.parameters.store import Changes, OnChanges
+from rostether.ros2.parameters.store import Changes, OwnParameters
 from rostether.ros2.rcl_interfaces import rcl_interfaces
-
-
-class ReportingParameters(Protocol):
-    """Parameters that report their changes."""
-
-    def listen(self, on_changes: OnChanges) -> None:
-        """Call back after each change, until `unlisten`."""
-
-    def unlisten(self, on_changes: OnChanges) -> None:
-        """Stop calling back."""
 
 
 class ParameterWatches:
@@ -30,7 +19,7 @@ class ParameterWatches:
 
     def __init__(
         self,
-        own: ReportingParameters,
+        own: OwnParameters,
         graph: Graph,
         fetch: Callable[[str], Awaitable[ParamValue]],
     ) -> None:

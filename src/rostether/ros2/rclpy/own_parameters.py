@@ -14,7 +14,7 @@ from rostether.ros2.rclpy.own_node import OwnNode
 
 
 class RclpyParameters:
-    """A `parameters.graph_parameters.OwnParameters`."""
+    """A `parameters.store.OwnParameters`."""
 
     def __init__(self, own: OwnNode) -> None:
         self._own = own
