@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Awaitable, Callable
-from typing import TYPE_CHECKING, Any, Protocol, TypeAlias
+from collections.abc import Callable
+from typing import TYPE_CHECKING, TypeAlias
 
 from msgspec import Struct, field
 
@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from rostether.gateways.rosbridge.message_forms import MessageForms
     from rostether.gateways.rosbridge.offered_services import OfferedServices
     from rostether.gateways.rosbridge.publication import Publication
+    from rostether.gateways.rosbridge.rosapi.rosapi import Rosapi
     from rostether.gateways.rosbridge.service_types import ServiceTypes
 
 # As in rosbridge, a topic stays advertised for this time after its client disconnects: pages are reloaded.
@@ -27,13 +28,6 @@ LINGER_S = 10.0
 MAX_LINGERING = 1000
 
 Report: TypeAlias = Callable[[Level, str], None]
-
-
-class LocalServices(Protocol):
-    """The services that the gateway itself answers, without the graph: those of rosapi."""
-
-    def find(self, service: str) -> Callable[[Any], Awaitable[dict[str, Any]]] | None:
-        """Return the handler of a service by its full name; it accepts and returns JSON values."""
 
 
 class GatewayContext(Struct, eq=False):
@@ -46,7 +40,7 @@ class GatewayContext(Struct, eq=False):
     forms: MessageForms
     service_types: ServiceTypes
     offered: OfferedServices
-    local_services: LocalServices | None
+    local_services: Rosapi | None
     report: Report
     _lingering: dict[Publication, asyncio.TimerHandle] = field(default_factory=dict)
     _ending: set[asyncio.Task[None]] = field(default_factory=set)

@@ -10,9 +10,10 @@ import asyncio
 import contextlib
 
 from rostether.errors import RostetherError
-from rostether.gateways.rosbridge.gateway_context import GatewayContext, LocalServices, Report
+from rostether.gateways.rosbridge.gateway_context import GatewayContext, Report
 from rostether.gateways.rosbridge.message_forms import MessageForms
 from rostether.gateways.rosbridge.offered_services import OfferedServices
+from rostether.gateways.rosbridge.rosapi.rosapi import Rosapi
 from rostether.gateways.rosbridge.service_types import AskServer, ServiceTypes
 from rostether.gateways.rosbridge.session import Session
 from rostether.gateways.rosbridge.settings import (
@@ -50,7 +51,7 @@ class RosbridgeServer:
         *,
         style: Style = Style.ROS1,
         ask_service_type: AskServer | None = None,
-        local_services: LocalServices | None = None,
+        local_services: Rosapi | None = None,
         report: Report = lambda level, text: None,
     ) -> None:
         settings = settings or RosbridgeSettings()
