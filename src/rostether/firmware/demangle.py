@@ -27,7 +27,7 @@ async def demangle(names: Iterable[str]) -> dict[str, str]:
 
 
 def shorten(name: str) -> str:
-    """Return a name without types of parameters and results, and without unnamed namespaces."""
+    """Return a name without parameter types, return type and unnamed namespaces."""
     name = name.replace("(anonymous namespace)::", "")
     depth = begin = 0
     for index, character in enumerate(name):
@@ -35,7 +35,7 @@ def shorten(name: str) -> str:
         if character == " " and depth == 0:
             begin = index + 1
         if character == "(" and depth == 0 and index and not name.endswith("operator"):
-            # Only the name of a template begins with the type of its result.
+            # Only the name of a template begins with its return type.
             name = name[begin if name[index - 1] == ">" else 0 : index] + "()"
             break
     for long, short in _ABBREVIATIONS:

@@ -187,7 +187,7 @@ class Graph(Protocol):
     ) -> Publisher:
         """Advertise a topic. `queue_bytes` limits the backlog of each slow subscriber (None: default).
 
-        A second handle on a topic of this node shares the first one's queues and subscribers; it raises
+        A second handle to a topic of this node shares the first one's queues and subscribers; it raises
         TypeMismatchError if its type is different.
         """
 

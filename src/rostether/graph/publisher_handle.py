@@ -1,4 +1,4 @@
-"""Handles on the publications of one node: several may share a topic, and the last one ends it."""
+"""Handles to the publications of one node: several may share a publication, which ends with the last one."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ PublicationT = TypeVar("PublicationT", bound=Publication)
 
 
 class PublisherHandle(Generic[PublicationT]):
-    """A `graph.ports.Publisher`: one handle on a publication; `on_last_close` runs with the last handle."""
+    """A `graph.ports.Publisher`: a handle to a publication; closing the last handle calls `on_last_close`."""
 
     def __init__(
         self, publication: PublicationT, on_last_close: Callable[[PublicationT], Awaitable[None]]
@@ -74,7 +74,7 @@ class PublisherHandle(Generic[PublicationT]):
         await self.publication.drained(timeout_s)
 
     async def close(self) -> None:
-        """Unadvertise, with the last handle. Idempotent."""
+        """Close the handle; the last one unadvertises the topic. Idempotent."""
         if not self._is_closed:
             self._is_closed = True
             self.publication.handle_count -= 1

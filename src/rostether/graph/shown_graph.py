@@ -11,7 +11,7 @@ from rostether.errors import UnknownNameError
 from rostether.graph.ports import ServiceEntry, Snapshot, TopicEntry
 from rostether.mechanisms.text import escape_line
 from rostether.msgdef.interface import ANY_TYPE
-from rostether.names.graph_name import in_namespace
+from rostether.names.graph_name import is_in_namespace
 
 if TYPE_CHECKING:
     from rostether.pictures.digraph import Digraph
@@ -44,7 +44,7 @@ def choose(snapshot: Snapshot, names: Iterable[str] = (), *, with_hidden: bool =
     wanted = ["/" + name.strip("/") for name in names]
     known = [*nodes, *(topic.name for topic in topics)]
     for name in wanted:
-        if not any(in_namespace(each, name) for each in known):
+        if not any(is_in_namespace(each, name) for each in known):
             raise UnknownNameError(
                 f"there is no node, topic or namespace {name}; `rostether graph` shows all"
             )
@@ -132,7 +132,7 @@ def _has_hidden_part(name: str) -> bool:
 
 
 def _is_in(name: str, namespaces: Iterable[str]) -> bool:
-    return any(in_namespace(name, each) for each in namespaces)
+    return any(is_in_namespace(name, each) for each in namespaces)
 
 
 def _ends(topic: TopicEntry) -> set[str]:

@@ -86,7 +86,7 @@ class Registry:
                     f"--msg-path {path}: no such folder; give a folder of packages or of .msg files"
                 )
         variables = os.environ if environ is None else environ
-        return cls(paths, package_path=package_path(variables), nearby=_packages_around)
+        return cls(paths, package_path=package_path(variables), nearby=_nearby_packages)
 
     def can_answer(self, query: Callable[[], object]) -> bool:
         """Return whether `query`, which calls methods of this registry, needs no search of folders.
@@ -167,7 +167,7 @@ class Registry:
 
     def packages(self) -> list[str]:
         """Return the names of all packages that have definitions, sorted."""
-        found = [*self._on_path().items(), *self._around().items()]
+        found = [*self._on_path().items(), *self._nearby_files().items()]
         names = {package for package, files in found if any(map(files.of, Kind))}
         names.update(name.partition("/")[0] for name in self._learned)
         if self._bundled:
@@ -266,7 +266,7 @@ class Registry:
             self._found = find_definitions(self._paths, self._package_path)
         return self._found
 
-    def _around(self) -> dict[str, PackageFiles]:
+    def _nearby_files(self) -> dict[str, PackageFiles]:
         if self._found_nearby is None:
             self._check_may_search()
             self._found_nearby = find_definitions((), self._nearby()) if self._nearby is not None else {}
@@ -276,7 +276,7 @@ class Registry:
         """Return the folder of the user's package with this name, which hides the bundled one, if any."""
         files = self._on_path().get(package)
         if files is None and package in ROBOTS_OWN_PACKAGES:
-            files = self._around().get(package)
+            files = self._nearby_files().get(package)
         return files.root if files is not None else None
 
     def _check_may_search(self) -> None:
@@ -293,19 +293,19 @@ class Registry:
             and self._replacement(package) is None
         ):
             return bundled
-        around = self._around().get(package)
-        return around.of(kind).get(short_name) if around is not None else None
+        nearby = self._nearby_files().get(package)
+        return nearby.of(kind).get(short_name) if nearby is not None else None
 
     def _names(self, kind: Kind, package: str) -> set[str]:
         names: set[str] = set()
-        for found in (self._on_path(), self._around()):
+        for found in (self._on_path(), self._nearby_files()):
             if package in found:
                 names.update(found[package].of(kind))
         is_replaced = not self._bundled or self._replacement(package) is not None
         return names if is_replaced else names | bundled_names(package, kind)
 
 
-def _packages_around() -> Iterable[Path]:
+def _nearby_packages() -> Iterable[Path]:
     try:
         return package_folders({}, Path.cwd()).values()
     except OSError:

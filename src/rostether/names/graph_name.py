@@ -114,6 +114,6 @@ def resolve_remappings(remappings: Mapping[str, str], *, namespace: str, node_na
     }
 
 
-def in_namespace(name: str, namespace: str) -> bool:
+def is_in_namespace(name: str, namespace: str) -> bool:
     """Return whether a full name is a namespace or in it."""
     return name == namespace or name.startswith(namespace.rstrip("/") + "/")

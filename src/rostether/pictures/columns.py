@@ -60,9 +60,9 @@ def _adjacency(keys: Sequence[str], edges: Sequence[Ends]) -> tuple[dict[str, li
 
 
 def _shortest_paths(keys: Sequence[str], edges: Sequence[Ends]) -> dict[str, int]:
-    """Return the number of edges from the nearest source to each vertex.
+    """Return the number of edges to each vertex from the nearest one without predecessors.
 
-    A cycle without a source starts at its first vertex.
+    A cycle without such a vertex starts at its first vertex.
     """
     following, entered = _adjacency(keys, edges)
     depths: dict[str, int] = {}
@@ -106,7 +106,7 @@ def _without_cycles(keys: Sequence[str], edges: Sequence[Ends]) -> list[Ends]:
 
 
 def _longest_paths(keys: Sequence[str], edges: Sequence[Ends]) -> dict[str, int]:
-    """Return each vertex's column: after its last source, or for a source just before its first target."""
+    """Return each vertex's column: after all its predecessors; without any, just before its first target."""
     following, waiting = _adjacency(keys, edges)
     sources = [key for key in keys if not waiting[key]]
     ready, column = list(sources), dict.fromkeys(keys, 0)

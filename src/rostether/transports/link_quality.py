@@ -6,10 +6,10 @@ from collections import deque
 
 from msgspec import Struct, field
 
-# How many of the last packets a finding counts: a few seconds of a busy link, and enough that one lost packet
-# has little weight.
+# The loss is measured over this many of the last packets: a few seconds of a busy link, and enough that one
+# lost packet has little weight.
 RECENT_PACKETS = 50
-# The packets that a finding needs if all were lost.
+# If all packets were lost, this many are enough.
 UNREACHED_PACKETS = 10
 
 

@@ -78,8 +78,11 @@ class EndpointFactory:
         """
         check_endpoint(self._access, event.role, self._graph.resolve(event.name))
         service_type = self._store.registry.service_type(event.type)
-        for half, ours in ((event.request, service_type.request), (event.response, service_type.response)):
-            self._check_md5sum(ours.name, half.md5sum, ours.md5sum)
+        for announced, known in (
+            (event.request, service_type.request),
+            (event.response, service_type.response),
+        ):
+            self._check_md5sum(known.name, announced.md5sum, known.md5sum)
         request_layout = self._store.layout(service_type.request.name)
         response_layout = self._store.layout(service_type.response.name)
         if event.role is ServiceRole.SERVER:
@@ -103,8 +106,8 @@ class EndpointFactory:
             self._settings,
         )
 
-    def _check_md5sum(self, type_name: str, announced: str, ours: str) -> None:
-        if announced == ours:
+    def _check_md5sum(self, type_name: str, announced: str, known: str) -> None:
+        if announced == known:
             return
         asked = (type_name, announced)
         if asked not in self._mismatches:

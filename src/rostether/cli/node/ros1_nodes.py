@@ -19,7 +19,7 @@ from rostether.cli.shell.running import run
 from rostether.errors import ConfigError, UnknownNameError
 from rostether.mechanisms.text import escape_line
 from rostether.msgdef.interface import ANY_TYPE
-from rostether.names.graph_name import in_namespace
+from rostether.names.graph_name import is_in_namespace
 from rostether.ros1.environment import RosEnvironment, parse_rpc_uri
 from rostether.ros1.machines import hosts_of_machine
 from rostether.ros1.node.node_calls import (
@@ -88,7 +88,7 @@ async def _list(
     listed = []
     async with master_client(environment) as client:
         for name in await node_names(client):
-            if in_namespace(name, prefix):
+            if is_in_namespace(name, prefix):
                 try:
                     listed.append((name, await client.lookup_node(name) if with_uris else ""))
                 except UnknownNameError:

@@ -12,7 +12,7 @@ from rostether.cli.node.nodes import NodeListing
 from rostether.cli.shell.output import write_json, write_line, write_result
 from rostether.errors import UnknownNameError
 from rostether.mechanisms.text import did_you_mean, escape_line
-from rostether.names.graph_name import in_namespace
+from rostether.names.graph_name import is_in_namespace
 from rostether.ros2.endpoint_info import EndpointKind
 from rostether.ros2.graph_view import GraphView, is_hidden, one_or_all
 
@@ -41,7 +41,7 @@ class Ros2Nodes:
         names = [
             name
             for name in sorted(view.nodes)
-            if (wanted.with_uris or not is_hidden(name)) and in_namespace(name, namespace)
+            if (wanted.with_uris or not is_hidden(name)) and is_in_namespace(name, namespace)
         ]
         if wanted.count_nodes:
             write_line(str(len(names)))

@@ -81,7 +81,7 @@ async def _plot_ros1(
 ) -> None:
     from rostether.cli.access.ros1_access import joined, read_environment
     from rostether.cli.topic.ros1_chosen_topic import resolve_with_field, wait_for_topic
-    from rostether.names.graph_name import in_namespace
+    from rostether.names.graph_name import is_in_namespace
     from rostether.serde.field_path import FieldPath
 
     environment = read_environment(graph_options)
@@ -90,7 +90,7 @@ async def _plot_ros1(
 
         async def follow(group: Sequence[str]) -> None:
             topic = (await wait_for_topic(group[0], graph, environment)).topic
-            here = [name for name in group if in_namespace(name, topic)]
+            here = [name for name in group if is_in_namespace(name, topic)]
             async with asyncio.TaskGroup() as tasks:
                 if others := [name for name in group if name not in here]:
                     tasks.create_task(follow(others))

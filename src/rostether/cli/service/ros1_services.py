@@ -19,7 +19,7 @@ from rostether.cli.shell.output import write_json, write_line, write_result
 from rostether.cli.shell.own_command import called_as
 from rostether.cli.shell.running import run
 from rostether.errors import ServiceUnavailableError, UnknownNameError
-from rostether.names.graph_name import in_namespace
+from rostether.names.graph_name import is_in_namespace
 from rostether.ros1.environment import RosEnvironment
 from rostether.ros1.node.master_client import MasterClient
 from rostether.ros1.node.service_probe import look_up, probe_type, probe_uri, provider
@@ -97,7 +97,7 @@ async def _services(environment: RosEnvironment, namespace: str | None) -> list[
     async with master_client(environment) as client:
         services = (await client.system_state())[2]
     return sorted(
-        (name, nodes) for name, nodes in services.items() if within == "/" or in_namespace(name, within)
+        (name, nodes) for name, nodes in services.items() if within == "/" or is_in_namespace(name, within)
     )
 
 

@@ -16,7 +16,7 @@ from rostether.cli.shell.output import write_json, write_line, write_result
 from rostether.cli.shell.running import run
 from rostether.errors import ServiceUnavailableError, UnknownNameError
 from rostether.mechanisms.text import did_you_mean, escape_line
-from rostether.names.graph_name import in_namespace
+from rostether.names.graph_name import is_in_namespace
 from rostether.ros2.endpoint_info import EndpointKind
 from rostether.ros2.graph_view import SERVICE_KINDS, GraphView, one_or_all
 from rostether.ros2.types.message_text import MessageText, TextStyle
@@ -41,7 +41,7 @@ class Ros2Services:
         names = view.services(with_hidden=wanted.with_hidden)
         if wanted.namespace is not None:
             namespace = f"/{wanted.namespace.strip('/')}"
-            names = [name for name in names if in_namespace(name, namespace)]
+            names = [name for name in names if is_in_namespace(name, namespace)]
         if wanted.count_services:
             write_line(str(len(names)))
             return

@@ -15,7 +15,7 @@ from rostether.cli.topic.options import TopicListing
 from rostether.cli.topic.ros1_chosen_topic import choose_topic, resolve_with_field
 from rostether.cli.topic.ros1_topic_views import TopicView, fetch_topics, node_uris, unknown_topic
 from rostether.mechanisms.text import counted, escape_line
-from rostether.names.graph_name import in_namespace
+from rostether.names.graph_name import is_in_namespace
 from rostether.ros1.environment import RosEnvironment, parse_rpc_uri
 
 
@@ -31,7 +31,7 @@ class Ros1TopicListing:
         environment = self._environment
         topics = run(fetch_topics(environment))
         if wanted.namespace is not None and (within := resolve(wanted.namespace, environment)) != "/":
-            topics = [topic for topic in topics if in_namespace(topic.name, within)]
+            topics = [topic for topic in topics if is_in_namespace(topic.name, within)]
         if wanted.publishers:
             topics = [topic for topic in topics if topic.publishers]
         if wanted.subscribers:

@@ -15,7 +15,7 @@ from rostether.cli.shell.output import write_json, write_line, write_result
 from rostether.cli.topic.options import TopicListing
 from rostether.errors import UnknownNameError
 from rostether.mechanisms.text import counted, did_you_mean, escape_line
-from rostether.names.graph_name import in_namespace, namespace_of
+from rostether.names.graph_name import is_in_namespace, namespace_of
 from rostether.ros2.endpoint_info import EndpointInfo, EndpointKind
 from rostether.ros2.graph_view import TOPIC_KINDS, GraphView
 from rostether.ros2.types.native_registry import short_name
@@ -38,7 +38,7 @@ class Ros2TopicListing:
         names = view.names(kinds, with_hidden=wanted.with_hidden)
         if wanted.namespace is not None:
             namespace = f"/{wanted.namespace.strip('/')}"
-            names = [name for name in names if in_namespace(name, namespace)]
+            names = [name for name in names if is_in_namespace(name, namespace)]
         if wanted.as_json:
             for name in names:
                 write_json(_record(view, name))

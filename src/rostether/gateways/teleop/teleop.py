@@ -235,7 +235,7 @@ async def _read_limits(graph: Graph) -> DriveLimits:
 
 
 class CommandLease:
-    """The lease of one command topic. Times are seconds of any clock that never jumps."""
+    """The lease of one command topic. Times are seconds of a monotonic clock."""
 
     def __init__(self) -> None:
         self.driver: Hashable | None = None

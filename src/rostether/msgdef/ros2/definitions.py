@@ -36,8 +36,8 @@ class Ros2Definitions:
     """Finds, parses and caches ROS 2 definitions; each is read on demand.
 
     `paths` are folders of packages or of plain definitions (--msg-path), where ROS 1 texts are ignored;
-    `package_path` are folders of packages (ROS_PACKAGE_PATH); `prefixes` are install prefixes as
-    AMENT_PREFIX_PATH names them. All override the bundled definitions of `distro`, in the order given: a
+    `package_path` are folders of packages (ROS_PACKAGE_PATH); `prefixes` are install prefixes, as
+    in AMENT_PREFIX_PATH. All override the bundled definitions of `distro`, in the order given: a
     package replaces the whole bundled one, a plain folder replaces single types. `last_prefixes` are
     searched last.
     """

@@ -77,7 +77,7 @@ class Channel(msgspec.Struct, frozen=True):
 
 
 class Chunk(msgspec.Struct, frozen=True):
-    """A chunk; `start` and `end` are the positions of its stored records in the file."""
+    """A chunk; `data_start` and `data_end` are the positions of its stored records in the file."""
 
     start_ns: int
     end_ns: int

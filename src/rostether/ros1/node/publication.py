@@ -123,7 +123,7 @@ class Publication:
 
 
 class Publisher(PublisherHandle[Publication]):
-    """A handle on a publication that also reports its connections."""
+    """A handle to a publication that also reports its connections."""
 
     @property
     def connections(self) -> list[SubscriberConnection]:

@@ -68,7 +68,7 @@ class Registrations:
         self._on_publishers = on_publishers
         self._register_more = register_more
         self._on_replaced = on_replaced
-        # The type's name of each registration, empty for a service: the master does not store it.
+        # The type name of each registration; empty for services, whose types the master does not store.
         self._wanted: dict[tuple[Kind, str], str] = {}
         # No longer wanted, but perhaps still in the master: a removal was cancelled, or is in progress.
         self._left_over: set[tuple[Kind, str]] = set()
@@ -81,7 +81,7 @@ class Registrations:
         self._watch = asyncio.ensure_future(self._watch_master(interval_s))
 
     async def add(self, kind: Kind, name: str, type_name: str = "") -> None:
-        """Register; an unreachable master gets it later. Raises GraphError if it refuses."""
+        """Register, later if the master is unreachable now. Raises GraphError if the master refuses."""
         self._wanted[kind, name] = type_name
         try:
             await self._settle(kind, name)
@@ -91,7 +91,7 @@ class Registrations:
                 _log.warning("%s: %s; will register when it is back", self._master.caller_id, error)
 
     async def remove(self, kind: Kind, name: str) -> None:
-        """Unregister. If this is cancelled, `close` does it."""
+        """Unregister. If cancelled, `close` unregisters instead."""
         if self._wanted.pop((kind, name), None) is not None:
             self._left_over.add((kind, name))
             await self._unregister(kind, name)

@@ -31,14 +31,14 @@ class GraphCache:
         self._listeners: dict[Place, list[Callable[[], None]]] = {}
         self._change_events: set[asyncio.Event] = set()
         self._snapshot: Snapshot | None = None
-        # The parts of the last snapshot that still hold: a fleet has thousands, and a change concerns few.
+        # The parts of the last snapshot that are still valid; a change affects few of thousands.
         self._node_names: Counter[str] = Counter()
         self._topic_entries: dict[str, TopicEntry] = {}
         self._service_entries: dict[str, ServiceEntry] = {}
         self._problem = ""
 
     def apply_tokens(self, news: Sequence[tuple[str, bool]]) -> None:
-        """Apply new (True) and removed tokens (key expressions)."""
+        """Apply changes: key expressions of tokens, each with True if the token is new, False if removed."""
         touched: dict[Place, None] = {}
         for text, is_there in news:
             token = self._add(text) if is_there else self._tokens.pop(text, None)

@@ -20,7 +20,7 @@ _E = TypeVar("_E")
 
 
 class SharedTopic(ABC, Generic[_E]):
-    """The state that all handles on one topic share; its endpoint exists once the node has joined."""
+    """The state that all handles to one topic share; its endpoint exists once the node has joined."""
 
     verb = ""
 
@@ -112,7 +112,7 @@ topics = Topics()
 
 
 class Topic(Generic[_S]):
-    """Base of the handles on a topic; `resolved_name` is its full name, `impl` their shared state."""
+    """Base of the handles to a topic; `resolved_name` is its full name, `impl` their shared state."""
 
     impl: _S | None
     _key: Hashable

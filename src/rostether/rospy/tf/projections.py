@@ -60,7 +60,8 @@ def projection_from_matrix(matrix: Any, pseudo: bool = False) -> tuple[Any, Any,
         return homogeneous(point), normal, direction, None, False
     size = np.linalg.norm(last)
     normal, linear, translation, w = -last / size, linear / size, translation / size, matrix[3, 3] / size
-    # linear = a - e n', translation = b e, w = eye n; with `pseudo`, e = eye + n.
+    # By `projection_matrix`, with n = normal and e = eye, or eye + n with `pseudo`: linear = scale I - e n',
+    # translation = (point n) e, w = eye n, and scale = w - point n.
     outer = np.outer(normal, normal)
     across = np.identity(3) - outer
     scale = float(np.trace(across @ linear @ across)) / 2.0

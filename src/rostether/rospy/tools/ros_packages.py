@@ -157,7 +157,7 @@ def find_resource(
     filter_fn: Callable[[str], object] | None = None,
     rospack: RosPack | None = None,
 ) -> list[str]:
-    """Return the files of a name in a package. Raises ResourceNotFound."""
+    """Return the files with this name in a package. Raises ResourceNotFound."""
     folder = Path((rospack or RosPack()).get_path(pkg))
     found = [
         str(each.path / resource_name)
@@ -168,7 +168,7 @@ def find_resource(
 
 
 def find_node(pkg: str, node_type: str, rospack: RosPack | None = None) -> list[str]:
-    """Return the programs of a name in a package. Raises ResourceNotFound."""
+    """Return the executable files with this name in a package. Raises ResourceNotFound."""
     return find_resource(pkg, node_type, lambda path: os.access(path, os.R_OK | os.X_OK), rospack)
 
 
@@ -184,22 +184,22 @@ def get_ros_package_path(env: dict[str, str] | None = None) -> str | None:
 
 
 def get_ros_root(env: dict[str, str] | None = None) -> str | None:
-    """Return ROS_ROOT, None where it is not set, as without ROS."""
+    """Return ROS_ROOT; None if it is not set."""
     return _variable("ROS_ROOT", env)
 
 
 def get_ros_home(env: dict[str, str] | None = None) -> str:
-    """Return the folder of logs and other files that programs leave."""
+    """Return the folder for logs and other files of programs."""
     return _variable("ROS_HOME", env) or str(Path("~").expanduser() / ".ros")
 
 
 def get_log_dir(env: dict[str, str] | None = None) -> str:
-    """Return the folder of logs."""
+    """Return the folder for logs."""
     return _variable("ROS_LOG_DIR", env) or str(Path(get_ros_home(env)) / "log")
 
 
 def get_test_results_dir(env: dict[str, str] | None = None) -> str:
-    """Return the folder of test results."""
+    """Return the folder for test results."""
     return _variable("ROS_TEST_RESULTS_DIR", env) or str(Path(get_ros_home(env)) / "test_results")
 
 

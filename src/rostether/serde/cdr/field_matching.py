@@ -118,13 +118,12 @@ class _FieldMatcher:
             )
 
     def _node(self, ros1: type_tree.Node, ros2: Ros2Type, path: str) -> Node:
-        if isinstance(ros1, type_tree.Array) != ros2.is_array:
-            self._refuse(f"'{path}' is {ros1.name} in ROS 1 and {ros2} in ROS 2")
         if not isinstance(ros1, type_tree.Array):
-            return self._element(ros1, ros2, path)
-        if ros1.length != ros2.length:
-            self._refuse(f"'{path}' is {ros1.name} in ROS 1 and {ros2} in ROS 2")
-        return Array(self._element(ros1.element, ros2, f"{path}[]"), ros1.length, ros2.bound)
+            if not ros2.is_array:
+                return self._element(ros1, ros2, path)
+        elif ros2.is_array and ros1.length == ros2.length:
+            return Array(self._element(ros1.element, ros2, f"{path}[]"), ros1.length, ros2.bound)
+        return self._refuse(f"'{path}' is {ros1.name} in ROS 1 and {ros2} in ROS 2")
 
     def _element(
         self,

@@ -55,10 +55,12 @@ class DriveBase(ServoBus):
     def imu_values(self) -> tuple[Vector, Vector, Vector]:
         """Return turn rate (rad/s), acceleration (m/s²) and magnetic field (T), in the robot's axes."""
         turn_rate, speed = self.turn_rate_rad_s, self.speed_m_s
-        rising = sum(motor.current_acceleration_rad_s2 for motor in self._motors()) / 2 * WHEEL_RADIUS_M
+        acceleration_m_s2 = (
+            sum(motor.current_acceleration_rad_s2 for motor in self._motors()) / 2 * WHEEL_RADIUS_M
+        )
         return (
             Vector(0.0, 0.0, turn_rate),
-            Vector(rising, speed * turn_rate, GRAVITY),
+            Vector(acceleration_m_s2, speed * turn_rate, GRAVITY),
             Vector(NORTH_T * math.cos(self.heading_rad), -NORTH_T * math.sin(self.heading_rad), UP_T),
         )
 
