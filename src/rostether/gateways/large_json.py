@@ -1,6 +1,6 @@
 """JSON with many values, parsed so that other threads can run.
 
-The parser of the standard library blocks them until it has finished, half a second for 10 MB of numbers.
+The parser of the standard library blocks other threads until it has finished: half a second for 10 MB of numbers.
 """
 
 from __future__ import annotations
@@ -64,7 +64,7 @@ def parse_json(text: str) -> Any:
 
 
 def parse_in_steps(text: str) -> Any:
-    """Return the value of a JSON text; for threads. Raises ValueError, RecursionError."""
+    """Return the value of a JSON text without blocking other threads. Raises ValueError, RecursionError."""
     decoder: Any = JSONDecoder(parse_int=_integer)
     decoder.parse_array = _parse_array
     decoder.scan_once = py_make_scanner(decoder)

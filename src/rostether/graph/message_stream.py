@@ -68,7 +68,7 @@ class LearnedTypes:
         if known and md5sum in (known, ANY_MD5SUM):
             return self.store.codec(name)
         if definition:
-            # A separate store: here, the same name and the types below it may have other definitions.
+            # A separate store: here, the same name and its nested types may have other definitions.
             learned = Registry.of_full_text(name, definition)
             return self.store.for_registry(learned).codec(name)
         raise TypeMismatchError(

@@ -12,7 +12,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from enum import StrEnum
 from pathlib import Path
 
-from rostether.errors import DefinitionError
+from rostether.errors import ConfigError, DefinitionError
 from rostether.msgdef.parse_msg import MAX_TEXT_CHARACTERS
 from rostether.packages.package_xml import is_package_name
 from rostether.packages.search_path import Folder, package_name, walk
@@ -31,6 +31,17 @@ class Kind(StrEnum):
 
 
 _KIND_FOLDERS = frozenset(Kind)
+
+
+def existing_folders(msg_paths: Iterable[Path | str]) -> list[Path]:
+    """Return the folders of --msg-path. Raises ConfigError for a missing one."""
+    paths = [Path(path).expanduser() for path in msg_paths]
+    for path in paths:
+        if not path.is_dir():
+            raise ConfigError(
+                f"--msg-path {path}: no such folder; give a folder of packages or of .msg files"
+            )
+    return paths
 
 
 def is_type_name(name: str) -> bool:

@@ -4,7 +4,7 @@ the message's own text
 ================================================================================
 MSG: std_msgs/Header
 that message's text
-================= ... one such part for every message below, in order of first use
+================= ... one such part for every nested message, in order of first use
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ MAX_PARTS = 512
 
 
 def message_full_text(spec: MessageSpec, lookup: Lookup) -> str:
-    """Return the message's text, followed by the texts of all messages below it.
+    """Return the message's text, followed by the texts of all nested messages.
 
     Raises the same errors as `dependencies`.
     """

@@ -2,7 +2,7 @@
 
 A device only sends the md5sum. Its definition is found by trial: the known types, bundled earlier versions,
 then the known type with one change (a missing field or constant, another width, another order, with or
-without Header), then the same in the messages below it, then two changes at once.
+without Header), then the same in its nested messages, then two changes at once.
 """
 
 from __future__ import annotations
@@ -81,7 +81,7 @@ def name_of_md5sum(types: Registry, md5sum: str) -> str | None:
 def guess_definition(types: Registry, name: str, md5sum: str) -> MessageSpec | None:
     """Find a changed definition that gives `name` this md5sum, or None.
 
-    The answer is another version of `name`, or (see its `full_name`) of one of the messages below it.
+    The answer is another version of `name`, or (see its `full_name`) of one of its nested messages.
     """
     ours = types.message(name)
     below = dependencies(ours, types.message)
@@ -180,7 +180,7 @@ def _other_types(type_: FieldType) -> Iterator[FieldType]:
     for other in _other_bases(type_.base):
         yield replace(type_, base=other)
     if type_.base in PRIMITIVE_TYPES:
-        # One value instead of many, many instead of one, a variable instead of a fixed number.
+        # One value instead of many, many instead of one, a variable number instead of a fixed one.
         yield FieldType(type_.base, is_array=not type_.is_array or type_.length is not None)
 
 

@@ -6,13 +6,14 @@ import os
 from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 
-from rostether.errors import ConfigError, DefinitionError, RostetherError, UnknownTypeError
+from rostether.errors import DefinitionError, RostetherError, UnknownTypeError
 from rostether.msgdef.definition_files import (
     Kind,
     PackageFiles,
     bundled_file,
     bundled_names,
     bundled_packages,
+    existing_folders,
     find_definitions,
     is_type_name,
     read_definition,
@@ -79,14 +80,8 @@ class Registry:
 
         Raises ConfigError for a missing folder.
         """
-        paths = [Path(path).expanduser() for path in msg_paths]
-        for path in paths:
-            if not path.is_dir():
-                raise ConfigError(
-                    f"--msg-path {path}: no such folder; give a folder of packages or of .msg files"
-                )
         variables = os.environ if environ is None else environ
-        return cls(paths, package_path=package_path(variables), nearby=_nearby_packages)
+        return cls(existing_folders(msg_paths), package_path=package_path(variables), nearby=_nearby_packages)
 
     def can_answer(self, query: Callable[[], object]) -> bool:
         """Return whether `query`, which calls methods of this registry, needs no search of folders.
@@ -200,7 +195,7 @@ class Registry:
         return registry
 
     def add_full_text(self, name: str, definition: str) -> None:
-        """Add a message from a connection header's `message_definition`, with all messages below it.
+        """Add a message from a connection header's `message_definition`, with all nested messages.
 
         Known types keep their definition: to read one connection exactly as its publisher defines it, use
         `of_full_text`. Raises DefinitionError.

@@ -1,6 +1,6 @@
 """Decodes a joystick's events from /dev/input/js* on Linux into axes and buttons.
 
-    time_ms uint32 | value int16 | type uint8 (1 button, 2 axis, + 0x80 as it was at opening) | number uint8
+    time_ms uint32 | value int16 | type uint8 (1 button, 2 axis, + 0x80 at opening) | number uint8
 
 Source: linux/joystick.h; the content of a Joy message is the same as from joy_node.
 """

@@ -7,7 +7,7 @@ from typing import Any
 
 from rostether.graph.typed_graph import TypedGraph
 from rostether.graph.typed_handles import TypedPublisher
-from rostether.robot.transform import StampedTransform, Transform
+from rostether.robot.transform import StampedTransform, transform_of
 from rostether.rostime import Time
 
 TF_TOPIC = "/tf"
@@ -23,12 +23,8 @@ def to_message(transforms: Iterable[StampedTransform]) -> dict[str, Any]:
 def from_message(message: Any) -> Iterator[StampedTransform]:
     """Yield the transforms of a tf2_msgs/TFMessage, or of a tf/tfMessage, which has the same fields."""
     for each in message.transforms:
-        place, turn = each.transform.translation, each.transform.rotation
         yield StampedTransform(
-            each.header.frame_id,
-            each.child_frame_id,
-            each.header.stamp.to_ns(),
-            Transform((place.x, place.y, place.z), (turn.x, turn.y, turn.z, turn.w)),
+            each.header.frame_id, each.child_frame_id, each.header.stamp.to_ns(), transform_of(each)
         )
 
 

@@ -25,7 +25,7 @@ class Delays(Struct):
     broadcaster: str = ""
 
     def add(self, delay_s: float, now_ns: int) -> None:
-        """Handle one message."""
+        """Add the delay and the arrival time of one message."""
         self.delays_s.append(delay_s)
         self.arrivals_ns.append(now_ns)
 

@@ -8,7 +8,7 @@ than it saves.
 from __future__ import annotations
 
 import math
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 from msgspec import Struct
 
@@ -64,6 +64,12 @@ class StampedTransform(Struct, frozen=True):
     child: str
     stamp_ns: int
     transform: Transform
+
+
+def transform_of(message: Any) -> Transform:
+    """Return the transform in a geometry_msgs/TransformStamped."""
+    place, turn = message.transform.translation, message.transform.rotation
+    return Transform((place.x, place.y, place.z), (turn.x, turn.y, turn.z, turn.w))
 
 
 def has_unit_length(rotation: Quaternion) -> bool:

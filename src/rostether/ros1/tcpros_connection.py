@@ -13,17 +13,17 @@ from rostether.ros1.environment import connect_host
 from rostether.ros1.graph_limits import DEFAULT_GRAPH_LIMITS, GraphLimits
 from rostether.tcpros.header import HeaderDecoder, encode_header
 
-# A healthy peer answers in milliseconds; over a bad radio link TCP repeats a lost packet within 3 s.
+# A healthy peer answers in milliseconds; over a bad radio link, TCP retransmits a lost packet within 3 s.
 CONNECT_TIMEOUT_S = 10.0
 
-# The unsent data of one subscriber in the kernel: 10 ms of a flood. More would hide from us that it is
-# behind, and could not be dropped.
+# The unsent data of one subscriber in the kernel: 10 ms of a flood. More would hide that the subscriber
+# is behind, and could not be dropped.
 UNSENT_BYTES = 128 << 10
 
 # A peer that reads gets the rest within milliseconds. There is no wait for other peers.
 CLOSE_GRACE_S = 1.0
 
-# Nearly all headers are below; larger ones are counted together, so that many cannot fill the memory.
+# Nearly all headers are smaller; larger ones are counted together, so that many cannot fill the memory.
 _LARGE_HEADER_BYTES = 64 << 10
 
 # As rospy and roscpp set them: a peer that disappeared without closing is detected after 2.5 minutes.

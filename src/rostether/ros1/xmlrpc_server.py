@@ -29,7 +29,7 @@ _CLOSE_GRACE_S = 1.0
 _UNUSED_SHARE = 0.25
 # How many of the largest requests may be received, and of the largest answers wait to be read, at once.
 _LARGEST_AT_ONCE = 4
-# Trying to get one free port on several addresses: a clash is rare, and two in a row have another cause.
+# Attempts to bind one free port on several addresses: a clash is rare, and repeated ones have another cause.
 _BIND_ATTEMPTS = 5
 
 

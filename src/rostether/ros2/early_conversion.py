@@ -1,4 +1,4 @@
-"""Converts large CDR outside of the event loop: texts and big-endian numbers take 0.25 s for each MB."""
+"""Converts large CDR outside of the event loop: texts and big-endian numbers take 0.25 s per MB."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ FromCdr: TypeAlias = Callable[[bytes], bytes]
 
 
 class Converted(NamedTuple):
-    """A large message that the receiving thread has converted: its payload, or the reason for none."""
+    """A large message that the receiving thread has converted: its payload, or why there is none."""
 
     payload: bytes
     error: SerializationError | None

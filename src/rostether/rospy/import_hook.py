@@ -145,7 +145,7 @@ class _EmptyLoader(Loader):
 
 
 class _HomeLoader(Loader):
-    """Gives a module the names of those that implement it."""
+    """Fills a module with the names of the modules that implement it."""
 
     def __init__(self, homes: list[str]) -> None:
         self._homes = homes

@@ -16,7 +16,7 @@ _NONE: Mapping[str, bytes] = MappingProxyType({})
 
 
 class BoardKeys(Struct, frozen=True):
-    """Pre-shared keys, and certificates in DER form, by their files."""
+    """Pre-shared keys, and certificates in DER form, by the paths of their files."""
 
     keys: Mapping[str, bytes] = field(default_factory=lambda: _NONE)
     certificates: Mapping[str, bytes] = field(default_factory=lambda: _NONE)

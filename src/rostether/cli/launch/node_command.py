@@ -20,7 +20,8 @@ PYTHON_VARIABLE = "ROSTETHER_PYTHON"
 
 # A Python starts within a second, even on a busy small board.
 _PROBE_LIMIT_S = 10.0
-# The packages of the workspace must be built for a real rospy. A folder without `__init__.py` has no origin.
+# A Python with a real rospy must find the packages of the workspace that the script imports (they are built).
+# A Python without it must be new enough for the built-in rospy. A folder without `__init__.py` has no origin.
 _PROBE = """
 import importlib.util, sys
 del sys.path[0]

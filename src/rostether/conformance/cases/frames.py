@@ -19,7 +19,7 @@ from rostether.rosserial.frame import MAX_PAYLOAD_BYTES, encode_frame
 UNUSED_IDS = (8, 9, 12, 50, 99)
 # Fits in the 64 bytes that a board's serial port buffers while its program is busy.
 JOINED_FRAMES = 5
-# Longer than pauses of a network, and than the time after which a client must drop an incomplete frame.
+# Longer than network pauses, and than the time after which a client must drop an incomplete frame.
 TORN_S = 1.2
 # TCP loses no byte: a client may wait for late packets.
 RELIABLE_TORN_S = 6.0

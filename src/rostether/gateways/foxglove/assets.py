@@ -81,8 +81,8 @@ class Assets:
         if parts.scheme == "file":
             return self._in_any_package(uri, rest)
         raise ConfigError(
-            f"{uri[:200]} is not served: only package:// and file:// addresses of known "
-            "packages are; clients fetch http themselves"
+            f"{uri[:200]} is not served; use a package:// or file:// address of a known package (clients "
+            "load http addresses themselves)"
         )
 
     def _in_package(self, uri: str, name: str, below: str) -> Path:

@@ -71,9 +71,9 @@ def own_certificate(folder: Path, names: Iterable[str] = ()) -> OwnCertificate:
         folder.mkdir(parents=True, exist_ok=True, mode=0o700)
         for _ in range(_ATTEMPTS):
             authority, key = _authority(folder, wanted_names, addresses)
-            if _is_good(made, authority, wanted_names, addresses):
+            if _is_valid(made, authority, wanted_names, addresses):
                 return made
-            _make_server(made, authority, key, wanted_names, addresses)
+            _make_server_certificate(made, authority, key, wanted_names, addresses)
     except OSError as error:
         raise ConfigError(f"the certificate cannot be written to {folder}: {error.strerror}") from None
     except ValueError:
@@ -151,7 +151,7 @@ def _authority(
     return certificate, key
 
 
-def _make_server(
+def _make_server_certificate(
     made: OwnCertificate,
     authority: x509.Certificate,
     authority_key: EllipticCurvePrivateKey,
@@ -186,7 +186,7 @@ def _make_server(
     _write_pair(made.key, key, made.certificate, certificate)
 
 
-def _is_good(
+def _is_valid(
     made: OwnCertificate, authority: x509.Certificate, names: set[str], addresses: set[_Address]
 ) -> bool:
     from cryptography import x509

@@ -1,10 +1,10 @@
-"""A ROS 2 message as the text of a .msg file, and as a full text with all messages below it, as in bags.
+"""A ROS 2 message as the text of a .msg file, and as a full text with all nested messages, as in bags.
 
 the message's own text
 ================================================================================
 MSG: std_msgs/Header
 that message's text
-================= ... one such part for every message below, in order of first use
+================= ... one such part for every nested message, in order of first use
 """
 
 from __future__ import annotations

@@ -6,8 +6,14 @@ import os
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 
-from rostether.errors import ConfigError, UnknownTypeError
-from rostether.msgdef.definition_files import Kind, PackageFiles, find_definitions, read_definition
+from rostether.errors import UnknownTypeError
+from rostether.msgdef.definition_files import (
+    Kind,
+    PackageFiles,
+    existing_folders,
+    find_definitions,
+    read_definition,
+)
 from rostether.msgdef.ros2.action_parts import ActionParts, action_of_part, action_parts
 from rostether.msgdef.ros2.definition_files import (
     BUNDLED_DISTRO,
@@ -75,14 +81,10 @@ class Ros2Definitions:
         Raises ConfigError for a missing folder.
         """
         environ = os.environ if environ is None else environ
-        paths = [Path(path).expanduser() for path in msg_paths]
-        for path in paths:
-            if not path.is_dir():
-                raise ConfigError(f"--msg-path {path}: no such folder; give one of packages or of .msg files")
         distro = named_distro(environ) or BUNDLED_DISTRO
         # Packages from pip may be of another distribution: they only add types.
         return cls(
-            paths,
+            existing_folders(msg_paths),
             package_path=package_path(environ),
             prefixes=install_prefixes(environ),
             last_prefixes=python_prefixes(),

@@ -42,9 +42,9 @@ _BEFORE_CAPITALS = re.compile(r"(?<=[a-z0-9])(?=[A-Z])")
 
 
 def derive(spec: MessageSpec, registry: Registry) -> Ros2Message:
-    """Return the ROS 2 form of a ROS 1 message; messages below are named, not included.
+    """Return the ROS 2 form of a ROS 1 message; nested messages are referred to by name.
 
-    Raises UnknownTypeError if a type below is missing, DefinitionError for what ROS 2 cannot express.
+    Raises UnknownTypeError if a nested type is missing, DefinitionError for what ROS 2 cannot express.
     """
     dependencies(spec, registry.message)
     return _derived(spec, "msg", spec.name)

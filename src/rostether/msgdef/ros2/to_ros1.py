@@ -27,7 +27,7 @@ class MessageSource(Protocol):
 
 
 def express(message: Ros2Message, definitions: MessageSource) -> list[MessageSpec]:
-    """Return the message in the form of ROS 1, then all messages below it in the order of first use.
+    """Return the message in the form of ROS 1, then all nested messages in the order of first use.
 
     Raises UnknownTypeError, DefinitionError.
     """

@@ -133,15 +133,15 @@ class Registrations:
 
     def _check_room(self, kind: Kind, key: str, node: Node | None) -> None:
         if node is None and len(self.nodes) >= MAX_NODES:
-            raise GraphError(f"the master holds {MAX_NODES} nodes, its limit: stop some")
+            raise GraphError(f"the master has {MAX_NODES} nodes, its limit; stop some")
         if self._count >= MAX_REGISTRATIONS:
             raise GraphError(f"the master has {self._count} registrations, its limit; unregister some")
         if len(self.members(kind, key)) >= MAX_MEMBERS:
-            raise GraphError(f"{key} has {MAX_MEMBERS} nodes registered, the limit: unregister some")
+            raise GraphError(f"{key} has {MAX_MEMBERS} nodes registered, the limit; unregister some")
         if kind is Kind.PARAM and self._watches >= MAX_WATCHES:
-            raise GraphError(f"{MAX_WATCHES} parameters are watched, the limit: read them with getParam")
+            raise GraphError(f"{MAX_WATCHES} parameters are watched, the limit; read them with getParam")
         if node is not None and sum(map(len, node.keys.values())) >= MAX_OF_ONE_NODE:
-            raise GraphError(f"{node.name} has {MAX_OF_ONE_NODE} registrations, the limit: unregister some")
+            raise GraphError(f"{node.name} has {MAX_OF_ONE_NODE} registrations, the limit; unregister some")
 
     def register_service(self, service: str, name: str, api: str, service_api: str) -> Removal | None:
         """Register a node as the one provider of a service; see `register`."""

@@ -10,7 +10,10 @@ from rostether.rospy.client.message import Message
 
 @cache
 def numpy_msg(msg_type: type[Message]) -> type[Message]:
-    """Return the class. Raises ImportError if numpy is not installed."""
+    """Return a subclass of a message class that reads arrays of numbers as numpy arrays.
+
+    Raises ImportError if numpy is not installed.
+    """
     # Imported by name, because only the program depends on numpy.
     from importlib import import_module
 

@@ -15,7 +15,7 @@ from rostether.errors import (
 )
 from rostether.robot.tf_buffer import TransformBuffer
 from rostether.robot.tf_cache import DEFAULT_CACHE_NS
-from rostether.robot.transform import StampedTransform, Transform
+from rostether.robot.transform import StampedTransform, transform_of
 from rostether.rospy.client.message_types import all_types
 from rostether.rospy.client.ros_time import Duration, Time, get_rostime, sleep
 from rostether.rospy.tf.buffer_interface import NO_TIME, BufferInterface
@@ -165,12 +165,11 @@ class Buffer(BufferInterface):
         return True, ""
 
     def _set(self, transform: Any, authority: str, *, is_static: bool) -> None:
-        place, turn = transform.transform.translation, transform.transform.rotation
         stamped = StampedTransform(
             transform.header.frame_id,
             transform.child_frame_id,
             transform.header.stamp.to_nsec(),
-            Transform((place.x, place.y, place.z), (turn.x, turn.y, turn.z, turn.w)),
+            transform_of(transform),
         )
         with self._lock:
             self._buffer.set_transform(stamped, authority=authority, is_static=is_static)

@@ -4,19 +4,13 @@ from __future__ import annotations
 
 from typing import Any
 
-from rostether.robot.transform import Transform, multiply, rotate
+from rostether.robot.transform import multiply, rotate, transform_of
 from rostether.rospy.client.message_types import all_types
 from rostether.rospy.tf.buffer_interface import TransformRegistration
 
 
-def transform_of(message: Any) -> Transform:
-    """Return the transform in a geometry_msgs/TransformStamped."""
-    place, turn = message.transform.translation, message.transform.rotation
-    return Transform((place.x, place.y, place.z), (turn.x, turn.y, turn.z, turn.w))
-
-
 def do_transform_point(point: Any, transform: Any) -> Any:
-    """Return a PointStamped in the transform's frame."""
+    """Return a PointStamped in the transform's parent frame."""
     result = _stamped("PointStamped", transform)
     given = point.point
     result.point.x, result.point.y, result.point.z = transform_of(transform).apply(_xyz(given))
@@ -24,14 +18,14 @@ def do_transform_point(point: Any, transform: Any) -> Any:
 
 
 def do_transform_vector3(vector3: Any, transform: Any) -> Any:
-    """Return a Vector3Stamped turned into the transform's frame."""
+    """Return a Vector3Stamped, rotated into the transform's parent frame."""
     result = _stamped("Vector3Stamped", transform)
     _set_xyz(result.vector, rotate(transform_of(transform).rotation, _xyz(vector3.vector)))
     return result
 
 
 def do_transform_pose(pose: Any, transform: Any) -> Any:
-    """Return a PoseStamped in the transform's frame."""
+    """Return a PoseStamped in the transform's parent frame."""
     result = _stamped("PoseStamped", transform)
     by = transform_of(transform)
     _set_xyz(result.pose.position, by.apply(_xyz(pose.pose.position)))
@@ -40,7 +34,7 @@ def do_transform_pose(pose: Any, transform: Any) -> Any:
 
 
 def do_transform_quaternion(quaternion: Any, transform: Any) -> Any:
-    """Return a QuaternionStamped in the transform's frame."""
+    """Return a QuaternionStamped in the transform's parent frame."""
     result = _stamped("QuaternionStamped", transform)
     turned = multiply(transform_of(transform).rotation, _xyzw(quaternion.quaternion))
     _set_xyzw(result.quaternion, turned)
@@ -48,7 +42,7 @@ def do_transform_quaternion(quaternion: Any, transform: Any) -> Any:
 
 
 def do_transform_wrench(wrench: Any, transform: Any) -> Any:
-    """Return a WrenchStamped turned into the transform's frame."""
+    """Return a WrenchStamped, rotated into the transform's parent frame."""
     result = _stamped("WrenchStamped", transform)
     rotation = transform_of(transform).rotation
     _set_xyz(result.wrench.force, rotate(rotation, _xyz(wrench.wrench.force)))

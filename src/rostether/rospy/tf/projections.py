@@ -81,7 +81,7 @@ def clip_matrix(
     far: float,
     perspective: bool = False,
 ) -> Any:
-    """Return the matrix from the space of a camera to normalized device coordinates. Raises ValueError."""
+    """Return the matrix from camera space to normalized device coordinates. Raises ValueError."""
     if left >= right or bottom >= top or near >= far:
         raise ValueError("left, bottom and near must be less than right, top and far")
     width, height, depth = right - left, top - bottom, far - near

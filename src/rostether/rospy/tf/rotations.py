@@ -80,9 +80,9 @@ def euler_matrix(ai: float, aj: float, ak: float, axes: str = "sxyz") -> Any:
 
 def euler_from_matrix(matrix: Any, axes: str = "sxyz") -> tuple[float, float, float]:
     """Return the Euler angles of a matrix; of several solutions, the one that tf returns."""
-    turning, (i, j, k), repeats, is_odd = _convention(axes)
+    is_rotating, (i, j, k), is_first_repeated, is_odd = _convention(axes)
     m = _rows(matrix)
-    if repeats:
+    if is_first_repeated:
         size = math.hypot(m[i][j], m[i][k])
         if size > _EPSILON:
             angles = math.atan2(m[i][j], m[i][k]), math.atan2(size, m[i][i]), math.atan2(m[j][i], -m[k][i])
@@ -95,7 +95,7 @@ def euler_from_matrix(matrix: Any, axes: str = "sxyz") -> tuple[float, float, fl
         else:
             angles = math.atan2(-m[j][k], m[j][j]), math.atan2(-m[k][i], size), 0.0
     first, second, third = (-angle for angle in angles) if is_odd else angles
-    return (third, second, first) if turning else (first, second, third)
+    return (third, second, first) if is_rotating else (first, second, third)
 
 
 def euler_from_quaternion(quaternion: Sequence[float], axes: str = "sxyz") -> tuple[float, float, float]:
@@ -105,18 +105,18 @@ def euler_from_quaternion(quaternion: Sequence[float], axes: str = "sxyz") -> tu
 
 def quaternion_from_euler(ai: float, aj: float, ak: float, axes: str = "sxyz") -> Any:
     """Return the quaternion of three Euler angles; `sxyz` are roll, pitch and yaw."""
-    turning, letters = axes[0] == "r", axes[1:]
+    is_rotating, letters = axes[0] == "r", axes[1:]
     _convention(axes)
     first, second, third = (
         _about(_LETTERS.index(letter), angle) for letter, angle in zip(letters, (ai, aj, ak), strict=True)
     )
-    if turning:
+    if is_rotating:
         return as_array(multiply(multiply(first, second), third))
     return as_array(multiply(multiply(third, second), first))
 
 
 def quaternion_about_axis(angle: float, axis: Sequence[float]) -> Any:
-    """Return the quaternion of a rotation about an axis."""
+    """Return the quaternion of a rotation by an angle in radians about an axis."""
     x, y, z = unit_vector(axis)
     sine = math.sin(angle / 2.0)
     return as_array([float(x) * sine, float(y) * sine, float(z) * sine, math.cos(angle / 2.0)])
@@ -140,7 +140,7 @@ def quaternion_matrix(quaternion: Sequence[float]) -> Any:
 
 
 def quaternion_from_matrix(matrix: Any) -> Any:
-    """Return the quaternion of a matrix."""
+    """Return the quaternion of a rotation matrix."""
     (a, b, c, _), (d, e, f, _), (g, h, i, _) = _rows(matrix)[:3]
     return as_array(_from_matrix(((a, b, c), (d, e, f), (g, h, i))))
 
@@ -219,17 +219,21 @@ def unit_vector(data: Any, axis: int | None = None, out: Any = None) -> Any:
 
 
 def _convention(axes: str) -> tuple[bool, tuple[int, int, int], bool, bool]:
-    """Return whether the axes turn, their numbers, whether the first repeats, and whether they are odd."""
+    """Read an axes string of tf.transformations, such as `sxyz`.
+
+    Returns whether the frame rotates (`r`), the indices of the axes, whether the first axis is also the last,
+    and whether their order is an odd permutation of x, y, z. Raises ValueError.
+    """
     letters = axes[1:]
     if len(axes) != 4 or axes[0] not in "sr" or any(letter not in _LETTERS for letter in letters):
         raise ValueError(f"{axes!r} are not axes; give s or r, and three of x, y, z")
-    turning = axes[0] == "r"
-    if turning:
+    is_rotating = axes[0] == "r"
+    if is_rotating:
         letters = letters[::-1]
     i, j = _LETTERS.index(letters[0]), _LETTERS.index(letters[1])
     if i == j or letters[1] == letters[2]:
         raise ValueError(f"{axes!r} are not axes; two neighboring axes must differ")
-    return turning, (i, j, 3 - i - j), letters[0] == letters[2], (j - i) % 3 != 1
+    return is_rotating, (i, j, 3 - i - j), letters[0] == letters[2], (j - i) % 3 != 1
 
 
 def _about(axis: int, angle: float) -> tuple[float, float, float, float]:

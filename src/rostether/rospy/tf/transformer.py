@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from rostether.robot.transform import transform_of
 from rostether.rospy.client.message_types import all_types
 from rostether.rospy.tf import endpoints as tf2_ros
 from rostether.rospy.tf import geometry as tf_geometry
@@ -151,7 +152,7 @@ class TransformerROS(Transformer):
         """Return a PointCloud in another frame."""
         header = point_cloud.header
         found = self._buffer.lookup_transform(_bare(target_frame), _bare(header.frame_id), header.stamp)
-        transform = tf_geometry.transform_of(found)
+        transform = transform_of(found)
         moved: Any = type(point_cloud)()
         moved.header.stamp = header.stamp
         moved.header.frame_id = target_frame
@@ -211,5 +212,5 @@ def _bare(frame: str) -> str:
 
 
 def _lists(message: Any) -> tuple[list[float], list[float]]:
-    transform = tf_geometry.transform_of(message)
+    transform = transform_of(message)
     return list(transform.translation), list(transform.rotation)

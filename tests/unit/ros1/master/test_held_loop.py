@@ -78,7 +78,7 @@ async def test_as_many_watchers_as_a_master_allows(
     code, text, _ = await client.call_status("subscribeParam", "/n0", "http://127.0.0.1:1/", "/more")
     assert (code, text) == (
         -1,
-        f"Error: invalid arguments: {MAX_WATCHES} parameters are watched, the limit: read them with getParam",
+        f"Error: invalid arguments: {MAX_WATCHES} parameters are watched, the limit; read them with getParam",
     )
     watch = CallbackWatch(monkeypatch)
     for method, args in (

@@ -62,7 +62,7 @@ class GraphAnswers:
         return list(found), list(found.values())
 
     async def topics_and_texts(self) -> tuple[list[str], list[str], list[str]]:
-        """Return all topics, their types, and the full texts of those."""
+        """Return all topics, their types, and the full texts of the types."""
         found = dict(list((await self._topic_types()).items())[:MAX_TEXT_TOPICS])
         texts = {name: self._text(name) for name in set(found.values())}
         return list(found), list(found.values()), [texts[name] for name in found.values()]
