@@ -1,6 +1,7 @@
 """JSON with many values, parsed so that other threads can run.
 
-The parser of the standard library blocks other threads until it has finished: half a second for 10 MB of numbers.
+The parser of the standard library blocks other threads until it has finished: half a second for 10 MB of
+numbers.
 """
 
 from __future__ import annotations
