@@ -20,6 +20,7 @@ from rostether.ros1.master.server import MasterServer
 from rostether.ros1.node.node import join_ros1
 from rostether.serde.store import TypeStore
 from rostether.serde.values import Message
+from rostether.simulation.simavr.board_events import show_event
 from rostether.simulation.simavr.simulated_board import SimulatedBoard
 from rostether.transports.address_parser import parse_address
 from unit.bridge.doubles import RecordingReporter
@@ -208,7 +209,12 @@ async def running(
         )
         if not uses_network:
             await stack.enter_async_context(a_bridge(master.uri, reporter, f"{board.address}?name={NODE}"))
-        yield Stage(board, graph, master.uri, reporter)
+        try:
+            yield Stage(board, graph, master.uri, reporter)
+        except AssertionError as error:
+            error.add_note("\n".join(["the bridge and the board reported:", *reporter.texts[-10:]]))
+            error.add_note("\n".join(show_event(each) for each in list(board.recent)[-10:]))
+            raise
 
 
 @contextlib.asynccontextmanager
