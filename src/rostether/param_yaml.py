@@ -101,7 +101,7 @@ def leaves(name: str, value: Any, nesting: int = 0) -> Iterator[tuple[str, Param
         yield name, _checked(name, value, nesting)
         return
     if nesting > MAX_NESTING:
-        raise ConfigError(f"parameters nested deeper than {MAX_NESTING} levels: flatten them")
+        raise ConfigError(f"parameters are nested deeper than {MAX_NESTING} levels; flatten them")
     for key, each in value.items():
         if not isinstance(key, str):
             raise ConfigError(
@@ -115,7 +115,7 @@ def leaves(name: str, value: Any, nesting: int = 0) -> Iterator[tuple[str, Param
 def _checked(name: str, value: Any, nesting: int) -> ParamValue:
     """Return a value that a parameter can have."""
     if nesting > MAX_NESTING:
-        raise ConfigError(f"parameter {name} is nested deeper than {MAX_NESTING} levels: flatten it")
+        raise ConfigError(f"parameter {name} is nested deeper than {MAX_NESTING} levels; flatten it")
     if isinstance(value, list):
         return [_checked(name, each, nesting + 1) for each in value]
     if isinstance(value, dict):

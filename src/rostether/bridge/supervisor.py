@@ -180,7 +180,7 @@ class Supervisor:
     async def wait_done(self) -> None:
         """Wait until no board is served: after `close`, or when other nodes have shut down all boards' nodes.
 
-        With an address that listens, this happens only if the node to keep is shut down.
+        If an address listens, other nodes can end the wait only by shutting down the kept node.
         """
         await self._done.wait()
 

@@ -56,7 +56,7 @@ class XmlElement(Struct, frozen=True):
         return next(self.all(tag), None)
 
     def get(self, name: str) -> str | None:
-        """Return an attribute; None where it is not given."""
+        """Return an attribute; None if it is not given."""
         return self.attributes.get(name)
 
     def error(self, text: str) -> Exception:

@@ -56,7 +56,7 @@ def fleet_findings(found: Examination, silence_text: str) -> list[FleetFinding]:
 
 
 def disk_finding(path: str, free_bytes: int, total_bytes: int) -> FleetFinding:
-    """Return whether recordings fit on this machine's disk."""
+    """Return the finding about the space for recordings on this machine's disk."""
     text = f"{free_bytes / 1e9:.1f} of {total_bytes / 1e9:.1f} GB are free at {path}"
     if free_bytes < _MIN_FREE_BYTES:
         return FleetFinding(False, "disk", f"{text}; delete old recordings")
@@ -90,7 +90,7 @@ def _robot_finding(key: RobotKey, robot: Robot, found: Examination) -> FleetFind
 
 
 def _pair_findings(pairs: Sequence[tuple[RobotKey, RobotKey, bool]]) -> list[FleetFinding]:
-    """Return whether robots reach each other, which the base station cannot measure itself."""
+    """Return the finding about robots that must reach each other, which the base station cannot measure."""
     if not pairs:
         return []
     unreachable = [

@@ -33,7 +33,7 @@ class DeviceBook:
             return NO_KEYS
         return read_board_keys(keys, certificates)
 
-    def settings_of(self, identity: BoardIdentity) -> DeviceSettings:
+    def settings_matching(self, identity: BoardIdentity) -> DeviceSettings:
         """Return the settings of the first matching device in the file, else the defaults."""
         for device in self.devices:
             if device.match is not None and fits(device.match, identity):
@@ -43,7 +43,7 @@ class DeviceBook:
     def settings_for(self, node_name: str | None, identity: BoardIdentity) -> DeviceSettings:
         """Return the settings of a board; a name in its link has priority over its identity."""
         named = self.settings_named(node_name) if node_name is not None else None
-        return named if named is not None else self.settings_of(identity)
+        return named if named is not None else self.settings_matching(identity)
 
     def unchosen(self, link_names: Collection[str | None]) -> list[str]:
         """Return the devices without match keys that none of the links names."""

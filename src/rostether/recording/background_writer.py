@@ -125,7 +125,8 @@ class BackgroundWriter:
             self._reported_s = now_s
             self._reported_count = self.lost_count
             self._report(
-                f"lost {counted(self.lost_count, 'message')}: data arrives faster than it can be compressed"
+                f"lost {counted(self.lost_count, 'message')}: data arrives faster than it can be "
+                "compressed; choose a faster compression, or record less"
             )
 
     def _work(self) -> None:

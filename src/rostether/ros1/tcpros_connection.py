@@ -115,7 +115,7 @@ class HandshakeProtocol(asyncio.Protocol):
 
     @property
     def held_bytes(self) -> int:
-        """How much of a header it holds."""
+        """The number of bytes of the incomplete header."""
         return self._decoder.held_bytes
 
     def abort(self) -> None:

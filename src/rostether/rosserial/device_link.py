@@ -171,10 +171,10 @@ class DeviceLink:
             self._advance(Input.TIME_LOST, now_s, events)
         if now_s >= self._time_due_s:
             self._advance(Input.TIME_DUE, now_s, events)
-        name = self._parameters.timed_out(now_s)
+        name = self._parameters.pop_timed_out(now_s)
         if name is not None:
             events.append(ParameterTimedOut(name))
-            self._send_parameter_request(self._parameters.following(now_s))
+            self._send_parameter_request(self._parameters.next_to_send(now_s))
         return events
 
     def data_to_send(self) -> bytes:
@@ -263,12 +263,12 @@ class DeviceLink:
             if response is None:
                 self._discard(DiscardReason.PACKET, payload, events)
                 continue
-            name = self._parameters.answered()
+            name = self._parameters.pop_answered()
             if name is None:
                 self._discard(DiscardReason.UNEXPECTED, payload, events)
                 continue
             events.append(ParameterReceived(name, *response))
-            self._send_parameter_request(self._parameters.following(now_s))
+            self._send_parameter_request(self._parameters.next_to_send(now_s))
 
     def _on_stops(self, payloads: list[bytes], now_s: float, events: list[DeviceEvent]) -> None:
         events.append(StopReceived())

@@ -28,9 +28,9 @@ class ParameterQueue:
         if len(self._requests) >= MAX_REQUESTS:
             raise LocalProtocolError("too many parameter requests are waiting; wait for an answer first")
         self._requests.append((name, timeout_s))
-        return self.following(now_s) if len(self._requests) == 1 else None
+        return self.next_to_send(now_s) if len(self._requests) == 1 else None
 
-    def following(self, now_s: float) -> str | None:
+    def next_to_send(self, now_s: float) -> str | None:
         """Return the name to send next, after the last request has ended."""
         self._due_s = None
         if not self._requests:
@@ -39,16 +39,16 @@ class ParameterQueue:
         self._due_s = now_s + timeout_s
         return name
 
-    def answered(self) -> str | None:
-        """Process an answer; return its parameter, None if there was no request."""
+    def pop_answered(self) -> str | None:
+        """Remove the answered request; return its name, None if there was no request."""
         return self._requests.popleft()[0] if self._requests else None
 
-    def timed_out(self, now_s: float) -> str | None:
-        """Return the name that was not answered in time, if there is one."""
+    def pop_timed_out(self, now_s: float) -> str | None:
+        """Remove the request that was not answered in time; return its name, None if there is none."""
         if self._due_s is None or now_s < self._due_s:
             return None
         return self._requests.popleft()[0]
 
     def get_timer(self) -> float | None:
-        """Return when to call `timed_out`."""
+        """Return when to call `pop_timed_out`, None if no request is on the wire."""
         return self._due_s

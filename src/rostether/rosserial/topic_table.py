@@ -178,7 +178,10 @@ class TopicTable:
         return info.buffer_size
 
     def _make_limits(self) -> PayloadLimits:
-        """Without announcements, nothing is refused; control packets may fill the board's buffer."""
+        """Return the limits of payloads from the announcements; without any, nothing is refused.
+
+        Control packets may fill the board's buffer.
+        """
         sent = {key.topic_id: each for key, each in self._endpoints.items() if key.sends}
         possible = CONTROL_LIMITS | {topic_id: each.largest_payload for topic_id, each in sent.items()}
         if not sent:

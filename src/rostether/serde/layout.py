@@ -32,7 +32,7 @@ class Layout:
     def __init__(self, tree: Struct) -> None:
         self._tree = tree
 
-        # The size in bytes of every message of the type, None where it varies.
+        # The size in bytes of every message of the type, None if it varies.
         self.fixed_size_bytes = tree.fixed_size_bytes
         if tree.fixed_size_bytes is None:
             self.accepts, self.accepts_all = compile_layout(tree)

@@ -63,7 +63,7 @@ class Text(msgspec.Struct, frozen=True, eq=False):
 
 
 class Array(msgspec.Struct, frozen=True, eq=False):
-    """An array; `length` is None where a uint32 count precedes the elements.
+    """An array; `length` is None if a uint32 count precedes the elements.
 
     `zero_elements` counts the objects of the zero value, `fixed_size_bytes` is None if the size varies.
     """

@@ -43,7 +43,7 @@ ListPorts: TypeAlias = Callable[[], Sequence[SerialPort]]
 
 
 def find_usb_location(path: str, *, sys_folder: str = "/sys/class/tty") -> str | None:
-    """Return the kernel's name of the USB socket of a port; None if it has none."""
+    """Return the kernel's name for the USB socket of a port; None if the port is not on USB."""
     device = os.path.realpath(f"{sys_folder}/{path.rpartition('/')[2]}/device")
     for part in reversed(device.split("/")):
         if _USB_INTERFACE.fullmatch(part):

@@ -51,8 +51,8 @@ if TYPE_CHECKING:
 class TcpTransport(StreamTransport, asyncio.BufferedProtocol):
     """One TCP connection.
 
-    It reads less at a time while its chunks are expensive, so that a flood or hostile bytes on one connection
-    do not delay the others.
+    It reads less at a time while its chunks are expensive to process, so that a flood or hostile bytes on one
+    connection do not delay the others.
     """
 
     def __init__(self, peer: str = "") -> None:

@@ -96,7 +96,7 @@ class DocumentWriter:
                 elif isinstance(item, (list, tuple, Mapping, Iterator)):
                     if len(outer) >= MAX_NESTING:
                         raise SerializationError(
-                            f"XML-RPC values nested deeper than {MAX_NESTING} levels: flatten them"
+                            f"XML-RPC values are nested deeper than {MAX_NESTING} levels; flatten them"
                         )
                     outer.append((items, names))
                     items, names = self._open(item)

@@ -60,10 +60,10 @@ def test_everything_that_can_be_set() -> None:
 def test_a_board_is_found_by_all_its_marks_and_others_have_the_defaults() -> None:
     book = parse_devices_toml(FULL)
     arm = BoardIdentity(usb_id="2341:0043", serial_number="7583", port="/dev/ttyACM3")
-    assert book.settings_of(arm).name == "arm"
+    assert book.settings_matching(arm).name == "arm"
     other = BoardIdentity(usb_id="2341:0010", serial_number="7583")
-    assert book.settings_of(other) is book.defaults
-    assert book.settings_of(BoardIdentity(address="192.168.1.20")).name == "lab/base"
+    assert book.settings_matching(other) is book.defaults
+    assert book.settings_matching(BoardIdentity(address="192.168.1.20")).name == "lab/base"
     assert book.settings_named("/lab/base") is book.devices[1]
     assert book.settings_named("leg") is None
 
@@ -83,9 +83,9 @@ def test_a_port_is_found_by_its_link_and_by_a_pattern(tmp_path: Path) -> None:
     link.symlink_to(port)
     for marked in (str(link), str(port), f"{tmp_path}/ttyUSB*", f"{tmp_path}/by-path-*"):
         book = parse_devices_toml(f'[devices.a]\nport = "{marked}"')
-        assert book.settings_of(BoardIdentity(port=str(port))).name == "a", marked
-        assert book.settings_of(BoardIdentity(port="/dev/null")).name is None
-        assert book.settings_of(BoardIdentity(address="10.0.0.1")).name is None
+        assert book.settings_matching(BoardIdentity(port=str(port))).name == "a", marked
+        assert book.settings_matching(BoardIdentity(port="/dev/null")).name is None
+        assert book.settings_matching(BoardIdentity(address="10.0.0.1")).name is None
 
 
 @pytest.mark.parametrize(

@@ -126,6 +126,15 @@ def test_theirs_are_read(tmp_path: Path, storage: StoragePlugin, mode: Compressi
     assert own.connection.shown_type == OWN_TYPE
 
 
+def test_another_message_compression_is_an_error_with_the_bag(tmp_path: Path) -> None:
+    folder = tmp_path / "theirs"
+    foreign_bag(folder, StoragePlugin.SQLITE3, CompressionMode.MESSAGE, 9)
+    metadata = folder / "metadata.yaml"
+    metadata.write_text(metadata.read_text().replace("zstd", "lz4"))
+    with pytest.raises(RecordingError, match=f"{folder}: the messages are compressed with 'lz4'; only zstd"):
+        open_recording(folder)
+
+
 def test_a_workspace_with_definitions_of_ros2(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     definition = tmp_path / "ws/arm_msgs/msg/Gripper.msg"
     definition.parent.mkdir(parents=True)

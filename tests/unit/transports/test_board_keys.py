@@ -128,9 +128,9 @@ def test_devices_toml_names_them(tmp_path: Path) -> None:
         f"[devices.arm]\npsk = '{file}'\naddress = '10.0.0.1'\n[devices.leg]\npsk = 'x'"
     )
     arm = identify_peer("10.0.0.1", Proof(file))
-    assert book.settings_of(arm).name == "arm"
-    assert book.settings_of(identify_peer("10.0.0.1")).name is None, "the address alone is no proof"
-    assert book.settings_of(identify_peer("10.0.0.2", Proof(file))).name is None
-    assert book.settings_of(identify_peer("10.0.0.2", Proof("x"))).name == "leg"
+    assert book.settings_matching(arm).name == "arm"
+    assert book.settings_matching(identify_peer("10.0.0.1")).name is None, "the address alone is no proof"
+    assert book.settings_matching(identify_peer("10.0.0.2", Proof(file))).name is None
+    assert book.settings_matching(identify_peer("10.0.0.2", Proof("x"))).name == "leg"
     with pytest.raises(ConfigError, match="psk=x: the key cannot be read"):
         book.board_keys()

@@ -75,7 +75,7 @@ class EndpointOpenings:
         self._closing[slot] = self._run(self._close(slot, endpoint, self._closing.get(slot)))
 
     async def finish(self) -> None:
-        """Finish all openings and closings within a second."""
+        """Cancel the openings and finish the closings, within a second."""
         for task in self._opening.values():
             task.cancel()
         if self._tasks:

@@ -146,7 +146,8 @@ class ServiceServerEndpoint:
                 await self._lock.acquire()
         except TimeoutError:
             raise ServiceTimeoutError(
-                f"{name}: waited {limit_s:g} s for earlier calls that the board has not answered"
+                f"{name}: waited {limit_s:g} s for earlier calls that the board has not answered; call "
+                "again later"
             ) from None
         finally:
             self._waiting -= 1
@@ -164,7 +165,8 @@ class ServiceServerEndpoint:
                 await self._earlier_call_ended.wait()
         except TimeoutError:
             raise ServiceTimeoutError(
-                f"{self.info.name}: the board is still busy with an earlier call; no answer for {limit_s:g} s"
+                f"{self.info.name}: the board is still busy with an earlier call after {limit_s:g} s; "
+                "call again later"
             ) from None
 
     async def _call_board(self, request: bytes, limit_s: float) -> bytes:

@@ -88,7 +88,7 @@ class Discovery:
         return now is not None and identify(now).key == identify(port).key
 
     def _consider(self, port: SerialPort) -> None:
-        settings = self._devices.settings_of(identify(port))
+        settings = self._devices.settings_matching(identify(port))
         choice = port_use(port, settings, self._devices.discovery)
         if choice is PortUse.LEAVE:
             return

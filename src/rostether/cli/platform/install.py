@@ -128,7 +128,7 @@ def _enable_below(root: Path, installation: Installation) -> None:
 @verb("uninstall", "rostether uninstall")
 @_target_options
 def uninstall(for_user: bool | None, root: Path | None) -> None:
-    """Stop the robot's parts, and remove the files of `rostether install`, including the robot.toml."""
+    """Stop the robot's parts, and remove the files of `rostether install`, including robot.toml."""
     installation = _installation(for_user)
     paths = [each for each in _written(installation) if path_below(root, each).exists()]
     if not paths:

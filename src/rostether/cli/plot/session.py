@@ -99,7 +99,10 @@ class PlotSession:
             raise ConfigError(f"{name} contains no numbers; give a field that does")
 
     async def run(self, follow: Follow, groups: Sequence[Group]) -> None:
-        """Collect all values until the time has passed. Raises the first error."""
+        """Collect all values until the time has passed.
+
+        Raises the first error of `follow`, and GraphError if no value was received.
+        """
         loop = asyncio.get_running_loop()
         names = [name for group in groups for name in group]
         self._curves.expect(*names)

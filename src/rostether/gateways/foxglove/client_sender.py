@@ -32,7 +32,10 @@ class SenderUser(Protocol):
 
 
 class ClientSender:
-    """The user of one connection; `user` is set by its creator. `data` sends the messages of topics."""
+    """Sends responses to one client, and passes its events to `user`, which the creator must set.
+
+    `data` sends the messages of topics.
+    """
 
     user: SenderUser
 

@@ -57,7 +57,7 @@ _VECTORS: Mapping[str, Sequence[tuple[str, tuple[str, ...]]]] = {
 }
 DRIVE_TYPES = tuple(_VECTORS)
 
-# After a pause, the first command may change the speed as much as one that comes at the slowest rate.
+# Acceleration counts at most this time since the last command: the first one after a pause must not jump.
 _MAX_STEP_S = 0.1
 
 
@@ -81,7 +81,7 @@ class DriveCommands:
         """
         wanted = [[_read(message, path) for path in paths] for _, paths in self._vectors]
         if not all(math.isfinite(value) for vector in wanted for value in vector):
-            raise SerializationError("a command must hold numbers, not NaN or infinity")
+            raise SerializationError("a command must have finite values, not NaN or infinity")
         step_s = min(max(now_s - self._published_s, 0.0), _MAX_STEP_S)
         for index, (kind, paths) in enumerate(self._vectors):
             most, acceleration = self.limits.limits_of(kind)

@@ -111,7 +111,8 @@ class Ros2BagReader:
         if metadata.compression_mode == "message":
             if metadata.compression_format != "zstd":
                 raise RecordingError(
-                    f"its messages are compressed with {metadata.compression_format!r}, not zstd"
+                    f"{self.path}: the messages are compressed with {metadata.compression_format!r}; only "
+                    "zstd can be read"
                 )
             unpack = partial(_unpacked_message, path)
         if path.suffix == ".zstd" or metadata.compression_mode == "file":

@@ -104,7 +104,7 @@ class ParameterTree:
         if not parts and not isinstance(value, dict):
             raise GraphError("cannot set root of parameter tree to non-dictionary")
         if len(parts) > MAX_DEPTH:
-            raise GraphError(f"parameters cannot be nested deeper than {MAX_DEPTH} levels: flatten them")
+            raise GraphError(f"parameters cannot be nested deeper than {MAX_DEPTH} levels; flatten them")
         added = yield from _measure_steps([value], MAX_DEPTH - len(parts))
         replaced = yield from self._measure_replaced_steps(parts)
         self._check_room(name, parts, added, replaced)
@@ -129,7 +129,7 @@ class ParameterTree:
                 "--limit parameters-bytes"
             )
         if self._values + added.values - replaced.values + len(parts) > MAX_TREE_VALUES:
-            raise GraphError(f"a master holds at most {MAX_TREE_VALUES} parameter values: delete some")
+            raise GraphError(f"a master holds at most {MAX_TREE_VALUES} parameter values; delete some")
 
     def _open_space(self, parts: list[str]) -> dict[str, XmlRpcValue]:
         space = self._root
@@ -264,4 +264,4 @@ def _measure_steps(outermost: list[XmlRpcValue], nesting: int) -> Generator[None
         level = inner
         if not level:
             return _Size(byte_count + _BYTES_PER_VALUE * values, values)
-    raise GraphError(f"parameters cannot be nested deeper than {MAX_DEPTH} levels: flatten them")
+    raise GraphError(f"parameters cannot be nested deeper than {MAX_DEPTH} levels; flatten them")

@@ -55,7 +55,7 @@ class ParameterRules(Struct, frozen=True):
 
 
 def read_parameter_files(paths: Iterable[Path]) -> ParameterRules:
-    """Read files, later ones over earlier ones. Raises ConfigError naming the file."""
+    """Read files; later ones override earlier ones. Raises ConfigError with the file's name."""
     entries: list[_Entry] = []
     for path in paths:
         try:

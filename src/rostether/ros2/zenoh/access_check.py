@@ -89,7 +89,7 @@ def _keys(ends: Iterable[Token]) -> dict[str, str]:
 def _missing(
     sender: zenoh.Session, receiver: zenoh.Session, keys: Mapping[str, str], ended: threading.Event
 ) -> set[str]:
-    """Send probes to each key until all have arrived or the time is over; return the missing keys."""
+    """Send probes to each key until all have arrived or the time limit passes; return the missing keys."""
     missing = set(keys)
 
     def on_sample(sample: zenoh.Sample) -> None:

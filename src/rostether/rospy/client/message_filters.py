@@ -26,7 +26,7 @@ class SimpleFilter:
         self.callbacks: dict[int, tuple[Callable[..., object], tuple[Any, ...]]] = {}
 
     def registerCallback(self, cb: Callable[..., object], *args: Any) -> int:
-        """Call back with each output, and these arguments after it."""
+        """Call `cb` with each output, followed by `args`; return the number of the callback."""
         number = len(self.callbacks)
         self.callbacks[number] = (cb, args)
         return number
@@ -67,7 +67,7 @@ class Cache(SimpleFilter):
         self.connectInput(f)
 
     def connectInput(self, f: SimpleFilter) -> None:
-        """Handle messages of a filter."""
+        """Connect the filter whose messages are remembered."""
         self.incoming_connection = f.registerCallback(self.add)
 
     def add(self, msg: Any) -> None:
@@ -120,7 +120,7 @@ class TimeSynchronizer(SimpleFilter):
         self.connectInput(fs)
 
     def connectInput(self, fs: Sequence[SimpleFilter]) -> None:
-        """Handle messages of filters."""
+        """Connect the filters whose messages are combined."""
         self.queues: list[dict[Any, Any]] = [{} for _ in fs]
         self.input_connections = [
             each.registerCallback(self.add, queue, index)

@@ -136,7 +136,7 @@ class Record:
     ros2_slots: tuple[Slot, ...]
     block: Block | None = field(init=False)
 
-    # The size in bytes of every ROS 1 value, None where it varies.
+    # The size in bytes of every ROS 1 value, None if it varies.
     ros1_size_bytes: int | None = field(init=False)
     _min_bytes: tuple[int, int] = field(init=False)
 

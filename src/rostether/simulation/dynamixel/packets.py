@@ -14,7 +14,7 @@ from msgspec import Struct
 
 HEADER = b"\xff\xff\xfd\x00"
 BROADCAST_ID = 0xFE
-# The longest control table has 661 bytes; a length beyond is noise.
+# The longest control table has 661 bytes; a much larger length is noise.
 MAX_LENGTH = 1024
 
 _STUFFED = b"\xff\xff\xfd"

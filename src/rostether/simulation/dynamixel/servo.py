@@ -55,11 +55,11 @@ class Servo:
         return int.from_bytes(data, "little", signed=register.is_signed)
 
     def is_restarting(self, now_s: float) -> bool:
-        """Return whether it is restarting, and receives nothing."""
+        """Return whether it is restarting and therefore receives nothing."""
         return now_s < self._restarting_until_s
 
     def set_voltage(self, volts: float) -> None:
-        """Change the supply. Outside the servo's limits, it reports an input voltage error."""
+        """Change the supply voltage. Outside its limits, the servo reports an input voltage error."""
         tenths = round(volts * 10)
         self._set(BY_NAME["present_input_voltage"], tenths)
         if not self["min_voltage_limit"] <= tenths <= self["max_voltage_limit"]:
