@@ -70,7 +70,7 @@ class Recordings:
             if self.is_active:
                 raise ConfigError(f"{self._name} is being recorded already; stop it first")
             if form not in FORMS:
-                raise ConfigError(f"a recording is a {' or a '.join(FORMS)}, not {form[:20]!r}")
+                raise ConfigError(f"the form of a recording is {' or '.join(FORMS)}, not {form[:20]!r}")
             if len(topics) > MAX_TOPICS:
                 raise ConfigError(f"at most {MAX_TOPICS} topics can be chosen; choose none to record all")
             await asyncio.to_thread(self._check_space)

@@ -94,7 +94,7 @@ def compile_expression(expression: str, names: frozenset[str], *, source: str) -
     computation fails, takes too many steps, or makes too large a value.
     """
     if len(expression) > MAX_EXPRESSION_CHARS:
-        raise ConfigError(f"{source}: longer than {MAX_EXPRESSION_CHARS} characters: use a script instead")
+        raise ConfigError(f"{source}: longer than {MAX_EXPRESSION_CHARS} characters; use a script instead")
     budget = Budget()
     try:
         evaluate = _Compiler(names, budget).compile(ast.parse(expression.strip(), mode="eval").body)
@@ -188,7 +188,7 @@ class _Compiler:
                 callee = compile_(function)
                 values_of = [compile_(argument) for argument in arguments]
                 return lambda scope: budget.call(callee(scope), [value(scope) for value in values_of])
-        raise ConfigError(f"{ast.unparse(node)!r} is not allowed: use comparisons, arithmetic and m's fields")
+        raise ConfigError(f"{ast.unparse(node)!r} is not allowed; use comparisons, arithmetic and m's fields")
 
     def _name(self, name: str) -> Evaluate:
         if name in self._names:

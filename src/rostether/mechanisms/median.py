@@ -1,4 +1,4 @@
-"""The median, without the module `statistics`: its import takes a fiftieth of a bridge's start time."""
+"""The median, without the module `statistics`: its import takes 2 % of a bridge's start time."""
 
 from __future__ import annotations
 

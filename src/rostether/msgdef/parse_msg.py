@@ -60,7 +60,7 @@ def parse_message(text: str, *, package: str, name: str, file: str = "", first_l
         if field.name in names:
             source.fail(f"the field {field.name!r} is declared twice", field.name)
         if len(fields) == MAX_FIELDS:
-            source.fail(f"more than {MAX_FIELDS} fields")
+            source.fail(f"more than {MAX_FIELDS} fields; use arrays or nested messages")
         names.add(field.name)
         fields.append(field)
     return MessageSpec(package, name, tuple(fields), tuple(constants), text)

@@ -54,7 +54,7 @@ def dependencies(spec: SpecT, lookup: Callable[[str], SpecT]) -> list[SpecT]:
     """Return all nested messages of `spec`, each once, in the order of first use, depth first.
 
     `lookup` maps a full name to its definition. Raises UnknownTypeError naming the field that needs the
-    missing type, DefinitionError for a type that contains itself, nests too deep or is too large.
+    missing type, DefinitionError for a type that contains itself, is nested too deeply or is too large.
     """
     walk: _Walk[SpecT] = _Walk(lookup)
     walk.visit(spec, (spec.full_name,))
@@ -68,7 +68,7 @@ class _Walk(Generic[SpecT]):
         self._values: dict[str, int] = {}
 
     def visit(self, spec: SpecT, path: tuple[str, ...]) -> int:
-        """Add all nested messages of `spec`, and return how many values each of its messages contains."""
+        """Add all nested messages of `spec`, and return how many values one message of `spec` contains."""
         if len(path) > MAX_DEPTH:
             raise DefinitionError(
                 f"messages are nested deeper than {MAX_DEPTH} levels: {' -> '.join(path)}", file=path[0]

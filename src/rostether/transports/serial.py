@@ -139,7 +139,7 @@ class SerialTransport(StreamTransport, asyncio.Protocol):
 
     def _close_when_drained(self, wire: asyncio.Transport) -> None:
         # The kernel's close waits up to 30 s for a board that accepts nothing, so it is called when the bytes
-        # have left; `abort` drops them when the limit is over.
+        # have left; `abort` drops them when the time limit passes.
         if wire.get_write_buffer_size() or self._unsent_bytes():
             loop = asyncio.get_running_loop()
             self._drain_timer = loop.call_later(_FLUSH_POLL_S, self._close_when_drained, wire)

@@ -26,7 +26,7 @@ EVENTS_AT_ONCE = 64
 _XML_TYPES = (b"text/xml", b"application/xml")
 _TYPE = b"content-type"
 _TEXT_XML = (b"Content-Type", b"text/xml")
-_TINY_CHUNKS = f"the document comes in chunks of less than {MIN_CHUNK_BYTES} bytes: send larger ones"
+_TINY_CHUNKS = f"the document comes in chunks of less than {MIN_CHUNK_BYTES} bytes; send larger ones"
 _REASONS = {
     400: b"Bad Request",
     403: b"Forbidden",
@@ -41,7 +41,7 @@ class HttpStatusError(RemoteProtocolError):
 
 
 class HttpServerSide:
-    """The server side of a connection: `receive_data`, then `next_request` and `send_response` in turns."""
+    """The server side: `receive_data`, then alternately `next_request` and `send_response`."""
 
     def __init__(
         self, *, max_body_bytes: int = MAX_BODY_BYTES, is_own_host: Callable[[str], bool] = lambda _host: True
@@ -125,7 +125,7 @@ class HttpServerSide:
     def _check_request(self, request: h11.Request) -> None:
         headers = dict(request.headers)
         if request.method != b"POST":
-            self._refuse(405, "this is an XML-RPC server of a ROS graph: send it a POST")
+            self._refuse(405, "this is an XML-RPC server of a ROS graph; send it a POST")
         elif b"origin" in headers:
             self._refuse(403, "requests from web pages are refused")
         elif headers.get(b"content-encoding", b"identity") != b"identity":

@@ -109,7 +109,7 @@ async def test_one_at_a_time(robot: Robot) -> None:
 
 
 async def test_requests_that_make_no_sense(robot: Robot) -> None:
-    with pytest.raises(ConfigError, match="a bag or a mcap, not 'exe'"):
+    with pytest.raises(ConfigError, match="is bag or mcap, not 'exe'"):
         await robot.recordings.start((), "exe")
     with pytest.raises(ConfigError, match="at most 1000 topics"):
         await robot.recordings.start(("/a",) * 1001, "bag")

@@ -137,7 +137,7 @@ def test_what_is_not_ours_is_refused(request_bytes: bytes, status: bytes) -> Non
 
 def test_a_browser_shows_the_reason() -> None:
     answer, _ = refused(b"GET / HTTP/1.1\r\nHost: x\r\n\r\n")
-    assert answer.endswith(b"this is an XML-RPC server of a ROS graph: send it a POST\n")
+    assert answer.endswith(b"this is an XML-RPC server of a ROS graph; send it a POST\n")
 
 
 @pytest.mark.parametrize(

@@ -229,7 +229,7 @@ def _one_graph(
     *, ros1: bool = False, ros2: str | None = None, master: str | None = None, allow: tuple[str, ...] = ()
 ) -> GraphOptions:
     if ros1 and ros2:
-        raise click.UsageError("this command uses one graph: give --ros1 or --ros2, not both")
+        raise click.UsageError("this command uses one graph; give --ros1 or --ros2, not both")
     return _chosen_graph(ros1=ros1, ros2=ros2, master=master, allow=allow)
 
 

@@ -243,7 +243,7 @@ def read_settings(parameters: Mapping[str, Any], token: str = "") -> RosbridgeSe
     from rostether.gateways.websocket.settings import DEFAULT_HOST
 
     if flag(parameters, "authenticate") and not token:
-        raise ConfigError(f"~authenticate needs a token: set {TOKEN_VARIABLE} in the environment of the node")
+        raise ConfigError(f"~authenticate needs a token; set {TOKEN_VARIABLE} in the environment of the node")
     is_secure = flag(parameters, "ssl") or bool(parameters.get("certfile"))
     certificate, key = certificate_files(parameters, "ssl") if is_secure else ("", "")
     fragment_bytes = whole_number(parameters, "fragment_size", 0)

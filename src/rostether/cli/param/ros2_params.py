@@ -241,7 +241,7 @@ class Ros2Params:
         values = read_parameter_files([Path(file)]).for_node(owner)
         if not values:
             raise ConfigError(
-                f"{file} has no parameters for {owner}: write them below {owner}: ros__parameters:"
+                f"{file} has no parameters for {owner}; write them below {owner}: ros__parameters:"
             )
 
         async def ask(client: ParameterClient) -> int:

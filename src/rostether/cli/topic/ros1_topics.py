@@ -146,7 +146,7 @@ class _Output:
         self._options = options
 
     async def publish_latched(self, message: Message) -> None:
-        """Publish one message and keep it there: for 3 seconds with -1, else until the end."""
+        """Publish one latched message, for 3 seconds with -1, else until the end."""
         what = f"message [{_shown(message)}]" if self._options.verbose else "message"
         end = f" for {ONCE_S} seconds" if self._options.once else ". Press ctrl-C to terminate"
         write_line(f"publishing and latching {what}{end}")

@@ -86,7 +86,7 @@ class ClientActions:
             return
         if len(self._offered) >= MAX_ACTIONS:
             raise RemoteProtocolError(
-                f"advertise_action: at most {MAX_ACTIONS} are allowed; unadvertise some"
+                f"advertise_action: at most {MAX_ACTIONS} actions are allowed; unadvertise some"
             )
         name, type_name = request.word("action"), request.word("type")
         offered = _OfferedAction(self._context, action, types, self._send, (name, type_name))

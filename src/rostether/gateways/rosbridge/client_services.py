@@ -59,7 +59,7 @@ class ClientServices:
         self._check_glob(name)
         if len(self._context.offered.of(self)) >= MAX_SERVICES:
             raise RemoteProtocolError(
-                f"advertise_service: at most {MAX_SERVICES} are allowed; unadvertise some"
+                f"advertise_service: at most {MAX_SERVICES} services are allowed; unadvertise some"
             )
         service_type = self._context.store.registry.service_type(short_type(request.word("type")))
         send = self._send

@@ -107,7 +107,9 @@ class ClientTopics:
     async def _advertise(self, topic: str, message_type: MessageType, *, latch: bool) -> Publication:
         self._check_glob(topic)
         if len(self._publications) >= MAX_PUBLICATIONS and topic not in self._publications:
-            raise RemoteProtocolError(f"advertise: at most {MAX_PUBLICATIONS} are allowed; unadvertise some")
+            raise RemoteProtocolError(
+                f"advertise: at most {MAX_PUBLICATIONS} topics are allowed; unadvertise some"
+            )
         old = self._publications.pop(topic, None)
         if old is not None:
             await old.close()

@@ -225,7 +225,7 @@ class Session:
         self._context.report(
             Level.WARN, f"rosbridge: {self.name} does not read its responses; its connection was closed"
         )
-        # An orderly close would wait for data that it does not read.
+        # An orderly close would wait until the client reads the queued data.
         self._connection.abort()
 
     async def _next_frames(self) -> list[Frame]:

@@ -81,7 +81,7 @@ class SiteFile(Struct, frozen=True):
 
     @classmethod
     def of(cls, name: str, content: bytes) -> SiteFile:
-        """Prepare the file of a name for many requests."""
+        """Compress a file and compute its tag, once for all requests."""
         # Without a timestamp, so that the same content always has the same bytes.
         compressed = gzip.compress(content, mtime=0)
         return cls(
@@ -96,7 +96,7 @@ class Downloads(Protocol):
     """Files that are too large for memory; they need the token."""
 
     def find(self, name: str) -> Path | None:
-        """Return the file of a name, None if there is none; may read a folder."""
+        """Return the file with this name, None if there is none; may read a folder."""
 
 
 class Tiles(Protocol):

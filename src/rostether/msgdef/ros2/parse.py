@@ -82,7 +82,7 @@ def parse_message(
         if field.name in names:
             source.fail(f"the field {field.name!r} is declared twice", field.name)
         if len(fields) == MAX_FIELDS:
-            source.fail(f"more than {MAX_FIELDS} fields")
+            source.fail(f"more than {MAX_FIELDS} fields; use arrays or nested messages")
         names.add(field.name)
         fields.append(field)
     return Ros2Message(package, kind, name, tuple(fields), tuple(constants))

@@ -256,7 +256,7 @@ def _measure_steps(outermost: list[XmlRpcValue], nesting: int) -> Generator[None
                     if item:
                         inner.append(item)
                 elif item is None:
-                    raise GraphError("a parameter cannot be nil: delete it instead")
+                    raise GraphError("a parameter cannot be nil; delete it instead")
             visited += 1 + len(container)
             if visited >= _STEP_VALUES:
                 visited = 0

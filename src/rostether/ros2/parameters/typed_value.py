@@ -154,6 +154,6 @@ def _refusal(name: str, value: ParamValue) -> SerializationError:
     shown = repr(value)
     shown = shown if len(shown) <= _MAX_SHOWN_CHARACTERS else shown[:_MAX_SHOWN_CHARACTERS] + "..."
     return SerializationError(
-        f"parameter {name} cannot be {shown} in ROS 2: use a bool, 64-bit integer, float, string, bytes, "
+        f"parameter {name} cannot be {shown} in ROS 2; use a bool, 64-bit integer, float, string, bytes, "
         "or a list of one type of them"
     )

@@ -118,7 +118,7 @@ def find_listen_fault(configuration: zenoh.Config) -> str:
     if not uses_tls(endpoints_of(configuration, "listen")):
         return ""
     if not all(tls.get(name) for name in _LISTEN_FILES[1:]):
-        return f"TLS needs a certificate and its key: set {' and '.join(_LISTEN_FILES[1:])} in {_TLS}"
+        return f"TLS needs a certificate and its key; set {' and '.join(_LISTEN_FILES[1:])} in {_TLS}"
     return _find_file_fault(tls, *_LISTEN_FILES)
 
 
@@ -139,14 +139,14 @@ def _find_file_fault(tls: Mapping[str, Any], *names: str) -> str:
         if authority:
             context.load_verify_locations(authority)
     except ssl.SSLError:
-        return f"{authority} contains no certificate: check {_TLS}/{names[0]}"
+        return f"{authority} contains no certificate; check {_TLS}/{names[0]}"
     try:
         if certificate and key:
             # Without a password here, OpenSSL asks for it on the terminal.
             context.load_cert_chain(certificate, key, password="")
     except ssl.SSLError as error:
         if error.reason == "KEY_VALUES_MISMATCH":
-            return f"{key} is not the key of the certificate {certificate}: check {_TLS}/{names[2]}"
+            return f"{key} is not the key of the certificate {certificate}; check {_TLS}/{names[2]}"
         return f"{certificate} is not a certificate, or {key} is not a key or has a password"
     return ""
 

@@ -93,7 +93,7 @@ class ServiceServer:
             task.add_done_callback(self._calls.discard)
 
     async def _answer(self, query: zenoh.Query, *, is_refused: bool) -> None:
-        busy = f"service {self.service} is busy with {MAX_CALLS} calls: try again later"
+        busy = f"service {self.service} is busy with {MAX_CALLS} calls; try again later"
         try:
             reply = _refusal(query, busy) if is_refused else await self._work(query)
         except asyncio.CancelledError:

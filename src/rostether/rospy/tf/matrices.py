@@ -69,7 +69,7 @@ def is_same_transform(matrix0: Any, matrix1: Any) -> bool:
 
 
 def reflection_matrix(point: Sequence[float], normal: Sequence[float]) -> Any:
-    """Return the reflection at the plane through a point: M = 1 - 2 n n'."""
+    """Return the reflection across the plane through a point; its linear part is 1 - 2 n n'."""
     n = unit3(normal)
     return affine(
         require_numpy().identity(3) - 2.0 * require_numpy().outer(n, n), 2.0 * (vector3(point) @ n) * n

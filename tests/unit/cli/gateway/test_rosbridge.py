@@ -151,7 +151,7 @@ def test_parameters_of_rosbridge_websocket() -> None:
     [
         ({"port": "many"}, "~port must be a whole number, not 'many'"),
         ({"port": True}, "~port must be a whole number"),
-        ({"authenticate": True}, "~authenticate needs a token: set ROSTETHER_TOKEN"),
+        ({"authenticate": True}, "~authenticate needs a token; set ROSTETHER_TOKEN"),
         ({"ssl": True}, "~ssl needs ~certfile and ~keyfile"),
     ],
 )

@@ -32,7 +32,7 @@ _ROS2_ACTION_TOPICS: Final = ("/_action/status", "/_action/feedback")
 
 
 class GraphAnswers:
-    """Answers about the graph; clients do not see names that `allows_...` rejects."""
+    """Answers requests about the graph; clients do not see names that `allows_...` rejects."""
 
     def __init__(
         self,

@@ -18,7 +18,7 @@ MAX_NESTING = 100
 
 
 class ParameterServices:
-    """Answers about parameters; `is_allowed` returns whether clients may use a name."""
+    """Answers requests about parameters; `is_allowed` returns whether clients may use a name."""
 
     def __init__(self, graph: Graph, is_allowed: Callable[[str], bool], *, is_ros2: bool) -> None:
         self._graph = graph
