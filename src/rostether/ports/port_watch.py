@@ -161,7 +161,7 @@ class _ChangeSignal:
         return has_changed
 
     async def wait(self, limit_s: float) -> None:
-        """Wait until something happens, or the time is over."""
+        """Wait until something happens or the time limit passes."""
         if self._has_changed:
             return
         self._changed.clear()

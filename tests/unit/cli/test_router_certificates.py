@@ -233,7 +233,7 @@ async def test_the_wrong_protocol(folder: Path) -> None:
         ({}, "TLS needs a certificate and its key"),
         (
             {"listen_certificate": "robot.pem", "listen_private_key": "none.key"},
-            "none.key cannot be read (No such file or directory): check transport/link/tls/listen_private",
+            "none.key cannot be read (No such file or directory); check transport/link/tls/listen_private",
         ),
         ({"listen_certificate": "ext", "listen_private_key": "robot.key"}, "ext is not a certificate"),
     ],

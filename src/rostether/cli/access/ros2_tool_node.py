@@ -120,7 +120,7 @@ class ToolNode:
         domains = await cast("ZenohGraph", self.graph.raw).other_domains()
         if domains:
             shown = ", ".join(map(str, domains[:MAX_SHOWN_DOMAINS]))
-            warn(f"this ROS 2 domain has no nodes; there are nodes in domain {shown}: check ROS_DOMAIN_ID")
+            warn(f"this ROS 2 domain has no nodes; there are nodes in domain {shown}; check ROS_DOMAIN_ID")
 
 
 def _looks_complete(view: GraphView) -> bool:

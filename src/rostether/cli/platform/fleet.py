@@ -105,7 +105,7 @@ class DriveOptions:
 @option_group("options", DriveOptions)
 @fleet_options()
 def drive(options: DriveOptions, fleet: FleetSettings) -> int:
-    """Drive one robot or groups (arduino_control/ArduinoControl) until the time is over, or until Ctrl-C.
+    """Drive one robot or groups (arduino_control/ArduinoControl) for the time of --for, or until Ctrl-C.
 
     One sender commands a robot at a time. A robot stops automatically 0.3 s after the last command. The exit
     code is 1 if no robot answers.

@@ -69,7 +69,7 @@ async def choose_ros2_topic(
     types = view.types([EndpointKind.PUBLISHER], found)
     if len(types) > 1:
         raise TypeMismatchError(
-            f"topic {found} has more than one type ({', '.join(types)}): give the type after the topic"
+            f"topic {found} has more than one type ({', '.join(types)}); give the type after the topic"
         )
     if not needs_definition and found == wanted:
         return ChosenRos2Topic(found, short_name(types[0]))

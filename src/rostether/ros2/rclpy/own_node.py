@@ -137,7 +137,7 @@ class OwnNode:
             ):
                 raise TypeMismatchError(
                     f"the definition of {support.name} that is installed for rclpy differs from the known "
-                    f"one ({installed[:_SHOWN_HASH]}..., not {support.type_hash[:_SHOWN_HASH]}...): give its "
+                    f"one ({installed[:_SHOWN_HASH]}..., not {support.type_hash[:_SHOWN_HASH]}...); give its "
                     "folder with --msg-path, or set ROS_DISTRO to the distribution that is installed"
                 )
 

@@ -29,7 +29,7 @@ _NAME_FAULTS = frozenset({62, 64})
 _TLS_PROTOCOLS = ("tls/", "quic/")
 
 # The cause if an endpoint accepts connections, or its protocol cannot be tried.
-NO_SESSION = "zenoh cannot connect to it: check its protocol (tcp, tls, quic), and that it is a zenoh router"
+NO_SESSION = "zenoh cannot connect to it; check its protocol (tcp, tls, quic), and that it is a zenoh router"
 
 _LOOPBACK = ("localhost", "127.", "[::1]")
 _TLS = "transport/link/tls"
@@ -103,7 +103,7 @@ async def _find_tls_fault(
     except TimeoutError:
         return "it accepts connections, but does not speak TLS: is it a tcp/ endpoint?"
     except OSError as error:
-        return f"it ends TLS connections ({_words(error)}): check the port"
+        return f"it ends TLS connections ({_words(error)}); check the port"
     return ""
 
 
@@ -132,7 +132,7 @@ def _find_file_fault(tls: Mapping[str, Any], *names: str) -> str:
         try:
             Path(path).read_bytes()
         except OSError as error:
-            return f"{path} cannot be read ({_words(error)}): check {name}"
+            return f"{path} cannot be read ({_words(error)}); check {name}"
     context = ssl.SSLContext(ssl.PROTOCOL_TLS_CLIENT)
     authority, certificate, key = (files.get(f"{_TLS}/{name}") for name in (*names, "", "")[:3])
     try:
@@ -167,7 +167,7 @@ def _explain_verification(error: ssl.SSLCertVerificationError, tls: Mapping[str,
     if "issuer" in reason or "self-signed" in reason or "self signed" in reason:
         authority = tls.get("root_ca_certificate")
         where = f"{authority} is not its authority" if authority else "no authority is given"
-        return f"its certificate is not known here ({reason}; {where}): set {_TLS}/root_ca_certificate"
+        return f"its certificate is not known here ({reason}; {where}); set {_TLS}/root_ca_certificate"
     if error.verify_code in _NAME_FAULTS:
         return f"its certificate is for another machine ({reason}): connect by a name that it contains"
     return f"its certificate is not valid here ({reason}): renew it, or set the clock of this machine"
@@ -177,7 +177,7 @@ def _explain_refusal(error: ssl.SSLError) -> str:
     reason = (error.reason or str(error)).lower().replace("_", " ")
     if "certificate required" in reason or "handshake failure" in reason:
         return (
-            f"it asks for a certificate ({reason}): set {_TLS}/connect_certificate, connect_private_key and "
+            f"it asks for a certificate ({reason}); set {_TLS}/connect_certificate, connect_private_key and "
             "enable_mtls: true"
         )
     if "expired" in reason:

@@ -62,7 +62,7 @@ def test_a_wrong_domain_is_reported(world: ZenohWorld, shell: Shell, monkeypatch
     monkeypatch.setattr("rostether.ros2.zenoh.node.DOMAINS_TIMEOUT_S", 60.0)
     listed = shell("topic", "list")
     assert listed.out == ""
-    assert "no nodes; there are nodes in domain 0: check ROS_DOMAIN_ID" in listed.err
+    assert "no nodes; there are nodes in domain 0; check ROS_DOMAIN_ID" in listed.err
 
 
 def test_info(world: ZenohWorld, shell: Shell) -> None:
