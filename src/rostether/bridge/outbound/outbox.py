@@ -1,4 +1,4 @@
-"""The output to one board: control traffic first, then one bounded queue for each topic, in turns.
+"""The output to one board: control traffic first, then one bounded queue for each topic, in turn.
 
 On links with flow control (TCP, pty), a queue that overflows pauses its source: the messages wait in ROS, and
 none is lost. The pause ends if the board accepts no byte for a second. On other links, and for such a board,
