@@ -1,4 +1,4 @@
-"""Packages as ROS 2 installs them: `share/NAME` below each prefix that AMENT_PREFIX_PATH names."""
+"""Packages as ROS 2 installs them: `share/NAME` below each prefix in AMENT_PREFIX_PATH."""
 
 from __future__ import annotations
 

@@ -145,7 +145,7 @@ class TopicTable:
         return events
 
     def withdraw_all_but(self, keys: Iterable[EndpointKey]) -> list[HostEvent]:
-        """Remove every other endpoint."""
+        """Remove all endpoints except those with the given keys."""
         events: list[HostEvent] = []
         for key in sorted(self.keys() - set(keys)):
             events += self._remove(key)

@@ -68,7 +68,7 @@ class MessageText:
         return dump(yaml.SafeDumper) if _ESCAPED in text else text
 
     def csv(self, message: Message, definition: Ros2Message) -> str:
-        """Return all fields of a message and of those below it, with commas between."""
+        """Return all fields of a message and of its nested messages, with commas between."""
         return ",".join(self._cells(message, definition))
 
     def python(self, message: Message, definition: Ros2Message) -> str:

@@ -1,4 +1,4 @@
-"""One topic that a node publishes: its zenoh publisher, its token, and the handles on it."""
+"""One topic that a node publishes: its zenoh publisher, its token, and the handles to it."""
 
 from __future__ import annotations
 

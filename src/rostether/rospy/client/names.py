@@ -158,7 +158,7 @@ def resolve_name_without_node_name(name: str) -> str:
 
 
 def get_ros_root(required: bool = False, env: Mapping[str, str] | None = None) -> str | None:
-    """Return ROS_ROOT. Raises ROSException if it is not set although `required`."""
+    """Return ROS_ROOT. Raises ROSException if it is `required` but not set."""
     root = (os.environ if env is None else env).get("ROS_ROOT")
     if required and not root:
         raise ROSException("ROS_ROOT is not set")
