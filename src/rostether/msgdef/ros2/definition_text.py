@@ -35,7 +35,7 @@ def message_text(message: Ros2Message) -> str:
 
 
 def full_text(message: Ros2Message, source: TextSource) -> str:
-    """Return the texts of the message and of its nested messages. Raises UnknownTypeError, DefinitionError."""
+    """Return the texts of a message and its nested messages. Raises UnknownTypeError, DefinitionError."""
     texts = [source.text(message.full_name)]
     texts += [
         f"{SEPARATOR}\nMSG: {ros1_name(below.full_name)}\n{source.text(below.full_name)}"

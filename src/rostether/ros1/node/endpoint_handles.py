@@ -127,7 +127,7 @@ class Endpoints:
         return await self.add_publication(publication)
 
     async def add_publication(self, publication: Publication) -> Publisher:
-        """Register a publication and return a handle on it."""
+        """Register a publication and return a handle to it."""
         self._publications[publication.topic] = publication
         publisher = Publisher(publication, self._release_publication)
         try:
