@@ -172,7 +172,7 @@ class _Counter:
         self._elements += 1
         if self._elements > MAX_ELEMENTS:
             raise RobotModelError(
-                f"{self._file} expands to more than {MAX_ELEMENTS} elements: simplify its macros"
+                f"{self._file} expands to more than {MAX_ELEMENTS} elements; simplify its macros"
             )
         return self._eval_all(node, macros, symbols)
 
@@ -182,7 +182,7 @@ class _Counter:
             self._characters += len(result)
         if self._characters > MAX_CHARACTERS:
             raise RobotModelError(
-                f"{self._file} expands to more than {MAX_CHARACTERS} characters: shorten its properties"
+                f"{self._file} expands to more than {MAX_CHARACTERS} characters; shorten its properties"
             )
         return result
 

@@ -77,7 +77,7 @@ def doctor(
     """
     if fleet:
         if (port, ros2) != (None, None):
-            raise click.UsageError("with --fleet, doctor examines no board: omit PORT and --ros2")
+            raise click.UsageError("with --fleet, doctor examines no board; omit PORT and --ros2")
         from rostether.cli.platform.fleet_doctor import examine_fleet
         from rostether.cli.platform.fleet_options import fleet_settings
 
@@ -87,7 +87,7 @@ def doctor(
         raise click.UsageError("--key-file and --interface need --fleet")
     if ros2 is not None:
         if port is not None or seconds is not None:
-            raise click.UsageError("with --ros2, doctor examines no board: omit PORT and --duration")
+            raise click.UsageError("with --ros2, doctor examines no board; omit PORT and --duration")
         from rostether.cli.bridge.ros2_doctor import examine_ros2
 
         return EXIT_DONE if run(examine_ros2(ros2, as_json=as_json)) else EXIT_FAILED

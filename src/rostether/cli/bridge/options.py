@@ -80,7 +80,7 @@ def unchosen_lines(devices: DeviceBook, links: Sequence[Address]) -> list[str]:
     from rostether.ports.devices_toml import MATCH_KEYS
 
     return [
-        f"devices.{name} matches no board: add a key to identify it ({', '.join(MATCH_KEYS)}), or append "
+        f"devices.{name} matches no board; add a key to identify it ({', '.join(MATCH_KEYS)}), or append "
         f"?name={name} to an ADDRESS"
         for name in devices.unchosen([link.name for link in links])
     ]

@@ -25,7 +25,7 @@ from rostether.gateways.websocket.admission import Rights
 MAX_REPORTED_ERRORS = 100
 
 # The refusal for a client that may only view.
-_VIEW_ONLY = "this connection may only view: open the page with the full token to publish, call and set"
+_VIEW_ONLY = "this connection may only view; open the page with the full token to publish, call and set"
 
 
 class Client:

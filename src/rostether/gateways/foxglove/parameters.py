@@ -241,4 +241,4 @@ def _native(name: str, value: Any, depth: int = 0) -> ParamValue:
         return [_native(name, each, depth + 1) for each in value]
     if isinstance(value, bool | int | float | str | bytes):
         return value
-    raise ConfigError(f"parameter {name} cannot hold null inside of a value")
+    raise ConfigError(f"parameter {name} cannot contain null inside a value")

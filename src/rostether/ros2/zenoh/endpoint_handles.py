@@ -196,7 +196,7 @@ class Endpoints:
                 graph.unlisten(Kind.SERVER, service, changed.set)
         servers = graph.endpoints(Kind.SERVER, service)
         if not servers:
-            raise ServiceUnavailableError(f"no node offers the service {service}")
+            raise ServiceUnavailableError(f"no node offers the service {service}; start its node")
         return servers
 
     def _own_gids(self, topic: str) -> set[bytes]:

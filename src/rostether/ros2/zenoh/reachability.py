@@ -169,7 +169,7 @@ def _explain_verification(error: ssl.SSLCertVerificationError, tls: Mapping[str,
         where = f"{authority} is not its authority" if authority else "no authority is given"
         return f"its certificate is not known here ({reason}; {where}); set {_TLS}/root_ca_certificate"
     if error.verify_code in _NAME_FAULTS:
-        return f"its certificate is for another machine ({reason}): connect by a name that it contains"
+        return f"its certificate is for another machine ({reason}); connect by a name that it contains"
     return f"its certificate is not valid here ({reason}): renew it, or set the clock of this machine"
 
 
