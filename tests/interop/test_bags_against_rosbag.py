@@ -321,7 +321,8 @@ async def test_a_file_that_may_not_grow_ends_the_recording_with_a_line(
     if "gives it an index" in text:  # where the last chunk has left no room for that
         await _run(stage, "bag", "reindex", str(path))
     found = _ours(path)
-    assert 150 < len(found) < 200
+    # A late writer has more messages in the chunk that did not fit.
+    assert 50 < len(found) < 200
     assert await _theirs(stage, path) == found
 
 
