@@ -99,6 +99,9 @@ async def meeting() -> AsyncIterator[Meeting]:
     ears = [asyncio.ensure_future(hear_counts()), asyncio.ensure_future(hear_answers())]
     try:
         yield made
+    except AssertionError as error:
+        error.add_note("\n".join(["the bridge reported:", *made.reporter.texts[-10:]]))
+        raise
     finally:
         for ear in ears:
             ear.cancel()

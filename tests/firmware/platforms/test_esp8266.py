@@ -19,9 +19,9 @@ QEMU = (
     "none",
     "-monitor",
     "none",
-    # The program's clock counts instructions of 4 ns: a busy machine must not look like a gap in a frame.
+    # The program's clock counts instructions of 1 ns: a busy machine must not look like a gap in a frame.
     "-icount",
-    "shift=2",
+    "shift=0",
 )
 
 
