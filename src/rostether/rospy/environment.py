@@ -13,7 +13,7 @@ PACKAGES_VARIABLE = "ROSTETHER_PACKAGE_FOLDERS"
 # The folders of rostether and of our rospy's dependencies, for scripts that name another Python.
 IMPORT_VARIABLE = "ROSTETHER_IMPORT_PATH"
 
-_NEEDED = ("rostether", "h11", "yaml")
+_NEEDED = ("rostether", "h11", "msgspec", "yaml")
 
 # Goes on PYTHONPATH. It only holds a sitecustomize.py, which adds our rospy where there is no real one.
 PATH_FOLDER = Path(__file__).with_name("path")

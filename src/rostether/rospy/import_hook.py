@@ -115,7 +115,7 @@ class PackageFinder(MetaPathFinder):
         """Return a spec for a module or package that Python itself does not find."""
         if home := _HOMES.get(fullname):
             return ModuleSpec(fullname, _HomeLoader(home.split()))
-        if "." in fullname:
+        if "." in fullname or fullname.startswith("_"):
             return None
         from rostether.rospy.client.message_types import all_types
 

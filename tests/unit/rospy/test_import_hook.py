@@ -1,12 +1,23 @@
 from __future__ import annotations
 
+from collections.abc import AsyncIterator
 from pathlib import Path
 
 import pytest
+import pytest_asyncio
 
+from rostether.ros1.master.server import MasterServer
 from unit.rospy.programs import printed
 
 PACKAGE_XML = "<package><name>arm</name><version>1.0.0</version><description>d</description></package>"
+
+
+@pytest_asyncio.fixture
+async def master() -> AsyncIterator[str]:
+    """Run our master."""
+    server = await MasterServer.start(port=0)
+    yield server.uri
+    await server.close()
 
 
 @pytest.fixture
@@ -160,3 +171,21 @@ print(genpy.message.get_service_class("std_srvs/Empty"), genpy.message.get_messa
         "<class 'std_msgs.msg.String'> None",
         "<class 'std_srvs.srv.Empty'> <class 'rostether.rospy.client.stamps.Time'>",
     ]
+
+
+async def test_a_python_whose_version_msgspec_is_not_compiled_for(
+    master: str, package: Path, tmp_path: Path
+) -> None:
+    (tmp_path / "msgspec.py").write_text("raise ImportError")
+    script = """
+import msgspec, rospy
+from arm.msg import Angles
+print('stand_in' in msgspec.__file__, Angles(angles=[1, 2]).angles, rospy.Time(1) < rospy.Time(2))
+rospy.init_node('arm')
+rospy.set_param('~speed', 3)
+print(rospy.get_param('~speed'), rospy.get_published_topics('/none'))
+"""
+    lines = await printed(
+        script, master_uri=master, packages={"arm": package}, environ={"PYTHONPATH": str(tmp_path)}
+    )
+    assert lines == ["True [1, 2] True", "3 []"]

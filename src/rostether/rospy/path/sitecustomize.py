@@ -26,6 +26,12 @@ def _add_rospy(here: str) -> None:
         if folder and folder not in sys.path:
             sys.path.append(folder)
     sys.path.append(os.path.join(facade, "modules"))  # noqa: PTH118
+    # Before our finder, which would search for the optional modules that this import tries.
+    try:
+        import msgspec  # noqa: F401
+    except ImportError:
+        # It is compiled for the Python that rostether is installed in, and this is another version.
+        sys.path.insert(0, os.path.join(facade, "stand_in"))  # noqa: PTH118
     from rostether.rospy.import_hook import install
 
     install()
