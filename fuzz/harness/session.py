@@ -80,7 +80,7 @@ def _service(name: str, first_id: int) -> list[tuple[int, TopicInfo]]:
 
 
 class _Lines:
-    def line(self, level: Level, text: str, *, node: str = "") -> None:
+    def report(self, level: Level, text: str, *, node: str = "") -> None:
         """Check a line of the report."""
         assert "\n" not in text
         assert "please report" not in text, text

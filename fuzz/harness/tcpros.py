@@ -84,7 +84,7 @@ def _outcome(make: Callable[[int], Any], parts: list[bytes]) -> list[bytes] | No
     except RostetherError as error:
         assert "\n" not in str(error)
         return None
-    return [each if isinstance(each, bytes) else bytes([each.ok]) + each.payload for each in found]
+    return [each if isinstance(each, bytes) else bytes([each.is_ok]) + each.payload for each in found]
 
 
 def _items(stream: bytes, head_bytes: int) -> list[bytes] | None:

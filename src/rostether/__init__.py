@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-# Without typing, whose import would take most of a command's start.
+# Type checkers assume True. Importing it from typing would take most of a command's start-up time.
 TYPE_CHECKING = False
 
 if TYPE_CHECKING:
@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
 __all__ = ["Device", "join", "sync"]
 
-# Imported on first use: the command line starts without them.
+# These modules are imported on first use, because the command line starts without them.
 _HOMES = {"Device": "rostether.device", "join": "rostether.joining", "sync": "rostether.sync"}
 
 

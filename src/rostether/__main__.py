@@ -16,8 +16,8 @@ def _end_at_interrupt() -> None:
         signal.signal(signal.SIGINT, signal.SIG_DFL)
 
 
-# At import: only the command imports this module, and its starter does more before it calls `main`. Commands
-# handle Ctrl-C from their start (`cli.shell.interrupts`).
+# This runs at import, because the command's starter script works for a moment before it calls `main`;
+# only the command imports this module. Commands handle Ctrl-C from their start (`cli.shell.interrupts`).
 _end_at_interrupt()
 
 

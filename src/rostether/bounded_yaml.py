@@ -61,7 +61,7 @@ class YamlError(ValueError):
 @cache
 def safe_loader() -> Any:
     """Return the loader class: YAML's plain types, with numbers of bounded length."""
-    # Not at import: most commands never read YAML, and it takes 10 ms.
+    # Imported here, because most commands never read YAML, and the import takes 10 ms.
     import yaml
 
     base: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)

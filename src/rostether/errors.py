@@ -63,8 +63,8 @@ class LaunchError(RostetherError):
     """A launch file cannot be understood or started; `line` counts from 1, 0 is unknown."""
 
     def __init__(self, message: str, *, file: str = "", line: int = 0) -> None:
-        place = ":".join(str(part) for part in (file, line) if part)
-        super().__init__(f"{place}: {message}" if place else message)
+        location = ":".join(str(part) for part in (file, line) if part)
+        super().__init__(f"{location}: {message}" if location else message)
         self.file = file
         self.line = line
 
@@ -97,8 +97,8 @@ class DefinitionError(RostetherError):
     """A message or service definition cannot be read; `line` and `column` count from 1, 0 is unknown."""
 
     def __init__(self, message: str, *, file: str = "", line: int = 0, column: int = 0) -> None:
-        place = ":".join(str(part) for part in (file, line, column) if part)
-        super().__init__(f"{place}: {message}" if place else message)
+        location = ":".join(str(part) for part in (file, line, column) if part)
+        super().__init__(f"{location}: {message}" if location else message)
         self.file = file
         self.line = line
         self.column = column

@@ -77,7 +77,7 @@ async def _joined_ros2(
     environ: Mapping[str, str] | None,
     numpy: bool,
 ) -> AsyncIterator[TypedGraph]:
-    # Not at import: programs on ROS 1 alone need none of it.
+    # Imported here, because programs on ROS 1 alone need none of these modules.
     from rostether.ros2.session import open_ros2
     from rostether.ros2.types.native_registry import NativeRegistry
     from rostether.ros2.types.native_types import NativeTypes

@@ -166,5 +166,5 @@ def _guarded(read: Callable[[], T], source: str) -> T:
     try:
         return read()
     except YamlError as error:
-        place = f":{error.line}:{error.column}" if error.line else ""
-        raise ConfigError(f"{source}{place}: this is {error.problem}") from None
+        location = f":{error.line}:{error.column}" if error.line else ""
+        raise ConfigError(f"{source}{location}: this is {error.problem}") from None

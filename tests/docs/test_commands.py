@@ -17,6 +17,7 @@ import sys
 import tempfile
 import time
 from collections.abc import Iterator
+from datetime import UTC, datetime
 from pathlib import Path
 
 import pytest
@@ -43,14 +44,16 @@ SHARING = re.compile(r"\b1\d{4}\b|ros2|zenoh|demo\b")
 # Times of runs and names of this machine, and what the pages show for them.
 NEUTRAL = {
     r"\[\d{10}\.\d{6}\]": "[1700000000.123456]",
-    r"(?<![\d.])1[789]\d{8}(?!\d)": "1700000000",
+    r"(?<![\d.(])1[789]\d{8}(?!\d)": "1700000000",
     r"(?<![\d.])1[789]\d{17}(?!\d)": "1700000000123456789",
-    r"\b[A-Z][a-z]{2} \d\d \d{4} \d\d:\d\d:\d\d\.\d\d": "Jan 01 2025 12:00:00.00",
     r"/dev/pts/\d+": "/dev/pts/3",
     r"_(joint|relay)_[0-9a-f]+": r"_\1_18eac27b0d2102ce321ffdf5",
     r"\b[0-9a-f]{8}(?:-[0-9a-f]{4}){3}-[0-9a-f]{12}\b": "9b3ef592-375a-46ab-af4c-4d4a4fcfbf68",
     r"\b(?:the ports are|no serial port found)[^\n\"]*": "the ports are /dev/ttyS0 (serial port)",
 }
+# The start or the end of a recording; pages show a recording that starts at NEUTRAL_START_S.
+RECORDING_TIME = re.compile(r"[A-Z][a-z]{2} \d\d \d{4} \d\d:\d\d:\d\d(\.\d\d) \((\d{10})\.\d\d\)")
+NEUTRAL_START_S = int(datetime(2025, 1, 1, 12, tzinfo=UTC).timestamp())
 # The exit codes of commands that end by themselves or by Ctrl-C.
 ENDS = (0, 130, -signal.SIGINT)
 # Commands that change nothing, or the same again, and look at a graph or a board for a limited time.
@@ -169,7 +172,7 @@ class Terminal:
         text = text.replace(self._master.replace("localhost", "127.0.0.1"), "http://127.0.0.1:11311")
         for pattern, neutral in NEUTRAL.items():
             text = re.sub(pattern, neutral, text)
-        return text
+        return _with_neutral_recording_times(text)
 
     @staticmethod
     def _end(process: subprocess.Popen[bytes]) -> int:
@@ -190,6 +193,16 @@ class Terminal:
             for process in self._running:
                 if process.poll() is None:
                     ending.callback(self._end, process)
+
+
+def _with_neutral_recording_times(text: str) -> str:
+    times_s = [int(found[2]) for found in RECORDING_TIME.finditer(text)]
+
+    def neutral(found: re.Match[str]) -> str:
+        time_s = NEUTRAL_START_S + int(found[2]) - times_s[0]
+        return f"{datetime.fromtimestamp(time_s, UTC):%b %d %Y %H:%M:%S}{found[1]} ({time_s}{found[1]})"
+
+    return RECORDING_TIME.sub(neutral, text)
 
 
 def _shown(lines: list[str], expected: tuple[str, ...], printed: str) -> list[str]:

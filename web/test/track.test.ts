@@ -5,8 +5,8 @@ import { nearestLongitude, Track } from "../src/panels/map/track.ts";
 test("a track is bounded, and keeps its ends", () => {
   const track = new Track();
   for (let i = 0; i < 50_000; i++) track.add({ latitude: i * 1e-5, longitude: 0 });
-  assert.ok(track.places.length <= 20_000);
-  assert.deepEqual([track.places[0]!.latitude, track.places.at(-1)!.latitude], [0, 49_999 * 1e-5]);
+  assert.ok(track.positions.length <= 20_000);
+  assert.deepEqual([track.positions[0]!.latitude, track.positions.at(-1)!.latitude], [0, 49_999 * 1e-5]);
 });
 
 test("a robot that crosses the date line stays near itself", () => {

@@ -131,16 +131,16 @@ class SetupLines:
         what = "publish" if event.role is TopicRole.PUBLISHER else "subscribe"
         self._report(f"Note: {what} buffer size is {event.info.buffer_size} bytes")
 
-    def topic(self, event: TopicAnnounced) -> None:
+    def report_topic(self, event: TopicAnnounced) -> None:
         """Report that a topic is served."""
         self._report(f"Setup {event.role.value} on {event.info.topic_name} [{event.info.message_type}]")
 
-    def service(self, event: ServiceAnnounced) -> None:
+    def report_service(self, event: ServiceAnnounced) -> None:
         """Report that a service is served."""
         what = "server" if event.role is ServiceRole.SERVER else "client"
         self._report(f"Setup service {what} on {event.name} [{event.type}]")
 
-    def refused(self, event: AnnouncementRefused) -> None:
+    def report_refusal(self, event: AnnouncementRefused) -> None:
         """Report why a topic is not served."""
         name = event.topic_name or "a topic without a name"
         self._report(f"{name} [{event.message_type}] is not bridged: {event.reason}", Level.ERROR)

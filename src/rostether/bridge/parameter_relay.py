@@ -77,7 +77,7 @@ class ParameterRelay:
     def ask(self, name: str) -> None:
         """Handle a parameter request of the board."""
         if len(self._names) >= MAX_WAITING:
-            self._notices.episode(
+            self._notices.report_episode(
                 "parameters", Level.WARN, f"too many parameter requests at once; {name} gets no answer"
             )
             return
@@ -156,7 +156,7 @@ class ParameterRelay:
         return answer
 
     def _report(self, name: str, reason: str) -> None:
-        self._notices.episode(
+        self._notices.report_episode(
             f"parameter {name[:80]}", Level.WARN, f"parameter {name}, requested by the board: {reason}"
         )
 

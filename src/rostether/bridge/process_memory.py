@@ -84,7 +84,7 @@ class BoardObjects:
 
 def release_memory() -> None:
     """Return unused pages to the system, in about 10 ms for 100 MB; without glibc, do nothing."""
-    # Not at import: few processes need it.
+    # Imported here, because few processes need it.
     import ctypes
 
     try:

@@ -20,14 +20,14 @@ LineText: TypeAlias = str | Callable[[], str]
 class Reporter(Protocol):
     """Receives the bridge's reports to users; a command line prints them."""
 
-    def line(self, level: Level, text: str, *, node: str = "") -> None:
+    def report(self, level: Level, text: str, *, node: str = "") -> None:
         """Show one line; `node` is the board's node name, empty for the bridge itself."""
 
 
 class SilentReporter:
     """A reporter without output."""
 
-    def line(self, level: Level, text: str, *, node: str = "") -> None:
+    def report(self, level: Level, text: str, *, node: str = "") -> None:
         """Drop the line."""
 
 
@@ -41,14 +41,14 @@ class LimitedReporter:
         self._clock = clock
         self._budget = LineBudget(count, period_s)
 
-    def line(self, level: Level, text: str, *, node: str = "") -> None:
+    def report(self, level: Level, text: str, *, node: str = "") -> None:
         """Show one line, or count it."""
         omitted_count = self._budget.admit(self._clock())
         if omitted_count is None:
             return
         if omitted_count:
-            self._reporter.line(Level.WARN, f"omitted {counted(omitted_count, 'line')} like the next one")
-        self._reporter.line(level, shown_line(text), node=node)
+            self._reporter.report(Level.WARN, f"omitted {counted(omitted_count, 'line')} like the next one")
+        self._reporter.report(level, shown_line(text), node=node)
 
 
 def shown_line(text: str) -> str:
@@ -75,15 +75,15 @@ class Notices:
 
     def report(self, level: Level, text: str) -> None:
         """Report a line."""
-        self._reporter.line(level, shown_line(text), node=self.node)
+        self._reporter.report(level, shown_line(text), node=self.node)
         if self.to_graph is not None:
             self.to_graph(level, text)
 
     def show(self, level: Level, text: str) -> None:
         """Report a line to users only, not to the graph."""
-        self._reporter.line(level, shown_line(text), node=self.node)
+        self._reporter.report(level, shown_line(text), node=self.node)
 
-    def episode(self, kind: str, level: Level, text: LineText, *, count: int = 1) -> None:
+    def report_episode(self, kind: str, level: Level, text: LineText, *, count: int = 1) -> None:
         """Report the first line of a `kind`; drop more of them until there was none for 10 s."""
         suppressed = self._episodes.admit(kind, self._clock(), count=count)
         if suppressed is None:
@@ -91,9 +91,9 @@ class Notices:
         line = text if isinstance(text, str) else text()
         self.report(level, f"{line} (and {suppressed} more the last time)" if suppressed else line)
 
-    def defect(self, error: Exception) -> None:
+    def report_defect(self, error: Exception) -> None:
         """Report that a part of a session failed."""
-        self.episode("defect", Level.ERROR, f"part of the session failed: {reason_of(error)}")
+        self.report_episode("defect", Level.ERROR, f"part of the session failed: {reason_of(error)}")
 
     def end_episode(self, kind: str) -> None:
         """Report the next line of `kind` again."""

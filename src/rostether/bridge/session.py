@@ -89,7 +89,7 @@ class Session:
         self._no_answer: asyncio.TimerHandle | None = None
         self._timer: asyncio.TimerHandle | None = None
         self._timer_due_s = 0.0
-        self._pause = ReadingPause(transport, node.notices.defect)
+        self._pause = ReadingPause(transport, node.notices.report_defect)
         self._setup = node.setup
         self._setup.connected()
         self._was_reset = False
@@ -102,7 +102,7 @@ class Session:
             ServiceAnnounced: self._service_announced,
             ServiceWithdrawn: self._withdrawn,
             MessagesReceived: lambda event: self._deliver(event.topic_id, event.payloads),
-            AnnouncementRefused: self._setup.refused,
+            AnnouncementRefused: self._setup.report_refusal,
             NegotiationSettled: self._settled,
             TimeRequested: self._time_requested,
             LogReceived: lambda event: node.notices.report(Level[event.level.name], event.text),
@@ -183,7 +183,7 @@ class Session:
 
     def pause_until(self, wait: Callable[[], Awaitable[object]]) -> bool:
         """Read nothing from the board until `wait()` ends; return False if the line cannot pause."""
-        return not self._ended.done() and self._pause.until(wait)
+        return not self._ended.done() and self._pause.pause_until(wait)
 
     def rescan(self, payload: bytes) -> None:
         """Handle frames inside a message that does not have its type's layout: noise covered them."""
@@ -250,13 +250,13 @@ class Session:
     def _topic_announced(self, event: TopicAnnounced) -> None:
         self._setup.note_size(event)
         if self.node.endpoints.announce_topic(event, self):
-            self._setup.topic(event)
+            self._setup.report_topic(event)
             if event.role is TopicRole.PUBLISHER:
                 self._stamps.announced(event.info, self.node.store.registry)
 
     def _service_announced(self, event: ServiceAnnounced) -> None:
         if self.node.endpoints.announce_service(event, self):
-            self._setup.service(event)
+            self._setup.report_service(event)
 
     def _withdrawn(self, event: TopicWithdrawn | ServiceWithdrawn) -> None:
         self.node.endpoints.withdraw(event)
@@ -279,7 +279,7 @@ class Session:
         self._parameters.ask(event.name)
 
     def _unknown_id(self, event: UnknownTopicId) -> None:
-        self._notices.episode(
+        self._notices.report_episode(
             "unknown id",
             Level.WARN,
             f"messages on topic id {event.topic_id}, which was not announced; requesting the topics again",
@@ -288,7 +288,7 @@ class Session:
 
     def _control_flood(self, event: ControlFlood) -> None:
         what = _FLOODED.get(event.topic_id, "announcements of topics")
-        self._notices.episode(
+        self._notices.report_episode(
             f"flood of {what}",
             Level.WARN,
             f"the board sends too many {what}; the rest is ignored; let loop() in the sketch wait between "
@@ -300,7 +300,7 @@ class Session:
         self._was_reset = True
         self.node.health.clock.forget()
         self.node.endpoints.fail_calls("reset")
-        self._notices.episode("reset", Level.INFO, "the board was reset; requesting its topics")
+        self._notices.report_episode("reset", Level.INFO, "the board was reset; requesting its topics")
 
     def note_pause(self) -> None:
         """Record that a simulated board paused with its simulator."""
@@ -312,7 +312,7 @@ class Session:
         self.node.health.report(self.node.health.find(now_s), now_s)
 
     def _report_dropped(self, queue: TopicQueue, count: int) -> None:
-        self._notices.episode(
+        self._notices.report_episode(
             f"overflow {queue.topic}",
             Level.WARN,
             f"{queue.topic} is faster than the board can receive; dropping its oldest messages",
@@ -320,7 +320,7 @@ class Session:
         )
 
     def _fail(self, error: Exception) -> None:
-        self._notices.episode(
+        self._notices.report_episode(
             "defect",
             Level.ERROR,
             f"the session failed ({type(error).__name__}: {error}) and starts again; please report it",

@@ -52,8 +52,8 @@ from rostether.transports.web import WebTransport
 
 # The longest pause between attempts to reach a master: after its start, boards are expected in seconds.
 MAX_JOIN_WAIT_S = 2.0
-# A board sends data within 2 s after it connects; a silent connection uses a place that another board may
-# need.
+# A board sends data within 2 s after it connects; a silent connection uses a session that another board
+# may need.
 FIRST_FRAME_LIMIT_S = 60.0
 # The time to ask the boards to stop; a hung board does not read it.
 STOP_LIMIT_S = 0.8
@@ -222,7 +222,7 @@ class Supervisor:
     ) -> None:
         attempts = OpenAttempts(
             Backoff(limit_s=MAX_JOIN_WAIT_S),
-            lambda reason: self._reporter.line(Level.ERROR, f"{reason} (trying again)"),
+            lambda reason: self._reporter.report(Level.ERROR, f"{reason} (trying again)"),
             settle_s=0.0,
         )
         while reason:
@@ -239,14 +239,14 @@ class Supervisor:
         if isinstance(address, WebAddress):
             # The dashboard reports where its page is.
             return
-        self._reporter.line(Level.INFO, f"Waiting for boards on {listener.address}")
+        self._reporter.report(Level.INFO, f"Waiting for boards on {listener.address}")
 
     async def _serve_peer(self, address: Address, transport: Transport) -> None:
-        self._limited_reporter.line(Level.INFO, f"Connection from {transport.peer}")
+        self._limited_reporter.report(Level.INFO, f"Connection from {transport.peer}")
         if isinstance(transport, WebTransport):
             address = transport.address
         error = await self._serve(address, transport, identify_peer(transport.remote, transport.proof))
-        self._limited_reporter.line(
+        self._limited_reporter.report(
             Level.INFO, str(error) if error is not None else f"{transport.peer} is closed"
         )
 
@@ -310,7 +310,7 @@ class Supervisor:
             self._boards.end(board)
             condition = return_condition(address)
         text = f"{reason}; its board is not served until {condition}"
-        self._reporter.line(Level.ERROR, text, node=node.graph.node_name)
+        self._reporter.report(Level.ERROR, text, node=node.graph.node_name)
         if session is not None:
             await session.stop()
         if board.is_kept:
@@ -339,7 +339,7 @@ class Supervisor:
     async def _join_graph(self, name: str, namespace: str, remappings: Mapping[str, str]) -> Graph:
         return await wait_for_master(
             lambda: self._join(name, namespace=namespace, remappings=remappings),
-            lambda error: self._reporter.line(Level.WARN, f"{error}; waiting for it", node=name),
+            lambda error: self._reporter.report(Level.WARN, f"{error}; waiting for it", node=name),
             max_retry_s=MAX_JOIN_WAIT_S,
         )
 
@@ -362,10 +362,10 @@ class Supervisor:
             return
         except RostetherError as error:
             self._has_failed = True
-            self._limited_reporter.line(Level.ERROR, str(error))
+            self._limited_reporter.report(Level.ERROR, str(error))
         except Exception as error:  # noqa: BLE001 - one link's failure stays with that link
             self._has_failed = True
-            self._limited_reporter.line(Level.ERROR, f"a link failed: {reason_of(error)}")
+            self._limited_reporter.report(Level.ERROR, f"a link failed: {reason_of(error)}")
 
 
 def _end_without_frame(session: Session) -> None:

@@ -45,7 +45,7 @@ def write_library_folder(target: Path, files: Mapping[str, bytes]) -> bool:
     replaces = _check_replaceable(target)
     try:
         target.parent.mkdir(parents=True, exist_ok=True)
-        # Next to the target, because a rename works only within one file system.
+        # The temporary folder is next to the target, because a rename works only within one file system.
         with tempfile.TemporaryDirectory(
             dir=target.parent, prefix=f".{target.name}-", ignore_cleanup_errors=True
         ) as scratch:
@@ -96,7 +96,7 @@ def _swap(fresh: Path, target: Path, scratch: Path) -> None:
             with contextlib.suppress(FileNotFoundError):
                 target.rename(before)
             fresh.rename(target)
-        # Even if Ctrl-C interrupts between the two.
+        # Restores the old library also if Ctrl-C interrupts between the two renames.
         except BaseException as error:
             if before.exists() and not target.exists():
                 before.rename(target)

@@ -10,7 +10,7 @@ from rostether.errors import CodegenError
 
 _PACKAGE = Path(__file__).parents[1]
 # In a wheel, the library is next to our modules; in a checkout, next to `src`.
-_PLACES = (_PACKAGE / "client", _PACKAGE.parents[1] / "client")
+_FOLDERS = (_PACKAGE / "client", _PACKAGE.parents[1] / "client")
 # The folder of a library that compilers search for headers.
 SOURCE_FOLDER = "src"
 # The client library for MicroPython, which is not part of the one for C++.
@@ -19,9 +19,9 @@ MICROPYTHON_FOLDER = "micropython"
 
 def client_library() -> Path:
     """Return the folder of the hand-written client library. Raises CodegenError if it is missing."""
-    for place in _PLACES:
-        if (place / SOURCE_FOLDER / "ros.h").is_file():
-            return place
+    for folder in _FOLDERS:
+        if (folder / SOURCE_FOLDER / "ros.h").is_file():
+            return folder
     raise CodegenError(f"the client library is missing beside {_PACKAGE}; install rostether again")
 
 

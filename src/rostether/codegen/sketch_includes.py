@@ -37,10 +37,10 @@ _TOKEN = re.compile(
 
 
 class Include(Struct, frozen=True):
-    """One include of a file outside the sketch and the library; `place` is `file:line`."""
+    """One include of a file outside the sketch and the library; `location` is `file:line`."""
 
     path: str
-    place: str
+    location: str
 
 
 def unresolved_includes(

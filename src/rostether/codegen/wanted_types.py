@@ -94,9 +94,9 @@ def _explain_include(
 ) -> None:
     reason = explain_unknown(index.registry, Kind.MESSAGE, package, short_name)
     if package in index.registry.packages() or _MESSAGE_PACKAGE.fullmatch(package):
-        wanted.missing.append(f"{include.place}: {reason}")
+        wanted.missing.append(f"{include.location}: {reason}")
     elif short_name[0].isupper() and package[0].islower():
-        wanted.doubtful.append(f"{include.place}: if <{include.path}> is a message: {reason}")
+        wanted.doubtful.append(f"{include.location}: if <{include.path}> is a message: {reason}")
 
 
 def _explain_package(index: TypeIndex, package: str) -> str:

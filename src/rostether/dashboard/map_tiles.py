@@ -52,14 +52,14 @@ class MapTiles:
         if not (0 <= zoom <= _MAX_ZOOM and 0 <= column < 1 << zoom and 0 <= row < 1 << zoom):
             return None
         # Rows of the file count from the south.
-        place = (zoom, column, (1 << zoom) - 1 - row, _MAX_TILE_BYTES)
+        arguments = (zoom, column, (1 << zoom) - 1 - row, _MAX_TILE_BYTES)
         query = (
             "SELECT tile_data FROM tiles WHERE zoom_level = ? AND tile_column = ? AND tile_row = ? "
             "AND length(tile_data) <= ?"
         )
         try:
             with closing(self._connect()) as database:
-                found = database.execute(query, place).fetchone()
+                found = database.execute(query, arguments).fetchone()
         except sqlite3.Error:
             # A memory card that was removed; the map stays empty there.
             return None

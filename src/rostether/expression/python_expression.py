@@ -26,7 +26,7 @@ _MAX_FORMAT_DIGITS: Final = 1000
 # The different expressions of a large robot.
 _CACHED_EXPRESSIONS: Final = 2048
 
-# These need the function itself, not one that counts steps.
+# Functions that are called directly, without counting steps.
 _TAKE_TYPES: Final = (isinstance, issubclass, type, repr, str, hash)
 
 _GUARDED_OPERATORS: Final[Mapping[type[ast.operator], str]] = {

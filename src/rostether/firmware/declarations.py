@@ -14,7 +14,7 @@ from rostether.firmware.cpp_tokens import Token
 
 _OPENING = {"(": ")", "[": "]", "{": "}"}
 _CLASS_KEYS = frozenset(("class", "struct", "union", "enum"))
-# They are followed by parentheses, but are not function names.
+# Words before parentheses that are not function names.
 _NOT_FUNCTIONS = frozenset(
     (
         *("__attribute__", "__declspec", "alignas", "decltype", "noexcept", "throw", "sizeof", "asm"),

@@ -87,9 +87,9 @@ def _joined_lines(text: str, path: str) -> list[str]:
     for match in _JOINED.finditer(text):
         group = next(name for name in ("rest", "second", "code") if match[name])
         line = text.count("\n", 0, match.start()) + 1
-        place = f"{path}:{line}:{match.start(group) - match.start() + 1}"
+        location = f"{path}:{line}:{match.start(group) - match.start() + 1}"
         what = "a web page joined several lines into this one; start a new line before"
-        found.append(f"{place}: error: {what} `{match[group][:30].strip()}`")
+        found.append(f"{location}: error: {what} `{match[group][:30].strip()}`")
     return found[:MAX_REPORTED]
 
 

@@ -196,9 +196,13 @@ class ElfFile:
         programs = {}
         with suppress(Exception):
             for unit in self._units:
-                place = unit.get_top_DIE().attributes.get("DW_AT_stmt_list")
+                line_table = unit.get_top_DIE().attributes.get("DW_AT_stmt_list")
                 lines = unit.dwarfinfo.debug_line_sec
-                if place is None or lines is None or not lines_are_bounded(lines.stream, place.value):
+                if (
+                    line_table is None
+                    or lines is None
+                    or not lines_are_bounded(lines.stream, line_table.value)
+                ):
                     continue
                 program = unit.dwarfinfo.line_program_for_CU(unit)
                 if program is not None:

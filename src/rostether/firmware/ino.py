@@ -45,7 +45,7 @@ def add_prototypes(files: Sequence[InoFile], active: dict[str, set[int]] | None)
         for each, text in zip(files, texts, strict=True)
     )
 
-    def place(offset: int) -> tuple[InoFile, int, int]:
+    def origin(offset: int) -> tuple[InoFile, int, int]:
         index = max(i for i, start in enumerate(starts) if start <= offset)
         before = joined[starts[index] : offset]
         return files[index], before.count("\n") + 1, len(before) - before.rfind("\n") - 1
@@ -54,11 +54,11 @@ def add_prototypes(files: Sequence[InoFile], active: dict[str, set[int]] | None)
     # The order at one offset: start of a file, prototypes, then back to the user's line.
     edits = [(start, start, _line(1, file)) for start, file in zip(starts, files, strict=True)]
     for prototype in prototypes:
-        file, line, _ = place(prototype.definition_offset)
+        file, line, _ = origin(prototype.definition_offset)
         edits.append((prototype.offset, prototype.offset, f"\n{_line(line, file)}{prototype.text}\n"))
         edits += [(start, end, re.sub(r"[^\n]", " ", joined[start:end])) for start, end in prototype.moved]
     for offset in dict.fromkeys(prototype.offset for prototype in prototypes):
-        file, line, column = place(offset)
+        file, line, column = origin(offset)
         edits.append((offset, offset, _line(line, file) + " " * column))
     return "#include <Arduino.h>\n" + _edit(joined, edits)
 

@@ -50,10 +50,10 @@ def find_prototypes(text: str) -> list[Prototype]:
         first_use = next((i for i in range(index) if function.name in used[i]), None)
         if first_use is None or _is_declared(function, statements[: first_use + 1]):
             continue
-        place = max(first_use, _after_its_types(function, statements[:index]))
-        while place < index and statements[place].tokens[0].kind == "directive":
-            place += 1
-        if place < index and (prototype := _prototype(function, statements[place].start)) is not None:
+        position = max(first_use, _after_its_types(function, statements[:index]))
+        while position < index and statements[position].tokens[0].kind == "directive":
+            position += 1
+        if position < index and (prototype := _prototype(function, statements[position].start)) is not None:
             found.append(prototype)
     return sorted(found, key=lambda prototype: prototype.offset)
 
@@ -110,12 +110,12 @@ def _is_declared(function: Function, before: Sequence[Statement]) -> bool:
 def _after_its_types(function: Function, before: Sequence[Statement]) -> int:
     """Return the first statement after which all types of the sketch in a function head are declared."""
     names = {token.text for token in function.head if token.kind == "name"} - {function.name}
-    places = []
+    positions = []
     for name in names:
-        place = next((i + 1 for i, each in enumerate(before) if name in each.declared), None)
-        if place is not None:
-            places.append(place)
-    return max(places, default=0)
+        position = next((i + 1 for i, each in enumerate(before) if name in each.declared), None)
+        if position is not None:
+            positions.append(position)
+    return max(positions, default=0)
 
 
 def _prototype(function: Function, offset: int) -> Prototype | None:

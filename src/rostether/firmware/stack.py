@@ -125,7 +125,7 @@ class _Search:
             calls = [
                 (target, depth) for target, depth in self._graph.calls(entry).items() if self._cycle(target)
             ]
-            # The deepest first, so that the order decides between equals.
+            # The deepest calls come first, so that they are kept among similar ones.
             calls.sort(key=lambda call: (-call[1], -self._closed_path(call[0]).depth_bytes, call[0]))
             kept: list[tuple[int, int]] = []
             for call in calls:

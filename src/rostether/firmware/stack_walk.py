@@ -44,7 +44,7 @@ class Walk(Struct):
 class Code(Struct, frozen=True):
     """The flash of a program, the starts and sizes of its functions, and the length of a return address.
 
-    Old compilers place tables of labels below `tables_end`.
+    Old compilers offset tables of labels below `tables_end`.
     """
 
     flash: bytes
@@ -69,8 +69,8 @@ class Code(Struct, frozen=True):
 
     def _words(self, start: int, end: int | None = None) -> Iterator[int]:
         """Return the code addresses in a part of the flash, as if all of it was a table."""
-        places = range(start, len(self.flash) - 1 if end is None else end, 2)
-        return (2 * int.from_bytes(self.flash[place : place + 2], "little") for place in places)
+        offsets = range(start, len(self.flash) - 1 if end is None else end, 2)
+        return (2 * int.from_bytes(self.flash[offset : offset + 2], "little") for offset in offsets)
 
 
 _State = tuple[int, int | None]

@@ -122,7 +122,7 @@ async def _find_avrdude(port: str, list_ports: ListPorts = list_serial_ports) ->
     program = shutil.which("avrdude")
     if program is None:
         raise FirmwareError(_INSTALL_AVRDUDE)
-    # In a thread, because finding the program that uses the port reads /proc.
+    # Runs in a thread, because finding the program that uses the port reads /proc.
     await asyncio.to_thread(check_port, port, list_ports)
     return program
 

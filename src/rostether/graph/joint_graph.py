@@ -130,8 +130,7 @@ class JointGraph:
         self, service: str, service_type: ServiceType, request: bytes, *, timeout_s: float | None = None
     ) -> bytes:
         """Call a service in the first graph that has it."""
-
-        # Unknown types and illegal names too: another graph may accept them.
+        # After these errors, it tries the next graph, which may know the type or accept the name.
         return await self._first_of(
             lambda graph: graph.call_service(service, service_type, request, timeout_s=timeout_s),
             ServiceUnavailableError,
@@ -141,7 +140,7 @@ class JointGraph:
         )
 
     async def list_client(self, service: str, service_type: ServiceType) -> JointServiceClient:
-        """Be listed as a client of a service in all graphs that list them."""
+        """List this node as a client of a service, in all graphs that list clients."""
         return await self._open(JointServiceClient(self.resolve(service), service_type))
 
     async def get_param(self, name: str) -> ParamValue:
@@ -218,7 +217,7 @@ class JointGraph:
     async def _open(self, handle: HandleT) -> HandleT:
         if self._closing is not None:
             raise GraphError(f"node {self.node_name} has left the graph; join again")
-        # Before it opens: a graph that joins in the meantime must find it.
+        # The handle is listed before it opens, so that a graph that joins in the meantime finds it.
         self._handles = [*self._open_handles(), handle]
         try:
             await handle.open(tuple(self._graphs))

@@ -127,7 +127,7 @@ class Publisher(Protocol):
 
 
 class Subscriber(Protocol):
-    """A handle of one subscription."""
+    """A handle to one subscription."""
 
     @property
     def topic(self) -> str:
@@ -148,7 +148,7 @@ class Subscriber(Protocol):
 
 
 class ServiceServer(Protocol):
-    """A handle of one advertised service."""
+    """A handle to one advertised service."""
 
     @property
     def service(self) -> str:
@@ -159,14 +159,14 @@ class ServiceServer(Protocol):
 
 
 class ServiceClient(Protocol):
-    """A handle of a node's entry as a client of one service."""
+    """A handle to a node's entry as a client of one service."""
 
     async def close(self) -> None:
         """Remove the client from the graph. Idempotent."""
 
 
 class Watch(Protocol):
-    """A handle of a parameter watch."""
+    """A handle to a parameter watch."""
 
     async def close(self) -> None:
         """Stop watching. Idempotent."""
@@ -264,7 +264,7 @@ class ListsClients(Protocol):
     """A `Graph` that lists the clients of services, as ROS 2 does; ROS 1 does not know them."""
 
     async def list_client(self, service: str, service_type: ServiceType) -> ServiceClient:
-        """Be listed as a client of a service, even if it does not exist.
+        """List this node as a client of a service, even if the service does not exist.
 
         Raises the same errors as `Graph.advertise`.
         """

@@ -197,8 +197,8 @@ class _Loader:
             if " (included " in str(error) or not error.file:
                 raise
             text = str(error).removeprefix(f"{error.file}:{error.line}: ")
-            place = f"{element.file}:{element.line}"
-            raise LaunchError(f"{text} (included at {place})", file=error.file, line=error.line) from None
+            location = f"{element.file}:{element.line}"
+            raise LaunchError(f"{text} (included at {location})", file=error.file, line=error.line) from None
         finally:
             self._depth -= 1
 

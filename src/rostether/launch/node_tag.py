@@ -105,9 +105,9 @@ class NodeTags:
                     case "rosparam":
                         self._parameters.rosparam(child, own)
         params = [(key, (element, value)) for key, value in scope.private_params.items()]
-        for key, (place, value) in [*params, *own_params.items()]:
-            with reader.at_element(place):
-                reader.set_parameter(place, own.namespace + key.removeprefix(PRIVATE), value)
+        for key, (source, value) in [*params, *own_params.items()]:
+            with reader.at_element(source):
+                reader.set_parameter(source, own.namespace + key.removeprefix(PRIVATE), value)
         return inside
 
     def _filled(self, element: XmlElement, scope: Scope, name: str) -> str:

@@ -116,7 +116,7 @@ class _Launch:
     async def _start(self, node: LaunchNode, number: int) -> bool:
         name = f"{node.full_name.removeprefix('/')}-{number}"
         try:
-            # In a thread, because finding a program searches its package.
+            # Runs in a thread, because finding a program searches its package.
             command = await asyncio.to_thread(command_of, node, self._environ, self._master_uri, self._locate)
             if isinstance(command, Replaced):
                 self._report(Level.WARN, command.line)

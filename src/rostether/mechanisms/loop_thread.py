@@ -78,7 +78,7 @@ class LoopThread:
         except concurrent.futures.CancelledError:
             raise self._interrupted() from None
         except (RostetherError, TimeoutError) as error:
-            # The text explains it; only the program's own frames are of interest.
+            # The text explains the error, so the traceback has only the program's own frames.
             future.cancel()
             raise error.with_traceback(None)  # noqa: B904 - it is the same error
         except BaseException:

@@ -22,8 +22,8 @@ def load_state(path: Path, max_bytes: int) -> dict[str, Any]:
     return content if isinstance(content, dict) and content.get("format") == _FORMAT else {}
 
 
-def store_state(path: Path, values: Mapping[str, Any], *, durable: bool = False) -> None:
+def store_state(path: Path, values: Mapping[str, Any], *, is_durable: bool = False) -> None:
     """Replace the file in one step, see `write_whole`. Raises OSError."""
     path.parent.mkdir(parents=True, exist_ok=True)
     text = json.dumps({"format": _FORMAT, **values}, indent=1) + "\n"
-    write_whole(path, text.encode(), durable=durable)
+    write_whole(path, text.encode(), is_durable=is_durable)

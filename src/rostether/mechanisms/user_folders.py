@@ -9,7 +9,7 @@ from pathlib import Path
 
 
 class Kind(Enum):
-    """The purpose of a folder: its XDG variable, its place below HOME and on macOS, and Windows' variable."""
+    """The purpose of a folder: its XDG variable, its path below HOME, that on macOS, Windows' variable."""
 
     CONFIG = ("XDG_CONFIG_HOME", ".config", ".config", "APPDATA")
     STATE = ("XDG_STATE_HOME", ".local/state", ".local/state", "LOCALAPPDATA")

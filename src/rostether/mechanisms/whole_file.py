@@ -8,11 +8,11 @@ from contextlib import suppress
 from pathlib import Path
 
 
-def write_whole(path: Path, content: bytes, *, durable: bool = False) -> None:
+def write_whole(path: Path, content: bytes, *, is_durable: bool = False) -> None:
     """Create or replace a file. Devices and pipes are written directly. Raises OSError.
 
-    `durable`: even after a power cut, the file is the old or the new one. This can take seconds on a memory
-    card, so call it in a thread.
+    With `is_durable`, even after a power cut the file is the old or the new one. This can take seconds on a
+    memory card, so call it in a thread.
     """
     target = path.resolve()
     exists = target.exists()
@@ -26,7 +26,7 @@ def write_whole(path: Path, content: bytes, *, durable: bool = False) -> None:
             target.open("ab").close()
         with fresh.open("wb") as file:
             file.write(content)
-            if durable:
+            if is_durable:
                 file.flush()
                 os.fsync(file.fileno())
         if exists:
@@ -39,7 +39,7 @@ def write_whole(path: Path, content: bytes, *, durable: bool = False) -> None:
         # The error names the new file, or no file if a write failed.
         error.filename = str(path)
         raise
-    if durable and hasattr(os, "O_DIRECTORY"):
+    if is_durable and hasattr(os, "O_DIRECTORY"):
         folder = os.open(target.parent, os.O_RDONLY | os.O_DIRECTORY)
         try:
             # The new name, too, must be on the disk.

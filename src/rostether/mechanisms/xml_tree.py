@@ -107,10 +107,10 @@ class _Builder:
         assert self._root is not None
         return self._root
 
-    def _cause(self, error: str, data: bytes, place: int) -> str:
-        """Return a hint for the user, or ""; `place` is the byte at which the parser stopped."""
-        before = data[max(place - _CAUSE_BYTES, 0) : place].decode(errors="replace")
-        after = data[place : place + _CAUSE_BYTES].decode(errors="replace")
+    def _cause(self, error: str, data: bytes, offset: int) -> str:
+        """Return a hint for the user, or ""; `offset` is the byte at which the parser stopped."""
+        before = data[max(offset - _CAUSE_BYTES, 0) : offset].decode(errors="replace")
+        after = data[offset : offset + _CAUSE_BYTES].decode(errors="replace")
         last = self._open[-1] if self._open else None
         if last is not None and error in ("mismatched tag", "no element found", "unclosed token"):
             opened = f"<{last.tag}> of line {last.line} is not closed"

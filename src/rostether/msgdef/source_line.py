@@ -1,4 +1,4 @@
-"""A line of a definition's text, for errors that show the place."""
+"""A line of a definition's text, for errors that show where they are."""
 
 from __future__ import annotations
 

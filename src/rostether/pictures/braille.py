@@ -18,14 +18,14 @@ _FAR = 1 << 20
 
 
 def braille(
-    curves: Sequence[Curve], columns: int, rows: int, across: Axis, up: Axis
+    curves: Sequence[Curve], columns: int, rows: int, x_axis: Axis, y_axis: Axis
 ) -> list[list[tuple[str, int | None]]]:
     """Return rows of cells, top first: a character and the index of the last curve drawn there."""
     dots = [[0] * columns for _ in range(rows)]
     owners: list[list[int | None]] = [[None] * columns for _ in range(rows)]
     for number, curve in enumerate(curves):
         for points in pieces(curve.points):
-            placed = [_dot(point, columns, rows, across, up) for point in points]
+            placed = [_dot(point, columns, rows, x_axis, y_axis) for point in points]
             for start, end in zip(placed, placed[1:] or placed, strict=False):
                 for x, y in _dots_between(start, end, (2 * columns, 4 * rows)):
                     dots[y // 4][x // 2] |= _BITS[y % 4][x % 2]
@@ -36,9 +36,9 @@ def braille(
     ]
 
 
-def _dot(point: Point, columns: int, rows: int, across: Axis, up: Axis) -> tuple[int, int]:
-    x = across.part(point[0]) * (2 * columns - 1)
-    y = (1 - up.part(point[1])) * (4 * rows - 1)
+def _dot(point: Point, columns: int, rows: int, x_axis: Axis, y_axis: Axis) -> tuple[int, int]:
+    x = x_axis.part(point[0]) * (2 * columns - 1)
+    y = (1 - y_axis.part(point[1])) * (4 * rows - 1)
     return round(min(max(x, -_FAR), _FAR)), round(min(max(y, -_FAR), _FAR))
 
 

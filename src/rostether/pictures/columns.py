@@ -34,8 +34,8 @@ def column_choices(keys: Sequence[str], edges: Sequence[Ends]) -> Iterator[dict[
 
 def _folded(depth: int, width: int) -> int:
     """Return the column of a depth: 0 1 2 1 0 1 2 for three columns. Neighbors stay neighbors."""
-    place = depth % (2 * width - 2)
-    return min(place, 2 * width - 2 - place)
+    step = depth % (2 * width - 2)
+    return min(step, 2 * width - 2 - step)
 
 
 def _apart(wanted: Mapping[str, int], neighbors: Mapping[str, Sequence[str]]) -> dict[str, int]:

@@ -17,7 +17,7 @@ from rostether.pictures.scene import Anchor, Color, Point, Scene, ellipse, recta
 _SIZE = 12.0
 _MARGIN = 16.0
 
-# Around a label: on each side, and above and below together.
+# The padding of a label: on each side, and above and below together.
 _PADDING = (14.0, 16.0)
 
 # An ellipse is wider than a box around the same text by this factor.
@@ -26,9 +26,9 @@ _ARROW_LENGTH = 8.0
 _ARROW_HALF_WIDTH = 3.5
 _LABEL_SIZE = 10.0
 
-# Between a label and the line that it interrupts.
+# The gap between a label and the line that it interrupts.
 _LABEL_GAP = 4.0
-# Between columns. With labels there are twice as many columns.
+# The gap between columns. With labels there are twice as many columns.
 _GAP = 60.0
 _LABELLED_GAP = 28.0
 _CURVE_STEPS = 14
@@ -113,9 +113,9 @@ def draw(graph: Digraph) -> Scene:
     for source, target, has_head in lines:
         _draw_edge(scene, layout.routes[source, target], has_head=has_head)
     for vertex in graph.vertices:
-        _draw_vertex(scene, vertex, _moved(layout.places[vertex.key]))
+        _draw_vertex(scene, vertex, _moved(layout.positions[vertex.key]))
     for key, label in labels.items():
-        x, y = _moved(layout.places[key])
+        x, y = _moved(layout.positions[key])
         scene.text(x, y + _LABEL_SIZE * 0.3, label, _LABEL_SIZE, _LABEL, Anchor.MIDDLE)
     return scene
 
@@ -125,8 +125,8 @@ def _size(vertex: Vertex) -> Size:
     return (text_width(vertex.label, _SIZE) + 2 * _PADDING[0]) * room, _SIZE + _PADDING[1] * room
 
 
-def _draw_vertex(scene: Scene, vertex: Vertex, place: Point) -> None:
-    (x, y), (width, height) = place, _size(vertex)
+def _draw_vertex(scene: Scene, vertex: Vertex, position: Point) -> None:
+    (x, y), (width, height) = position, _size(vertex)
     fill, color = _FILLS[vertex.shape]
     if vertex.shape is Shape.ELLIPSE:
         scene.area(ellipse(x, y, width, height), fill, color, 1.2)

@@ -41,7 +41,7 @@ class Layout(Struct, frozen=True):
 
     width: float
     height: float
-    places: Mapping[str, Point]
+    positions: Mapping[str, Point]
     routes: Mapping[Ends, Sequence[Point]]
 
 
@@ -54,9 +54,9 @@ def lay_out(sizes: Mapping[str, Size], edges: Sequence[Ends], *, column_gap: flo
         raise ConfigError(f"a graph of {len(sizes)} vertices is too large to draw; use --format dot")
     columns = _fitting(sizes, [ends for ends in dict.fromkeys(edges) if ends[0] != ends[1]], column_gap)
     columns.order()
-    xs = columns.across(column_gap)
-    ys = columns.heights()
-    places = {key: (xs[key], ys[key]) for key in sizes}
+    xs = columns.x_positions(column_gap)
+    ys = columns.y_positions()
+    positions = {key: (xs[key], ys[key]) for key in sizes}
     routes = {}
     for ends in dict.fromkeys(ends for ends in edges if ends[0] != ends[1]):
         is_turned = ends not in columns.chains
@@ -70,7 +70,7 @@ def lay_out(sizes: Mapping[str, Size], edges: Sequence[Ends], *, column_gap: flo
     # Bends of edges may be below all vertices.
     bottoms = [y for points in routes.values() for _, y in points]
     bottom = max((*bottoms, *(ys[key] + size[1] / 2 for key, size in sizes.items())), default=0.0)
-    return Layout(right, bottom, places, routes)
+    return Layout(right, bottom, positions, routes)
 
 
 def _fitting(sizes: Mapping[str, Size], edges: Sequence[Ends], gap: float) -> _Columns:
@@ -93,16 +93,16 @@ class _Columns:
         self._before: dict[str, list[str]] = {key: [] for key in sizes}
         self._behind: dict[str, list[str]] = {key: [] for key in sizes}
         count = 1 + max(column.values(), default=0)
-        self._rows: list[list[str]] = [[] for _ in range(count)]
+        self._columns: list[list[str]] = [[] for _ in range(count)]
         for key in sizes:
-            self._rows[column[key]].append(key)
+            self._columns[column[key]].append(key)
         for number, (source, target) in enumerate(edges):
             chain = [source]
-            for place in range(column[source] + 1, column[target]):
-                bend = f"\0{number} {place}"
+            for index in range(column[source] + 1, column[target]):
+                bend = f"\0{number} {index}"
                 self._sizes[bend] = (0.0, _BEND_HEIGHT)
                 self._before[bend], self._behind[bend] = [], []
-                self._rows[place].append(bend)
+                self._columns[index].append(bend)
                 chain.append(bend)
             chain.append(target)
             self.chains[source, target] = chain
@@ -112,66 +112,66 @@ class _Columns:
 
     def extent(self, gap: float) -> Size:
         """Return the width and the approximate height."""
-        widths = (max((self._sizes[key][0] for key in row), default=0.0) for row in self._rows)
-        heights = (sum(self._sizes[key][1] + _ROW_GAP for key in row) for row in self._rows)
-        return sum(widths) + gap * (len(self._rows) - 1), max(heights, default=0.0)
+        widths = (max((self._sizes[key][0] for key in keys), default=0.0) for keys in self._columns)
+        heights = (sum(self._sizes[key][1] + _ROW_GAP for key in keys) for keys in self._columns)
+        return sum(widths) + gap * (len(self._columns) - 1), max(heights, default=0.0)
 
     def order(self) -> None:
         """Order each column by the mean of its neighbors, in both directions; keep the best order."""
-        best, fewest = [list(row) for row in self._rows], self._crossings()
+        best, fewest = [list(keys) for keys in self._columns], self._crossings()
         for sweep in range(_ORDERING_SWEEPS):
             is_forward = sweep % 2 == 0
             neighbors = self._before if is_forward else self._behind
-            places = self._places()
-            for row in self._rows if is_forward else reversed(self._rows):
-                self._sort(row, neighbors, places)
+            indexes = self._indexes()
+            for keys in self._columns if is_forward else reversed(self._columns):
+                self._sort(keys, neighbors, indexes)
             crossings = self._crossings()
             if crossings < fewest:
-                best, fewest = [list(row) for row in self._rows], crossings
-        self._rows = best
+                best, fewest = [list(keys) for keys in self._columns], crossings
+        self._columns = best
 
     @staticmethod
-    def _sort(row: list[str], neighbors: Mapping[str, list[str]], places: dict[str, int]) -> None:
+    def _sort(keys: list[str], neighbors: Mapping[str, list[str]], indexes: dict[str, int]) -> None:
         middles = {}
-        for place, key in enumerate(row):
-            near = [places[each] for each in neighbors[key]]
-            middles[key] = sum(near) / len(near) if near else float(place)
-        row.sort(key=lambda key: middles[key])
-        places.update((key, place) for place, key in enumerate(row))
+        for index, key in enumerate(keys):
+            near = [indexes[each] for each in neighbors[key]]
+            middles[key] = sum(near) / len(near) if near else float(index)
+        keys.sort(key=lambda key: middles[key])
+        indexes.update((key, index) for index, key in enumerate(keys))
 
-    def _places(self) -> dict[str, int]:
-        return {key: place for row in self._rows for place, key in enumerate(row)}
+    def _indexes(self) -> dict[str, int]:
+        return {key: index for keys in self._columns for index, key in enumerate(keys)}
 
     def _crossings(self) -> int:
-        places, count = self._places(), 0
-        for row in self._rows:
+        indexes, count = self._indexes(), 0
+        for keys in self._columns:
             targets: list[int] = []  # of the vertices above, ascending
-            for key in row:
-                ends = [places[each] for each in self._behind[key]]
+            for key in keys:
+                ends = [indexes[each] for each in self._behind[key]]
                 count += sum(len(targets) - bisect_right(targets, end) for end in ends)
                 for end in ends:
                     insort(targets, end)
         return count
 
-    def across(self, gap: float) -> dict[str, float]:
+    def x_positions(self, gap: float) -> dict[str, float]:
         """Return the x of each center."""
         xs, left = {}, 0.0
-        for row in self._rows:
-            width = max((self._sizes[key][0] for key in row), default=0.0)
-            xs.update(dict.fromkeys(row, left + width / 2))
+        for keys in self._columns:
+            width = max((self._sizes[key][0] for key in keys), default=0.0)
+            xs.update(dict.fromkeys(keys, left + width / 2))
             left += width + gap
         return xs
 
-    def heights(self) -> dict[str, float]:
+    def y_positions(self) -> dict[str, float]:
         """Return the y of each center; the top of the highest vertex is at 0."""
         ys = {}
-        for row in self._rows:
-            ys.update(_spread(self._distances(row), dict.fromkeys(row, 0.0)))
+        for keys in self._columns:
+            ys.update(_spread(self._distances(keys), dict.fromkeys(keys, 0.0)))
         for sweep in range(_PLACING_SWEEPS):
             is_forward = sweep % 2 == 0
-            for row in self._rows if is_forward else reversed(self._rows):
-                wanted = {key: self._middle(key, ys) for key in row}
-                ys.update(_spread(self._distances(row), wanted))
+            for keys in self._columns if is_forward else reversed(self._columns):
+                wanted = {key: self._middle(key, ys) for key in keys}
+                ys.update(_spread(self._distances(keys), wanted))
         top = min((ys[key] - self._sizes[key][1] / 2 for key in ys), default=0.0)
         return {key: y - top for key, y in ys.items()}
 
@@ -179,10 +179,10 @@ class _Columns:
         near = [ys[each] for each in (*self._before[key], *self._behind[key])]
         return sum(near) / len(near) if near else ys[key]
 
-    def _distances(self, row: Sequence[str]) -> list[tuple[str, float]]:
+    def _distances(self, keys: Sequence[str]) -> list[tuple[str, float]]:
         """Return each key of a column with its minimum distance from the one above."""
-        found = [(key, 0.0) for key in row[:1]]
-        for upper, lower in pairwise(row):
+        found = [(key, 0.0) for key in keys[:1]]
+        for upper, lower in pairwise(keys):
             found.append((lower, (self._sizes[upper][1] + self._sizes[lower][1]) / 2 + _ROW_GAP))
         return found
 

@@ -66,10 +66,10 @@ class _Frame(Struct, frozen=True):
     right: float
     top: float
     bottom: float
-    across: Axis
+    x_axis: Axis
 
     def x(self, time_s: float) -> float:
-        return self.left + self.across.part(time_s) * (self.right - self.left)
+        return self.left + self.x_axis.part(time_s) * (self.right - self.left)
 
     def y(self, axis: Axis, value: float) -> float:
         return self.bottom - axis.part(value) * (self.bottom - self.top)
@@ -79,7 +79,7 @@ def draw_plot(curves: Sequence[Curve], labels: Labels | None = None) -> Scene:
     """Draw the curves over the time in which they have values."""
     labels = labels or Labels()
     times = [time_s for curve in curves for time_s, _ in curve.points]
-    across = Axis(min(times), max(times)) if times and min(times) < max(times) else Axis.around(times)
+    x_axis = Axis(min(times), max(times)) if times and min(times) < max(times) else Axis.around(times)
     sides = {is_right: [each for each in curves if each.is_right is is_right] for is_right in (False, True)}
     axes = {
         is_right: Axis.around([value for curve in group for _, value in curve.points])
@@ -99,7 +99,7 @@ def draw_plot(curves: Sequence[Curve], labels: Labels | None = None) -> Scene:
         _WIDTH - _MARGIN - margins.get(True, 0.0),
         top,
         top + _HEIGHT - 3 * _MARGIN,
-        across,
+        x_axis,
     )
     scene = Scene(_WIDTH, math.ceil(frame.bottom + 3 * _MARGIN))
     if labels.title:
@@ -138,12 +138,12 @@ def _draw_scale(
 
 def _draw_times(scene: Scene, frame: _Frame, labels: Labels) -> None:
     count = max(2, int((frame.right - frame.left) / _TICK_WIDTH))
-    ticks, name = frame.across.ticks(count), "seconds"
+    ticks, name = frame.x_axis.ticks(count), "seconds"
     if labels.begin_s is not None:
         begin = time.strftime("%Y-%m-%d %H:%M:%S", time.localtime(labels.begin_s))
         name = f"seconds since {begin}"
         if labels.is_clock:
-            ticks, name = clock_ticks(frame.across, count, labels.begin_s), begin.partition(" ")[0]
+            ticks, name = clock_ticks(frame.x_axis, count, labels.begin_s), begin.partition(" ")[0]
     for value, text in ticks:
         x = frame.x(value)
         scene.line([(x, frame.top), (x, frame.bottom)], _GRID)
@@ -185,8 +185,8 @@ def _thinned(points: list[Point]) -> list[Point]:
             columns.append([point])
     kept: list[Point] = []
     for column in columns:
-        places = {0, len(column) - 1}
-        places.add(min(range(len(column)), key=lambda place: column[place][1]))
-        places.add(max(range(len(column)), key=lambda place: column[place][1]))
-        kept += [column[place] for place in sorted(places)]
+        indexes = {0, len(column) - 1}
+        indexes.add(min(range(len(column)), key=lambda index: column[index][1]))
+        indexes.add(max(range(len(column)), key=lambda index: column[index][1]))
+        kept += [column[index] for index in sorted(indexes)]
     return kept

@@ -24,26 +24,26 @@ Piece = tuple[str, int | None]
 
 
 def plot_lines(
-    curves: Sequence[Curve], columns: int, rows: int, across: Axis, begin_s: float | None = None
+    curves: Sequence[Curve], columns: int, rows: int, x_axis: Axis, begin_s: float | None = None
 ) -> list[list[Piece]]:
     """Return the lines of a plot in a window of the given size, as pieces of one color.
 
     With `begin_s`, the Unix time at 0 s, the ticks are local times.
     """
-    up = Axis.around([value for curve in curves for _, value in curve.points])
+    y_axis = Axis.around([value for curve in curves for _, value in curve.points])
     legend = _legend(curves, columns)
     height = max(_MIN_ROWS, rows - len(legend) - 2)
     marks = {}
-    for value, text in up.ticks(max(2, height // 3)):
-        marks[height - 1 - round(up.part(value) * (height - 1))] = text
+    for value, text in y_axis.ticks(max(2, height // 3)):
+        marks[height - 1 - round(y_axis.part(value) * (height - 1))] = text
     margin = max(map(len, marks.values()), default=0) + 1
     width = min(_MAX_COLUMNS, max(_MIN_COLUMNS, columns - margin - 1))
     lines: list[list[Piece]] = []
-    for number, cells in enumerate(braille(curves, width, height, across, up)):
+    for number, cells in enumerate(braille(curves, width, height, x_axis, y_axis)):
         mark = marks.get(number, "")
         lines.append([(f"{mark:>{margin}}{'┤' if mark else '│'}", None), *_joined(cells)])
     lines.append([(" " * margin + "└" + "─" * width, None)])
-    lines.append([(" " * (margin + 1) + _across_marks(across, width, begin_s), None)])
+    lines.append([(" " * (margin + 1) + _x_axis_marks(x_axis, width, begin_s), None)])
     return lines + legend
 
 
@@ -81,16 +81,16 @@ def _legend(curves: Sequence[Curve], columns: int) -> list[list[Piece]]:
     return lines
 
 
-def _across_marks(across: Axis, width: int, begin_s: float | None) -> str:
+def _x_axis_marks(x_axis: Axis, width: int, begin_s: float | None) -> str:
     count = max(2, width // 12)
     if begin_s is None:
-        ticks = [(value, f"{text} s") for value, text in across.ticks(count)]
+        ticks = [(value, f"{text} s") for value, text in x_axis.ticks(count)]
     else:
-        ticks = clock_ticks(across, count, begin_s)
+        ticks = clock_ticks(x_axis, count, begin_s)
     line = [" "] * width
     free_from = 0
     for value, text in ticks:
-        start = round(across.part(value) * (width - 1)) - len(text) // 2
+        start = round(x_axis.part(value) * (width - 1)) - len(text) // 2
         start = min(max(start, 0), width - len(text))
         if start >= free_from:
             line[start : start + len(text)] = text

@@ -21,7 +21,7 @@ _MIN_FREE_BYTES = 500_000_000
 # In this time, a robot at 1 m/s moves 0.1 m: positions of two robots then no longer match.
 _MAX_CLOCK_DIFFERENCE_S = 0.1
 
-# A longer line is hard to read; the other pairs have the same fault.
+# A longer line is hard to read, and the remedy is the same for all pairs of robots.
 _MAX_LISTED = 5
 
 

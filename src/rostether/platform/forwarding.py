@@ -21,8 +21,8 @@ _PLACE = struct.Struct("!16sH")
 
 def encode_forward(address: str, port: int, query: bytes) -> bytes:
     """Return the payload. Raises ValueError for an address that is not numeric."""
-    place = ipaddress.ip_address(address)
-    mapped = place if place.version == 6 else ipaddress.IPv6Address(f"::ffff:{place}")
+    parsed = ipaddress.ip_address(address)
+    mapped = parsed if parsed.version == 6 else ipaddress.IPv6Address(f"::ffff:{parsed}")
     return _PLACE.pack(mapped.packed, port) + query
 
 
@@ -35,5 +35,5 @@ def decode_forward(payload: bytes, key: bytes) -> tuple[str, int, bytes]:
     # A robot sends nothing else for others: no command, and no bytes of their choice.
     if decode_frame(query, key).flags & ~Flags.TO_GROUPS != Flags.QUERY:
         raise RemoteProtocolError("only queries are forwarded")
-    place = ipaddress.IPv6Address(packed)
-    return str(place.ipv4_mapped or place), port, query
+    parsed = ipaddress.IPv6Address(packed)
+    return str(parsed.ipv4_mapped or parsed), port, query

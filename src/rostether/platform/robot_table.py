@@ -49,7 +49,7 @@ class Robot(Struct):
 
     @property
     def key(self) -> RobotKey:
-        """Its id and host."""
+        """The robot's id and host."""
         return RobotKey(self.status.robot_id, self.address[0])
 
     def measure(self, status: RobotStatus) -> None:

@@ -68,7 +68,7 @@ class SensingManager:
         if restored:
             self._report(Level.INFO, f"sensors known from an earlier run: {len(restored)}")
         self._publisher = await self._graph.publisher("sensors", "sensing_platform/Sensors", latch=True)
-        # Before the first registration, so that no sensor gets a topic in use.
+        # This comes before the first registration, so that no sensor gets a topic in use.
         self._record_publishers(await self._graph.snapshot())
         services = [
             await self._graph.service_server(
@@ -207,7 +207,7 @@ class SensingManager:
         self._is_unsaved = False
         kept = [each for each in self._registry.sensors if each.origin is not Origin.FILE]
         try:
-            # In a thread: the memory card of a small computer can be slow.
+            # Runs in a thread, because the memory card of a small computer can be slow.
             await asyncio.to_thread(write_state, self._state_path, kept)
         except OSError as error:
             if not self._reported:

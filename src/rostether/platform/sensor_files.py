@@ -82,7 +82,7 @@ def read_state(path: Path) -> list[Sensor]:
 
 def write_state(path: Path, sensors: Iterable[Sensor]) -> None:
     """Write the sensors; a power cut leaves the old or the new file. Raises OSError."""
-    store_state(path, {"sensors": [msgspec.structs.asdict(each) for each in sensors]}, durable=True)
+    store_state(path, {"sensors": [msgspec.structs.asdict(each) for each in sensors]}, is_durable=True)
 
 
 def _restored(entry: object) -> Sensor | None:

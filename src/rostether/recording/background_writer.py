@@ -69,7 +69,7 @@ class BackgroundWriter:
         return self._writer.message_count
 
     def add_connection(self, connection: Connection) -> int:
-        """Return the connection's number; equal connections share one."""
+        """Add a connection if it is new; return its number. Equal connections share one."""
         number = self._numbers.get(connection)
         if number is None:
             number = self._numbers[connection] = len(self._connections)

@@ -202,6 +202,6 @@ def _sorted(entries: Iterable[Entry]) -> Iterator[Entry]:
     for entry in entries:
         for column, value in zip(columns, entry, strict=True):
             column.append(value)
-    for place in sorted(range(len(columns[0])), key=columns[0].__getitem__):
-        time_ns, start, end, number = (column[place] for column in columns)
+    for index in sorted(range(len(columns[0])), key=columns[0].__getitem__):
+        time_ns, start, end, number = (column[index] for column in columns)
         yield time_ns, start, end, number

@@ -34,7 +34,7 @@ _STEP_BYTES = 4 << 20
 def check_compression(name: str) -> None:
     """Raise ConfigError if a compression is unknown or not installed."""
     if name not in COMPRESSIONS:
-        raise ConfigError(f"no compression {name!r}; known: {', '.join(COMPRESSIONS)}")
+        raise ConfigError(f"unknown compression {name!r}; known: {', '.join(COMPRESSIONS)}")
     if name == LZ4:
         _lz4_frame()
 

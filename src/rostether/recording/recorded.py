@@ -111,7 +111,7 @@ class RecordingWriter(Protocol):
         """How many messages were accepted."""
 
     def add_connection(self, connection: Connection) -> int:
-        """Return the connection's number; equal connections share one."""
+        """Add a connection if it is new; return its number. Equal connections share one."""
 
     def write(self, number: int, time_ns: int, payloads: Sequence[bytes]) -> None:
         """Write messages that arrived at one time."""

@@ -51,9 +51,9 @@ class RecordedDefinitions(Ros2Definitions):
         self._others.add(messages)
 
     @property
-    def places(self) -> str:
-        """Where definitions are searched, for error messages."""
-        return self._others.places
+    def searched_folders(self) -> str:
+        """The searched folders, as text for errors."""
+        return self._others.searched_folders
 
     def message(self, name: str) -> Ros2Message:
         """Return a message by `package/msg/Name`. Raises UnknownTypeError, DefinitionError."""

@@ -30,5 +30,5 @@ class RelayItem(NamedTuple):
 
     @property
     def text(self) -> str:
-        """Its description for users."""
+        """The item's description for users."""
         return f"{self.kind.value}{self.name} from {self.source.name} to {self.target.name}"

@@ -77,20 +77,20 @@ class JointSliders:
         rows = max(height - 2, 1)
         first = min(max(self._chosen - rows + 1, 0), max(len(self._names) - rows, 0))
         lines = [
-            self._line(place, name_width, bar_width)
-            for place in range(first, min(first + rows, len(self._names)))
+            self._line(index, name_width, bar_width)
+            for index in range(first, min(first + rows, len(self._names)))
         ]
         hint = "↑↓ choose  ←→ move  PgUp/PgDn faster  0 zero  c center all  r randomize  q quit"
         return [line[:width] for line in [*lines, "", hint]]
 
-    def _line(self, place: int, name_width: int, bar_width: int) -> str:
-        name = self._names[place]
+    def _line(self, index: int, name_width: int, bar_width: int) -> str:
+        name = self._names[index]
         joint = self._states.free[name]
         position, span = _position(joint), joint.upper - joint.lower
         part = (position - joint.lower) / span if span > 0 else 0.5
         knob = round(min(max(part, 0.0), 1.0) * (bar_width - 1))
         bar = "─" * knob + "●" + "─" * (bar_width - 1 - knob)
-        mark = ">" if place == self._chosen else " "
+        mark = ">" if index == self._chosen else " "
         return f"{mark} {name[:name_width]:<{name_width}} {position:9.4f}  {bar}"
 
 

@@ -144,14 +144,18 @@ def prefixed(prefix: str, frame: str) -> str:
 def joint_transform(joint: Joint, position: float = 0.0) -> Transform:
     """Return the transform from a joint's parent to its child, for a position in radians or meters."""
     turn = matrix_from_quaternion(joint.origin.rotation)
-    place = joint.origin.translation
+    translation = joint.origin.translation
     if joint.type in (JointType.REVOLUTE, JointType.CONTINUOUS):
         axis = _unit(matrix_times_vector(turn, joint.axis))
         turn = matrix_product(matrix_from_axis_angle(axis, position), turn)
     elif joint.type is JointType.PRISMATIC:
         x, y, z = _unit(matrix_times_vector(turn, joint.axis))
-        place = (place[0] + x * position, place[1] + y * position, place[2] + z * position)
-    return Transform(place, quaternion_from_matrix(turn))
+        translation = (
+            translation[0] + x * position,
+            translation[1] + y * position,
+            translation[2] + z * position,
+        )
+    return Transform(translation, quaternion_from_matrix(turn))
 
 
 def with_mimics(model: RobotModel, positions: Mapping[str, float]) -> dict[str, float]:

@@ -44,7 +44,7 @@ class TransformBuffer:
     def __init__(self, cache_ns: int = DEFAULT_CACHE_NS) -> None:
         self._cache_ns = cache_ns
         self._caches: dict[str, TimeCache | StaticCache] = {}
-        # In the order of their first appearance, as in tf2.
+        # The names of all frames, in the order of their first appearance, as in tf2.
         self._frames: dict[str, None] = {}
 
     def set_transform(

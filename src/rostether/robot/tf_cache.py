@@ -48,11 +48,11 @@ class TimeCache:
                 "TF_OLD_DATA ignoring data from the past (Possible reasons are listed at "
                 "http://wiki.ros.org/tf/Errors%20explained)"
             )
-        place = bisect_left(stamps, entry.stamp_ns)
-        if place < len(stamps) and stamps[place] == entry.stamp_ns:
+        index = bisect_left(stamps, entry.stamp_ns)
+        if index < len(stamps) and stamps[index] == entry.stamp_ns:
             return "TF_REPEATED_DATA ignoring data with redundant timestamp"
-        stamps.insert(place, entry.stamp_ns)
-        self._entries.insert(place, entry)
+        stamps.insert(index, entry.stamp_ns)
+        self._entries.insert(index, entry)
         outdated = max(bisect_left(stamps, stamps[-1] - self._cache_ns), len(stamps) - MAX_TRANSFORMS)
         if outdated:
             del stamps[:outdated]
@@ -66,11 +66,11 @@ class TimeCache:
             return self._entries[-1]
         if not stamps[0] <= time_ns <= stamps[-1]:
             raise ExtrapolationError(_out_of_range(time_ns, stamps))
-        place = bisect_left(stamps, time_ns)
-        later = self._entries[place]
+        index = bisect_left(stamps, time_ns)
+        later = self._entries[index]
         if later.stamp_ns == time_ns:
             return later
-        earlier = self._entries[place - 1]
+        earlier = self._entries[index - 1]
         if earlier.parent != later.parent:
             return earlier
         ratio = (time_ns - earlier.stamp_ns) / (later.stamp_ns - earlier.stamp_ns)

@@ -82,8 +82,8 @@ def frame_tree(buffer: TransformBuffer) -> Iterator[str]:
             shown.add(frame)
             yield lead + frame + _described(facts.get(frame))
             children = [child for child in sorted(below.get(frame, ())) if child not in shown]
-            for place, child in reversed(list(enumerate(children))):
-                waiting.append((child, *branch(indent, is_last=place == len(children) - 1)))
+            for index, child in reversed(list(enumerate(children))):
+                waiting.append((child, *branch(indent, is_last=index == len(children) - 1)))
 
     for frame in buffer.frames:
         if frame not in facts:

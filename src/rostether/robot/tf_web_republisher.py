@@ -111,7 +111,7 @@ class _Republisher:
         self._report = report
         self._count = 0
         self._tasks: set[asyncio.Task[None]] = set()
-        # By goal id; the oldest first.
+        # The tasks of the goals by goal id, the oldest first.
         self._goals: dict[str, asyncio.Task[None]] = {}
         self._goal_ids: dict[str, Any] = {}
 

@@ -68,8 +68,8 @@ class StampedTransform(Struct, frozen=True):
 
 def transform_of(message: Any) -> Transform:
     """Return the transform in a geometry_msgs/TransformStamped."""
-    place, turn = message.transform.translation, message.transform.rotation
-    return Transform((place.x, place.y, place.z), (turn.x, turn.y, turn.z, turn.w))
+    translation, turn = message.transform.translation, message.transform.rotation
+    return Transform((translation.x, translation.y, translation.z), (turn.x, turn.y, turn.z, turn.w))
 
 
 def has_unit_length(rotation: Quaternion) -> bool:

@@ -37,9 +37,9 @@ def origin(element: XmlElement, what: str) -> Transform:
     found = element.first("origin")
     if found is None:
         return Transform()
-    place = vector(found, found.attributes.get("xyz", "0 0 0"), f"the origin of {what}")
+    translation = vector(found, found.attributes.get("xyz", "0 0 0"), f"the origin of {what}")
     turn = vector(found, found.attributes.get("rpy", "0 0 0"), f"the rpy of {what}")
-    return Transform(place, quaternion_from_rpy(*turn)).normalized()
+    return Transform(translation, quaternion_from_rpy(*turn)).normalized()
 
 
 def _number(element: XmlElement, text: str, what: str) -> float:

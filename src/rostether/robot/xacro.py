@@ -119,9 +119,9 @@ def _explain(file: Path, xacro: Any, error: Exception) -> str:
     cause: BaseException = error
     while isinstance(inner := getattr(cause, "exc", None) or cause.__cause__, Exception):
         cause = inner
-    place = next((str(each) for each in reversed(xacro.filestack or ()) if each), str(file))
+    file_name = next((str(each) for each in reversed(xacro.filestack or ()) if each), str(file))
     text = fold_line(str(error)) or type(cause).__name__
-    return text if isinstance(cause, RobotModelError) else f"{place}: {text}"
+    return text if isinstance(cause, RobotModelError) else f"{file_name}: {text}"
 
 
 @contextmanager

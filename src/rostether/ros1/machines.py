@@ -17,4 +17,4 @@ def _addresses(host: str) -> set[str]:
         found = socket.getaddrinfo(host, None, type=socket.SOCK_STREAM)
     except (OSError, UnicodeError):
         return set()
-    return {str(place[0]) for *_, place in found}
+    return {str(sockaddr[0]) for *_, sockaddr in found}

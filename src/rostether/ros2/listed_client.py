@@ -1,4 +1,4 @@
-"""The handle of a client that is listed in a ROS 2 graph before it calls."""
+"""The handle to a client that is listed in a ROS 2 graph before it calls."""
 
 from __future__ import annotations
 

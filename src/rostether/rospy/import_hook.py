@@ -72,8 +72,8 @@ _BESIDE_MESSAGES = frozenset({"sensor_msgs.point_cloud2"})
 def install() -> None:
     """Make definitions and packages importable in this process. Idempotent."""
     if not any(isinstance(finder, DefinitionFinder) for finder in sys.meta_path):
-        # Before Python's own finders: they would take a folder `msg` of definitions for an empty package, and
-        # find ROS 2's messages instead of these.
+        # This finder comes before Python's own: they would take a folder `msg` of definitions for an empty
+        # package, and find ROS 2's messages instead of these.
         sys.meta_path.insert(0, DefinitionFinder())
         sys.meta_path.append(PackageFinder())
 

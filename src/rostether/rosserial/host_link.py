@@ -275,7 +275,7 @@ class HostLink:
             meaning = self._negotiation.time_requested(now_s)
             self.unread.time_requested(now_s)
             if meaning is TimeRequestMeaning.INTRODUCTION:
-                self.unread.read_all(for_ever=True)
+                self.unread.read_all(is_always=True)
                 self._presence.answer_received(now_s)
                 self._on_reset(now_s, events)
             elif is_settled:

@@ -37,7 +37,7 @@ _LOG = logging.getLogger(__name__)
 # A burst ends after a pause of this length: one announcement takes 0.1 s at 9600 baud.
 QUIET_S = 0.1
 
-# On a line with longer pauses between announcements, after the longest pause times this factor.
+# If a board pauses longer between announcements, the wait is its longest pause times this factor.
 QUIET_MARGIN = 1.5
 
 # With a longer pause between them, announcements answer two requests.
@@ -58,7 +58,7 @@ RETRY_S = 0.2
 # Three requests lost in a row, once in 8000 cases at 5 % loss, then cost less than a second.
 RETRY_GROWTH = 1.5
 
-# Unanswered requests become rarer up to this: a user expects a lost board back within two seconds.
+# The longest interval between unanswered requests: a user expects a lost board back within two seconds.
 MAX_RETRY_S = 1.0
 
 # A sketch that rarely spins answers late every time: wait for its last answer's delay times this factor.

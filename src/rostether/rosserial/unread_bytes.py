@@ -62,7 +62,7 @@ class UnreadBytes:
         # How many bytes of messages may be sent now; None: any number.
         self.room_bytes: int | None = None
         self.version: int | None = None
-        # From the oldest unanswered request on.
+        # The frames sent since the oldest unanswered request.
         self._frames: deque[_Frame] = deque()
         self._opened_s: float | None = None
         self.forget()
@@ -109,16 +109,16 @@ class UnreadBytes:
         """Handle an announcement; the first one after a time request shows that a request was read."""
         is_introduction = self._opened_s is None and self._answered_s == float("-inf")
         if is_introduction or buffer_size == STREAMED_BYTES:
-            self.read_all(for_ever=True)
+            self.read_all(is_always=True)
         elif self._opened_s is not None:
             self._answered(now_s)
         self._opened_s = None
         self._answered_s = now_s
 
-    def read_all(self, *, for_ever: bool = False) -> None:
-        """Record that nothing is unread; `for_ever`: the board always reads all."""
+    def read_all(self, *, is_always: bool = False) -> None:
+        """Record that nothing is unread; `is_always`: the board always reads all."""
         is_fast = self._answers > 1 and self._loop_s <= SHORT_LOOP_S
-        self._reads_all = self._reads_all or for_ever or is_fast
+        self._reads_all = self._reads_all or is_always or is_fast
         self._frames.clear()
         self._unread_bytes = self._read_before = 0
         self._opened_s = None

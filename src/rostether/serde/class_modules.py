@@ -26,7 +26,7 @@ def add_class_modules(parent: MutableMapping[str, object], find: Callable[[str],
     """
     for package in bundled_packages():
         module = _Package(f"{parent['__name__']}.{package}", find, kind)
-        # So that the import statement finds them.
+        # The import statement finds packages in sys.modules.
         sys.modules[module.__name__] = module
         parent[package] = module
 

@@ -80,7 +80,7 @@ class _DecoderSource:
             "make_empties": _make_empties,
             "overrun": struct.error,
         }
-        self.views = classes.view is not None
+        self.has_views = classes.view is not None
         self._classes = classes
         self._bound: dict[tuple[str, str], str] = {}
         self._leaves: dict[str, int] = {}
@@ -214,7 +214,7 @@ class _Body:
             return self._empties(array, length)
         if size is None:
             return self._varying_elements(element, str(length))
-        if isinstance(element, Number) and self._source.views and element.code != "?":
+        if isinstance(element, Number) and self._source.has_views and element.code != "?":
             return f"view({self._unpacked(f'{size}s')}, '<{element.code}', {length}, 0)"
         if array.is_bytes:
             return self._unpacked(f"{size}s")
@@ -238,7 +238,7 @@ class _Body:
         if isinstance(element, Struct) and size == 0:
             return f"make_empties({self._source.message_class(element)}, {count}, {array.max_count})"
         end = self._end(f"{start} + {count} * {size}" if size > 1 else f"{start} + {count}")
-        if isinstance(element, Number) and self._source.views and element.code != "?":
+        if isinstance(element, Number) and self._source.has_views and element.code != "?":
             return f"view(b, '<{element.code}', {count}, {start})"
         if isinstance(element, Number) and not array.is_bytes:
             at_once = f"unpack_from(f'<{{{count}}}{element.code}', b, {start})"

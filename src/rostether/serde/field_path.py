@@ -27,7 +27,7 @@ class FieldPath:
         self._steps: list[tuple[str, int | slice | None]] = []
         tree: Struct | None = codec.tree
         within = codec.type_name
-        for place, part in enumerate(parts, 1):
+        for number, part in enumerate(parts, 1):
             name, bracket, rest = part.partition("[")
             if tree is None:
                 raise ConfigError(f"{within} has no fields, so {self.text!r} cannot continue with {part!r}")
@@ -35,7 +35,7 @@ class FieldPath:
             index = _read_index(part, rest) if bracket else None
             self.type: FieldType = member.type
             self._steps.append((name, index))
-            tree = _inside(member, index, last=place == len(parts))
+            tree = _inside(member, index, is_last=number == len(parts))
             within = f"field {part!r}"
 
     def read(self, message: Any) -> Any:
@@ -43,12 +43,12 @@ class FieldPath:
         return self._read(message, 0)
 
     def _read(self, value: Any, start: int) -> Any:
-        for place, (name, index) in enumerate(self._steps[start:], start + 1):
+        for number, (name, index) in enumerate(self._steps[start:], start + 1):
             value = getattr(value, name)
             if isinstance(value, bytes):
                 value = list(value)
             if isinstance(index, slice):
-                return [self._read(each, place) for each in value[index]]
+                return [self._read(each, number) for each in value[index]]
             if index is not None:
                 try:
                     value = value[index]
@@ -68,14 +68,14 @@ def _member(tree: Struct, name: str) -> Member:
     raise ConfigError(f"{tree.name} has no field {name!r}; it has {known}{hint and f'; {hint}'}")
 
 
-def _inside(member: Member, index: int | slice | None, *, last: bool) -> Struct | None:
+def _inside(member: Member, index: int | slice | None, *, is_last: bool) -> Struct | None:
     """Return the struct that has the next part of the path as a field, if there is one."""
     node = member.node
     if not isinstance(node, Array):
         if index is not None:
             raise ConfigError(f"field {member.name!r} is a {member.type}, not an array; omit the [ ]")
         return node if isinstance(node, Struct) else None
-    if index is None and not last:
+    if index is None and not is_last:
         raise ConfigError(f"field {member.name!r} is an array; select elements, e.g. {member.name}[0]")
     return node.element if isinstance(node.element, Struct) else None
 

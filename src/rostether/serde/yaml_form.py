@@ -41,7 +41,7 @@ def parse_documents(codec: Codec, text: str, *, now: Callable[[], Time]) -> Iter
 
 
 def load_arguments(arguments: str | Sequence[str]) -> list[Any]:
-    """Return the YAML value of each argument. Raises SerializationError with the place of an error."""
+    """Return the YAML value of each argument. Raises SerializationError with the position of an error."""
     texts = [arguments] if isinstance(arguments, str) else arguments
     if len(texts) > 1 and texts[0].endswith(":"):
         # The shell has split `data: hello`.

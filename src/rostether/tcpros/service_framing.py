@@ -20,9 +20,9 @@ _HEAD = struct.Struct("<BI")
 
 
 class ServiceAnswer(NamedTuple):
-    """One answer; `payload` is the response, or the error's text when not `ok`."""
+    """One answer; `payload` is the response, or the error's text if not `is_ok`."""
 
-    ok: bool
+    is_ok: bool
     payload: bytes
 
     @property

@@ -1,4 +1,4 @@
-"""Reads link addresses as users type them: the kind of line, its place and its options.
+"""Reads link addresses as users type them: the scheme, the path or the endpoint, and the options.
 
     /dev/ttyACM0    /dev/ttyUSB0?baud=115200&reset=no    COM3    serial:/tmp/tty
     tcp://:11411    tcp://0.0.0.0:11411?allow=192.168.1.0/24    tcp://robot.local:11411?connect=yes
@@ -61,39 +61,39 @@ def parse_address(text: str) -> Address:
     """Read a link address. Raises ConfigError with the error and the known options."""
     if not text.strip().isprintable():
         raise ConfigError(f"link address {text!r} has invisible characters; type it again")
-    place, _, query = text.strip().partition("?")
-    scheme, place = _split_scheme(place)
+    address, _, query = text.strip().partition("?")
+    scheme, rest = _split_scheme(address)
     options = _parse_options(text, scheme, query)
     name, ns = options.pop("name", None), options.pop("ns", None)
     reader = _Options(text, options)
     match scheme:
         case "serial":
-            path, reset = _require_path(text, place), reader.flag("reset", default=True)
+            path, reset = _require_path(text, rest), reader.flag("reset", default=True)
             return SerialAddress(path, reader.baud(), reset, name=name, ns=ns, given=tuple(options))
         case "tcp" | "tls":
-            host, port = _parse_endpoint(text, place)
+            host, port = _parse_endpoint(text, rest)
             connect, networks, psk = reader.flag("connect"), reader.networks(), options.get("psk")
             tls = TlsFiles(*map(options.get, ("cert", "key", "ca"))) if scheme == "tls" else None
             return TcpAddress(host, port, connect, networks, psk, tls, name=name, ns=ns)
         case "udp":
-            host, port = _parse_endpoint(text, place)
+            host, port = _parse_endpoint(text, rest)
             connect, bind = reader.flag("connect"), reader.port("bind")
             return UdpAddress(host, port, connect, bind, reader.networks(), name=name, ns=ns)
         case "pty":
-            return PtyAddress(_require_path(text, place), name=name, ns=ns)
+            return PtyAddress(_require_path(text, rest), name=name, ns=ns)
         case "xbee":
-            path, peers = _require_path(text, place), reader.xbee_peers()
+            path, peers = _require_path(text, rest), reader.xbee_peers()
             return XbeeAddress(path, reader.baud(), peers, name=name, ns=ns)
         case "web":
-            if place:
+            if rest:
                 raise ConfigError(
-                    f"link address {text!r} names a place; write web: alone, because pages connect boards"
+                    f"link address {text!r} has text after web:; write only web:, as pages connect boards"
                 )
             return WebAddress(name=name, ns=ns)
         case _:
-            # Checked as in a serial port's address, and ignored: a simulated line follows the sketch.
+            # Checked as for a serial port, but not used: a simulated UART has the sketch's baud rate.
             reader.baud()
-            path, board = _require_path(text, place), options.get("board", "uno")
+            path, board = _require_path(text, rest), options.get("board", "uno")
             commands = sim_commands(options)
             return SimAddress(path, board, commands, reader.uart(), reader.seed(), name=name, ns=ns)
 
@@ -153,21 +153,23 @@ class _Options:
         return int(value)
 
 
-def _split_scheme(place: str) -> tuple[str, str]:
-    match = _SCHEME.fullmatch(place)
+def _split_scheme(address: str) -> tuple[str, str]:
+    match = _SCHEME.fullmatch(address)
     if match and match[1].lower() in _KNOWN_OPTIONS:
         return match[1].lower(), match[2]
-    if WINDOWS_PORT.fullmatch(place) or ("/" in place and match is None):
-        return "serial", place
-    if not place:
+    if WINDOWS_PORT.fullmatch(address) or ("/" in address and match is None):
+        return "serial", address
+    if not address:
         raise ConfigError("empty link address; write for instance /dev/ttyACM0 or tcp://:11411")
-    if place.lower() in _KNOWN_OPTIONS:
-        raise ConfigError(f"not a link address: {place!r}; see `rostether serve --help` for {place.lower()}:")
-    if (advice := address_advice(place)) is not None:
-        raise ConfigError(f"not a link address: {place!r}; {advice}")
-    kind = match[1] if match else place
+    if address.lower() in _KNOWN_OPTIONS:
+        raise ConfigError(
+            f"not a link address: {address!r}; see `rostether serve --help` for {address.lower()}:"
+        )
+    if (advice := address_advice(address)) is not None:
+        raise ConfigError(f"not a link address: {address!r}; {advice}")
+    kind = match[1] if match else address
     raise ConfigError(
-        f"unknown kind of link {kind!r} in address {place!r}; known: a serial port's path, "
+        f"unknown kind of link {kind!r} in address {address!r}; known: a serial port's path, "
         f"{', '.join(f'{known}:' for known in _KNOWN_OPTIONS)}"
     )
 
@@ -187,8 +189,8 @@ def _parse_options(text: str, scheme: str, query: str) -> dict[str, str]:
     return options
 
 
-def _require_path(text: str, place: str) -> str:
-    path = place.strip()
+def _require_path(text: str, rest: str) -> str:
+    path = rest.strip()
     path = path.removeprefix("//") if path.startswith("///") else path
     if not path:
         raise ConfigError(
@@ -197,13 +199,13 @@ def _require_path(text: str, place: str) -> str:
     return path
 
 
-def _parse_endpoint(text: str, place: str) -> tuple[str, int]:
-    endpoint = place.removeprefix("//").rstrip("/")
+def _parse_endpoint(text: str, rest: str) -> tuple[str, int]:
+    endpoint = rest.removeprefix("//").rstrip("/")
     if endpoint.startswith("["):
-        host, bracket, rest = endpoint[1:].partition("]")
-        if not bracket or (rest and not rest.startswith(":")):
+        host, bracket, after = endpoint[1:].partition("]")
+        if not bracket or (after and not after.startswith(":")):
             raise ConfigError(f"malformed IPv6 address in link address {text!r}; write [::1]:{DEFAULT_PORT}")
-        port_text = rest[1:]
+        port_text = after[1:]
     else:
         host, _, port_text = endpoint.partition(":")
     if not port_text:

@@ -13,14 +13,15 @@ from rostether.transports.transport import Transport
 # As many as a TCP listener accepts: a capture is untrusted, and each link becomes a session.
 MAX_LINKS = 128
 
-_TAKEN_POLL_S = 0.001
+# How often the replay checks whether the host has received a chunk.
+_RECEIVED_POLL_S = 0.001
 
 
 class CaptureListener:
     """A listener whose peers are the links of a capture; they connect when it plays.
 
     Bytes from the host are ignored. `speed` is the factor of the recorded speed; None: without pauses.
-    `settle()` is called after each chunk; it returns for how many seconds it delayed the rest.
+    `settle()` is called after each chunk; it returns the delay of the following chunks, in seconds.
     """
 
     def __init__(
@@ -98,7 +99,7 @@ class _PlayedBoard:
         await asyncio.sleep(0)
         # The transport does not report a delivery; a check is cheap.
         while self.transport.write_buffer_bytes and not self._is_gone:  # noqa: ASYNC110
-            await asyncio.sleep(_TAKEN_POLL_S)
+            await asyncio.sleep(_RECEIVED_POLL_S)
 
     def data_received(self, data: bytes) -> None:
         """Ignore received bytes."""

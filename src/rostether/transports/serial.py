@@ -68,7 +68,7 @@ async def open_serial(address: SerialAddress) -> SerialTransport:
             rts_on_close=on_close,
         )
     except (OSError, serialx.SerialException, ValueError) as error:
-        # In a thread, because the explanation reads /proc and /sys.
+        # Runs in a thread, because the explanation reads /proc and /sys.
         raise await asyncio.to_thread(explain_open_error, address, error, list_ports) from error
     return transport
 

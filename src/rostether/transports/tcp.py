@@ -120,7 +120,7 @@ class TcpListener:
         self._allow = allow
         self._greeting = greeting
         self._greetings: set[asyncio.Task[None]] = set()
-        # In their order of arrival.
+        # Connections without a proven key, in their order of arrival.
         self._unproven: dict[TcpTransport, None] = {}
         self._boards: set[TcpTransport] = set()
         self._max_connections = max_connections
@@ -195,7 +195,7 @@ class TcpListener:
 
     def _accepted(self, transport: TcpTransport) -> None:
         if self._is_closed:
-            # Accepted just before the listener closed: it ends with it, which needs no report.
+            # The connection was accepted just before the listener closed; this needs no report.
             transport.abort()
             return
         reason = self._refusal_reason(transport.host, transport.own_host)
@@ -236,7 +236,7 @@ class TcpListener:
         except RostetherError as error:
             reason = str(error)
         if transport not in self._unproven:
-            # A newer connection has replaced this one in the meantime. That was reported then.
+            # A newer connection has replaced this one in the meantime, which was reported.
             return
         del self._unproven[transport]
         if reason is None:
@@ -288,26 +288,26 @@ class _AcceptedTransport(TcpTransport):
 async def connect_tcp(address: TcpAddress, *, limit_s: float = CONNECT_LIMIT_S) -> TcpTransport:
     """Connect to a peer. Raises TransportOpenError, TransportTimeoutError, ConfigError."""
     greeting = make_greeting(address)
-    place = show_endpoint(address.host, address.port)
+    endpoint = show_endpoint(address.host, address.port)
     loop = asyncio.get_running_loop()
     try:
         async with asyncio.timeout(limit_s):
             _, transport = await loop.create_connection(
-                lambda: TcpTransport(f"tcp {place}"), address.host, address.port
+                lambda: TcpTransport(f"tcp {endpoint}"), address.host, address.port
             )
     except TimeoutError as error:
         raise TransportTimeoutError(
-            f"{place} does not answer within {limit_s:g} s; check its address and that it is on this network"
+            f"{endpoint} does not answer within {limit_s:g} s; check its address and its network"
         ) from error
     except OSError as error:
-        raise explain_connect_error(place, error) from error
+        raise explain_connect_error(endpoint, error) from error
     if greeting is not None:
         try:
             await greeting.exchange(transport)
         except BaseException as error:
             transport.abort()
             if isinstance(error, RostetherError):
-                raise TransportOpenError(f"{place}: {error}") from None
+                raise TransportOpenError(f"{endpoint}: {error}") from None
             raise
     return transport
 

@@ -61,7 +61,7 @@ def listener_context(files: TlsFiles, certificates: Collection[bytes] = ()) -> s
     context.minimum_version = ssl.TLSVersion.TLSv1_2
     _load(context, files)
     for certificate in certificates:
-        # Regardless of its issuer: it identifies that board.
+        # The certificate identifies a board, so its issuer does not matter.
         context.verify_flags |= ssl.VERIFY_X509_PARTIAL_CHAIN
         context.verify_mode = ssl.CERT_OPTIONAL
         context.load_verify_locations(cadata=certificate)
@@ -167,7 +167,7 @@ def _find_date_fault(certificate: Path, key: Path) -> str | None:
     to_own, to_peer = ssl.MemoryBIO(), ssl.MemoryBIO()
     sides = peer.wrap_bio(to_peer, to_own), own.wrap_bio(to_own, to_peer, server_side=True)
     try:
-        # The peer's hello, the certificate, and the check of it.
+        # The peer sends its hello, this side its certificate, and the peer checks the certificate.
         for side in (*sides, sides[0]):
             with suppress(ssl.SSLWantReadError):
                 side.do_handshake()

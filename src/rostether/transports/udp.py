@@ -139,8 +139,8 @@ class UdpListener(_DatagramSocket):
         """
         listener = cls(on_transport, AllowList(address.allow), max_peers, idle_limit_s, clock, entry)
         try:
-            family, place = await _resolve(address.host, address.port)
-            sock = _make_socket(family, local=place)
+            family, sockaddr = await _resolve(address.host, address.port)
+            sock = _make_socket(family, local=sockaddr)
         except OSError as error:
             raise explain_bind_error("udp", address.host, address.port, error) from error
         await asyncio.get_running_loop().create_datagram_endpoint(lambda: listener, sock=sock)
@@ -194,16 +194,16 @@ async def connect_udp(address: UdpAddress) -> Transport:
 
     Raises TransportOpenError, TransportTimeoutError.
     """
-    place = show_endpoint(address.host, address.port)
+    endpoint = show_endpoint(address.host, address.port)
     try:
         async with asyncio.timeout(RESOLVE_LIMIT_S):
             family, remote = await _resolve(address.host, address.port)
     except TimeoutError as error:
         raise TransportTimeoutError(
-            f"the name of {place} is not found within {RESOLVE_LIMIT_S:g} s; write its numeric address"
+            f"the name of {endpoint} is not found within {RESOLVE_LIMIT_S:g} s; write its numeric address"
         ) from error
     except OSError as error:
-        raise explain_connect_error(place, error) from error
+        raise explain_connect_error(endpoint, error) from error
     # Any address of this machine: a connected socket receives only from its peer.
     any_host = "::" if family == socket.AF_INET6 else "0.0.0.0"  # noqa: S104
     try:
@@ -214,7 +214,7 @@ async def connect_udp(address: UdpAddress) -> Transport:
         sock.connect(remote)
     except OSError as error:
         sock.close()
-        raise explain_connect_error(place, error) from error
+        raise explain_connect_error(endpoint, error) from error
     _, client = await asyncio.get_running_loop().create_datagram_endpoint(_UdpClient, sock=sock)
     assert client.only_peer is not None
     return client.only_peer
@@ -223,8 +223,8 @@ async def connect_udp(address: UdpAddress) -> Transport:
 async def _resolve(host: str, port: int) -> tuple[int, _Peer]:
     """Return the first address of a host, with its family."""
     found = await asyncio.get_running_loop().getaddrinfo(host, port, type=socket.SOCK_DGRAM)
-    family, _, _, _, place = found[0]
-    return family, place
+    family, _, _, _, sockaddr = found[0]
+    return family, sockaddr
 
 
 def _make_socket(family: int, *, local: _Peer) -> socket.socket:

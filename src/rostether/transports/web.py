@@ -188,7 +188,7 @@ class WebTransport:
         self.hello = hello
         self._timer.cancel()
         self._timer = self._loop.call_later(ALIVE_CHECK_S, self._check_alive)
-        # Until the board's node has joined the graph.
+        # Reading is paused until the board's node has joined the graph.
         self._socket.pause_reading()
         self._socket.send(_CONNECTED)
 

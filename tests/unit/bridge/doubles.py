@@ -23,7 +23,7 @@ class RecordingReporter:
     def __init__(self) -> None:
         self.lines: list[tuple[Level, str, str]] = []
 
-    def line(self, level: Level, text: str, *, node: str = "") -> None:
+    def report(self, level: Level, text: str, *, node: str = "") -> None:
         self.lines.append((level, text, node))
 
     @property

@@ -55,10 +55,10 @@ async def test_a_buffers_size_is_reported_once_for_each_direction(world: World) 
 
 async def test_endpoints_are_reported_like_in_established_hosts(world: World) -> None:
     lines = SetupLines(world.notices, Clock())
-    lines.topic(publisher("ultrasound", "sensor_msgs/Range"))
-    lines.topic(subscriber("led_out", "std_msgs/Byte"))
-    lines.service(service(ServiceRole.SERVER))
-    lines.service(service(ServiceRole.CLIENT))
+    lines.report_topic(publisher("ultrasound", "sensor_msgs/Range"))
+    lines.report_topic(subscriber("led_out", "std_msgs/Byte"))
+    lines.report_service(service(ServiceRole.SERVER))
+    lines.report_service(service(ServiceRole.CLIENT))
     assert world.reporter.texts == [
         "Setup publisher on ultrasound [sensor_msgs/Range]",
         "Setup subscriber on led_out [std_msgs/Byte]",
@@ -75,7 +75,7 @@ async def test_a_board_that_reconnects_all_day_causes_few_lines(world: World) ->
         lines.connected()
         for name in "abcdefgh":
             lines.note_size(publisher(name))
-            lines.topic(publisher(name))
+            lines.report_topic(publisher(name))
         clock.now_s += 0.5
     hours = clock.now_s / 3600
     reported = world.reporter.having("Setup publisher")
@@ -89,9 +89,9 @@ async def test_a_board_that_calms_down_gets_all_of_its_lines_again(world: World)
     clock = Clock()
     lines = SetupLines(world.notices, clock)
     for _ in range(SAVED_LINES + 10):
-        lines.topic(publisher("a"))
+        lines.report_topic(publisher("a"))
     world.reporter.lines.clear()
     clock.now_s += LINE_PERIOD_S * RESUME_LINES
     for name in "bcd":
-        lines.topic(publisher(name))
+        lines.report_topic(publisher(name))
     assert [text.split()[3] for text in world.reporter.texts] == ["b", "c", "d"]

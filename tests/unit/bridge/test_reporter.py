@@ -50,24 +50,24 @@ def test_a_line_names_its_node_and_goes_to_the_graph(notices: Notices, reporter:
 def test_an_episode_is_one_line(notices: Notices, reporter: RecordingReporter, clock: Clock) -> None:
     for _ in range(1000):
         clock.now_s += PERIOD_S / 2
-        notices.episode("misfit", Level.WARN, "damaged")
+        notices.report_episode("misfit", Level.WARN, "damaged")
     assert reporter.texts == ["damaged"]
 
 
 def test_a_new_episode_reports_what_the_last_one_omitted(
     notices: Notices, reporter: RecordingReporter, clock: Clock
 ) -> None:
-    notices.episode("misfit", Level.WARN, "damaged")
-    notices.episode("misfit", Level.WARN, "damaged", count=41)
+    notices.report_episode("misfit", Level.WARN, "damaged")
+    notices.report_episode("misfit", Level.WARN, "damaged", count=41)
     clock.now_s = PERIOD_S + 1
-    notices.episode("misfit", Level.WARN, "damaged")
+    notices.report_episode("misfit", Level.WARN, "damaged")
     assert reporter.texts == ["damaged", "damaged (and 41 more the last time)"]
 
 
 def test_an_ended_episode_is_news_again(notices: Notices, reporter: RecordingReporter) -> None:
-    notices.episode("silent", Level.WARN, "silent")
+    notices.report_episode("silent", Level.WARN, "silent")
     notices.end_episode("silent")
-    notices.episode("silent", Level.WARN, "silent")
+    notices.report_episode("silent", Level.WARN, "silent")
     assert reporter.texts == ["silent", "silent"]
 
 
@@ -78,8 +78,8 @@ def test_a_text_is_made_only_when_it_is_reported(notices: Notices) -> None:
         made.append(1)
         return "text"
 
-    notices.episode("kind", Level.WARN, make)
-    notices.episode("kind", Level.WARN, make)
+    notices.report_episode("kind", Level.WARN, make)
+    notices.report_episode("kind", Level.WARN, make)
     assert made == [1]
 
 
@@ -98,18 +98,18 @@ def test_a_peers_text_cannot_steer_a_terminal(text: str, shown: str) -> None:
 
 
 def test_strangers_bring_about_few_lines(reporter: RecordingReporter, clock: Clock) -> None:
-    door = LimitedReporter(reporter, clock, count=3, period_s=10.0)
+    limited = LimitedReporter(reporter, clock, count=3, period_s=10.0)
     for number in range(100):
-        door.line(Level.INFO, f"connection {number}")
+        limited.report(Level.INFO, f"connection {number}")
     assert reporter.texts == ["connection 0", "connection 1", "connection 2"]
     clock.now_s = 10.0
-    door.line(Level.INFO, "connection 100")
+    limited.report(Level.INFO, "connection 100")
     assert reporter.texts[3:] == ["omitted 97 lines like the next one", "connection 100"]
 
 
 def test_silence(capfd: pytest.CaptureFixture[str], caplog: pytest.LogCaptureFixture) -> None:
     with caplog.at_level(logging.DEBUG):
-        SilentReporter().line(Level.FATAL, "nothing shows", node="/arm")
+        SilentReporter().report(Level.FATAL, "nothing shows", node="/arm")
     assert capfd.readouterr() == ("", "")
     assert not caplog.records
 

@@ -18,7 +18,7 @@ def includes(root: Path, sketch: str, files: dict[str, str], search: tuple[str, 
     found = unresolved_includes(
         root / sketch, library_sources=library, search=[root / each for each in search]
     )
-    return {each.path: each.place.removeprefix(f"{root}/") for each in found}
+    return {each.path: each.location.removeprefix(f"{root}/") for each in found}
 
 
 def test_only_real_includes_count(tmp_path: Path) -> None:

@@ -19,7 +19,7 @@ def test_values_are_kept(tmp_path: Path) -> None:
 
 def test_a_disk_that_fails_leaves_the_old_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     path = tmp_path / "state.json"
-    store_state(path, {"a": 1}, durable=True)
+    store_state(path, {"a": 1}, is_durable=True)
     synced: list[str] = []
 
     def fail(descriptor: int) -> None:
@@ -28,7 +28,7 @@ def test_a_disk_that_fails_leaves_the_old_file(tmp_path: Path, monkeypatch: pyte
 
     monkeypatch.setattr(os, "fsync", fail)
     with pytest.raises(OSError, match="Input/output error"):
-        store_state(path, {"a": 2}, durable=True)
+        store_state(path, {"a": 2}, is_durable=True)
     # The content is on the disk before it gets the name.
     assert synced == [f".state.json.{os.getpid()}"]
     assert load_state(path, 1000) == {"format": 1, "a": 1}

@@ -17,12 +17,12 @@ def laid_out(edges: list[tuple[str, str]], *more: str) -> Layout:
 
 def test_arrows_go_to_the_right() -> None:
     layout = laid_out([("a", "b"), ("b", "c"), ("a", "c")])
-    xs = [layout.places[key][0] for key in "abc"]
+    xs = [layout.positions[key][0] for key in "abc"]
     assert xs == sorted(set(xs))
     for source, target in (("a", "b"), ("b", "c"), ("a", "c")):
         route = layout.routes[source, target]
-        assert route[0] == (layout.places[source][0] + SIZE[0] / 2, layout.places[source][1])
-        assert route[-1] == (layout.places[target][0] - SIZE[0] / 2, layout.places[target][1])
+        assert route[0] == (layout.positions[source][0] + SIZE[0] / 2, layout.positions[source][1])
+        assert route[-1] == (layout.positions[target][0] - SIZE[0] / 2, layout.positions[target][1])
         assert [x for x, _ in route] == sorted(x for x, _ in route)
 
 
@@ -44,13 +44,13 @@ def test_a_loop_has_no_route() -> None:
 
 def test_crossings_are_undone() -> None:
     layout = laid_out([("a", "y"), ("b", "x"), ("a", "w"), ("c", "x")], "z")
-    above = layout.places["a"][1] < layout.places["b"][1]
-    assert above == (layout.places["y"][1] < layout.places["x"][1])
+    above = layout.positions["a"][1] < layout.positions["b"][1]
+    assert above == (layout.positions["y"][1] < layout.positions["x"][1])
 
 
 def test_a_source_is_left_of_its_first_target() -> None:
     layout = laid_out([("a", "b"), ("b", "c"), ("late", "c")])
-    assert layout.places["late"][0] == layout.places["b"][0]
+    assert layout.positions["late"][0] == layout.positions["b"][0]
 
 
 @pytest.mark.parametrize("seed", range(20))
@@ -60,7 +60,7 @@ def test_nothing_covers_anything(seed: int) -> None:
     edges = [(rng.choice(keys), rng.choice(keys)) for _ in range(rng.randint(0, 50))]
     sizes = {key: (rng.uniform(20, 200), rng.uniform(10, 40)) for key in keys}
     layout = lay_out(sizes, edges)
-    boxes = [(*layout.places[key], *sizes[key]) for key in keys]
+    boxes = [(*layout.positions[key], *sizes[key]) for key in keys]
     for number, (x1, y1, w1, h1) in enumerate(boxes):
         assert x1 - w1 / 2 >= -1e-6
         assert x1 + w1 / 2 <= layout.width + 1e-6
@@ -94,7 +94,7 @@ def test_a_large_system_is_laid_out() -> None:
             topic = f"/r{robot}/t{node}"
             edges += [(f"/r{robot}/n{node}", topic), (topic, f"/r{robot}/n{node + 1}"), (topic, "/watch")]
     layout = laid_out(edges)
-    assert len(layout.places) == 30 * 21 + 1
+    assert len(layout.positions) == 30 * 21 + 1
 
 
 @pytest.mark.parametrize("seed", range(5))

@@ -17,7 +17,7 @@ export function tilesUrl(pattern: string): string {
   return `${pattern}${token ? `?token=${encodeURIComponent(token)}` : ""}`;
 }
 
-/** The address of a finished recording; it carries the token, as a download sends no other. */
+/** The address of a finished recording; the token is in the address, because a download cannot send it in a header. */
 export function recordingUrl(name: string): string {
   const token = sessionStorage.getItem(TOKEN_KEY);
   return `/recordings/${encodeURIComponent(name)}${token ? `?token=${encodeURIComponent(token)}` : ""}`;

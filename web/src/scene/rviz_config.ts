@@ -54,7 +54,7 @@ function collect(value: Tree | Tree[] | string | undefined, displays: RvizDispla
   }
 }
 
-/** RViz of ROS 1 writes the topics of markers without the first slash. */
+/** RViz of ROS 1 writes the topics of markers without the leading slash. */
 function absolute(topic: unknown): string {
   if (typeof topic !== "string" || topic === "") return "";
   return topic.startsWith("/") ? topic : `/${topic}`;

@@ -12,7 +12,7 @@ export function formatNumber(value: number, digits = 4): string {
     .replace(/\.$/, "");
 }
 
-/** A number that changes continuously: its width stays the same while its size does, so that it does not jump. */
+/** A number that changes continuously; the width depends only on the number's size, so that the text does not jump. */
 export function formatFixed(value: number): string {
   const size = Math.abs(value);
   if (Number.isInteger(value) || !Number.isFinite(value) || size >= 1e6) return formatNumber(value);

@@ -10,7 +10,7 @@ export function isHidden(name: string): boolean {
 
 export class Topic {
   readonly name: string;
-  /** Such as `sensor_msgs/Range`. */
+  /** For example `sensor_msgs/Range`. */
   readonly typeName: string;
   readonly definition: string;
   /** Undefined for a topic that only has subscribers: nothing can be received from it. */

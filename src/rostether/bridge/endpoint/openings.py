@@ -54,7 +54,7 @@ class EndpointOpenings:
         self._refused: set[Endpoint] = set()
         self._tasks: set[asyncio.Task[None]] = set()
         self._lock = asyncio.Lock()
-        self._places = asyncio.Semaphore(AT_ONCE)
+        self._slots = asyncio.Semaphore(AT_ONCE)
 
     def open(self, slot: Slot, endpoint: Endpoint) -> None:
         """Open an endpoint in the graph after the earlier endpoints of its slot have left it."""
@@ -119,7 +119,7 @@ class EndpointOpenings:
         name = name_of(endpoint)
         while True:
             try:
-                async with self._places:
+                async with self._slots:
                     await self._yield_to_loop()
                     if endpoint in self._unwanted:
                         return
@@ -146,7 +146,7 @@ class EndpointOpenings:
     def _report(self, endpoint: Endpoint, text: str, reason: str) -> None:
         if endpoint not in self._unwanted:
             self.reasons[endpoint] = reason
-        self._notices.episode(f"refused {name_of(endpoint)}", Level.ERROR, text)
+        self._notices.report_episode(f"refused {name_of(endpoint)}", Level.ERROR, text)
 
     async def _close(self, slot: Slot, endpoint: Endpoint, before: asyncio.Task[None] | None) -> None:
         try:
@@ -155,12 +155,12 @@ class EndpointOpenings:
             opening = self._opening.get(endpoint)
             if opening is not None:
                 await asyncio.wait([opening])
-            async with self._places:
+            async with self._slots:
                 await self._yield_to_loop()
                 await endpoint.close()
             self._log(endpoint, "closed")
         except Exception as error:  # noqa: BLE001 - callers that wait for this closing continue
-            self._notices.episode(
+            self._notices.report_episode(
                 "withdraw", Level.WARN, f"{name_of(endpoint)} may still be listed: {reason_of(error)}"
             )
         finally:

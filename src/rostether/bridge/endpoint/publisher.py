@@ -148,7 +148,7 @@ class PublisherEndpoint:
         dropped = len(payloads) - admitted
         if dropped:
             self.dropped_count += dropped
-            self._notices.episode(
+            self._notices.report_episode(
                 "messages_hz",
                 Level.WARN,
                 f"the board sends more than {rate.per_s:g} messages a second (its limit messages_hz), and "
@@ -175,7 +175,7 @@ class PublisherEndpoint:
         self._publish_or_hold(fitting)
         first = misfits[0]
         self.misfit_count += len(misfits)
-        self._notices.episode(
+        self._notices.report_episode(
             f"misfit {self.info.topic_name}",
             Level.WARN,
             lambda: (
@@ -207,7 +207,7 @@ class PublisherEndpoint:
             dropped += 1
         del self._held[:dropped]
         self.dropped_count += dropped
-        self._notices.episode(
+        self._notices.report_episode(
             f"held {self.info.topic_name}",
             Level.WARN,
             f"{self.info.topic_name} is not advertised yet: its oldest messages are lost",

@@ -98,7 +98,7 @@ class ServiceClientEndpoint:
                 self.dropped_count += 1
                 self._report("the board sends requests faster than they are answered; dropped one")
             else:
-                # Immediately: a time answer before the response would end the board's wait.
+                # From now on, time answers are held back: one before the response would end the board's wait.
                 line.call_started()
                 self._requests.append(payload)
         if self._requests and self._calling is None:
@@ -152,6 +152,6 @@ class ServiceClientEndpoint:
                 self.dropped_count += 1
 
     def _report(self, reason: str) -> None:
-        self._notices.episode(
+        self._notices.report_episode(
             f"call {self.info.name}", Level.ERROR, f"the board's call of {self.info.name} failed: {reason}"
         )

@@ -179,7 +179,7 @@ class ServiceServerEndpoint:
                 f"the request has {counted(len(request), 'byte')}, but the board's buffer has only "
                 f"{limit_bytes}; enlarge it in the sketch, or send a smaller request"
             )
-            self._notices.episode(f"request {name}", Level.ERROR, f"a call of {name} failed: {reason}")
+            self._notices.report_episode(f"request {name}", Level.ERROR, f"a call of {name} failed: {reason}")
             raise ServiceCallError(f"{name}: {reason}")
         try:
             line.outbox.answer(self.info.request.topic_id, request)
@@ -195,7 +195,7 @@ class ServiceServerEndpoint:
             async with asyncio.timeout(limit_s):
                 return await response
         except TimeoutError:
-            self._notices.episode(
+            self._notices.report_episode(
                 f"timeout {name}",
                 Level.ERROR,
                 f"the board did not answer service {name} within {limit_s:g} s",

@@ -95,7 +95,7 @@ class SubscriberEndpoint:
         line, queue = self._line, self._queue
         if line is None or queue is None:
             return
-        # First, because checking a message of many MB would block all boards.
+        # This check comes first, because checking the layout of many MB would block all boards.
         if payloads and max(map(len, payloads)) > self.info.buffer_size:
             payloads = self._drop_oversize(payloads)
         if not self._accepts_all(payloads):
@@ -113,7 +113,7 @@ class SubscriberEndpoint:
         fitting = [payload for payload in payloads if accepts(payload)]
         self.misfit_count += len(payloads) - len(fitting)
         first = next(payload for payload in payloads if not accepts(payload))
-        self._notices.episode(
+        self._notices.report_episode(
             f"misfit to {self.info.topic_name}",
             Level.WARN,
             lambda: f"dropped a malformed message of {self.info.topic_name}: {self._layout.explain(first)}",
@@ -129,7 +129,7 @@ class SubscriberEndpoint:
 
     def _report_oversize(self, size: int, count: int = 0) -> None:
         self.largest_oversize_bytes = max(self.largest_oversize_bytes, size)
-        self._notices.episode(
+        self._notices.report_episode(
             f"oversize {self.info.topic_name}",
             Level.ERROR,
             f"not sent: a message of {self.info.topic_name} [{self._type.name}] has "

@@ -134,7 +134,7 @@ class EndpointTable:
         displaced, self._displaced = self._displaced, {}
         for endpoint in displaced.values():
             name = name_of(endpoint)
-            self._notices.episode(
+            self._notices.report_episode(
                 f"two types {name}",
                 Level.ERROR,
                 f"the board has {name} with two types, and only the last is bridged; give one of them "
@@ -196,7 +196,7 @@ class EndpointTable:
             if len(self.refused) < MAX_REFUSED:
                 self.refused[name] = error
             # An error in a definition names its file; every other error needs the name of the topic.
-            self._notices.episode(f"refused {name}", Level.ERROR, f"{name} is not bridged: {error}")
+            self._notices.report_episode(f"refused {name}", Level.ERROR, f"{name} is not bridged: {error}")
             return None
         self.refused.pop(name, None)
         return made
@@ -207,9 +207,9 @@ class EndpointTable:
         self._openings.open(key[:2], endpoint)
 
     def _attach(self, key: _Key, endpoint: Endpoint) -> None:
-        newly = key not in self._attached
+        is_new = key not in self._attached
         self._attached.add(key)
-        if newly:
+        if is_new:
             self._renew_latched(endpoint)
 
     def _renew_latched(self, endpoint: Endpoint) -> None:

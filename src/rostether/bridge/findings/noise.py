@@ -6,7 +6,7 @@ import re
 
 from rostether.rosserial.events import DiscardReason, FrameDiscarded
 
-# A line of a sketch's own Serial.print.
+# Enough for a line that a sketch prints with Serial.print.
 SHOWN_BYTES = 60
 
 # Enough for a verdict, and for the lines that a crashed ESP prints before it restarts.

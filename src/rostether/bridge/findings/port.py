@@ -67,19 +67,19 @@ def no_permission(path: str, group: str | None) -> Finding:
     )
 
 
-def busy(place: str, holders: tuple[Holder, ...]) -> Finding:
+def busy(port: str, holders: tuple[Holder, ...]) -> Finding:
     """Return that another program has a port or address."""
     if not holders:
         return error(
             Code.BUSY,
-            f"{place} is in use by another program",
+            f"{port} is in use by another program",
             "close the Arduino IDE's monitor, or a second bridge",
         )
     who = ", ".join(map(str, holders))
     pids = " ".join(str(each.pid) for each in holders)
     return error(
         Code.BUSY,
-        f"{place} is in use by {who}: two programs that read one port each get half of the bytes",
+        f"{port} is in use by {who}: two programs that read one port each get half of the bytes",
         f"close it, or run: kill {pids}",
     )
 

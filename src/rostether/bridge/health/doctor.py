@@ -244,12 +244,12 @@ def _judge_search(address: SerialAddress, watched: Watched, found: NoBoard) -> F
     )
 
 
-def _no_board_connected(address: Address, place: str, wait_s: float) -> Finding:
-    is_local = "127.0.0.1" in place or "[::1]" in place
+def _no_board_connected(address: Address, endpoint: str, wait_s: float) -> Finding:
+    is_local = "127.0.0.1" in endpoint or "[::1]" in endpoint
     step = (
         "boards on the network cannot reach loopback; give an address of this machine, for example "
         "tcp://0.0.0.0:11411"
         if is_local and isinstance(address, TcpAddress | UdpAddress)
         else "check the server address and port in the sketch, its Wi-Fi, and this machine's firewall"
     )
-    return error(Code.NOBODY_CONNECTED, f"no board connected to {place} within {wait_s:.0f} s", step)
+    return error(Code.NOBODY_CONNECTED, f"no board connected to {endpoint} within {wait_s:.0f} s", step)

@@ -111,7 +111,7 @@ class HealthRound:
     def _report_defect(self, error: Exception) -> None:
         if not self._is_broken:
             self._is_broken = True
-            self._reporter.line(
+            self._reporter.report(
                 Level.ERROR, f"diagnostics failed ({type(error).__name__}: {error}); please report it"
             )
 

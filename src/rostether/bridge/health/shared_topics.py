@@ -59,7 +59,7 @@ class SharedTopics:
             return
         self._reported.update(new)
         topics = _shown([name for _, name in new])
-        self._reporter.line(
+        self._reporter.report(
             Level.INFO,
             f"{_shown(users[new[0]])} {verb} {topics}; --ns-per-board gives each board its own topics",
         )

@@ -18,7 +18,7 @@ BITS_PER_BYTE = 10
 WINDOW_S = 0.020
 # Slow lines still accept a few small frames at once.
 MIN_WINDOW_BYTES = 64
-# From 57600 baud to 370 kB/s, the limit of full-speed USB.
+# 370 kB/s, the limit of full-speed USB, is 64 times the speed of 57600 baud.
 MAX_SPEED_FACTOR = 64.0
 
 

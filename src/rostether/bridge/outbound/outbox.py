@@ -143,7 +143,7 @@ class Outbox:
             self._flushed_s = self._loop.time()
             self._write(pieces)
         if self._drained:
-            # Last: a source may send more at once, which must follow the data that was just written.
+            # Sources resume last: new data from them must follow the data that was just written.
             drained, self._drained = self._drained, []
             for queue in drained:
                 queue.resume_source()

@@ -17,7 +17,7 @@ class ReadingPause:
         self._waits: list[Callable[[], Awaitable[object]]] = []
         self._draining: asyncio.Task[None] | None = None
 
-    def until(self, wait: Callable[[], Awaitable[object]]) -> bool:
+    def pause_until(self, wait: Callable[[], Awaitable[object]]) -> bool:
         """Read nothing until `wait()` ends; return False if the transport cannot pause."""
         if not self._transport.can_pause:
             return False

@@ -55,12 +55,12 @@ class Discovery:
 
     async def run(self) -> None:
         """Watch the ports until cancelled."""
-        self._reporter.line(Level.INFO, "Looking for boards on the serial ports")
+        self._reporter.report(Level.INFO, "Looking for boards on the serial ports")
         is_first = True
         async for ports in self._watch.changes():
             self._update(ports)
             if is_first and not self._kept:
-                self._reporter.line(
+                self._reporter.report(
                     Level.INFO, "No known board is plugged in yet; `rostether ports` lists all ports"
                 )
             is_first = False
@@ -113,7 +113,7 @@ class Discovery:
             return
         self._offered.add(key)
         what = board_of(port.usb_vendor_id, port.usb_product_id) or port.description
-        self._reporter.line(
+        self._reporter.report(
             Level.INFO,
             f"{port.path} ({what}) is not opened: it may be any device; if it is a board, add --probe "
             f"{port.usb_id}",

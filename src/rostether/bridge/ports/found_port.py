@@ -137,21 +137,21 @@ class FoundPort:
             baud = f"{found.baud} baud, " if transport.has_baud else ""
             if self.identity.usb_id is not None:
                 self._known.remember(self.identity.key, found.baud)
-            self._reporter.line(
+            self._reporter.report(
                 Level.INFO, f"Found a board at {self._title}: {baud}protocol version {found.version}"
             )
         return found
 
     async def _serve_board(self, transport: Transport, baud: int) -> None:
         if self.choice is PortUse.SERVE:
-            self._reporter.line(Level.INFO, f"Connecting to {self._title} at {baud} baud")
+            self._reporter.report(Level.INFO, f"Connecting to {self._title} at {baud} baud")
         self.is_serving = True
         try:
             error = await self._serve(self._address(baud), transport, self.identity)
         finally:
             self.is_serving = False
         if error is not None:
-            self._reporter.line(Level.WARN, str(error))
+            self._reporter.report(Level.WARN, str(error))
 
     async def _leave_alone(self, reprobe_s: float | None) -> None:
         """Wait until there is a reason to probe again."""
@@ -190,7 +190,7 @@ class FoundPort:
         """Report a line unless it was the last line of this port."""
         if text != self._reported:
             self._reported = text
-            self._reporter.line(level, shown_line(text))
+            self._reporter.report(level, shown_line(text))
 
 
 _NAME_OF_SOCKET = str.maketrans("-.:", "___")

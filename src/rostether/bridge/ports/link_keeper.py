@@ -75,14 +75,14 @@ class LinkKeeper:
                 await self._wait_gone(self._finder)
                 continue
             if error is not None:
-                self._reporter.line(Level.WARN, str(error))
+                self._reporter.report(Level.WARN, str(error))
             # A link that we closed after an error of the session must not be opened again immediately.
             await asyncio.sleep(PRESENCE_POLL_S)
 
     async def _open(self) -> tuple[Address, BoardIdentity | None, Transport]:
         attempts = OpenAttempts(
             Backoff(limit_s=MAX_RETRY_S),
-            lambda reason: self._reporter.line(Level.ERROR, f"{reason} (trying again)"),
+            lambda reason: self._reporter.report(Level.ERROR, f"{reason} (trying again)"),
             settle_s=SETTLE_S if isinstance(self._address, SerialAddress) else 0.0,
         )
         while True:
@@ -95,7 +95,7 @@ class LinkKeeper:
                 continue
             self._terminal_created_ns = None if path is None else _terminal_created_ns(path)
             baud = f" at {address.baud} baud" if isinstance(address, SerialAddress) else ""
-            self._reporter.line(Level.INFO, f"Connecting to {path or address}{baud}")
+            self._reporter.report(Level.INFO, f"Connecting to {path or address}{baud}")
             return address, identity, transport
 
     async def _wait_present(self) -> str | None:
@@ -116,7 +116,7 @@ class LinkKeeper:
                 return path
             if reason not in reported:
                 reported.add(reason)
-                self._reporter.line(Level.WARN, reason)
+                self._reporter.report(Level.WARN, reason)
             await asyncio.sleep(PRESENCE_POLL_S)
 
     async def _wait_gone(self, finder: PortFinder) -> None:

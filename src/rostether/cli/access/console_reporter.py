@@ -27,7 +27,7 @@ class ConsoleReporter:
         self._lowest = lowest
         self._clock = clock
 
-    def line(self, level: Level, text: str, *, node: str = "") -> None:
+    def report(self, level: Level, text: str, *, node: str = "") -> None:
         """Print one line."""
         if level < self._lowest:
             return

@@ -84,7 +84,7 @@ class ToolNode:
                 raise UnknownTypeError(f"{error}; {reason}") from None
 
     async def settled_snapshot(self) -> GraphView:
-        """Return the graph once nothing new has arrived for a while."""
+        """Return the graph once it seems complete and unchanged for a while, or at a time limit."""
         quiet_s, loop = QUIET_S[self.middleware], asyncio.get_running_loop()
         view = await self.snapshot()
         begin_s = changed_s = loop.time()

@@ -103,7 +103,7 @@ async def _record(
     try:
         create, name = _files(recording.folder, types)
     except RecordingError as error:
-        reporter.line(Level.ERROR, f"{error}; boards stay connected")
+        reporter.report(Level.ERROR, f"{error}; boards stay connected")
         return
     async with closed_at_end(await _joined(join, reporter)) as graph:
         recorder = Recorder(
@@ -114,16 +114,18 @@ async def _record(
             ),
             create=create,
             name=name,
-            report=lambda text: reporter.line(_level_of(text), text),
+            report=lambda text: reporter.report(_level_of(text), text),
             repeat_latched=True,
         )
         try:
             await run_until(recorder.run(), graph.wait_closed())
         except RecordingError as error:
-            reporter.line(Level.ERROR, f"{error}; boards stay connected")
+            reporter.report(Level.ERROR, f"{error}; boards stay connected")
         finally:
             count, size = recorder.progress.message_count, size_text(recorder.size_bytes)
-            reporter.line(Level.INFO, f"Recorded {counted(count, 'message')}, {size}, in {recording.folder}")
+            reporter.report(
+                Level.INFO, f"Recorded {counted(count, 'message')}, {size}, in {recording.folder}"
+            )
 
 
 def _files(
@@ -147,7 +149,7 @@ async def _joined(join: JoinGraph, reporter: Reporter) -> Graph:
     name = anonymous_name("record")
     return await wait_for_master(
         lambda: join(name),
-        lambda error: reporter.line(Level.WARN, f"Recording starts when the graph is available: {error}"),
+        lambda error: reporter.report(Level.WARN, f"Recording starts when the graph is available: {error}"),
         max_retry_s=MAX_JOIN_RETRY_S,
         errors=GraphError,
     )

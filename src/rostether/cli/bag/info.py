@@ -108,7 +108,7 @@ def _add_rates(facts: Mapping[str, Any], reader: RecordingReader) -> None:
     """Add each topic's message rate, from the median time between two messages."""
     periods: dict[str, _Periods] = {}
     for message in reader.messages():
-        # In floats, so that the digits are the same as rosbag's.
+        # Times are floats, so that the digits are the same as rosbag's.
         seconds, nanoseconds = divmod(message.time_ns, NS_PER_S)
         periods.setdefault(message.connection.topic, _Periods()).add(seconds + nanoseconds / NS_PER_S)
     for row in facts["topics"]:

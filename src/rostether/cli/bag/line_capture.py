@@ -46,11 +46,11 @@ async def recorded(
             "host": f"rostether {version('rostether')}",
         },
         limit_bytes=int(limit_mb * MEGABYTE),
-        report=lambda text: reporter.line(Level.WARN, text),
+        report=lambda text: reporter.report(Level.WARN, text),
     )
-    reporter.line(Level.INFO, f"Recording the lines to {path}")
+    reporter.report(Level.INFO, f"Recording the lines to {path}")
     try:
         yield writer.tap
     finally:
         writer.close()
-        reporter.line(Level.INFO, f"{path} holds {size_text(writer.written_bytes)}")
+        reporter.report(Level.INFO, f"{path} holds {size_text(writer.written_bytes)}")

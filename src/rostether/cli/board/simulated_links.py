@@ -104,7 +104,7 @@ async def _start_avr(
 
     kind_of(link.board)
     preparing = f"preparing a simulated {link.board} for {link.program}; this takes longer the first time"
-    with reported_when_long(partial(reporter.line, Level.INFO), preparing):
+    with reported_when_long(partial(reporter.report, Level.INFO), preparing):
         program = await find_program(Path(link.program), link.board, msg_paths)
         size = await asyncio.to_thread(measure_program, program, link.board)
         board = await stack.enter_async_context(
@@ -113,7 +113,7 @@ async def _start_avr(
             )
         )
     note = f" ({board.note})" if board.note else ""
-    reporter.line(Level.INFO, f"simulated {board.kind} runs {link.program} at {board.address}{note}")
+    reporter.report(Level.INFO, f"simulated {board.kind} runs {link.program} at {board.address}{note}")
     return board, size
 
 
@@ -137,7 +137,7 @@ async def _run_node(
                 node = SimulationNode(board, typed, link.commands)
             await node.run()
     except GraphError as error:
-        reporter.line(Level.WARN, f"{link}: the dashboard cannot show its pins: {error}")
+        reporter.report(Level.WARN, f"{link}: the dashboard cannot show its pins: {error}")
 
 
 async def _start_qemu(link: SimAddress, reporter: Reporter, stack: AsyncExitStack) -> QemuBoard:
@@ -146,7 +146,7 @@ async def _start_qemu(link: SimAddress, reporter: Reporter, stack: AsyncExitStac
     board = await stack.enter_async_context(
         await start_in_qemu(Path(link.program), link.board, has_other_options=has_other_options)
     )
-    reporter.line(Level.INFO, f"simulated {link.board} runs {link.program} at {board.address}")
+    reporter.report(Level.INFO, f"simulated {link.board} runs {link.program} at {board.address}")
     return board
 
 
@@ -162,8 +162,8 @@ async def _start_opencr(
             Path(link.program), link.commands, msg_paths=msg_paths, has_other_options=has_other_options
         )
     )
-    board.on_event = lambda event: reporter.line(Level.INFO, f"{link}: {show_event(event).strip()}")
-    reporter.line(Level.INFO, f"simulated {OPENCR} runs {link.program} at {board.address}")
+    board.on_event = lambda event: reporter.report(Level.INFO, f"{link}: {show_event(event).strip()}")
+    reporter.report(Level.INFO, f"simulated {OPENCR} runs {link.program} at {board.address}")
     return board
 
 
@@ -179,7 +179,7 @@ def _name(program: Path, taken: Sequence[str]) -> str:
 async def _report_end(board: QemuBoard | OpenCrBoard, link: SimAddress, reporter: Reporter) -> None:
     await board.wait_end()
     reason = f": {board.exit_message}" if board.exit_message else ""
-    reporter.line(Level.ERROR, f"{link}: the simulated board has ended{reason}")
+    reporter.report(Level.ERROR, f"{link}: the simulated board has ended{reason}")
 
 
 async def _report_events(board: SimulatedBoard, link: SimAddress, reporter: Reporter) -> None:
@@ -193,7 +193,7 @@ async def _report_events(board: SimulatedBoard, link: SimAddress, reporter: Repo
         text = f"{link}: {show_event(event).strip()}"
         if event.name in _WARNINGS:
             # There is an event for each lost byte: thousands if a program does not read.
-            notices.episode(event.name, Level.WARN, text)
+            notices.report_episode(event.name, Level.WARN, text)
         else:
             notices.show(Level.INFO, text)
 
@@ -202,7 +202,7 @@ async def _report_events(board: SimulatedBoard, link: SimAddress, reporter: Repo
     async for event in board.events():
         if event.name not in hidden:
             report(event)
-    reporter.line(Level.ERROR, f"{link}: the simulated board has ended")
+    reporter.report(Level.ERROR, f"{link}: the simulated board has ended")
 
 
 async def _end(tasks: Sequence[asyncio.Task[None]]) -> None:

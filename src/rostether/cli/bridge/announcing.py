@@ -53,7 +53,7 @@ async def announced(
     """
     listeners = network_listeners(listening_on)
     if is_wanted and not listeners:
-        reporter.line(
+        reporter.report(
             Level.WARN,
             "--mdns announces nothing: no TCP listener is reachable from the network; add --listen "
             "0.0.0.0 tcp://:11411",
@@ -79,9 +79,9 @@ async def _start(
         try:
             announcement = await Announcement.start(listener.host, listener.port)
         except TransportOpenError as error:
-            reporter.line(Level.WARN, f"{error}; configure this machine's address on the boards instead")
+            reporter.report(Level.WARN, f"{error}; configure this machine's address on the boards instead")
             continue
         announcements.append(announcement)
-        reporter.line(
+        reporter.report(
             Level.INFO, f"Announced by mDNS as {announcement.name!r} (_rosserial._tcp, port {listener.port})"
         )

@@ -68,7 +68,7 @@ class RelayOptions:
     )
 
     def choice(self) -> RelayFilter:
-        """Return the requested relay; names are full names, with or without their first slash.
+        """Return the requested relay; names are full names, with or without the leading slash.
 
         Raises InvalidNameError.
         """
@@ -152,7 +152,7 @@ async def relay_between(
         AsyncExitStack() as stack,
     ):
         for line in (used.line, access.line):
-            reporter.line(Level.INFO, line)
+            reporter.report(Level.INFO, line)
         await access.types.searched()
 
         async def probe(service: str) -> str:
@@ -175,7 +175,7 @@ async def relay_between(
             Side(_ROS1, ros1, finding_types(access.types, probe), leftovers.forget_if_gone),
             Side(_ROS2, ros2, find),
         )
-        await Relay(*sides, choice, lambda level, line: reporter.line(level, line), actions).run()
+        await Relay(*sides, choice, lambda level, line: reporter.report(level, line), actions).run()
 
 
 def finding_types(types: Ros2Types, probe: Callable[[str], Awaitable[str]] | None = None) -> FindServiceType:

@@ -107,7 +107,7 @@ def run_host(
     """Serve one board as that host does until cancelled."""
     reporter = ConsoleReporter(show_node=False)
     for name in parsed.private_params.keys() - set(host.parameters):
-        reporter.line(Level.WARN, f"unknown parameter _{name}; known: _{', _'.join(host.parameters)}")
+        reporter.report(Level.WARN, f"unknown parameter _{name}; known: _{', _'.join(host.parameters)}")
     environment = read_environment(GraphOptions(arguments=parsed.special, allow=allowed), listen)
     devices = read_devices(config, ())
     hosts = environment.listen_hosts if listen is not None else (LOOPBACK,)
@@ -126,7 +126,7 @@ async def _serve(
     from rostether.bridge.settings import BoardNodes
     from rostether.bridge.supervisor import Links, Supervisor
 
-    reporter.line(Level.INFO, host.greeting)
+    reporter.report(Level.INFO, host.greeting)
     namespace = canonical(join("/", arguments.special.get("__ns", environment.namespace)))
     node_name = validate_name(join(namespace, arguments.special.get("__name", host.node_name)))
     async with used_master(environment, is_chosen="__master" in arguments.special) as used:
@@ -140,9 +140,9 @@ async def _serve(
             )
         consent = "listen:=0.0.0.0" if "listen" in host.parameters else "--listen 0.0.0.0"
         for line in loopback_lines(used.environment, links, consent=consent):
-            reporter.line(Level.INFO, line)
+            reporter.report(Level.INFO, line)
         if isinstance(links[0], TcpAddress):
-            reporter.line(Level.INFO, f"Waiting for socket connections on port {links[0].port}")
+            reporter.report(Level.INFO, f"Waiting for socket connections on port {links[0].port}")
         supervisor = Supervisor(
             ros1_join(used.environment),
             type_store(),

@@ -238,12 +238,12 @@ async def _serve(
         environment, graph, master_port=options.master_port, msg_paths=msg_paths
     ) as graphs:
         for line in (*graphs.lines, *loopback_lines(graphs.ros1, links)):
-            reporter.line(Level.INFO, line)
+            reporter.report(Level.INFO, line)
         for line in (
             *unchosen_lines(settings.devices, links),
             *shortage_lines(settings.limits.connections, links),
         ):
-            reporter.line(Level.WARN, line)
+            reporter.report(Level.WARN, line)
         async with (
             recorded(options.record_line, options.record_limit_mb, reporter) as tap,
             bags_recorded(
@@ -269,8 +269,8 @@ async def _serve(
                     is_wanted=options.mdns is True,
                 ),
                 # Started last, so that an unreachable master does not delay the boards.
-                optional_gateways(settings.gateways, graphs, graph, msg_paths, reporter.line),
-                optional_dashboard(settings.dashboard, graphs, msg_paths, reporter.line),
+                optional_gateways(settings.gateways, graphs, graph, msg_paths, reporter.report),
+                optional_dashboard(settings.dashboard, graphs, msg_paths, reporter.report),
             ):
                 if settings.discovers:
                     supervisor.discover(KnownBoards(known_boards_path()), taken=opened)

@@ -118,7 +118,7 @@ async def serving(
     `reporter` also gets the log records of our packages. Raises TransportOpenError for an address that cannot
     be listened on, InvalidNameError.
     """
-    show_library_logs(reporter.line)
+    show_library_logs(reporter.report)
     async with closed_at_end(supervisor):
         await supervisor.start(addresses)
         yield

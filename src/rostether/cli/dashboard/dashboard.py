@@ -88,8 +88,8 @@ def dashboard(
     the same port, which Foxglove can use too. `rostether serve --dashboard` does the same and
     connects boards.
 
-    Its node is dashboard, on other ports dashboard_PORT; __name:=, __ns:= and from:=to work as for any ROS
-    node.
+    The node's name is dashboard, or dashboard_PORT on another port; __name:=, __ns:= and from:=to work as for
+    any ROS node.
     """
     address, node = read_gateway_arguments(words, graph.arguments)
     if address != DEFAULT_ADDRESS:

@@ -72,7 +72,7 @@ async def demo_board(
         except RostetherError as error:
             if kind == UNO:
                 raise
-            reporter.line(Level.INFO, f"The board is a Python program: {error}")
+            reporter.report(Level.INFO, f"The board is a Python program: {error}")
             board = _python_board(name, obstacle)
         yield board
 
@@ -125,7 +125,7 @@ async def _move_obstacle(node: SimulationNode, obstacle: Obstacle, reporter: Rep
                 sent = command
             await asyncio.sleep(_OBSTACLE_PERIOD_S)
     except BoardError as error:
-        reporter.line(Level.ERROR, str(error))
+        reporter.report(Level.ERROR, str(error))
 
 
 def _range_command(obstacle: Obstacle, time_s: float) -> str:

@@ -120,10 +120,10 @@ async def _demo(environment: RosEnvironment, options: DemoOptions, devices: Devi
         used = await stack.enter_async_context(
             demo_master(environment, joins=options.join, port=options.port)
         )
-        reporter.line(Level.INFO, used.line)
+        reporter.report(Level.INFO, used.line)
         name = await prepare_board(used.environment)
         board = await stack.enter_async_context(demo_board(options.board, name, obstacle, reporter))
-        reporter.line(Level.INFO, f"Board: {board.title}")
+        reporter.report(Level.INFO, f"Board: {board.title}")
         join: JoinGraph = ros1_join(used.environment)
         ros2 = None if options.ros1 else await demo_ros2(stack, reporter, joins=options.join)
         if ros2 is not None:
@@ -145,7 +145,7 @@ async def _demo(environment: RosEnvironment, options: DemoOptions, devices: Devi
                 else None,
                 ServedGraphs(join, used.environment, ()),
                 (),
-                recent.warning if is_live else reporter.line,
+                recent.report_warning if is_live else reporter.report,
             )
         )
         view = DemoView(supervisor.boards, clock)

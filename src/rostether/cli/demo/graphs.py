@@ -59,7 +59,7 @@ async def demo_master(
 async def demo_ros2(stack: AsyncExitStack, reporter: Reporter, *, joins: bool) -> JoinGraph | None:
     """Return the factory of ROS 2 nodes over zenoh; None, with a line about the reason, if not possible."""
     if find_spec("zenoh") is None:
-        reporter.line(Level.INFO, f"Not on ROS 2; to add it, run: {install_command('zenoh')}")
+        reporter.report(Level.INFO, f"Not on ROS 2; to add it, run: {install_command('zenoh')}")
         return None
     from rostether.cli.access.ros2_access import ros2_access
 
@@ -67,14 +67,14 @@ async def demo_ros2(stack: AsyncExitStack, reporter: Reporter, *, joins: bool) -
         try:
             access = await joined.enter_async_context(ros2_access(Middleware.ZENOH))
         except RostetherError as error:
-            reporter.line(Level.WARN, f"Not on ROS 2: {error}")
+            reporter.report(Level.WARN, f"Not on ROS 2: {error}")
             return None
         # Without its own router, the demo would be in a graph that already runs.
         if not joins and not access.is_router:
-            reporter.line(Level.INFO, "Not on ROS 2: another graph runs here; --join joins it")
+            reporter.report(Level.INFO, "Not on ROS 2: another graph runs here; --join joins it")
             return None
         stack.push_async_callback(joined.pop_all().aclose)
-    reporter.line(
+    reporter.report(
         Level.INFO,
         f"{access.line}; to watch it, run: {command_to_type()} topic echo --ros2 zenoh /ultrasound",
     )

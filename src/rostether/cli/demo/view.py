@@ -99,15 +99,15 @@ class RecentLines:
     def __init__(self) -> None:
         self.lines: deque[str] = deque(maxlen=MAX_LINES)
 
-    def line(self, level: Level, text: str, *, node: str = "") -> None:
+    def report(self, level: Level, text: str, *, node: str = "") -> None:
         """Keep a line, unless it is for debugging."""
         if level >= Level.INFO:
             self.lines.append(f"{node}: {text}" if node else text)
 
-    def warning(self, level: Level, text: str) -> None:
+    def report_warning(self, level: Level, text: str) -> None:
         """Keep a line only from WARN upwards: the screen shows the content of INFO lines elsewhere."""
         if level >= Level.WARN:
-            self.line(level, text)
+            self.report(level, text)
 
 
 class DemoView:

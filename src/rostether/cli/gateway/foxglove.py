@@ -82,8 +82,8 @@ def foxglove(
     Open ws://localhost:8765 in Foxglove or another viewer of its WebSocket protocol. `rostether serve
     --foxglove` does the same and connects boards. For other machines, give a HOST, e.g. 0.0.0.0:8765.
 
-    Its node is foxglove_bridge, on other ports foxglove_bridge_PORT; __name:=, __ns:= and from:=to work as
-    for any ROS node.
+    The node's name is foxglove_bridge, or foxglove_bridge_PORT on another port; __name:=, __ns:= and
+    from:=to work as for any ROS node.
     """
     address, node = read_gateway_arguments(words, graph.arguments)
     settings = read_settings(address, replace(gateways, allow=graph.allow))
@@ -182,7 +182,7 @@ async def _main(graph: TypedGraph, arguments: Arguments, gateways: GatewayOption
     settings = replace(settings, origins=gateways.origins)
     # The gateway uses the node of the role.
     on = ros1_gateway_graph(_no_join, graph.store, node_environment(arguments))
-    async with _gateway_on(graph.raw, on, settings, ConsoleReporter().line, "address 0.0.0.0") as gateway:
+    async with _gateway_on(graph.raw, on, settings, ConsoleReporter().report, "address 0.0.0.0") as gateway:
         await gateway.wait_ended()
 
 

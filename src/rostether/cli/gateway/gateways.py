@@ -143,7 +143,7 @@ def serve_gateway(
     environment = read_environment(graph)
 
     async def serve() -> None:
-        report = ConsoleReporter().line
+        report = ConsoleReporter().report
         async with served_graphs(environment, graph, msg_paths=msg_paths) as graphs:
             for line in graphs.lines:
                 report(Level.INFO, line)

@@ -85,8 +85,8 @@ def rosbridge(
     same and connects boards. Pages of other hosts need --origin. For other machines, give a HOST, e.g.
     0.0.0.0:9090.
 
-    Its node is rosbridge_websocket, on other ports rosbridge_websocket_PORT; __name:=, __ns:= and from:=to
-    work as for any ROS node.
+    The node's name is rosbridge_websocket, or rosbridge_websocket_PORT on another port; __name:=, __ns:= and
+    from:=to work as for any ROS node.
     """
     check_rosbridge()
     address, node = read_gateway_arguments(words, graph.arguments)
@@ -217,7 +217,7 @@ async def _main(graph: TypedGraph, arguments: Arguments, gateways: GatewayOption
     reporter = ConsoleReporter()
     environment = node_environment(arguments)
     on = ros1_gateway_graph(ros1_join(environment), graph.store, environment)
-    async with rosbridge_server(graph.raw, on, settings, reporter.line, "address 0.0.0.0") as server:
+    async with rosbridge_server(graph.raw, on, settings, reporter.report, "address 0.0.0.0") as server:
         await graph.raw.set_param("~actual_port", server.port)
         await graph.raw.wait_closed()
 

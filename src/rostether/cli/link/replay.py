@@ -124,7 +124,7 @@ async def _replay(
         return listeners[-1]
 
     async with used_master(environment, is_chosen=is_chosen) as used:
-        reporter.line(Level.INFO, used.line)
+        reporter.report(Level.INFO, used.line)
         # The address only provides the name.
         addresses = [TcpAddress("capture", 0, name=name)]
         supervisor = Supervisor(

@@ -29,7 +29,7 @@ class Comments(Enum):
     NONE = auto()
     # The comments of the type itself, as `ros2 interface show` does.
     OWN = auto()
-    # Also the comments of the types of its fields.
+    # The comments of the type and of the types of its fields.
     ALL = auto()
 
 

@@ -172,10 +172,10 @@ class PlotSession:
         whole_s = None if self._is_live else self._options.duration_s
         window_s = self._options.window_s or whole_s or DEFAULT_WINDOW_S
         end_s = max(self._last_s, window_s)
-        across = Axis(end_s - window_s, end_s)
+        x_axis = Axis(end_s - window_s, end_s)
         begin_s = self._begin_unix_s if self._options.is_clock else None
-        curves = self._with_scales(self._curves.curves(across.low))
-        return plot_lines(curves, columns, rows - 1, across, begin_s)
+        curves = self._with_scales(self._curves.curves(x_axis.low))
+        return plot_lines(curves, columns, rows - 1, x_axis, begin_s)
 
     async def _show_live(self, tasks: Sequence[asyncio.Task[None]]) -> None:
         from rich.console import Console

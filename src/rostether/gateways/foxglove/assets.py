@@ -39,7 +39,7 @@ class Assets:
         Raises ConfigError with the reason if it cannot.
         """
         async with self._lock:
-            # In a thread: packages are searched on disk.
+            # Runs in a thread, because packages are searched on disk.
             path, size = await asyncio.to_thread(self._find, uri)
         async with self._large_room if size > _LARGE_BYTES else nullcontext():
             yield await asyncio.to_thread(self._read, uri, path, head)

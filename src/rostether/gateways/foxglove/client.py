@@ -114,7 +114,7 @@ class Client:
 
     # Calls from the gateway.
 
-    def status(self, level: StatusLevel, text: str, status_id: str | None = None) -> None:
+    def show_status(self, level: StatusLevel, text: str, status_id: str | None = None) -> None:
         """Show a line to the client's user."""
         self.sender.send(replies.status(level, text, status_id))
 
@@ -122,7 +122,7 @@ class Client:
         """Report an error to the client, up to a limit."""
         self._error_count += 1
         if self._error_count <= MAX_REPORTED_ERRORS:
-            self.status(StatusLevel.ERROR, text)
+            self.show_status(StatusLevel.ERROR, text)
 
     def channel_ended(self, channel: Channel) -> None:
         """End the subscription to a channel that has ended."""

@@ -158,8 +158,8 @@ class _Body:
             each = f"""'{{"{first}":%d,"{second}":%d}}' % e"""
             self._put("[%s]", f"','.join([{each} for e in {value}])")
 
-    def _put(self, place: str, value: str) -> None:
-        self._format.append(place)
+    def _put(self, placeholder: str, value: str) -> None:
+        self._format.append(placeholder)
         self._values.append(value)
 
     def _read(self, value: str) -> str:

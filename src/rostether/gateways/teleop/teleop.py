@@ -207,7 +207,7 @@ class Teleop:
     async def _joined(self) -> Graph:
         if self._graph is None:
             graph = await self._join()
-            # As parameters, so that all programs can read and change them.
+            # The limits are parameters, so that all programs can read and change them.
             with suppress(RostetherError):
                 for each in DriveLimits.__struct_fields__:
                     if not await graph.has_param(f"~{each}"):

@@ -113,9 +113,9 @@ def single_header(headers: Headers, name: str) -> str | None:
     return values[0] if len(values) == 1 else "null"
 
 
-def foreign_host(host: str) -> str:
+def explain_foreign_host(host: str) -> str:
     """Return why a request to another machine's name is refused."""
-    return f"{host!r:.200} is not a name of this machine; use its address, set ROS_HOSTNAME, or use a --token"
+    return f"{host!r:.200} is not a name of this machine; use its address, set ROS_HOSTNAME, or use --token"
 
 
 def _is_presented(token: Token, path: str, headers: Headers) -> bool:
@@ -186,7 +186,7 @@ class Admission:
         has_token = self.has_token(path, headers) or self._has_view_token(path, headers)
         if not pages.admits(origin, host) and not (has_token and is_of_program(origin)):
             if origin is None:
-                return HTTPStatus.FORBIDDEN, foreign_host(host)
+                return HTTPStatus.FORBIDDEN, explain_foreign_host(host)
             reason = f"pages of {origin:.200} may not connect; allow them with --origin {origin:.200}"
             return HTTPStatus.FORBIDDEN, reason
         if self.token.is_required and self._wants_token_first and not has_token:
@@ -202,7 +202,7 @@ class Admission:
         Files are not secret, so they need no token: the page sends it when it connects.
         """
         host = single_header(headers, "Host") or ""
-        return None if self._pages.admits_host(host) else foreign_host(host)
+        return None if self._pages.admits_host(host) else explain_foreign_host(host)
 
     def download_refusal(self, path: str, headers: Headers) -> str | None:
         """Return why a request for a recording is refused, None if it is admitted.

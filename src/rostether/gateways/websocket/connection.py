@@ -201,7 +201,7 @@ class Connection(asyncio.BufferedProtocol):
 
     def _receive(self, data: bytes) -> None:
         if self._answer is not None:
-            # One connection, one plain request; its body is read, so that the client gets the response.
+            # A connection answers one plain request. The body is read, so that the client gets the response.
             return
         if not self._is_established:
             self._start = (self._start + data[:MAX_METHOD_BYTES])[:MAX_METHOD_BYTES]

@@ -72,5 +72,5 @@ class ServerSettings(Struct, frozen=True):
     view_token: str = ""
 
     def __repr__(self) -> str:
-        # Without the tokens: logs may show it.
+        # Omits the tokens, because logs may show this text.
         return f"{type(self).__name__}({self.host!r}, {self.port})"

@@ -172,8 +172,8 @@ class Site:
 
     def _open_tile(self, path: str) -> tuple[Reply, BinaryIO | None]:
         assert self._tiles is not None
-        place = _TILE.fullmatch(path.partition("?")[0])
-        tile = self._tiles.read(*map(int, place.groups())) if place else None
+        tile_path = _TILE.fullmatch(path.partition("?")[0])
+        tile = self._tiles.read(*map(int, tile_path.groups())) if tile_path else None
         if tile is None:
             return refusal(HTTPStatus.NOT_FOUND, "the map has no such tile"), None
         headers = (*_ALWAYS, ("Content-Type", self._tiles.content_type))

@@ -104,8 +104,8 @@ class Ros2Definitions:
         self._installed_last.search()
 
     @property
-    def places(self) -> str:
-        """The searched places, for errors."""
+    def searched_folders(self) -> str:
+        """The searched folders, as text for errors."""
         folders = [f"--msg-path {path}" for path in self._paths]
         folders += map(str, (*self._package_path, *self._installed.prefixes))
         if len(folders) > _SHOWN_FOLDERS:
@@ -248,7 +248,9 @@ class Ros2Definitions:
             return parse_file(kind, file, package, name)
         if any(each.has_only_idl(package, kind, name) for each in (self._installed, self._installed_last)):
             raise UnknownTypeError(explain_only_idl(package, kind, name))
-        raise UnknownTypeError(f"{explain_unknown(self, kind, package, name)} (searched: {self.places})")
+        raise UnknownTypeError(
+            f"{explain_unknown(self, kind, package, name)} (searched: {self.searched_folders})"
+        )
 
     def _file(self, kind: Kind, package: str, name: str) -> Path | None:
         file = self._own(package, kind).get(name)

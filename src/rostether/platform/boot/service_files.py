@@ -72,13 +72,13 @@ def path_below(root: Path | None, path: Path) -> Path:
     """Return a path in the folder `root`, such as a mounted image. Raises ConfigError if it leaves it."""
     if root is None:
         return path
-    place = root / path.relative_to("/")
-    if not place.resolve().is_relative_to(root.resolve()):
+    target = root / path.relative_to("/")
+    if not target.resolve().is_relative_to(root.resolve()):
         # An absolute link in an image leads to this machine.
         raise ConfigError(
-            f"{place} is outside of {root}, at {place.resolve()}; replace the link with a folder"
+            f"{target} is outside of {root}, at {target.resolve()}; replace the link with a folder"
         )
-    return place
+    return target
 
 
 def unit_text(installation: Installation) -> str:

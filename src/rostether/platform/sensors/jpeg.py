@@ -79,9 +79,9 @@ def draw_test_picture(count: int, change: PictureChange) -> bytes:
     image = image_module.new("RGB", (width, height))
     draw = ImageDraw.Draw(image)
     colors = ("white", "yellow", "cyan", "lime", "magenta", "red", "blue")
-    for place, color in enumerate(colors):
+    for index, color in enumerate(colors):
         draw.rectangle(
-            (place * width // len(colors), 0, (place + 1) * width // len(colors), height * 3 // 4), fill=color
+            (index * width // len(colors), 0, (index + 1) * width // len(colors), height * 3 // 4), fill=color
         )
     side = max(2, height // 8)
     left = count * max(1, side // 4) % max(1, width - side)

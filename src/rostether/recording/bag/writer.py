@@ -61,7 +61,7 @@ class BagWriter(ChunkedWriter):
         super().__init__(path, compression, chunk_bytes, MAGIC + bag_header(0, 0, 0))
 
     def add_connection(self, connection: Connection) -> int:
-        """Return the connection's number; equal connections share one."""
+        """Add a connection if it is new; return its number. Equal connections share one."""
         number = self._numbers.get(connection)
         if number is None:
             number = self._numbers[connection] = len(self._heads)

@@ -60,8 +60,8 @@ class ParquetTable:
         values = self._values
         values[0].append(time_ns / NS_PER_S)
         values[1].append(time_ns)
-        for place, column in enumerate(self._columns, 2):
-            values[place].append(nested(column.read(message), bytes))
+        for index, column in enumerate(self._columns, 2):
+            values[index].append(nested(column.read(message), bytes))
         if len(values[0]) >= MAX_GROUP_ROWS:
             self.flush()
 

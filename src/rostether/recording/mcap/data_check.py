@@ -25,13 +25,13 @@ from rostether.recording.time_order import TimeOrder
 class FoundChunk(Struct):
     """A chunk in the data section, its content, and the indexes that follow it.
 
-    `places` has (time, offset) of each message by channel, until the indexes are compared.
+    `message_offsets` has (time, offset) of each message by channel, until the indexes are compared.
     """
 
     chunk: Chunk
     position: int
     length: int
-    places: dict[int, array[int]] = field(default_factory=dict)
+    message_offsets: dict[int, array[int]] = field(default_factory=dict)
     indexes: dict[int, int] = field(default_factory=dict)
     indexes_end: int = 0
 
@@ -107,12 +107,12 @@ class DataCheck:
                     number, time_ns = _message(plain, begin, stop)
                     self._count(number, time_ns)
                     first, last = min(first, time_ns), max(last, time_ns)
-                    found.places.setdefault(number, array("Q")).extend((time_ns, record))
+                    found.message_offsets.setdefault(number, array("Q")).extend((time_ns, record))
                 elif op < 0x80:
                     self._report(f"{where}: a record ({kind_of(op)}) does not belong there")
         except RecordingError as error:
             self._report(f"{where}: {error}")
-        if found.places and (first, last) != (chunk.start_ns, chunk.end_ns):
+        if found.message_offsets and (first, last) != (chunk.start_ns, chunk.end_ns):
             stated = f"{chunk.start_ns} to {chunk.end_ns}"
             self._report(f"{where}: its times are {first} to {last}, not {stated} as stated")
         return found
@@ -125,7 +125,7 @@ class DataCheck:
         found.indexes[number] = position
         found.indexes_end = end
         listed = array("Q", (value for entry in entries for value in entry))
-        there = found.places.get(number, array("Q"))
+        there = found.message_offsets.get(number, array("Q"))
         if listed != there and _pairs(listed) != _pairs(there):
             self._report(
                 f"the message index at byte {position} does not list the messages of channel {number} "
@@ -134,10 +134,10 @@ class DataCheck:
 
     def _check_indexed(self, found: FoundChunk | None) -> None:
         if found is not None and found.indexes:
-            for number in found.places.keys() - found.indexes.keys():
+            for number in found.message_offsets.keys() - found.indexes.keys():
                 self._report(f"the chunk at byte {found.position}: channel {number} has no message index")
         if found is not None:
-            found.places.clear()
+            found.message_offsets.clear()
 
     def _define(self, data: Buffer, op: int, start: int, end: int) -> None:
         if op == Op.SCHEMA:

@@ -82,7 +82,7 @@ class McapWriter(ChunkedWriter):
         return "ros1", {key: value for key, value in connection.fields().items() if key not in elsewhere}
 
     def add_connection(self, connection: Connection) -> int:
-        """Return the connection's number; equal connections share one. Raises RecordingError beyond 65535."""
+        """Add a connection if it is new; return its number. Raises RecordingError beyond 65535."""
         number = self._numbers.get(connection)
         if number is None:
             number = len(self._numbers) + 1
@@ -116,21 +116,21 @@ class McapWriter(ChunkedWriter):
         content = b"".join((head, encode_text(name), U64.pack(len(stored)), stored))
         record = encode_record(Op.CHUNK, content)
         position = self._file.position
-        place = position + len(record)
-        places: dict[int, int] = {}
+        offset = position + len(record)
+        index_offsets: dict[int, int] = {}
         indexes = []
         for number, entries in self._index.items():
-            places[number] = place
+            index_offsets[number] = offset
             indexes.append(_index_record(number, entries))
-            place += len(indexes[-1])
+            offset += len(indexes[-1])
         counts = {number: len(entries) // 2 for number, entries in self._index.items()}
         index = ChunkIndex(
             position=position,
             length=len(record),
             start_ns=self._start_ns,
             end_ns=self._end_ns,
-            indexes=places,
-            indexes_bytes=place - position - len(record),
+            indexes=index_offsets,
+            indexes_bytes=offset - position - len(record),
             compression=name,
             compressed_bytes=len(stored),
             size_bytes=len(plain),

@@ -35,7 +35,7 @@ class FileStorage(RecordingWriter, Protocol):
 
     @property
     def channels(self) -> Ros2Channels:
-        """Its topics."""
+        """The file's topics."""
 
     @property
     def span_ns(self) -> tuple[int, int] | None:
@@ -129,7 +129,7 @@ class Ros2FileWriter:
         return self._storage.message_count
 
     def add_connection(self, connection: Connection) -> int:
-        """Return the connection's number. Raises RecordingError."""
+        """Add a connection if it is new; return its number. Raises RecordingError."""
         return self._storage.add_connection(connection)
 
     def write(self, number: int, time_ns: int, payloads: Sequence[bytes]) -> None:

@@ -89,7 +89,10 @@ class Db3Writer:
         return {each.number: each.message_count for each in self.channels.channels}
 
     def add_connection(self, connection: Connection) -> int:
-        """Return the number of the topic's row. Raises RecordingError if ROS 2 has no such type."""
+        """Add the topic if it is new; return the number of its row.
+
+        Raises RecordingError if ROS 2 has no such type.
+        """
         known = len(self.channels.channels)
         channel = self.channels.channel(connection)
         if channel.number > known:

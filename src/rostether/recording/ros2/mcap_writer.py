@@ -53,7 +53,10 @@ class Ros2McapWriter(McapWriter):
         return "cdr", {"offered_qos_profiles": origin.qos, "topic_type_hash": origin.type_hash}
 
     def add_connection(self, connection: Connection) -> int:
-        """Return the number of the topic's channel. Raises RecordingError if ROS 2 has no such type."""
+        """Add the topic if it is new; return its channel number.
+
+        Raises RecordingError if ROS 2 has no such type.
+        """
         number = self._of_connection.get(connection)
         if number is None:
             known = len(self.channels.channels)

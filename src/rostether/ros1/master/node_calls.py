@@ -118,7 +118,7 @@ class NodeCallQueue:
                 _log.debug("changes cannot be sent to a node: %s", error)
                 return
             outbox = self._outboxes[api] = _Outbox(client)
-        # At the end, even if it already waits: an update of a namespace in between must not undo it.
+        # A call that already waits moves to the end: an update of a namespace in between must not undo it.
         outbox.pending.pop(what, None)
         outbox.pending[what] = arguments
         if len(outbox.pending) > _MAX_PENDING:

@@ -19,12 +19,11 @@ from rostether.xmlrpc.values import MAX_NESTING, DateTime, XmlRpcValue
 
 # Answers and notices add one or two levels to a value; XML-RPC documents have at most MAX_NESTING.
 MAX_DEPTH = MAX_NESTING - 10
-# The limit of one XML-RPC document, so that `getParam /` can be answered, and some more; namespaces also
-# count. Freeing all of them takes about 20 ms.
+# A few more than one XML-RPC document can have; namespaces also count. Freeing all of them takes about 20 ms.
 MAX_TREE_VALUES = MAX_VALUES + 1024
 # The approximate memory of a value besides its text.
 _BYTES_PER_VALUE = 64
-# The values, or one container, that are measured in one step: about a millisecond.
+# The number of values to measure in one step, which takes about a millisecond; a container is not split.
 _STEP_VALUES = 4096
 # After this number of changes by other clients in the meantime, an old value is measured in one step.
 _MAX_INTERRUPTIONS = 3

@@ -97,7 +97,7 @@ class Publication:
             on_lost=self._forget,
         )
         self.connections.append(connection)
-        # Soon: a callback that reports it may send to it only after the handshake.
+        # Watchers are called later, because they may send to the subscriber only after the handshake.
         asyncio.get_running_loop().call_soon(self._notify_watchers, connection, True)
         return connection
 

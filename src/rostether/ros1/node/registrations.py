@@ -150,7 +150,7 @@ class Registrations:
     async def _watch_master(self, interval_s: float) -> None:
         _watching.add(self)
         is_away = False
-        # Each node at a different time: a hundred simultaneous checks would delay the boards' messages.
+        # Nodes check at different times: a hundred simultaneous checks would delay the boards' messages.
         wait_s = interval_s * crc32(self._master.caller_id.encode()) / 2**32
         while True:
             await asyncio.sleep(wait_s)

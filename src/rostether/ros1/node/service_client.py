@@ -33,7 +33,7 @@ POLL_INTERVAL_S = 0.3
 class ServiceClient:
     """Calls one service; a persistent client keeps its connection until it breaks.
 
-    Calls of a persistent client wait for each other, others run concurrently.
+    Calls of a persistent client wait for each other; other calls run concurrently.
     """
 
     def __init__(
@@ -112,7 +112,7 @@ class ServiceClient:
                 self._kept = connection
             else:
                 connection.close()
-        if not answer.ok:
+        if not answer.is_ok:
             # roscpp's servers send no text if their callback returns false.
             reason = answer.error_text or "no reason given; see the log of its node"
             raise ServiceCallError(f"service {self.service} responded with an error: {reason}")

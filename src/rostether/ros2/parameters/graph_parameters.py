@@ -29,34 +29,34 @@ class GraphParameters:
 
         Raises UnknownNameError.
         """
-        place = await self._locate(name)
-        values = await self._values(place)
+        parameter = await self._locate(name)
+        values = await self._values(parameter)
         if not values:
-            if place.node == self._node:
-                self._own.declare(place.path)
+            if parameter.node == self._node:
+                self._own.declare(parameter.path)
             raise UnknownNameError(f"parameter {name} is not set")
-        return _tree(place, values)
+        return _tree(parameter, values)
 
     async def set(self, name: str, value: ParamValue) -> None:
         """Set a value; a mapping replaces the whole tree below the name.
 
         Raises SerializationError for values that ROS 2 does not support, GraphError if the node refuses.
         """
-        place = await self._locate(name)
-        values = flatten(place.path, value)
+        parameter = await self._locate(name)
+        values = flatten(parameter.path, value)
         if "" in values:
             raise GraphError(f"{name} is a node; give the name of a parameter below it, or a mapping")
-        before = await self._names_within(place)
+        before = await self._names_within(parameter)
         gone = {each: NOT_SET for each in before if each not in values}
-        await self._apply(place.node, {**gone, **values})
+        await self._apply(parameter.node, {**gone, **values})
 
     async def delete(self, name: str) -> None:
         """Delete a value or tree. Raises UnknownNameError, GraphError if the node refuses."""
-        place = await self._locate(name)
-        values = await self._values(place)
+        parameter = await self._locate(name)
+        values = await self._values(parameter)
         if not values:
             raise UnknownNameError(f"parameter {name} is not set")
-        await self._apply(place.node, dict.fromkeys(values, NOT_SET))
+        await self._apply(parameter.node, dict.fromkeys(values, NOT_SET))
 
     async def has(self, name: str) -> bool:
         """Return whether a parameter, or one below it, is set."""
@@ -96,21 +96,23 @@ class GraphParameters:
         return locate(name, (await self._graph.snapshot()).nodes, self._node)
 
     async def _value_or_none(self, name: str) -> ParamValue:
-        place = await self._locate(name)
-        values = await self._values(place)
-        return _tree(place, values) if values else None
+        parameter = await self._locate(name)
+        values = await self._values(parameter)
+        return _tree(parameter, values) if values else None
 
-    async def _values(self, place: ParameterPath) -> dict[str, TypedValue]:
-        if place.node == self._node:
-            return {name: self._own.get(name) for name in self._own.names() if place.holds(name)}
-        if place.path and (found := await self._client.get(place.node, [place.path])):
+    async def _values(self, parameter: ParameterPath) -> dict[str, TypedValue]:
+        if parameter.node == self._node:
+            return {name: self._own.get(name) for name in self._own.names() if parameter.holds(name)}
+        if parameter.path and (found := await self._client.get(parameter.node, [parameter.path])):
             return found
-        names = await self._names_within(place)
-        return await self._client.get(place.node, names) if names else {}
+        names = await self._names_within(parameter)
+        return await self._client.get(parameter.node, names) if names else {}
 
-    async def _names_within(self, place: ParameterPath) -> list[str]:
-        names = self._own.names() if place.node == self._node else await self._client.names(place.node)
-        return [name for name in names if place.holds(name)]
+    async def _names_within(self, parameter: ParameterPath) -> list[str]:
+        names = (
+            self._own.names() if parameter.node == self._node else await self._client.names(parameter.node)
+        )
+        return [name for name in names if parameter.holds(name)]
 
     async def _names_of(self, node: str) -> list[str]:
         try:
@@ -130,8 +132,8 @@ class GraphParameters:
             await self._client.set(node, values)
 
 
-def _tree(place: ParameterPath, values: Mapping[str, TypedValue]) -> ParamValue:
-    depth = len(name_parts(place.path))
+def _tree(parameter: ParameterPath, values: Mapping[str, TypedValue]) -> ParamValue:
+    depth = len(name_parts(parameter.path))
     root: dict[str, ParamValue] = {}
     for name, value in _deepest_last(values.items()):
         parts = name_parts(name)[depth:]

@@ -77,8 +77,8 @@ class Reach(Struct, frozen=True):
 
 async def is_router_there(endpoint: str = ROUTER_ENDPOINT) -> bool:
     """Return whether something accepts connections at a tcp endpoint."""
-    protocol, _, place = endpoint.partition("/")
-    host, _, port = place.rpartition(":")
+    protocol, _, address = endpoint.partition("/")
+    host, _, port = address.rpartition(":")
     if protocol not in ("tcp", "tls") or not port.isdecimal():
         return True  # There is no cheap check, and the user has configured this endpoint.
     try:
@@ -104,8 +104,8 @@ def router_configuration(environment: Ros2Environment, reach: Reach) -> zenoh.Co
         return _override(_from_file(environment.zenoh_router_config), environment, reach)
     # With `always` and explicit endpoints, a second router may run on the same machine.
     is_elsewhere = reach.router is RouterChoice.ALWAYS and reach.listen
-    place = [] if is_elsewhere else [ROUTER_ENDPOINT]
-    settings = {**_SHARED, **_ROUTER, "listen/endpoints": json.dumps(place)}
+    endpoints = [] if is_elsewhere else [ROUTER_ENDPOINT]
+    settings = {**_SHARED, **_ROUTER, "listen/endpoints": json.dumps(endpoints)}
     return _override(_from_settings(settings), environment, reach)
 
 

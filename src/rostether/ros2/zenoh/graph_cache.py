@@ -19,7 +19,7 @@ MAX_TOKENS = 100_000
 _log = logging.getLogger("rostether.ros2")
 
 _TOPICS = (Kind.PUBLISHER, Kind.SUBSCRIBER)
-Place = tuple[Kind, str]
+EndpointKey = tuple[Kind, str]
 
 
 class GraphCache:
@@ -27,8 +27,8 @@ class GraphCache:
 
     def __init__(self) -> None:
         self._tokens: dict[str, Token] = {}
-        self._endpoints: dict[Place, dict[str, Token]] = {}
-        self._listeners: dict[Place, list[Callable[[], None]]] = {}
+        self._endpoints: dict[EndpointKey, dict[str, Token]] = {}
+        self._listeners: dict[EndpointKey, list[Callable[[], None]]] = {}
         self._change_events: set[asyncio.Event] = set()
         self._snapshot: Snapshot | None = None
         # The parts of the last snapshot that are still valid; a change affects few of thousands.
@@ -39,26 +39,26 @@ class GraphCache:
 
     def apply_tokens(self, news: Sequence[tuple[str, bool]]) -> None:
         """Apply changes: key expressions of tokens, each with True if the token is new, False if removed."""
-        touched: dict[Place, None] = {}
+        touched: dict[EndpointKey, None] = {}
         for text, is_there in news:
             token = self._add(text) if is_there else self._tokens.pop(text, None)
             if token is None:
                 continue
             self._snapshot = None
             self._count_node(token.node_name, 1 if is_there else -1)
-            place = (token.kind, token.name)
+            key = (token.kind, token.name)
             self._entries_of(token.kind).pop(token.name, None)
             if is_there:
-                self._endpoints.setdefault(place, {})[text] = token
+                self._endpoints.setdefault(key, {})[text] = token
             else:
-                self._forget(place, text)
-            touched[place] = None
+                self._forget(key, text)
+            touched[key] = None
         if not touched:
             return
         self._report_change()
-        for place in touched:
-            for listener in list(self._listeners.get(place, ())):
-                call_safely(f"listener of {place[1]}", listener)
+        for key in touched:
+            for listener in list(self._listeners.get(key, ())):
+                call_safely(f"listener of {key[1]}", listener)
 
     def set_problem(self, problem: str) -> None:
         """Set the reason why the graph is incomplete, for the snapshots; empty if it is complete."""
@@ -128,11 +128,11 @@ class GraphCache:
             self._tokens[text] = token
         return token
 
-    def _forget(self, place: Place, text: str) -> None:
-        endpoints = self._endpoints.get(place, {})
+    def _forget(self, key: EndpointKey, text: str) -> None:
+        endpoints = self._endpoints.get(key, {})
         endpoints.pop(text, None)
         if not endpoints:
-            self._endpoints.pop(place, None)
+            self._endpoints.pop(key, None)
 
     def _count_node(self, name: str, change: int) -> None:
         self._node_names[name] += change

@@ -210,7 +210,7 @@ class Publication:
         self._publisher.undeclare()
 
     def _match(self, status: zenoh.MatchingStatus) -> None:
-        # In one of zenoh's threads: a single assignment needs no lock.
+        # This runs in one of zenoh's threads; a single assignment needs no lock.
         self._is_matched = status.matching
 
     def _has_route(self) -> bool:

@@ -64,8 +64,8 @@ async def find_faults(endpoints: Sequence[str], tls: Mapping[str, Any]) -> dict[
 
 async def find_fault(endpoint: str, tls: Mapping[str, Any]) -> str:
     """Return why an endpoint cannot be reached; empty if it can, or if its protocol cannot be tried."""
-    protocol, _, place = endpoint.partition("#")[0].partition("?")[0].partition("/")
-    host, _, port = place.rpartition(":")
+    protocol, _, address = endpoint.partition("#")[0].partition("?")[0].partition("/")
+    host, _, port = address.rpartition(":")
     host = host.strip("[]")
     if protocol not in ("tcp", "tls") or not port.isdecimal():
         return ""

@@ -65,7 +65,7 @@ class ServiceClient:
                 answer.set_result(reply)
 
         def hand_over(reply: zenoh.Reply | None) -> None:
-            # In one of zenoh's threads; the event loop may have ended by then.
+            # This runs in one of zenoh's threads; the event loop may have ended by then.
             if not loop.is_closed():
                 loop.call_soon_threadsafe(settle, reply)
 

@@ -144,7 +144,7 @@ class ZenohSession(SharedSession):
         if not self.is_router:
             await self._wait_for_link()
         if named:
-            # In the background: a machine that is off is detected only after a second.
+            # Runs in the background, because a machine that is off is detected only after a second.
             self._tasks.append(asyncio.ensure_future(self._report_faults(named, configuration)))
         if named or not self.is_router:
             watching = _watch_router(self.zenoh, named, self.graph.set_problem)
@@ -240,8 +240,8 @@ async def _watch_router(session: zenoh.Session, named: Sequence[str], report: Ca
     Runs until it is cancelled. `named` are the endpoints that the configuration names: one that never
     answered is also a problem, unless other peers are connected: a network of peers needs no router.
     """
-    place = f" at {', '.join(named)}" if named else ""
-    problem = f"the zenoh router{place} does not answer"
+    where = f" at {', '.join(named)}" if named else ""
+    problem = f"the zenoh router{where} does not answer"
     had_router = False
     while True:
         info = session.info

@@ -174,7 +174,7 @@ class Subscription:
         payloads: list[bytes] = []
         support = self._support
         for key, gid, received in samples:
-            # In the event loop, which has processed the tokens that came before the sample.
+            # The event loop has already processed the tokens that came before the sample.
             if gid in self._node_names and self._node_names[gid] in self._skip_nodes:
                 continue
             if key:

@@ -97,7 +97,7 @@ class FollowedGoal:
 
 
 class ClientGoalHandle:
-    """A program's handle of a goal it has sent; without a handle the client stops following the goal."""
+    """A program's handle to a goal that it has sent; a client follows a goal only while a handle exists."""
 
     def __init__(self, comm_state_machine: FollowedGoal) -> None:
         self.comm_state_machine = comm_state_machine

@@ -53,7 +53,7 @@ class GoalPublisher(Protocol):
 
 
 class ServerGoalHandle:
-    """A program's handle of a goal; an empty handle does nothing."""
+    """A program's handle to a goal; an empty handle does nothing."""
 
     def __init__(
         self, status_tracker: ServedGoal | None = None, action_server: GoalPublisher | None = None

@@ -137,7 +137,7 @@ def _publish_logs() -> None:
     publisher = Publisher(ROSOUT, log_class, latch=True, queue_size=100)
 
     def publish(record: logging.LogRecord, stamp: Time) -> None:
-        # Forked workers log, too: their lines are only printed.
+        # Forked workers also log, but their lines are only printed.
         if node.loop.is_lost:
             return
         message = log_class(**logs.log_fields(record, topics.names()))

@@ -157,26 +157,26 @@ def _log(level: int, msg: Any, args: tuple[Any, ...], kwargs: dict[str, Any]) ->
     logger.handle(record)
 
 
-def _place() -> tuple[str, int, int]:
+def _statement() -> tuple[str, int, int]:
     """Return the identity of a log statement of a program."""
     frame = sys._getframe(2)
     return frame.f_code.co_filename, frame.f_lineno, frame.f_lasti
 
 
-def _is_due(place: Any, period: float) -> bool:
+def _is_due(statement: Any, period: float) -> bool:
     from rostether.rospy.client.ros_time import Duration, Time
 
     now = Time.now()
-    last = _last_logged.get(place)
+    last = _last_logged.get(statement)
     if last is None or now - last > Duration(period) or last > now:
-        _last_logged[place] = now
+        _last_logged[statement] = now
         return True
     return False
 
 
-def _is_new_text(place: Any, text: Any) -> bool:
-    is_new = _last_texts.get(place) != str(text)
-    _last_texts[place] = str(text)
+def _is_new_text(statement: Any, text: Any) -> bool:
+    is_new = _last_texts.get(statement) != str(text)
+    _last_texts[statement] = str(text)
     return is_new
 
 
@@ -188,22 +188,22 @@ def _family(level: int) -> tuple[Callable[..., None], ...]:
         _log(level, msg, args, kwargs)
 
     def log_throttle(period: float, msg: Any, *args: Any, **kwargs: Any) -> None:
-        """Log at most once in `period` seconds from this place."""
-        if _is_due(_place(), period):
+        """Log at most once in `period` seconds from this statement."""
+        if _is_due(_statement(), period):
             _log(level, msg, args, kwargs)
 
     def log_throttle_identical(period: float, msg: Any, *args: Any, **kwargs: Any) -> None:
         """Log a new text immediately, the same text at most once in `period` seconds."""
-        place = _place()
-        is_due = _is_due(place, period)
-        if _is_new_text(place, msg) or is_due:
+        statement = _statement()
+        is_due = _is_due(statement, period)
+        if _is_new_text(statement, msg) or is_due:
             _log(level, msg, args, kwargs)
 
     def log_once(msg: Any, *args: Any, **kwargs: Any) -> None:
-        """Log the first time that this place is reached."""
-        place = _place()
-        if place not in _logged_once:
-            _logged_once.add(place)
+        """Log the first time that this statement is reached."""
+        statement = _statement()
+        if statement not in _logged_once:
+            _logged_once.add(statement)
             _log(level, msg, args, kwargs)
 
     return log, log_throttle, log_throttle_identical, log_once

@@ -117,7 +117,7 @@ class Node:
         )
 
     def _asked_to_leave(self, reason: str) -> None:
-        # In a thread: the program's hooks may use the graph, which needs this loop.
+        # Runs in a thread, because the program's hooks may use the graph, which needs this loop.
         threading.Thread(target=shutdown.signal, args=(reason,), name="rospy shutdown").start()
 
     def _leave(self, reason: str) -> None:

@@ -59,7 +59,7 @@ def is_wallclock() -> bool:
 
 
 def set_rostime_initialized(val: bool) -> None:
-    """Let a program without a node read the wall clock."""
+    """Set whether a program without a node may read the wall clock."""
     global _initialized
     _initialized = val
 

@@ -63,7 +63,7 @@ class RosSerialServer:
 
     def listen(self) -> None:
         """Serve boards until the node shuts down. Raises TransportOpenError if the port is in use."""
-        _Terminal().line(
+        _Terminal().report(
             Level.INFO,
             f"port {self.tcp_portnum} accepts boards on this machine only; for boards on the network use "
             f"`rostether serial-node tcp {self.tcp_portnum} --listen 0.0.0.0`",
@@ -77,7 +77,7 @@ class _Terminal:
     def __init__(self) -> None:
         self._handler = TerminalHandler(simulated_time_s)
 
-    def line(self, level: Level, text: str, *, node: str = "") -> None:
+    def report(self, level: Level, text: str, *, node: str = "") -> None:
         """Print a line."""
         record = logging.LogRecord("rosout", _LEVELS[level], __file__, 0, text, None, None, "run")
         self._handler.emit(record)
@@ -117,7 +117,7 @@ async def _serve_until_shutdown(address: Address) -> None:
         with contextlib.suppress(TimeoutError):
             node.loop.call(supervisor.close(), timeout_s=_CLOSE_LIMIT_S)
 
-    shutdown.before(close)
+    shutdown.add_early(close)
     async with closed_at_end(supervisor):
         await supervisor.start([address])
         await supervisor.wait_done()

@@ -37,7 +37,7 @@ class Shutdown:
         else:
             self._client_hooks.append(hook)
 
-    def before(self, hook: Callable[[str], object]) -> None:
+    def add_early(self, hook: Callable[[str], object]) -> None:
         """Add a hook that gets the reason, after the program's hooks and before the node leaves."""
         self._early_hooks.append(hook)
 
@@ -109,7 +109,7 @@ add_client_shutdown_hook = on_shutdown
 
 def add_preshutdown_hook(h: Callable[[str], object]) -> None:
     """Add a function to call with the reason, after those of `on_shutdown`."""
-    shutdown.before(h)
+    shutdown.add_early(h)
 
 
 def add_shutdown_hook(h: Callable[[str], object]) -> None:

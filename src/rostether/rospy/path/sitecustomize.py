@@ -26,7 +26,7 @@ def _add_rospy(here: str) -> None:
         if folder and folder not in sys.path:
             sys.path.append(folder)
     sys.path.append(os.path.join(facade, "modules"))  # noqa: PTH118
-    # Before our finder, which would search for the optional modules that this import tries.
+    # Imported before our finder is added, which would search for the optional modules that msgspec tries.
     try:
         import msgspec  # noqa: F401
     except ImportError:

@@ -221,7 +221,7 @@ def superimposition_matrix(v0: Any, v1: Any, scaling: bool = False, usesvd: bool
     start_center, end_center = start.mean(axis=1), end.mean(axis=1)
     start, end = start - start_center[:, None], end - end_center[:, None]
     left, _, right = np.linalg.svd(end @ start.T)
-    # Without a reflection.
+    # Excludes a reflection.
     left[:, 2] *= np.sign(np.linalg.det(left @ right))
     linear = left @ right
     if scaling:

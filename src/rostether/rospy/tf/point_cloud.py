@@ -41,10 +41,10 @@ def read_points(
         raise TypeError("cloud is not a sensor_msgs.msg.PointCloud2")
     wanted = None if field_names is None else frozenset(field_names)
     layout = struct.Struct(struct_format(cloud.is_bigendian, cloud.fields, wanted))
-    places = list(uvs)
+    pixels = list(uvs)
     points = (
-        (layout.unpack_from(cloud.data, cloud.row_step * v + cloud.point_step * u) for u, v in places)
-        if places
+        (layout.unpack_from(cloud.data, cloud.row_step * v + cloud.point_step * u) for u, v in pixels)
+        if pixels
         else _all_points(cloud, layout)
     )
     if not skip_nans:

@@ -197,8 +197,8 @@ class TransformBroadcaster:
         message.header.frame_id = parent
         message.header.stamp = time
         message.child_frame_id = child
-        place, turn = message.transform.translation, message.transform.rotation
-        place.x, place.y, place.z = translation
+        vector, turn = message.transform.translation, message.transform.rotation
+        vector.x, vector.y, vector.z = translation
         turn.x, turn.y, turn.z, turn.w = rotation
         self.sendTransformMessage(message)
 

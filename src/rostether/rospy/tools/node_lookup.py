@@ -56,8 +56,8 @@ def get_machines_by_nodes() -> list[str]:
 def get_nodes_by_machine(machine: str) -> list[str]:
     """Return the nodes on a machine, given by a name or an address. Raises ROSNodeIOException."""
     nodes = list(_machines())
-    places = hosts_of_machine(machine, (host for _, host in nodes))
-    return [name for name, host in nodes if host in places]
+    hosts = hosts_of_machine(machine, (host for _, host in nodes))
+    return [name for name, host in nodes if host in hosts]
 
 
 def rosnode_ping(

@@ -60,14 +60,14 @@ def compile_conversion(tree: Record, target: Side, refuse: Callable[[bytes], byt
     Raises DefinitionError for a type with thousands of arrays.
     """
     source = _Source(target)
-    cdr = target is Side.ROS2
-    body = source.body("", 0 if cdr else 4, "", 4, modulus=8)
-    if cdr:
+    to_cdr = target is Side.ROS2
+    body = source.body("", 0 if to_cdr else 4, "", 4, modulus=8)
+    if to_cdr:
         body.pieces.add_constant(LITTLE_ENDIAN)
     body.convert_inline(tree)
     end = body.source_at.text()
-    lines = [*body.lines, f"if {end} {'!=' if cdr else '>'} len(b): raise overrun"]
-    if not cdr:
+    lines = [*body.lines, f"if {end} {'!=' if to_cdr else '>'} len(b): raise overrun"]
+    if not to_cdr:
         lines.insert(0, f"if b[:2] != {LITTLE_ENDIAN[:2]!r}: return refuse(b)")
         if [slot.ros2_name for slot in tree.ros2_slots] == [DUMMY_NAME]:
             # Some peers omit the placeholder byte of an empty message.
@@ -161,12 +161,12 @@ class _Source:
         self, source_start: str, source_offset: int, target_start: str, target_offset: int, *, modulus: int
     ) -> ConvertingBody:
         """Return the body of a function; the index into CDR is a multiple of `modulus`."""
-        cdr = self.target is Side.ROS2
+        to_cdr = self.target is Side.ROS2
         return ConvertingBody(
             self,
-            Side.ROS1 if cdr else Side.ROS2,
-            Offset(source_start, source_offset, aligned=not cdr, modulus=modulus),
-            Offset(target_start, target_offset, aligned=cdr, modulus=modulus),
+            Side.ROS1 if to_cdr else Side.ROS2,
+            Offset(source_start, source_offset, is_aligned=not to_cdr, modulus=modulus),
+            Offset(target_start, target_offset, is_aligned=to_cdr, modulus=modulus),
         )
 
     def _name(self, kind: str, key: object) -> str:

@@ -224,8 +224,8 @@ class ConvertingBody(ReadingBody):
             body.lines.append(f"{after} = {body.target_at.text()}")
         self.lines += [f"for _ in range({count}):", *indented(body.lines, 4)]
         self.continue_count(body)
-        self.source_at = self._offset(before, modulus, residue, aligned=not self.to_cdr)
-        self.target_at = self._offset(after, modulus, residue, aligned=self.to_cdr)
+        self.source_at = self._offset(before, modulus, residue, is_aligned=not self.to_cdr)
+        self.target_at = self._offset(after, modulus, residue, is_aligned=self.to_cdr)
 
     def _loop_body(self, element: Node, before: str, after: str) -> tuple[ConvertingBody, int, int]:
         """Return the code that converts one element, and the known part of the elements' offsets in CDR.
@@ -239,8 +239,8 @@ class ConvertingBody(ReadingBody):
             body = ConvertingBody(
                 self.functions,
                 self.side,
-                self._offset(before, modulus, residue, aligned=not self.to_cdr),
-                self._offset(after, modulus, residue, aligned=self.to_cdr),
+                self._offset(before, modulus, residue, is_aligned=not self.to_cdr),
+                self._offset(after, modulus, residue, is_aligned=self.to_cdr),
                 loops=self._loops + 1,
             )
             body.continue_count(self)
@@ -254,8 +254,8 @@ class ConvertingBody(ReadingBody):
             modulus, residue = shared, start.residue % shared
 
     @staticmethod
-    def _offset(start: str, modulus: int, residue: int, *, aligned: bool) -> Offset:
-        return Offset(start, 0, aligned=aligned, modulus=modulus, residue=residue)
+    def _offset(start: str, modulus: int, residue: int, *, is_aligned: bool) -> Offset:
+        return Offset(start, 0, is_aligned=is_aligned, modulus=modulus, residue=residue)
 
     def _call_converter(self, name: str) -> None:
         self.flush()

@@ -13,16 +13,18 @@ UNIT_BYTES: Final = 4
 class Offset:
     """An expression of an index into a payload.
 
-    With `aligned`, the payload is CDR, whose alignment counts from index 4: the distance of the position from
-    there, modulo `modulus` (1, 2, 4 or 8), is `residue`. Otherwise, nothing is aligned.
+    With `is_aligned`, the payload is CDR, whose alignment counts from index 4: the distance of the position
+    from there, modulo `modulus` (1, 2, 4 or 8), is `residue`. Otherwise, nothing is aligned.
     """
 
-    __slots__ = ("aligned", "modulus", "offset", "residue", "start")
+    __slots__ = ("is_aligned", "modulus", "offset", "residue", "start")
 
-    def __init__(self, start: str, offset: int, *, aligned: bool, modulus: int = 8, residue: int = 0) -> None:
+    def __init__(
+        self, start: str, offset: int, *, is_aligned: bool, modulus: int = 8, residue: int = 0
+    ) -> None:
         self.start = start
         self.offset = offset
-        self.aligned = aligned
+        self.is_aligned = is_aligned
         self.modulus = modulus
         self.residue = residue
 
@@ -46,12 +48,12 @@ class Offset:
 
     def padding(self, alignment: int) -> int | None:
         """Return the padding to an alignment, None if it is known only at run time."""
-        if not self.aligned or alignment == 1:
+        if not self.is_aligned or alignment == 1:
             return 0
         return -self.residue % alignment if self.modulus >= alignment else None
 
     def align(self, variable: str, alignment: int) -> str:
-        """Go to the next aligned position, which is stored in a variable; return the line for that."""
+        """Go to the next aligned position, and return the line of code that stores it in a variable."""
         end = f"({self.text(3)} & -8) + 4" if alignment == 8 else f"{self.text(alignment - 1)} & -{alignment}"
         self.start, self.offset = variable, 0
         self.modulus, self.residue = alignment, 0
@@ -60,7 +62,7 @@ class Offset:
     def copy(self) -> Offset:
         """Return a copy."""
         return Offset(
-            self.start, self.offset, aligned=self.aligned, modulus=self.modulus, residue=self.residue
+            self.start, self.offset, is_aligned=self.is_aligned, modulus=self.modulus, residue=self.residue
         )
 
 

@@ -45,7 +45,7 @@ class Servo:
 
     @property
     def id(self) -> int:
-        """Its address on the bus."""
+        """The servo's address on the bus."""
         return self["id"]
 
     def __getitem__(self, name: str) -> int:

@@ -36,7 +36,7 @@ END_LIMIT_S = 2.0
 # The board measures its supply through a divider of 5.7, other pins directly; both with 10 bits at 3.3 V.
 BATTERY_FULL_SCALE_V = 3.3 * 5.7
 PIN_FULL_SCALE_V = 3.3
-# There and back, at 342 m/s.
+# The sound travels there and back, at 342 m/s.
 _ECHO_US_PER_M = 2e6 / 342
 _BATTERY_PIN = pin_number("BDPIN_BAT_PWR_ADC")
 _MAX_BATTERY_V = 18.0

@@ -27,7 +27,7 @@ def execute(board: OpenCrBoard, line: str) -> BoardEvent | None:
 
 def _pin(board: OpenCrBoard, arguments: list[str]) -> BoardEvent | None:
     answer = None
-    for argument in _some(arguments, "pin BDPIN_PUSH_SW_1=1"):
+    for argument in _checked(arguments, "pin BDPIN_PUSH_SW_1=1"):
         name, separator, level = argument.partition("=")
         number = pin_number(name)
         if not separator:
@@ -41,18 +41,18 @@ def _pin(board: OpenCrBoard, arguments: list[str]) -> BoardEvent | None:
 
 
 def _adc(board: OpenCrBoard, arguments: list[str]) -> None:
-    for argument in _some(arguments, "adc A1=1.5"):
+    for argument in _checked(arguments, "adc A1=1.5"):
         name, _, volts = argument.partition("=")
         board.set_voltage(name, _number(volts, f"adc {name}=1.5"))
 
 
 def _battery(board: OpenCrBoard, arguments: list[str]) -> None:
-    (volts,) = _some(arguments, "battery 11.1", count=1)
+    (volts,) = _checked(arguments, "battery 11.1", count=1)
     board.set_battery(_number(volts, "battery 11.1"))
 
 
 def _range(board: OpenCrBoard, arguments: list[str]) -> None:
-    (meters,) = _some(arguments, "range 0.5", count=1)
+    (meters,) = _checked(arguments, "range 0.5", count=1)
     value = None if meters == "none" else _number(meters, "range 0.5")
     if value is not None and not 0.02 <= value <= _MAX_RANGE_M:
         raise ConfigError(
@@ -63,7 +63,7 @@ def _range(board: OpenCrBoard, arguments: list[str]) -> None:
 
 def _remote(board: OpenCrBoard, arguments: list[str]) -> None:
     buttons = 0
-    for name in _some(arguments, "remote up left"):
+    for name in _checked(arguments, "remote up left"):
         if name not in _BUTTONS:
             raise ConfigError(f"remote {name}: the remote control has the buttons {', '.join(_BUTTONS)}")
         buttons |= _BUTTONS[name]
@@ -72,7 +72,7 @@ def _remote(board: OpenCrBoard, arguments: list[str]) -> None:
 
 def _overload(board: OpenCrBoard, arguments: list[str]) -> None:
     """Overload a servo, so that it switches its torque off."""
-    (name,) = _some(arguments, "overload left", count=1)
+    (name,) = _checked(arguments, "overload left", count=1)
     if name not in _SERVOS:
         raise ConfigError(f"overload {name}: the servos are left and right")
     board.base.servos[_SERVOS[name]].fail(0x20)
@@ -94,7 +94,7 @@ def _pose(board: OpenCrBoard, _arguments: list[str]) -> BoardEvent:
 def _watch(board: OpenCrBoard, arguments: list[str]) -> None:
     board.watched |= {
         name if name == BLUETOOTH else pin_number(name)
-        for name in _some(arguments, f"watch BDPIN_LED_USER_1 {BLUETOOTH}")
+        for name in _checked(arguments, f"watch BDPIN_LED_USER_1 {BLUETOOTH}")
     }
 
 
@@ -110,7 +110,7 @@ _ACTIONS: dict[str, Callable[[OpenCrBoard, list[str]], BoardEvent | None]] = {
 }
 
 
-def _some(arguments: list[str], example: str, *, count: int | None = None) -> list[str]:
+def _checked(arguments: list[str], example: str, *, count: int | None = None) -> list[str]:
     if not arguments or (count is not None and len(arguments) != count):
         raise ConfigError(f"write {'one value' if count == 1 else 'values'}, such as {example}")
     return arguments

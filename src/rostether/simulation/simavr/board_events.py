@@ -34,10 +34,10 @@ def parse_event(line: bytes) -> BoardEvent:
         raise BoardError(f"the simulated board's runner printed an unknown line: {line[:80]!r}") from error
 
 
-# The meaning of a problem for the user, if its name and values do not show it.
+# Explanations of the problems whose names and values do not explain them.
 _MEANINGS = {
     "behind": "this computer was too busy to simulate the board in real time",
-    "overrun": "the program had interrupts off for too long, and received bytes were lost",
+    "overrun": "the program disabled interrupts for too long, and received bytes were lost",
     "lost_serial": "no program read these bytes in time",
     "lost_events": "these events were not read in time",
     "stack": "the stack came close to the variables: the program needs more RAM than is safe",

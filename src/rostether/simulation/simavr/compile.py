@@ -88,7 +88,7 @@ async def _compile(compiler: str, sources: Sequence[Path], fresh: str, program: 
     except BaseExceptionGroup as failures:
         raise first_error(failures) from None
     await _run((compiler, *objects, "-o", f"{fresh}/{_NAME}", *LIBRARIES), limit)
-    # In one step, so that no process starts an incomplete program.
+    # Replaces the program in one step, so that no process starts an incomplete one.
     os.replace(f"{fresh}/{_NAME}", program)  # noqa: PTH105
 
 

@@ -23,7 +23,7 @@ END_LIMIT_S = 2.0
 
 
 class RunnerProcess:
-    """The process of one runner. `on_event` is called with each event but the answers to `send_command`."""
+    """The process of one runner; `on_event` gets each event except the answers to `send_command`."""
 
     def __init__(self, process: asyncio.subprocess.Process) -> None:
         self.on_event: Callable[[BoardEvent], None] = lambda _event: None

@@ -12,7 +12,7 @@ from rostether.simulation.xbee.radio import SimulatedRadio
 from rostether.simulation.xbee.radio_port import RadioPort
 from rostether.transports.transport import Transport
 
-# In the range of numbers of the manufacturer, Digi.
+# Serial numbers from here on belong to the manufacturer, Digi.
 _FIRST_SERIAL_NUMBER = 0x0013A20040A10000
 _BAUD = 57600
 _PAN_ID = 0x1331

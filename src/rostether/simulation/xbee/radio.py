@@ -81,7 +81,7 @@ class SimulatedRadio:
 
     @property
     def short_address(self) -> int | None:
-        """Its 16-bit address, None if it has none."""
+        """The radio's 16-bit address, None if it has none."""
         address = self.registers["MY"] if "MY" in self.model.registers else BROADCAST
         return address if address < _UNUSED_SHORT else None
 

@@ -5,7 +5,7 @@
                                           └───────── finished (transmit status) <───────┘
 
 A radio has room for two packets and drops more without a report, so at most two wait for their status. A
-board that does not acknowledge keeps the radio busy with retries; such boards share one place.
+board that does not acknowledge keeps the radio busy with retries; such boards share one slot.
 """
 
 from __future__ import annotations
@@ -130,7 +130,7 @@ class SendQueue(Generic[Key]):
         return Finished(key, status)
 
     def give_up(self, now_s: float) -> list[Finished[Key]]:
-        """Return the packets that got no report for too long, and give their places to others."""
+        """Return the packets that got no report for too long, and give their slots to others."""
         late = [
             (frame_id, key)
             for frame_id, (key, sent_s) in self._in_flight.items()

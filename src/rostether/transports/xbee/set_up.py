@@ -97,7 +97,7 @@ def radio_commands(settings: RadioSettings, found: RadioFound) -> list[str]:
         if settings.is_coordinator:
             commands.append("CE1")
         commands.append(f"MY{_NO_SHORT_ADDRESS if settings.address is None else settings.address:X}")
-        # A random delay before the first attempt too: boards that answer one request would all collide.
+        # Adds a random delay also before the first attempt: boards that answer one request would all collide.
         commands.append("RN1")
     commands += [
         f"BD{BAUD_CODES[settings.baud]}",

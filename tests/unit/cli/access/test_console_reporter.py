@@ -12,10 +12,10 @@ from rostether.graph.ports import Level
 
 def test_lines_look_as_rospy_s(capsys: pytest.CaptureFixture[str]) -> None:
     reporter = ConsoleReporter(clock=lambda: 1700000000.1234567)
-    reporter.line(Level.INFO, "Connecting to /dev/ttyACM0 at 57600 baud")
-    reporter.line(Level.INFO, "Note: publish buffer size is 280 bytes", node="/board")
-    reporter.line(Level.WARN, "slow", node="/board")
-    reporter.line(Level.DEBUG, "not shown")
+    reporter.report(Level.INFO, "Connecting to /dev/ttyACM0 at 57600 baud")
+    reporter.report(Level.INFO, "Note: publish buffer size is 280 bytes", node="/board")
+    reporter.report(Level.WARN, "slow", node="/board")
+    reporter.report(Level.DEBUG, "not shown")
     captured = capsys.readouterr()
     assert captured.out == (
         "[INFO] [1700000000.123457]: Connecting to /dev/ttyACM0 at 57600 baud\n"
@@ -26,7 +26,7 @@ def test_lines_look_as_rospy_s(capsys: pytest.CaptureFixture[str]) -> None:
 
 def test_one_board_needs_no_name_and_verbose_shows_more(capsys: pytest.CaptureFixture[str]) -> None:
     reporter = ConsoleReporter(show_node=False, lowest=Level.DEBUG, clock=lambda: 1.0)
-    reporter.line(Level.DEBUG, "hello", node="/serial_node")
+    reporter.report(Level.DEBUG, "hello", node="/serial_node")
     assert capsys.readouterr().out == "[DEBUG] [1.000000]: hello\n"
 
 
@@ -37,7 +37,7 @@ from rostether.graph.ports import Level
 input()
 reporter = ConsoleReporter()
 for number in range(3):
-    reporter.line(Level.INFO, f"line {number}")
+    reporter.report(Level.INFO, f"line {number}")
 import os
 os.write(2, b"still there")
 """

@@ -28,7 +28,7 @@ class _Lines:
     def __init__(self) -> None:
         self.lines: list[tuple[Level, str]] = []
 
-    def line(self, level: Level, text: str, *, node: str = "") -> None:
+    def report(self, level: Level, text: str, *, node: str = "") -> None:
         self.lines.append((level, text))
 
     async def wait_for(self, part: str) -> Level:

@@ -105,10 +105,10 @@ def test_next_steps_name_a_master_that_is_not_the_usual_one(view: DemoView) -> N
 
 def test_recent_lines_leave_debug_out() -> None:
     recent = RecentLines()
-    recent.line(Level.INFO, "shown", node="/board")
-    recent.line(Level.DEBUG, "not shown")
-    recent.warning(Level.INFO, "shown elsewhere")
-    recent.warning(Level.WARN, "the port is in use")
+    recent.report(Level.INFO, "shown", node="/board")
+    recent.report(Level.DEBUG, "not shown")
+    recent.report_warning(Level.INFO, "shown elsewhere")
+    recent.report_warning(Level.WARN, "the port is in use")
     assert list(recent.lines) == ["/board: shown", "the port is in use"]
 
 

@@ -108,7 +108,7 @@ function Lines({ lines }: { lines: LogLine[] }) {
   return (
     <ol class="log" ref={list}>
       {lines.map((line) => (
-        <li key={line.id} class={`log-line ${line.level}`} title={line.place || undefined}>
+        <li key={line.id} class={`log-line ${line.level}`} title={line.source || undefined}>
           <time>{clockTime(line.timeS)}</time>
           <span class="log-level">{texts.console.levels[line.level]}</span>
           <span class="log-node">{line.node}</span>

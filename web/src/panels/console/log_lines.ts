@@ -7,8 +7,8 @@ export interface LogLine {
   readonly level: Level;
   readonly node: string;
   readonly text: string;
-  /** The place in the source, if the node reports it. */
-  readonly place: string;
+  /** The file, the line and the function, if the node reports them. */
+  readonly source: string;
 }
 export type Level = "debug" | "info" | "warning" | "error" | "fatal";
 export const LEVELS: readonly Level[] = ["debug", "info", "warning", "error", "fatal"];
@@ -49,7 +49,7 @@ export class LogLines {
       level: levelOf(log.level, isRos2),
       node: log.name,
       text: log.msg.slice(0, MAX_TEXT),
-      place: log.file ? `${log.file}:${log.line}${log.function ? ` ${log.function}` : ""}` : "",
+      source: log.file ? `${log.file}:${log.line}${log.function ? ` ${log.function}` : ""}` : "",
     });
     if (this.lines.length > MAX_LINES * 1.2) this.lines = this.lines.slice(-MAX_LINES);
   }

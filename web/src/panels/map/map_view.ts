@@ -1,6 +1,6 @@
 // A map with the robots' positions and tracks, on tiles from the robot or on a grid.
 import L from "leaflet";
-import { nearestLongitude, type Place, Track } from "./track.ts";
+import { nearestLongitude, type Position, Track } from "./track.ts";
 
 const COLORS = ["#4c9aff", "#f5a524", "#36b37e", "#e5618a", "#9a6cf5", "#2bb8c4"];
 // At the edges, in pixels.
@@ -46,11 +46,11 @@ export class MapView {
   }
 
   /** Shows a robot at its new position. */
-  move(name: string, place: Place): void {
+  move(name: string, position: Position): void {
     let robot = this.robots.get(name);
     const near = robot ?? this.robots.values().next().value;
-    const longitude = nearestLongitude(place.longitude, near?.dot.getLatLng().lng ?? 0);
-    const at: L.LatLngTuple = [place.latitude, longitude];
+    const longitude = nearestLongitude(position.longitude, near?.dot.getLatLng().lng ?? 0);
+    const at: L.LatLngTuple = [position.latitude, longitude];
     if (robot === undefined) {
       const color = COLORS[this.robots.size % COLORS.length] as string;
       robot = {
@@ -64,9 +64,9 @@ export class MapView {
     }
     robot.dot.setLatLng(at);
     const { track, line } = robot;
-    if (track.add({ latitude: place.latitude, longitude })) {
-      if (track.places.length > line.getLatLngs().length) line.addLatLng(at);
-      else line.setLatLngs(track.places.map((each) => L.latLng(each.latitude, each.longitude)));
+    if (track.add({ latitude: position.latitude, longitude })) {
+      if (track.positions.length > line.getLatLngs().length) line.addLatLng(at);
+      else line.setLatLngs(track.positions.map((each) => L.latLng(each.latitude, each.longitude)));
     }
     if (this.isFollowing) this.follow(at);
   }
@@ -75,9 +75,9 @@ export class MapView {
   private follow(moved: L.LatLngTuple): void {
     if (this.robots.size === 1) this.map.panTo(moved, { animate: false });
     else if (!this.map.getBounds().contains(moved)) {
-      const places = [...this.robots.values()].map(({ dot }) => dot.getLatLng());
+      const positions = [...this.robots.values()].map(({ dot }) => dot.getLatLng());
       const options = { padding: PADDING, maxZoom: this.map.getZoom(), animate: false };
-      this.map.fitBounds(L.latLngBounds(places), options);
+      this.map.fitBounds(L.latLngBounds(positions), options);
     }
   }
 

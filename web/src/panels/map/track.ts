@@ -1,5 +1,5 @@
 // The path of a robot, as positions on the earth, thinned so that hours fit.
-export interface Place {
+export interface Position {
   readonly latitude: number;
   readonly longitude: number;
 }
@@ -9,8 +9,8 @@ const STEP_M = 0.5;
 const MAX_POINTS = 20_000;
 const EARTH_RADIUS_M = 6_371_000;
 
-/** Meters between two places near each other. */
-export function distanceM(a: Place, b: Place): number {
+/** Meters between two positions near each other. */
+export function distanceM(a: Position, b: Position): number {
   const radians = Math.PI / 180;
   const north = (b.latitude - a.latitude) * radians;
   const east = (b.longitude - a.longitude) * radians * Math.cos(a.latitude * radians);
@@ -23,17 +23,17 @@ export function nearestLongitude(longitude: number, to: number): number {
 }
 
 export class Track {
-  readonly places: Place[] = [];
+  readonly positions: Position[] = [];
 
   /** Returns whether the track grew. */
-  add(place: Place): boolean {
-    const last = this.places.at(-1);
-    if (last !== undefined && distanceM(last, place) < STEP_M) return false;
-    this.places.push(place);
+  add(position: Position): boolean {
+    const last = this.positions.at(-1);
+    if (last !== undefined && distanceM(last, position) < STEP_M) return false;
+    this.positions.push(position);
     // Keeps every other older point: the shape stays, and there is room for new points.
-    if (this.places.length > MAX_POINTS) {
-      const kept = this.places.filter((_, i) => i % 2 === 0 || i > MAX_POINTS * 0.9);
-      this.places.splice(0, this.places.length, ...kept);
+    if (this.positions.length > MAX_POINTS) {
+      const kept = this.positions.filter((_, i) => i % 2 === 0 || i > MAX_POINTS * 0.9);
+      this.positions.splice(0, this.positions.length, ...kept);
     }
     return true;
   }

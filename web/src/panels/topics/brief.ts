@@ -4,7 +4,7 @@ import type { Message, Value } from "../../wire/decode.ts";
 
 const MAX_CHARACTERS = 120;
 
-/** `paths` are the fields to show; without them all but the header. */
+/** `paths` are the fields to show (default: all except the header). */
 export function brief(message: Message, paths?: readonly string[]): string {
   if (paths)
     return briefFields(

@@ -200,13 +200,13 @@ class GraphAnswers:
         return found if found is not None and self._allows_service(found.name) else None
 
     async def _types_of(self, services: Iterable[ServiceEntry]) -> list[str]:
-        places = asyncio.Semaphore(MAX_ASKED)
+        slots = asyncio.Semaphore(MAX_ASKED)
 
         async def find(service: ServiceEntry) -> str:
             known = self.known_types.get(service.name, service.type)
             if known != ANY_TYPE:
                 return self._spelled(known, "srv")
-            async with places:
+            async with slots:
                 return self._spelled(await self._asked(self._ask_type, service.name), "srv")
 
         return await asyncio.gather(*map(find, services))
