@@ -108,7 +108,7 @@ class BoardNode:
 
 
 class SetupLines:
-    """The lines of one board, over all of its connections; `clock` in seconds."""
+    """Reports the topics and services of one board, over all its connections, at a limited rate."""
 
     def __init__(self, notices: Notices, clock: Callable[[], float]) -> None:
         self._notices = notices

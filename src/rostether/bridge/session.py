@@ -263,7 +263,7 @@ class Session:
 
     def _settled(self, _event: NegotiationSettled) -> None:
         self.node.endpoints.settle()
-        self.node.health.required.settled(self.node.endpoints.announced_topics())
+        self.node.health.required.compare(self.node.endpoints.announced_topics())
         if self._was_reset:
             self._was_reset = False
             self.node.endpoints.renew_latched()

@@ -74,7 +74,7 @@ class ServiceClientEndpoint:
         return f"<service client {self.info.name} [{self.info.type}]>"
 
     async def open(self) -> None:
-        """Check that the name is legal, and be listed where the graph lists clients.
+        """Check that the name is legal, and list the client where the graph lists clients.
 
         Raises InvalidNameError, GraphError, DefinitionError.
         """
@@ -83,7 +83,7 @@ class ServiceClientEndpoint:
             self._listed = await self._graph.list_client(self.info.name, self._type)
 
     async def close(self) -> None:
-        """Stop being listed as a client."""
+        """Remove the client from the graph."""
         listed, self._listed = self._listed, None
         if listed is not None:
             await listed.close()

@@ -1,4 +1,4 @@
-"""The health of one board: its findings, which of them were reported, and its clock. Outlives connections."""
+"""The health of one board: its findings, which of them were reported, and its clock. It outlives connections."""
 
 from __future__ import annotations
 

@@ -116,7 +116,7 @@ class LineWatch:
         """Note a sign of life, and count what the event shows about the line."""
         if isinstance(event, _SIGNS_OF_LIFE):
             self._silence_s = None
-            self.noise.alive()
+            self.noise.note_board_frame()
         handle = self._handlers.get(type(event))
         if handle is not None:
             handle(event, now_s)

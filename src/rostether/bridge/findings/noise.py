@@ -89,7 +89,7 @@ class Noise:
         del self._line[:-KEPT_BYTES]
         return found
 
-    def alive(self) -> None:
+    def note_board_frame(self) -> None:
         """Record a frame that only a rosserial board sends."""
         self.byte_count = 0
         self._first.clear()

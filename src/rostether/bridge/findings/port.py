@@ -47,13 +47,13 @@ def open_error_finding(facts: PortFacts, failure: BaseException) -> Finding:
 
 
 def cannot_open(failure: BaseException) -> Finding:
-    """Return a failure with its own text."""
+    """Return the finding for any other failure, with the failure's text."""
     seen, _, step = str(failure).partition("; ")
     return error(Code.CANNOT_OPEN, seen, step or "check the address")
 
 
 def no_permission(path: str, group: str | None) -> Finding:
-    """Return that a port may not be opened, and the command that changes that."""
+    """Return the finding for a port that may not be opened, with the command that permits it."""
     if group is None:
         return error(
             Code.NO_PERMISSION,
@@ -68,7 +68,7 @@ def no_permission(path: str, group: str | None) -> Finding:
 
 
 def busy(port: str, holders: tuple[Holder, ...]) -> Finding:
-    """Return that another program has a port or address."""
+    """Return the finding for a port or address that other programs use."""
     if not holders:
         return error(
             Code.BUSY,

@@ -23,8 +23,8 @@ class RequiredTopics:
         """Forget the missing topics, when a connection starts."""
         self._missing = ()
 
-    def settled(self, announced: Iterable[str]) -> None:
-        """Find the missing topics, after the board has announced all of its own."""
+    def compare(self, announced: Iterable[str]) -> None:
+        """Find the missing topics; `announced` are all topics of the board."""
         if self._required:
             self._announced = tuple(dict.fromkeys(announced))
             there = {self._full_name(name) for name in self._announced}

@@ -28,7 +28,7 @@ class Resets:
         self._times.append(now_s)
 
     def count(self, now_s: float) -> int:
-        """Return how many there were in the last minute."""
+        """Return the number of resets in the last minute."""
         while self._times and now_s - self._times[0] > WINDOW_S:
             self._times.popleft()
         return len(self._times)

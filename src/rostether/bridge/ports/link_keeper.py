@@ -86,7 +86,7 @@ class LinkKeeper:
             settle_s=SETTLE_S if isinstance(self._address, SerialAddress) else 0.0,
         )
         while True:
-            path = await self._wait_present()
+            path = await self._wait_until_present()
             address, identity = self._identify(path)
             try:
                 transport = await self._open_link(address if path is None else _with_path(address, path))
@@ -98,8 +98,8 @@ class LinkKeeper:
             self._reporter.report(Level.INFO, f"Connecting to {path or address}{baud}")
             return address, identity, transport
 
-    async def _wait_present(self) -> str | None:
-        """Return the path to open, None if it is not a serial port with a path."""
+    async def _wait_until_present(self) -> str | None:
+        """Wait until the port exists; return its path, None for a link without a path."""
         if self._finder is None:
             return None
         reported: set[str] = set()

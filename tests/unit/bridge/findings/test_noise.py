@@ -58,7 +58,7 @@ def test_before_the_first_frame_text_is_a_boot_message() -> None:
 def test_a_sign_of_life_clears_what_is_shown() -> None:
     watched = Noise()
     watched.handle_discarded(noise(b"ets Jun  8 2016"), 0.0, is_alive=False)
-    watched.alive()
+    watched.note_board_frame()
     assert (watched.byte_count, watched.sample) == (0, b"")
 
 

@@ -13,27 +13,27 @@ def resolve(name: str) -> str:
 
 def test_nothing_is_required_unless_somebody_is_reported() -> None:
     required = RequiredTopics()
-    required.settled([])
+    required.compare([])
     assert required.find() == []
 
 
 def test_names_are_compared_in_full() -> None:
     required = RequiredTopics(["imu", "/odom"], resolve)
     assert required.find() == []
-    required.settled(["/imu", "odom", "a b"])
+    required.compare(["/imu", "odom", "a b"])
     assert required.find() == []
 
 
 def test_what_is_missing_is_named_with_what_is_there() -> None:
     required = RequiredTopics(["imu", "/odom"], resolve)
-    required.settled(["imu", "chatter"])
+    required.compare(["imu", "chatter"])
     (finding,) = required.find()
     assert finding.code is Code.MISSING_TOPIC
     assert "does not announce /odom, which" in finding.seen
     assert "it announces imu, chatter" in finding.seen
-    required.settled([])
+    required.compare([])
     assert "it announces no topic" in required.find()[0].seen
-    required.settled([f"t{number}" for number in range(20)])
+    required.compare([f"t{number}" for number in range(20)])
     assert "and 12 more" in required.find()[0].seen
     required.forget()
     assert required.find() == []
