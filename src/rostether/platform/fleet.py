@@ -145,7 +145,7 @@ class FleetSender:
             self._begin()
 
     async def _repeat(self, datagrams: list[bytes], is_enough: Callable[[], bool] = lambda: False) -> None:
-        """Send, and repeat until all are sent, or `is_enough`."""
+        """Send datagrams and their repetitions, until all are sent or `is_enough()`."""
         self._send(datagrams)
         while self._commands.due_s is not None:
             await asyncio.sleep(max(0.0, self._commands.due_s - time.monotonic()))

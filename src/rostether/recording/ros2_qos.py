@@ -54,7 +54,7 @@ def read_profiles(stored: object) -> list[dict[str, Any]]:
             return []
     if not isinstance(stored, list):
         return []
-    return [_in_words(each) for each in stored[:MAX_PROFILES] if isinstance(each, dict)]
+    return [_with_names(each) for each in stored[:MAX_PROFILES] if isinstance(each, dict)]
 
 
 def profiles_text(profiles: list[dict[str, Any]]) -> str:
@@ -67,7 +67,7 @@ def is_latching(profiles: list[dict[str, Any]]) -> bool:
     return any(each.get("durability") == "transient_local" for each in profiles)
 
 
-def _in_words(profile: dict[str, Any]) -> dict[str, Any]:
+def _with_names(profile: dict[str, Any]) -> dict[str, Any]:
     words = dict(profile)
     for key, names in _WORDS.items():
         value = words.get(key)

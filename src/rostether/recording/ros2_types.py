@@ -126,13 +126,13 @@ class ReadTypes:
         except (UnknownTypeError, DefinitionError):
             # Definitions of a workspace may be those of ROS 2, with bounds that ROS 1 cannot express.
             try:
-                return types.message(in_ros1_words(definitions.message(origin.type_name), definitions))
+                return types.message(as_ros1_type(definitions.message(origin.type_name), definitions))
             except RostetherError:
                 pass
         return types.by_name(origin.type_name)
 
 
-def in_ros1_words(message: Ros2Message, definitions: Ros2Definitions) -> MessageType:
+def as_ros1_type(message: Ros2Message, definitions: Ros2Definitions) -> MessageType:
     """Return a ROS 2 type as a ROS 1 type: stamps become `time`, and Header becomes that of ROS 1.
 
     Raises UnknownTypeError, and DefinitionError for what ROS 1 cannot express.

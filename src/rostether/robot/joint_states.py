@@ -1,6 +1,6 @@
 """The joint positions of joint_state_publisher: zeros, limits, sources, mimicking joints.
 
-It uses no clock and no graph.
+This module uses no clock and no graph.
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ class FreeJoint(Struct):
     position: float | None = None
     velocity: float | None = None
     effort: float | None = None
-    forward: bool = True
+    is_forward: bool = True
 
 
 class JointStateValues(Struct, frozen=True):
@@ -103,12 +103,12 @@ class JointStates:
         if delta <= 0:
             return
         for joint in self.free.values():
-            position = (joint.position or 0.0) + (delta if joint.forward else -delta)
-            if joint.forward and position > joint.upper:
+            position = (joint.position or 0.0) + (delta if joint.is_forward else -delta)
+            if joint.is_forward and position > joint.upper:
                 position = joint.lower if joint.is_continuous else joint.upper
-                joint.forward = joint.is_continuous
-            elif not joint.forward and position < joint.lower:
-                position, joint.forward = joint.lower, True
+                joint.is_forward = joint.is_continuous
+            elif not joint.is_forward and position < joint.lower:
+                position, joint.is_forward = joint.lower, True
             joint.position = position
 
     def values(self) -> JointStateValues:

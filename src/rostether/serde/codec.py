@@ -7,7 +7,7 @@ from typing import Any
 
 from rostether.errors import SerializationError
 from rostether.rostime import Time
-from rostether.serde.conform import Conform
+from rostether.serde.conform import Conformer
 from rostether.serde.decoder_source import DECODE_ERRORS, Decode, compile_decoder
 from rostether.serde.encoder_source import ENCODE_ERRORS, Encode, compile_encoder
 from rostether.serde.layout import Layout
@@ -46,7 +46,7 @@ class Codec:
                 return self._encode(value)
             except ENCODE_ERRORS:
                 pass
-        message = Conform(self.tree, self._classes, now).message(value)
+        message = Conformer(self.tree, self._classes, now).message(value)
         try:
             return self._encode(message)
         except ENCODE_ERRORS as error:  # pragma: no cover - `conform` refuses nearly all
@@ -87,7 +87,7 @@ class Codec:
 
     def conform(self, value: Message | Mapping[str, Any]) -> Message:
         """Return a complete message, each value in its own Python type. Raises SerializationError."""
-        return Conform(self.tree, self._classes).message(value)
+        return Conformer(self.tree, self._classes).message(value)
 
     def _first_encode(self, message: Message) -> bytes:
         self._encode = compile_encoder(self.tree, self._classes)

@@ -18,7 +18,7 @@ from rostether.serde.type_tree import Array, Node, Number, Stamp, Struct, Text
 from rostether.serde.values import Message, MessageClasses, misfit_error, unknown_field
 
 
-class Conform:
+class Conformer:
     """Conforms values to one message type."""
 
     def __init__(self, tree: Struct, classes: MessageClasses, now: Callable[[], Time] | None = None) -> None:

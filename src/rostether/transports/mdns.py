@@ -46,7 +46,7 @@ class Announcement:
         interfaces: Sequence[str] | None = None,
         machine: str | None = None,
     ) -> Announcement:
-        """Announce a listener on `interfaces`, local addresses; without them, on those of `host`.
+        """Announce a listener on the local addresses `interfaces` (None: those of `host`).
 
         Raises TransportOpenError if the network does not permit it.
         """

@@ -228,7 +228,7 @@ def _escape_name(name: object) -> str:
 
 def _escape(text: str) -> str:
     if bad := NOT_XML.search(text):
-        raise SerializationError(f"the character U+{ord(bad[0]):04X} cannot be sent as XML: remove it")
+        raise SerializationError(f"the character U+{ord(bad[0]):04X} cannot be sent as XML; remove it")
     if "&" in text:
         text = text.replace("&", "&amp;")
     if "<" in text:

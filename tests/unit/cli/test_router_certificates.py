@@ -146,7 +146,7 @@ def ours(name: str) -> dict[str, object]:
         (ours("expired"), "refuses the client certificate", "its certificate has expired (invalid", "robot"),
         (
             ours("laptop"),
-            "(certificate has expired): renew it, or set the clock",
+            "(certificate has expired); renew it, or set the clock",
             "this machine's certificate has expired (received fatal alert: CertificateExpired); renew it",
             "expired",
         ),

@@ -102,7 +102,7 @@ export class MarkerDisplay implements Display {
       this.context.report(`Only ${MAX_MARKERS} markers are drawn.`);
       return;
     }
-    if (!isFinitePlace(marker)) {
+    if (!hasFiniteNumbers(marker)) {
       this.context.report(`The marker ${key} has numbers that are not finite.`);
       return;
     }
@@ -200,7 +200,7 @@ function colorOf({ r, g, b }: Rgba): Color {
 }
 
 /** Whether all numbers of a marker are finite; RViz does not draw others either. */
-function isFinitePlace({ pose, scale, points }: Marker): boolean {
+function hasFiniteNumbers({ pose, scale, points }: Marker): boolean {
   const { position, orientation } = pose;
   return (
     [position, orientation, scale].every(isFiniteVector) &&

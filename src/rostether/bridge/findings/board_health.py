@@ -1,4 +1,4 @@
-"""The health of one board: its findings, which of them were reported, and its clock. It outlives connections."""
+"""The health of one board over all its connections: findings, which of them were reported, and the clock."""
 
 from __future__ import annotations
 

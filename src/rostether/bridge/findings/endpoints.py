@@ -38,7 +38,7 @@ class EndpointFindings:
         self._losses: dict[str, tuple[int, float]] = {}
 
     def find(self, now_s: float, too_large_s: float, oversizes: Oversizes) -> list[Finding]:
-        """Return the findings; `too_large_s` is the time when the board reported that its own message was too large."""
+        """Return the findings; at `too_large_s`, the board reported that its own message was too large."""
         found = _refusals(self._endpoints.refused)
         found += [_unopened(name, reason) for name, reason in self._endpoints.unopened.items()]
         silent = []

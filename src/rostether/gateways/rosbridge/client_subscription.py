@@ -90,7 +90,7 @@ class ClientSubscription:
         self.topic = topic
         self.delivery = Delivery()
         self.dropped_count = 0
-        # How many of them were reported to the client, and when it may receive the next report.
+        # How many dropped messages were reported to the client, and when it may receive the next report.
         self.reported_count = 0
         self.next_report_s = 0.0
         self.queue_length = MAX_QUEUED_MESSAGES

@@ -190,7 +190,7 @@ class WebSocketServer:
             refused = HTTPStatus.NOT_FOUND, f"{route} is not offered here"
         else:
             refused = self.admission.own_refusal(request.path, request.headers)
-        if refused is None and (reason := self._limit_reached(connection)):
+        if refused is None and (reason := self._limit_reason(connection)):
             refused = HTTPStatus.SERVICE_UNAVAILABLE, reason
         if refused is None:
             return None
@@ -198,7 +198,7 @@ class WebSocketServer:
         self._report_refused(connection, reason)
         return status, reason + "\n"
 
-    def _limit_reached(self, connection: Connection) -> str:
+    def _limit_reason(self, connection: Connection) -> str:
         hosts = [each.host for each in self._connections if each.is_open]
         most = self.limits.clients
         if len(hosts) >= most:

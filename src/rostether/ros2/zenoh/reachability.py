@@ -78,7 +78,7 @@ async def find_fault(endpoint: str, tls: Mapping[str, Any]) -> str:
     except TimeoutError:
         return "nothing answers there: is the machine on, and does a firewall let the port through?"
     except OSError as error:
-        return f"it cannot be reached ({_words(error)}): is the router running, and is the address right?"
+        return f"it cannot be reached ({_reason(error)}): is the router running, and is the address right?"
     try:
         return await _find_tls_fault(reader, writer, host, tls) if protocol == "tls" else ""
     finally:
@@ -103,7 +103,7 @@ async def _find_tls_fault(
     except TimeoutError:
         return "it accepts connections, but does not speak TLS: is it a tcp/ endpoint?"
     except OSError as error:
-        return f"it ends TLS connections ({_words(error)}); check the port"
+        return f"it ends TLS connections ({_reason(error)}); check the port"
     return ""
 
 
@@ -132,7 +132,7 @@ def _find_file_fault(tls: Mapping[str, Any], *names: str) -> str:
         try:
             Path(path).read_bytes()
         except OSError as error:
-            return f"{path} cannot be read ({_words(error)}); check {name}"
+            return f"{path} cannot be read ({_reason(error)}); check {name}"
     context = ssl.SSLContext(ssl.PROTOCOL_TLS_CLIENT)
     authority, certificate, key = (files.get(f"{_TLS}/{name}") for name in (*names, "", "")[:3])
     try:
@@ -170,7 +170,7 @@ def _explain_verification(error: ssl.SSLCertVerificationError, tls: Mapping[str,
         return f"its certificate is not known here ({reason}; {where}); set {_TLS}/root_ca_certificate"
     if error.verify_code in _NAME_FAULTS:
         return f"its certificate is for another machine ({reason}); connect by a name that it contains"
-    return f"its certificate is not valid here ({reason}): renew it, or set the clock of this machine"
+    return f"its certificate is not valid here ({reason}); renew it, or set the clock of this machine"
 
 
 def _explain_refusal(error: ssl.SSLError) -> str:
@@ -181,10 +181,10 @@ def _explain_refusal(error: ssl.SSLError) -> str:
             "enable_mtls: true"
         )
     if "expired" in reason:
-        return f"it refuses the client certificate ({reason}): renew it"
+        return f"it refuses the client certificate ({reason}); renew it"
     if "unknown ca" in reason or "certificate" in reason:
-        return f"it refuses the client certificate ({reason}): get one from an authority that it trusts"
-    return f"it does not accept TLS connections ({reason}): check the port"
+        return f"it refuses the client certificate ({reason}); get one from an authority that it trusts"
+    return f"it does not accept TLS connections ({reason}); check the port"
 
 
 def _value(configuration: zenoh.Config, path: str) -> Any:
@@ -194,7 +194,7 @@ def _value(configuration: zenoh.Config, path: str) -> Any:
         return None
 
 
-def _words(error: OSError) -> str:
+def _reason(error: OSError) -> str:
     number = error.errno
     # A name that is not found has a negative number.
     text = os.strerror(number) if number is not None and number > 0 else error.strerror or str(error)

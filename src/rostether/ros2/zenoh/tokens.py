@@ -26,7 +26,7 @@ MAX_TOKEN_CHARACTERS = 4096
 
 
 class Kind(Enum):
-    """The endpoint or node of a token."""
+    """The kind of entity that a token announces."""
 
     NODE = "NN"
     PUBLISHER = "MP"

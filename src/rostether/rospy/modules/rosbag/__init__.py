@@ -1,4 +1,4 @@
-"""rosbag: bags read and written by scripts."""
+"""rosbag: reads and writes bags."""
 
 # ruff: noqa: F401
 from rostether.rospy.bag.bag import Bag

@@ -1,4 +1,4 @@
-"""rosgraph: the master's API, and names."""
+"""rosgraph: the master's API, and functions for names."""
 
 # ruff: noqa: F401
 from importlib import import_module as _import_module
