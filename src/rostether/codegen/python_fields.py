@@ -56,7 +56,7 @@ class PythonField(Struct, frozen=True):
             return f"_repeat({self.class_name}, {kind.length})"
         return f"[{_ZEROS.get(kind.base, '0')}] * {kind.length}"
 
-    def written(self) -> str:
+    def write_statement(self) -> str:
         """Return the statement that writes a field that is not a number."""
         kind, value = self.field.type, f"self.{self.name}"
         if not kind.is_array:
@@ -72,7 +72,7 @@ class PythonField(Struct, frozen=True):
             else f'writer.array("{self.code}", {value}{length})'
         )
 
-    def read(self) -> str:
+    def read_statement(self) -> str:
         """Return the statement that reads a field that is not a number."""
         kind, value = self.field.type, f"self.{self.name}"
         if not kind.is_array:
@@ -95,7 +95,7 @@ def writing(fields: Sequence[PythonField]) -> Iterator[str]:
     for is_number, run in groupby(fields, lambda each: each.is_number):
         group = list(run)
         if not is_number:
-            yield from (each.written() for each in group)
+            yield from (each.write_statement() for each in group)
             continue
         values = (
             f"1 if self.{each.name} else 0" if each.code == "?" else f"self.{each.name}" for each in group
@@ -108,7 +108,7 @@ def reading(fields: Sequence[PythonField]) -> Iterator[str]:
     for is_number, run in groupby(fields, lambda each: each.is_number):
         group = list(run)
         if not is_number:
-            yield from (each.read() for each in group)
+            yield from (each.read_statement() for each in group)
             continue
         targets = ", ".join(f"self.{each.name}" for each in group) + ("," if len(group) == 1 else "")
         yield f'{targets} = _unpack("{_format(group)}", reader.buffer, reader.skip({_size(group)}))'
