@@ -165,7 +165,7 @@ class DeviceLink:
         return min((timer for timer in timers if timer is not None), default=None)
 
     def handle_timer(self, now_s: float) -> list[DeviceEvent]:
-        """Do what is due by `now_s`; harmless when called early."""
+        """Do all work that is due by `now_s`; an early call has no effect."""
         events = self._handle_decoded(self._decoder.handle_timer(now_s), now_s)
         if now_s >= self._time_lost_s:
             self._advance(Input.TIME_LOST, now_s, events)

@@ -139,7 +139,7 @@ class HostLink:
         return min((timer for timer in timers if timer is not None), default=None)
 
     def handle_timer(self, now_s: float) -> list[HostEvent]:
-        """Do what is due by `now_s`; harmless when called early."""
+        """Do all work that is due by `now_s`; an early call has no effect."""
         if self._is_stopped:
             return []
         events = self._handle_decoded(self._line.handle_timer(now_s), now_s)

@@ -228,11 +228,14 @@ class Negotiation:
         return self._due_s
 
     def handle_timer(self, now_s: float, *, is_flowing: bool) -> bool:
-        """Do what is due; return True if it is settled. `is_flowing`: an announcement is being received."""
+        """Do all work that is due; return whether this settles the negotiation.
+
+        `is_flowing`: an announcement is being received.
+        """
         if self._due_s is None or now_s < self._due_s:
             return False
         if self.phase is Phase.ASKED:
-            return self._go_unanswered(now_s)
+            return self._handle_no_answer(now_s)
         if is_flowing:
             self._due_s = now_s + self._quiet_s
             return False
@@ -258,7 +261,7 @@ class Negotiation:
             self._due_s = now_s + self._quiet_s
         self._received_at_s = now_s
 
-    def _go_unanswered(self, now_s: float) -> bool:
+    def _handle_no_answer(self, now_s: float) -> bool:
         if self.version is not None:
             if self._answer_delay_s is not None and self._answer_delay_s < RETRY_S / 2:
                 self._completeness.is_lossy = True

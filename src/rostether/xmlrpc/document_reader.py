@@ -9,9 +9,9 @@ from xml.parsers import expat
 from rostether.errors import RemoteProtocolError
 from rostether.xmlrpc.values import MAX_INT, MAX_NESTING, MIN_INT, DateTime, FaultError, XmlRpcValue
 
-# To read, check and store them takes some tenths of a second; points and images are sent on topics.
+# Reading, checking and storing them takes a few tenths of a second; points and images are sent on topics.
 MAX_VALUES = 262_144
-# Bytes that are read at a time: about 2 ms.
+# The bytes that are read in one step, which takes about 2 ms.
 STEP_BYTES = 16 * 1024
 # Tags of ROS peers have about 20 bytes, and expat reads an incomplete one again in each step.
 MAX_TAG_BYTES = 64 * 1024

@@ -176,7 +176,7 @@ async def rosbridge_server(
         try:
             await stack.enter_async_context(offering_rosapi(rosapi, on.join, graph, on.is_live))
         except (DefinitionError, GraphError) as error:
-            # The clients of this server still get answers, without the graph.
+            # The server itself answers its clients' calls of rosapi's services.
             report(Level.INFO, f"rosbridge: only its own clients can call rosapi's services: {error}")
         await server.start()
         report(Level.INFO, f"rosbridge: web pages and programs connect to {server.uri}")

@@ -50,10 +50,10 @@ async def _tree(listening_s: float, dot: bool, as_json: bool, graph: GraphOption
     refusals: dict[str, None] = {}
 
     def note(refusal: str) -> None:
-        # Problems that were already reported repeat with every message.
-        word = refusal.split(" for frame ")[0]
+        # The same refusal comes with every message; the text before the frame is its kind.
+        kind = refusal.split(" for frame ")[0]
         if len(refusals) < 20:
-            refusals.setdefault(word)
+            refusals.setdefault(kind)
 
     async with (
         joined_either(graph, purpose="view_frames") as (node, _),

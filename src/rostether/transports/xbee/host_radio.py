@@ -16,8 +16,8 @@ SIGNAL_PERIOD_S = 5.0
 
 _API_MODE = 2
 _FRAME_ID = 1
-# API mode, hops and bytes in a packet. The answer to the last one completes them.
-_QUESTIONS = ("AP", "NH", "NP")
+# The API mode, the hops, and the bytes in a packet. The radio is ready after the answer to the last query.
+_QUERIES = ("AP", "NH", "NP")
 
 
 class HostRadio:
@@ -33,9 +33,9 @@ class HostRadio:
 
     def queries(self) -> bytes:
         """Return the frames that ask the radio for its mode and limits."""
-        return b"".join(encode_at(command, frame_id=_FRAME_ID) for command in _QUESTIONS)
+        return b"".join(encode_at(command, frame_id=_FRAME_ID) for command in _QUERIES)
 
-    def signal_question(self, now_s: float, board_count: int) -> bytes:
+    def signal_query(self, now_s: float, board_count: int) -> bytes:
         """Return the frame that asks for the signal strength of the last packet, if it is time to."""
         if now_s - self._asked_signal_s < SIGNAL_PERIOD_S / max(1, board_count):
             return b""

@@ -222,7 +222,7 @@ class XbeeListener(SmallWriter):
         self._queue.note_received(packet.source)
         self._last_source = packet.source
         if packet.rssi_dbm is None:
-            self._write(self._radio.signal_question(self._loop.time(), len(self._qualities)))
+            self._write(self._radio.signal_query(self._loop.time(), len(self._qualities)))
 
     def _answered(self, answer: AtAnswer) -> None:
         rssi_dbm = self._radio.answered(answer)
