@@ -9,6 +9,7 @@ from pathlib import Path
 from msgspec import Struct
 
 from rostether.errors import ConfigError
+from rostether.mechanisms.text import write_failure
 from rostether.names.graph_name import validate_name
 
 _PIN = re.compile(r"(A?)([0-9]{1,2})")
@@ -59,7 +60,7 @@ def write_sketch(folder: Path, kind: SensorKind, examples: Path, pins: Mapping[s
     except FileExistsError:
         raise ConfigError(f"{file} exists; choose another name or folder") from None
     except OSError as error:
-        raise ConfigError(f"cannot write {file}: {error.strerror}; choose another folder") from None
+        raise ConfigError(write_failure(file, error)) from None
     return file
 
 

@@ -16,6 +16,7 @@ from rostether.launch.command_line import Locate, Replaced, command_of, log_fold
 from rostether.launch.node_process import NodeProcess, StopLimits, adopt_orphans
 from rostether.launch.plan import DeleteParameters, DumpParameters, LaunchNode, LaunchPlan, Output
 from rostether.mechanisms.block_end import closed_at_end
+from rostether.mechanisms.text import write_failure
 from rostether.names.graph_name import SEPARATOR, canonical
 from rostether.param_yaml import dump
 from rostether.ros1.node.master_client import MasterClient
@@ -202,4 +203,4 @@ async def _dump(step: DumpParameters, client: MasterClient) -> None:
     try:
         Path(step.file).write_text(dump(value), "utf-8")  # noqa: ASYNC240 - no other task runs yet
     except OSError as error:
-        raise ConfigError(f"cannot write {step.file}: {error.strerror}") from None
+        raise ConfigError(write_failure(step.file, error)) from None

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import json
 import re
 from collections.abc import Iterable
@@ -38,6 +39,19 @@ def fold_line(text: str) -> str:
 def first_line(error: Exception) -> str:
     """Return the first line of a library's error, which may quote a whole file."""
     return str(error).split("\n", 1)[0][:200]
+
+
+def write_failure(path: object, error: Exception) -> str:
+    """Return why a file cannot be written, and the next step."""
+    reason = getattr(error, "strerror", None) or fold_line(str(error))
+    number = getattr(error, "errno", None)
+    step = "choose a file in a writable folder"
+    # SQLite's errors have no number.
+    if number in (errno.ENOSPC, errno.EDQUOT) or "is full" in reason:
+        step = "free some space on its disk"
+    elif number == errno.EFBIG:
+        step = "choose a disk that accepts larger files"
+    return f"cannot write {path}: {reason}; {step}"
 
 
 def counted(number: int, noun: str) -> str:

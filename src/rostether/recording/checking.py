@@ -31,14 +31,13 @@ def check(path: Path, registry: Registry) -> Checked:
 
     Raises RecordingError if it is not a recording.
     """
-    reader = open_recording(path)
-    faults: list[str] = [reader.damage + "; `rostether bag reindex` repairs it"] if reader.damage else []
-    faults += file_faults(path)
     layouts: dict[Connection, Layout] = {}
     decoder = Decoder()
     unfit: dict[str, tuple[int, str]] = {}
     count = 0
-    try:
+    with closing(open_recording(path)) as reader:
+        faults = [reader.damage + "; `rostether bag reindex` repairs it"] if reader.damage else []
+        faults += file_faults(path)
         for connection in reader.counts:
             try:
                 layouts[connection] = decoder.codec(connection).layout
@@ -63,8 +62,6 @@ def check(path: Path, registry: Registry) -> Checked:
         expected = sum(reader.counts.values())
         if count != expected and not faults:
             faults.append(f"its index counts {counted(expected, 'message')}, but the file has {count}")
-    finally:
-        reader.close()
     faults += [f"{topic}: {misfit_text(many)}: {why}" for topic, (many, why) in unfit.items()]
     # Names in a damaged file may contain anything.
     return Checked(count, tuple(dict.fromkeys(escape_line(fault) for fault in faults)))

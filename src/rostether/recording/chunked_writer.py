@@ -13,6 +13,7 @@ from itertools import accumulate, chain
 from pathlib import Path
 
 from rostether.errors import RecordingError
+from rostether.mechanisms.text import write_failure
 from rostether.recording.compression import check_compression
 
 # The size that rosbag uses: it compresses well, and one message is still quick to read.
@@ -129,20 +130,17 @@ class ChunkedWriter(ABC):
 
     def _append_chunk(self, data: bytes, message_count: int) -> None:
         """Write a chunk and begin the next one; the messages of a chunk that is not written do not count."""
-        self._begin_chunk()
-        try:
-            self._append(data)
-        except RecordingError:
-            self.message_count -= message_count
-            raise
-
-    def _begin_chunk(self) -> None:
         self._parts = []
         self._chunk_bytes = 0
         self._index = {}
         self._start_ns = None
         self._end_ns = 0
         self._is_sorted = True
+        try:
+            self._append(data)
+        except RecordingError:
+            self.message_count -= message_count
+            raise
 
 
 class OutputFile:
@@ -155,9 +153,7 @@ class OutputFile:
         try:
             self._file: int | None = os.open(path, flags, 0o666)
         except OSError as error:
-            raise RecordingError(
-                f"cannot write {path}: {error.strerror or error}; choose a file in a writable folder"
-            ) from None
+            raise RecordingError(write_failure(path, error)) from None
 
     def append(self, data: bytes) -> None:
         """Write a complete part, or restore the file and raise RecordingError."""
@@ -165,7 +161,7 @@ class OutputFile:
             self._write(data)
         except OSError as error:
             self._cut()
-            raise RecordingError(f"cannot write {self.path}: {error.strerror or error}") from None
+            raise RecordingError(write_failure(self.path, error)) from None
         self.position += len(data)
 
     def replace(self, position: int, data: bytes) -> None:
@@ -176,7 +172,7 @@ class OutputFile:
             self._write(data)
             os.lseek(self._file, self.position, os.SEEK_SET)
         except OSError as error:
-            raise RecordingError(f"cannot write {self.path}: {error.strerror or error}") from None
+            raise RecordingError(write_failure(self.path, error)) from None
 
     def close(self) -> None:
         """Close the file. Idempotent."""

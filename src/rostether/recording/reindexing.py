@@ -5,7 +5,7 @@ from __future__ import annotations
 import shutil
 import tempfile
 from collections.abc import Callable, Iterable, Iterator
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, closing, contextmanager
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -63,13 +63,10 @@ def repack(path: Path, output: Path, compression: str, *, keep_original: Path | 
 
     Returns the number of messages. Raises RecordingError, for a damaged recording too, and ConfigError.
     """
-    reader = open_recording(path, is_native=True)
-    try:
+    with closing(open_recording(path, is_native=True)) as reader:
         if reader.damage:
             raise RecordingError(f"{path}: {reader.damage}; `rostether bag reindex {path}` repairs it")
         return _rewrite(reader, path, output, compression, keep_original)
-    finally:
-        reader.close()
 
 
 def _rewrite(

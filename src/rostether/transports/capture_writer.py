@@ -9,6 +9,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 
 from rostether.errors import ConfigError, TransportError
+from rostether.mechanisms.text import write_failure
 from rostether.transports.capture import FIRST_LINK
 from rostether.transports.transport import Receiver, Transport
 
@@ -54,9 +55,7 @@ class CaptureWriter:
         except FileExistsError:
             raise ConfigError(f"{path} already exists; give another file") from None
         except OSError as error:
-            raise ConfigError(
-                f"cannot write {path}: {error.strerror or error}; choose a file in a writable folder"
-            ) from error
+            raise ConfigError(write_failure(path, error)) from error
         self._start_s = clock()
         self._write(json.dumps({"capture": path.stem, **description}).encode() + b"\n")
 

@@ -2,11 +2,20 @@
 
 from __future__ import annotations
 
+import errno
 import json
+import sqlite3
 
 import pytest
 
-from rostether.mechanisms.text import counted, escape_line, escape_text, fold_line, misfit_text
+from rostether.mechanisms.text import (
+    counted,
+    escape_line,
+    escape_text,
+    fold_line,
+    misfit_text,
+    write_failure,
+)
 
 EVIL = "a\x1b[2J\x9b31m\u202e\x7f\r\nFAKE\tb\u00e4\u6c34"
 
@@ -23,6 +32,24 @@ def test_a_name_is_one_line() -> None:
 
 def test_white_space_folds_into_one_space() -> None:
     assert fold_line("  no such\n    thing:\t\x1b[2J ") == "no such thing: \\u001b[2J"
+
+
+@pytest.mark.parametrize(
+    ("error", "text"),
+    [
+        (
+            OSError(errno.ENOSPC, "No space left"),
+            "cannot write a.bag: No space left; free some space on its disk",
+        ),
+        (OSError(errno.EACCES, "Denied"), "cannot write a.bag: Denied; choose a file in a writable folder"),
+        (
+            sqlite3.OperationalError("database or disk is full"),
+            "cannot write a.bag: database or disk is full; free some space on its disk",
+        ),
+    ],
+)
+def test_a_file_that_cannot_be_written_has_a_next_step(error: Exception, text: str) -> None:
+    assert write_failure("a.bag", error) == text
 
 
 @pytest.mark.parametrize("hidden", ["\x00", "\u200b", "\u2066", "\ufeff", "\udc80", "\U000e0041"])

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import asyncio
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
 from datetime import datetime
@@ -12,10 +11,11 @@ from typing import TYPE_CHECKING
 from msgspec import Struct
 
 from rostether.cli.bag.formatting import MEGABYTE, size_text
+from rostether.cli.bag.recording_files import create_folder
 from rostether.cli.shell.option_group import COUNT, PATH, NumberRange, add_option, option_group
 from rostether.errors import ConfigError, GraphError, RecordingError
 from rostether.graph.ports import Level
-from rostether.mechanisms.block_end import closed_at_end
+from rostether.mechanisms.block_end import closed_at_end, task_beside
 from rostether.mechanisms.run_until import run_until
 from rostether.mechanisms.text import counted
 
@@ -56,7 +56,7 @@ _OPTIONS = (
 def _bag_recording(
     *, record: Path | None = None, record_size: float = 1000, record_keep: int | None = None
 ) -> BagRecording | None:
-    """Return the options, or None without --record. Raises ConfigError if it is not a folder."""
+    """Return the options, or None without --record; create the folder. Raises ConfigError."""
     if record is None:
         return None
     if record.suffix in (".jsonl", ".json", ".bag", ".mcap") or record.is_file():
@@ -64,10 +64,7 @@ def _bag_recording(
             f"--record {record}: give a folder, for bags of all topics; --record-line FILE records the bytes"
             " on the boards' lines"
         )
-    try:
-        record.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise ConfigError(f"--record {record}: {error.strerror or error}; choose another folder") from None
+    create_folder(record)
     return BagRecording(record, record_size, record_keep)
 
 
@@ -86,12 +83,8 @@ async def bags_recorded(
     if recording is None:
         yield
         return
-    working = asyncio.create_task(_record(recording, join, reporter, types))
-    try:
+    async with task_beside(_record(recording, join, reporter, types)):
         yield
-    finally:
-        working.cancel()
-        await asyncio.wait([working])
 
 
 async def _record(

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from fnmatch import fnmatchcase
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import click
 
@@ -16,9 +15,6 @@ from rostether.cli.shell.verbs import verb
 from rostether.errors import ConfigError
 from rostether.mechanisms.text import counted
 from rostether.rostime import NS_PER_S
-
-if TYPE_CHECKING:
-    from rostether.recording.recorded import Connection
 
 # A line with more is hard to read.
 _SHOWN_TOPICS = 10
@@ -68,16 +64,15 @@ def bag_cut(
     def is_chosen(topic: str) -> bool:
         return not topics or any(fnmatchcase(topic, each) for each in topics)
 
-    def is_wanted(connection: Connection) -> bool:
-        return is_chosen(connection.topic)
-
     if not any(map(is_chosen, cutting.topics)):
         known = sorted(cutting.topics)
         more = f" and {len(known) - _SHOWN_TOPICS} more" if len(known) > _SHOWN_TOPICS else ""
         raise ConfigError(
             f"no recorded topic is {' or '.join(topics)}; recorded: {', '.join(known[:_SHOWN_TOPICS])}{more}"
         )
-    count, recordings = cutting.write(target, is_wanted, start_ns, start_ns + int(duration * NS_PER_S))
+    count, recordings = cutting.write(
+        target, lambda each: is_chosen(each.topic), start_ns, start_ns + int(duration * NS_PER_S)
+    )
     if not count:
         raise ConfigError(
             f"nothing was recorded at {time_text(start_ns)}; the recordings reach from {time_text(first_ns)} "

@@ -68,7 +68,7 @@ def export(options: ExportOptions) -> None:
     front. The format `pictures` writes compressed pictures as .jpg and .png files, a folder per topic.
     """
     from rostether.recording.export.exporting import Export
-    from rostether.recording.export.picture_folder import PICTURE_TYPE
+    from rostether.recording.export.picture_table import PICTURE_TYPE
     from rostether.recording.files import open_recording
 
     with closing(open_recording(options.recording)) as reader:
@@ -139,9 +139,9 @@ class _TableFiles:
             return CsvTable(sys.stdout, table.columns)
         path = self.path_of(table)
         if self._format == "pictures":
-            from rostether.recording.export.picture_folder import PictureFolder
+            from rostether.recording.export.picture_table import PictureTable
 
-            return PictureFolder(path)
+            return PictureTable(path)
         create_folder(path.parent)
         if self._format == "parquet":
             from rostether.recording.export.parquet_table import ParquetTable

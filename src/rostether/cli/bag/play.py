@@ -31,6 +31,7 @@ from rostether.cli.shell.output import warn, write_line
 from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import verb
 from rostether.errors import ConfigError
+from rostether.mechanisms.run_until import run_until
 from rostether.mechanisms.text import counted, did_you_mean
 from rostether.rostime import NS_PER_S
 
@@ -177,16 +178,9 @@ async def _play(
                 )
             playing = asyncio.create_task(player.play())
             async with _keys(player, playing.cancel, is_quiet=options.quiet):
-                leaving = asyncio.ensure_future(graph.raw.wait_closed())
-                try:
-                    await asyncio.wait({playing, leaving}, return_when=asyncio.FIRST_COMPLETED)
-                    if playing.done() and not playing.cancelled():
-                        playing.result()
-                        if options.keep_alive:
-                            await player.keep_clock()
-                finally:
-                    leaving.cancel()
-                    playing.cancel()
+                await run_until(playing, graph.raw.wait_closed())
+                if options.keep_alive and not playing.cancelled():
+                    await player.keep_clock()
             if not options.quiet:
                 write_line(f"played {counted(player.played_count, 'message')}")
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 import re
 import sys
-from collections.abc import Awaitable, Callable
+from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -46,7 +46,6 @@ from rostether.mechanisms.text import counted, misfit_text
 if TYPE_CHECKING:
     from rostether.graph.ports import Graph
     from rostether.recording.recorded import RecordingWriter
-    from rostether.recording.recorder import Recorder
     from rostether.recording.recording_plan import RecordLimits, TopicChoice
 
 BEGIN_TOPIC = "/begin_write"
@@ -231,7 +230,9 @@ async def _record(
         )
         showing = asyncio.create_task(line.refresh(recorder))
         try:
-            await _until_ended(graph.raw.wait_closed(), recorder)
+            # A signal and `rosnode kill` are the normal ends of a recording.
+            with suppress(asyncio.CancelledError):
+                await run_until(recorder.run(), graph.raw.wait_closed())
         finally:
             showing.cancel()
             line.clear()
@@ -262,12 +263,6 @@ async def _reporting_begin(graph: Graph, files: NewFiles) -> Callable[[Path], Re
         return writer
 
     return create
-
-
-async def _until_ended(leaving: Awaitable[object], recorder: Recorder) -> None:
-    """Record until a signal or `rosnode kill`, the normal ends of a recording."""
-    with suppress(asyncio.CancelledError):
-        await run_until(recorder.run(), leaving)
 
 
 def _pattern(text: str) -> re.Pattern[str]:

@@ -25,6 +25,7 @@ from rostether.cli.shell.output import warn, write_line
 from rostether.cli.shell.own_command import own_command
 from rostether.cli.shell.verbs import verb
 from rostether.errors import ConfigError
+from rostether.mechanisms.text import write_failure
 from rostether.platform.boot.service_files import path_below
 
 if TYPE_CHECKING:
@@ -121,7 +122,7 @@ def _enable_below(root: Path, installation: Installation) -> None:
         link.unlink(missing_ok=True)
         link.symlink_to(installation.unit)
     except OSError as error:
-        raise ConfigError(f"cannot write {link}: {error.strerror}") from None
+        raise ConfigError(write_failure(link, error)) from None
     write_line(f"wrote {link}")
 
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import click
 
 from rostether.errors import ConfigError
+from rostether.mechanisms.text import write_failure
 from rostether.mechanisms.whole_file import write_whole
 
 if TYPE_CHECKING:
@@ -43,4 +44,4 @@ def save(file: Path, content: str | bytes) -> None:
     try:
         write_whole(file, data)
     except OSError as error:
-        raise ConfigError(f"cannot write {file}: {error.strerror}") from None
+        raise ConfigError(write_failure(file, error)) from None

@@ -9,7 +9,7 @@ from typing import Any
 
 from rostether.errors import ConfigError, RecordingError
 from rostether.extras import install_command
-from rostether.mechanisms.text import fold_line
+from rostether.mechanisms.text import write_failure
 from rostether.recording.export.columns import Column
 from rostether.recording.export.tables import TIME_COLUMNS, nested
 from rostether.rostime import NS_PER_S
@@ -95,8 +95,7 @@ class ParquetTable:
         try:
             yield
         except (OSError, self._arrow.ArrowException) as error:
-            reason = getattr(error, "strerror", None) or fold_line(str(error))
-            raise RecordingError(f"cannot write {self._path}: {reason}") from None
+            raise RecordingError(write_failure(self._path, error)) from None
 
 
 def _type_of(arrow: Any, column: Column) -> Any:

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any, Protocol, TextIO
 
 from rostether.errors import RecordingError
+from rostether.mechanisms.text import write_failure
 from rostether.recording.export.columns import Column
 from rostether.rostime import NS_PER_S, Duration, Time
 from rostether.serde.plain_form import clean_text
@@ -47,9 +48,7 @@ class CsvTable:
                 target.open("w", encoding="utf-8", newline="") if isinstance(target, Path) else target
             )
         except OSError as error:
-            raise RecordingError(
-                f"cannot write {target}: {error.strerror or error}; choose a file in a writable folder"
-            ) from None
+            raise RecordingError(write_failure(target, error)) from None
         self._cells = [_cell_of(column) for column in columns]
         self._writer = csv.writer(self._file, lineterminator="\n")
         self._write((*TIME_COLUMNS, *(column.name for column in columns)))
@@ -74,7 +73,7 @@ class CsvTable:
         except BrokenPipeError:
             raise
         except OSError as error:
-            raise RecordingError(f"cannot write {self._name}: {error.strerror or error}") from None
+            raise RecordingError(write_failure(self._name, error)) from None
 
     def _write(self, row: Sequence[Any]) -> None:
         try:
@@ -82,7 +81,7 @@ class CsvTable:
         except BrokenPipeError:
             raise
         except OSError as error:
-            raise RecordingError(f"cannot write {self._name}: {error.strerror or error}") from None
+            raise RecordingError(write_failure(self._name, error)) from None
 
 
 def nested(value: Any, bytes_as: Callable[[bytes], Any]) -> Any:

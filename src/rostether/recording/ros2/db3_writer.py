@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from rostether.errors import RecordingError
+from rostether.mechanisms.text import write_failure
 from rostether.recording.recorded import Connection
 from rostether.recording.regular_file import sqlite_logs
 from rostether.recording.ros2.channels import Channel, Ros2Channels, UnfitMessages
@@ -66,9 +67,7 @@ class Db3Writer:
             for log in sqlite_logs(path):
                 log.unlink(missing_ok=True)
         except OSError as error:
-            raise RecordingError(
-                f"cannot write {path}: {error.strerror or error}; choose a file in a writable folder"
-            ) from None
+            raise RecordingError(write_failure(path, error)) from None
         try:
             self._database = sqlite3.connect(path, isolation_level=None, timeout=_LOCK_WAIT_S)
             # If the process is killed, committed data is safe; only a power failure may lose it.
@@ -77,7 +76,7 @@ class Db3Writer:
             self._database.executescript(_TABLES)
             self._database.execute("INSERT INTO schema VALUES (?, ?)", (SCHEMA_VERSION, distro))
         except sqlite3.Error as error:
-            raise RecordingError(f"cannot write {path}: {error}") from None
+            raise RecordingError(write_failure(path, error)) from None
 
     @property
     def size_bytes(self) -> int:
@@ -134,7 +133,7 @@ class Db3Writer:
             self.message_count -= len(rows)
             for number, _, _ in rows:
                 self.channels.channels[number - 1].message_count -= 1
-            raise RecordingError(f"cannot write {self.path}: {error}") from None
+            raise RecordingError(write_failure(self.path, error)) from None
 
     def close(self) -> None:
         """Commit, and leave one file. Idempotent. Raises RecordingError."""
@@ -144,7 +143,7 @@ class Db3Writer:
             self.flush()
             self._leave_one_file()
         except sqlite3.Error as error:
-            raise RecordingError(f"cannot write {self.path}: {error}") from None
+            raise RecordingError(write_failure(self.path, error)) from None
         finally:
             self._is_closed = True
             self._database.close()
@@ -172,4 +171,4 @@ class Db3Writer:
                     (origin.type_name, origin.encoding, origin.definition, origin.type_hash),
                 )
         except sqlite3.Error as error:
-            raise RecordingError(f"cannot write {self.path}: {error}") from None
+            raise RecordingError(write_failure(self.path, error)) from None

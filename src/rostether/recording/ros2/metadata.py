@@ -16,7 +16,8 @@ from msgspec import Struct
 
 from rostether.bounded_yaml import load
 from rostether.errors import RecordingError
-from rostether.mechanisms.text import first_line
+from rostether.mechanisms.text import first_line, write_failure
+from rostether.mechanisms.whole_file import write_whole
 from rostether.recording.recorded import Ros2Origin
 from rostether.recording.regular_file import require_regular_file
 from rostether.recording.ros2_qos import read_profiles
@@ -108,13 +109,10 @@ def describe(files: Sequence[FileFacts], storage: str, distro: str) -> dict[str,
 def write_metadata(folder: Path, content: Mapping[str, Any]) -> None:
     """Write metadata.yaml atomically. Raises RecordingError."""
     path = folder / FILE_NAME
-    unfinished = path.with_name(f".{FILE_NAME}.unfinished")
     try:
-        unfinished.write_text(yaml.safe_dump({_KEY: dict(content)}, sort_keys=False), encoding="utf-8")
-        unfinished.replace(path)
+        write_whole(path, yaml.safe_dump({_KEY: dict(content)}, sort_keys=False).encode())
     except OSError as error:
-        unfinished.unlink(missing_ok=True)
-        raise RecordingError(f"cannot write {path}: {error.strerror or error}") from None
+        raise RecordingError(write_failure(path, error)) from None
 
 
 def read_metadata(folder: Path) -> Metadata:

@@ -136,7 +136,7 @@ async def test_a_full_disk_stops_the_recording_and_not_the_bridge(tmp_path: Path
             async with asyncio.timeout(100):
                 while b"boards stay connected" not in (line := await process.stdout.readline()):
                     assert line, "it ended"
-            assert b"File too large; recording stopped" in line
+            assert b"File too large; choose a disk that accepts larger files; recording stopped" in line
             await receive(environ, "/chatter", 10)
             process.send_signal(signal.SIGINT)
             out, _ = await process.communicate()

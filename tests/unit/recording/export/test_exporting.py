@@ -20,7 +20,7 @@ from rostether.recording.decoding import Decoder
 from rostether.recording.export.columns import columns_of
 from rostether.recording.export.exporting import Export, ExportedTable
 from rostether.recording.export.parquet_table import ParquetTable
-from rostether.recording.export.picture_folder import PICTURE_TYPE, PictureFolder
+from rostether.recording.export.picture_table import PICTURE_TYPE, PictureTable
 from rostether.recording.export.tables import CsvTable
 from rostether.recording.recorded import Connection
 from rostether.serde.store import TypeStore
@@ -206,7 +206,7 @@ def test_a_spreadsheet_runs_no_text_of_a_board(tmp_path: Path) -> None:
 
 def test_pictures_of_one_time_are_all_kept(tmp_path: Path) -> None:
     codec = STORE.codec(PICTURE_TYPE)
-    folder = PictureFolder(tmp_path / "pictures")
+    folder = PictureTable(tmp_path / "pictures")
     for data in (b"1", b"2", b"3"):
         folder.add(START_NS, codec.decode(codec.encode({"format": "jpeg", "data": data})))
     folder.add(START_NS + 1_000_000, codec.decode(codec.encode({"format": "png", "data": b"4"})))

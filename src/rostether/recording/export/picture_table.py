@@ -6,6 +6,7 @@ from datetime import datetime
 from pathlib import Path
 
 from rostether.errors import RecordingError
+from rostether.mechanisms.text import write_failure
 from rostether.mechanisms.whole_file import write_whole
 from rostether.rostime import NS_PER_S
 from rostether.serde.values import Message
@@ -13,7 +14,7 @@ from rostether.serde.values import Message
 PICTURE_TYPE = "sensor_msgs/CompressedImage"
 
 
-class PictureFolder:
+class PictureTable:
     """Writes sensor_msgs/CompressedImage as .jpg and .png files, as they were recorded."""
 
     def __init__(self, folder: Path) -> None:
@@ -24,7 +25,7 @@ class PictureFolder:
         try:
             folder.mkdir(parents=True, exist_ok=True)
         except OSError as error:
-            raise RecordingError(f"cannot create the folder {folder}: {error.strerror or error}") from None
+            raise RecordingError(write_failure(folder, error)) from None
 
     def add(self, time_ns: int, message: Message) -> None:
         """Write a picture. Raises RecordingError."""
@@ -39,7 +40,7 @@ class PictureFolder:
         try:
             write_whole(path, message.data)
         except OSError as error:
-            raise RecordingError(f"cannot write {path}: {error.strerror or error}") from None
+            raise RecordingError(write_failure(path, error)) from None
 
     def flush(self) -> None:
         """Do nothing: each picture is written immediately."""
