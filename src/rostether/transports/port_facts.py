@@ -55,10 +55,16 @@ def read_port_facts(path: str, list_ports: ListPorts) -> PortFacts:
     return PortFacts(
         path,
         is_device=is_character_device(path),
-        may_open=os.access(path, os.R_OK | os.W_OK),
+        may_open=may_open(path),
         group=group_of(path),
         holders=tuple(find_holders(path)),
     )
+
+
+def may_open(path: str) -> bool:
+    """Return whether this user may open a port."""
+    # Windows has no files for its ports.
+    return os.name == "nt" or os.access(path, os.R_OK | os.W_OK)
 
 
 def near_names(path: str, ports: Sequence[str]) -> list[str]:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import importlib.metadata
-import os
 import shutil
 import sys
 from collections.abc import Callable, Iterator
@@ -37,7 +36,7 @@ _EXTRAS = (
 _BROWSERS = ("chromium", "google-chrome", "firefox", "xdg-open")
 
 
-class Finding(Struct, frozen=True):
+class OptionalPart(Struct, frozen=True):
     """One optional part: its name, its purpose, what was found (empty: nothing), and the next step."""
 
     part: str
@@ -72,7 +71,7 @@ def self_check(as_json: bool) -> None:
                 write_line(f"     {each.next_step}")
 
 
-def findings() -> Iterator[Finding]:
+def findings() -> Iterator[OptionalPart]:
     """Yield the findings, extras first."""
     for extra, module, distribution, purpose in _EXTRAS:
         yield _extra(extra, module, distribution, purpose)
@@ -94,7 +93,7 @@ def findings() -> Iterator[Finding]:
     yield _browser()
     if sys.platform == "linux":
         works = Path("/run/systemd/system").is_dir()
-        yield Finding(
+        yield OptionalPart(
             "systemd",
             "start at boot",
             "runs" if works else "",
@@ -103,26 +102,26 @@ def findings() -> Iterator[Finding]:
     yield _checked("multicast", "robots of a fleet", _find_multicast)
 
 
-def _extra(extra: str, module: str, distribution: str, purpose: str) -> Finding:
+def _extra(extra: str, module: str, distribution: str, purpose: str) -> OptionalPart:
     if find_spec(module) is None:
-        return Finding(extra, purpose, next_step=f"run: {install_command(extra)}")
+        return OptionalPart(extra, purpose, next_step=f"run: {install_command(extra)}")
     try:
-        return Finding(extra, purpose, f"{distribution} {importlib.metadata.version(distribution)}")
+        return OptionalPart(extra, purpose, f"{distribution} {importlib.metadata.version(distribution)}")
     except importlib.metadata.PackageNotFoundError:
         # The module belongs to a sourced ROS 2, or to the system.
-        return Finding(extra, purpose, f"{module}, not installed by pip")
+        return OptionalPart(extra, purpose, f"{module}, not installed by pip")
 
 
-def _program(name: str, purpose: str, next_step: str) -> Finding:
-    return Finding(name, purpose, shutil.which(name) or "", next_step)
+def _program(name: str, purpose: str, next_step: str) -> OptionalPart:
+    return OptionalPart(name, purpose, shutil.which(name) or "", next_step)
 
 
-def _checked(part: str, purpose: str, find: Callable[[], str]) -> Finding:
+def _checked(part: str, purpose: str, find: Callable[[], str]) -> OptionalPart:
     """Report the result of a search, or its error with the next step."""
     try:
-        return Finding(part, purpose, find())
+        return OptionalPart(part, purpose, find())
     except (RostetherError, OSError) as error:
-        return Finding(part, purpose, next_step=str(error))
+        return OptionalPart(part, purpose, next_step=str(error))
 
 
 def _find_compiler() -> str:
@@ -152,25 +151,28 @@ def _find_multicast() -> str:
     return f"{REFERENCE_GROUP} can be joined"
 
 
-def _serial() -> Finding:
+def _serial() -> OptionalPart:
+    from rostether.transports.port_facts import may_open
     from rostether.transports.serial import list_ports
     from rostether.transports.serial_errors import explain_permission
 
     purpose = "boards on serial ports"
     ports = list_ports()
     if not ports:
-        return Finding("serial ports", purpose, next_step="no port found; connect a board with a USB cable")
-    denied = [port.path for port in ports if not os.access(port.path, os.R_OK | os.W_OK)]
+        return OptionalPart(
+            "serial ports", purpose, next_step="no port found; connect a board with a USB cable"
+        )
+    denied = [port.path for port in ports if not may_open(port.path)]
     if denied:
-        return Finding("serial ports", purpose, next_step=explain_permission(denied[0]))
-    return Finding("serial ports", purpose, ", ".join(port.path for port in ports[:4]))
+        return OptionalPart("serial ports", purpose, next_step=explain_permission(denied[0]))
+    return OptionalPart("serial ports", purpose, ", ".join(port.path for port in ports[:4]))
 
 
-def _browser() -> Finding:
+def _browser() -> OptionalPart:
     found = next((path for name in _BROWSERS if (path := shutil.which(name))), "")
     if not found and sys.platform in ("darwin", "win32"):
         found = "the system's"
-    return Finding(
+    return OptionalPart(
         "browser",
         "the dashboard on this machine",
         found,
