@@ -30,7 +30,7 @@ MAX_FREQUENCY_HZ = 10_000.0
 _RETRY_S = 0.01
 
 
-class BridgeSettings(Struct, frozen=True):
+class BridgeNodeSettings(Struct, frozen=True):
     """The parameters of the bridge; `frequency_hz` 0 sends every message immediately.
 
     `framed` is None for bare datagrams. A framed bridge whose topic is silent for `input_timeout_s` sends a
@@ -46,7 +46,9 @@ class BridgeSettings(Struct, frozen=True):
     unicast: tuple[str, ...] = ()
 
 
-async def send_topic(graph: Graph, settings: BridgeSettings, report: Callable[[Level, str], None]) -> None:
+async def send_topic(
+    graph: Graph, settings: BridgeNodeSettings, report: Callable[[Level, str], None]
+) -> None:
     """Send the topic's messages until cancelled. Raises ConfigError, InvalidNameError, GraphError."""
     if not 0 <= settings.frequency_hz <= MAX_FREQUENCY_HZ:
         raise ConfigError(
@@ -84,7 +86,7 @@ async def send_topic(graph: Graph, settings: BridgeSettings, report: Callable[[L
 class _Bridge:
     """Bare datagrams: sends the newest message once, at most `frequency_hz` times a second."""
 
-    def __init__(self, settings: BridgeSettings, report: Callable[[Level, str], None]) -> None:
+    def __init__(self, settings: BridgeNodeSettings, report: Callable[[Level, str], None]) -> None:
         self._sender = DatagramSender(settings.address.checked(), report)
         self._period_s = 1 / settings.frequency_hz if settings.frequency_hz else 0.0
         self._newest = b""
@@ -122,7 +124,7 @@ class _FramedBridge:
     """Framed datagrams: repeats the newest message until the topic is silent."""
 
     def __init__(
-        self, settings: BridgeSettings, framed: SenderSettings, report: Callable[[Level, str], None]
+        self, settings: BridgeNodeSettings, framed: SenderSettings, report: Callable[[Level, str], None]
     ) -> None:
         self._settings = framed
         self._timeout_s = settings.input_timeout_s or float("inf")

@@ -11,7 +11,7 @@ from rostether.graph.typed_graph import TypedGraph
 from rostether.graph.typed_handles import TypedPublisher
 from rostether.platform.command_frame import CommandFrame, Flags, decode_frame
 from rostether.platform.command_link import SenderSettings
-from rostether.platform.multicast_bridge import BridgeSettings, send_topic
+from rostether.platform.multicast_bridge import BridgeNodeSettings, send_topic
 from rostether.platform.multicast_socket import GroupAddress
 from unit.platform.datagrams import GROUPS, PlainReceiver, loopback_group, running
 from unit.platform.typed_nodes import Lines, typed_nodes
@@ -32,7 +32,7 @@ async def test_a_datagram_is_the_references(group: str) -> None:
     _, (node, other) = await typed_nodes("/multicast_topic_bridge", "/other")
     address = loopback_group(group)
     receiver, lines = PlainReceiver(address), Lines()
-    async with running(send_topic(node.raw, BridgeSettings(address=address, frequency_hz=0), lines)):
+    async with running(send_topic(node.raw, BridgeNodeSettings(address=address, frequency_hz=0), lines)):
         publisher = await published(other)
         publisher.publish(dir=-0.0, speed=1.0)
         await until(lambda: receiver.datagrams)
@@ -48,7 +48,7 @@ async def test_only_the_newest_message_is_sent_and_once() -> None:
     _, (node, other) = await typed_nodes("/multicast_topic_bridge", "/other")
     address = loopback_group()
     receiver = PlainReceiver(address)
-    async with running(send_topic(node.raw, BridgeSettings(address=address, frequency_hz=4), Lines())):
+    async with running(send_topic(node.raw, BridgeNodeSettings(address=address, frequency_hz=4), Lines())):
         publisher = await published(other)
         for speed in (1.0, 2.0, 3.0):
             publisher.publish(speed=speed)
@@ -67,7 +67,7 @@ async def test_a_thousand_messages_a_second_are_a_limit_and_no_busy_loop() -> No
     _, (node, other) = await typed_nodes("/multicast_topic_bridge", "/other")
     address = loopback_group()
     receiver = PlainReceiver(address)
-    async with running(send_topic(node.raw, BridgeSettings(address=address), Lines())):
+    async with running(send_topic(node.raw, BridgeNodeSettings(address=address), Lines())):
         publisher = await published(other)
         began_s = time.monotonic()
         while time.monotonic() < began_s + 0.5 or len(receiver.datagrams) <= 10:
@@ -87,7 +87,7 @@ async def test_a_failed_send_is_reported_once_and_tried_again() -> None:
     _, (node, other) = await typed_nodes("/multicast_topic_bridge", "/other")
     address = replace(loopback_group(), interfaces=("no_such_if",))
     lines = Lines()
-    async with running(send_topic(node.raw, BridgeSettings(address=address), lines)):
+    async with running(send_topic(node.raw, BridgeNodeSettings(address=address), lines)):
         publisher = await published(other)
         publisher.publish(speed=1.0)
         await until(lambda: len(lines.texts) == 2)
@@ -100,7 +100,9 @@ async def test_a_failed_send_is_reported_once_and_tried_again() -> None:
 async def test_a_message_that_fits_no_datagram() -> None:
     _, (node, other) = await typed_nodes("/multicast_topic_bridge", "/other")
     lines = Lines()
-    async with running(send_topic(node.raw, BridgeSettings(topic="/big", address=loopback_group()), lines)):
+    async with running(
+        send_topic(node.raw, BridgeNodeSettings(topic="/big", address=loopback_group()), lines)
+    ):
         publisher = await other.publisher("/big", "std_msgs/String")
         await until(lambda: publisher.subscriber_count)
         publisher.publish(data="x" * 65_504)
@@ -117,7 +119,7 @@ async def test_framed_commands_are_repeated_and_end_with_a_stop() -> None:
     def frames() -> list[CommandFrame]:
         return [decode_frame(each, key) for each in receiver.datagrams]
 
-    settings = BridgeSettings(address=address, framed=framed, input_timeout_s=1.0)
+    settings = BridgeNodeSettings(address=address, framed=framed, input_timeout_s=1.0)
     async with running(send_topic(node.raw, settings, Lines())):
         publisher = await published(other)
         publisher.publish(dir=-0.0, speed=1.0)
@@ -133,13 +135,13 @@ async def test_framed_commands_are_repeated_and_end_with_a_stop() -> None:
 @pytest.mark.parametrize(
     ("settings", "reason"),
     [
-        (BridgeSettings(frequency_hz=-1), "~frequency must be from 0"),
-        (BridgeSettings(frequency_hz=float("nan")), "~frequency must be from 0"),
-        (BridgeSettings(address=GroupAddress("robots")), "'robots' is not a numeric IP address"),
-        (BridgeSettings(input_timeout_s=-1), "~input_timeout must not be -1 seconds"),
+        (BridgeNodeSettings(frequency_hz=-1), "~frequency must be from 0"),
+        (BridgeNodeSettings(frequency_hz=float("nan")), "~frequency must be from 0"),
+        (BridgeNodeSettings(address=GroupAddress("robots")), "'robots' is not a numeric IP address"),
+        (BridgeNodeSettings(input_timeout_s=-1), "~input_timeout must not be -1 seconds"),
     ],
 )
-async def test_settings_that_make_no_sense(settings: BridgeSettings, reason: str) -> None:
+async def test_settings_that_make_no_sense(settings: BridgeNodeSettings, reason: str) -> None:
     _, (node,) = await typed_nodes("/multicast_topic_bridge")
     with pytest.raises(ConfigError, match=reason):
         await send_topic(node.raw, settings, Lines())

@@ -38,7 +38,7 @@ async def multicast_topic_bridge(graph: TypedGraph, _: Arguments) -> None:
     """
     from rostether.platform.command_frame import ALL_GROUPS, DEFAULT_TTL_MS, MAX_TTL_MS
     from rostether.platform.command_link import SenderSettings
-    from rostether.platform.multicast_bridge import BridgeSettings, send_topic
+    from rostether.platform.multicast_bridge import BridgeNodeSettings, send_topic
 
     parameters = NodeParameters(graph, "multicast_topic_bridge/")
     framed = None
@@ -53,7 +53,7 @@ async def multicast_topic_bridge(graph: TypedGraph, _: Arguments) -> None:
             ttl_ms=await parameters.integer(DEFAULT_TTL_MS, 1, MAX_TTL_MS, "ttl_ms"),
             key=await _key(parameters),
         )
-    settings = BridgeSettings(
+    settings = BridgeNodeSettings(
         topic=await parameters.text("multicast_topic", "topic"),
         address=await _address(parameters, _default_address(framed), "sending_port"),
         frequency_hz=await parameters.number(1000.0, "frequency"),
