@@ -6,6 +6,7 @@ import asyncio
 import socket
 import time
 from collections.abc import Callable
+from contextlib import closing
 
 from msgspec import Struct, field
 from msgspec.structs import replace
@@ -136,13 +137,10 @@ async def _reaches(
     to_first = replace(sender, target=first.status.robot_id, to_groups=False)
     to_second = replace(sender, target=second.status.robot_id, to_groups=False)
     outer, inner = CommandSender(to_first, epoch_us), CommandSender(to_second, epoch_us)
-    by = DatagramSender(GroupAddress(first.address[0], first.address[1]), report)
-    try:
+    with closing(DatagramSender(GroupAddress(*first.address[:2]), report)) as by:
         for _ in range(_FORWARD_COUNT):
             by.send(outer.forward(encode_forward(host, port, inner.query())))
             await asyncio.sleep(_FORWARD_PERIOD_S)
-    finally:
-        by.close()
     survey = Survey(to_second, GroupAddress(host, port), report, inner)
     await survey.run(_CONFIRM_S, until_answered=True)
     for robot in survey.robots.values():

@@ -10,11 +10,13 @@ import asyncio
 import math
 import time
 from collections.abc import Callable
+from contextlib import closing
 
 from msgspec.structs import replace
 
 from rostether.graph.ports import Level
 from rostether.graph.typed_graph import TypedGraph
+from rostether.mechanisms.block_end import closed_at_end
 from rostether.platform.fleet import FleetSender, FleetSettings, has_stopped
 from rostether.platform.robot_table import Robot, RobotKey
 from rostether.rostime import Time
@@ -41,22 +43,17 @@ class FleetMonitor:
 
     async def run(self) -> None:
         """Publish until cancelled. Raises ConfigError, GraphError."""
-        queries = FleetSender(self._settings, self._report)
-        try:
-            publisher = await self._graph.publisher("fleet", "sensing_platform/Fleet", latch=True)
-            service = await self._graph.service_server(
-                "fleet_stop", "sensing_platform/StopRobots", self._stop
-            )
-            self._report(Level.INFO, f"asking the robots at {self._settings.address} for their state")
-            try:
+        graph, stop = self._graph, self._stop
+        with closing(FleetSender(self._settings, self._report)) as queries:
+            fleet = await graph.publisher("fleet", "sensing_platform/Fleet", latch=True)
+            async with (
+                closed_at_end(fleet),
+                closed_at_end(await graph.service_server("fleet_stop", "sensing_platform/StopRobots", stop)),
+            ):
+                self._report(Level.INFO, f"asking the robots at {self._settings.address} for their state")
                 while True:
                     await queries.query(QUERY_PERIOD_S, QUERY_PERIOD_S)
-                    publisher.publish(robots=self._states(queries.robots, time.monotonic()))
-            finally:
-                await service.close()
-                await publisher.close()
-        finally:
-            queries.close()
+                    fleet.publish(robots=self._states(queries.robots, time.monotonic()))
 
     async def _stop(self, request: Message) -> dict[str, list[int]]:
         # One stop at a time: a second sender would make the robots refuse the first.
@@ -64,11 +61,8 @@ class FleetMonitor:
             sender = self._settings.sender
             if request.robot:
                 sender = replace(sender, target=request.robot, to_groups=False)
-            stop = FleetSender(replace(self._settings, sender=sender), self._report)
-            try:
+            with closing(FleetSender(replace(self._settings, sender=sender), self._report)) as stop:
                 robots = await stop.stop()
-            finally:
-                stop.close()
         confirmed = sorted({robot.status.robot_id for robot in robots if has_stopped(robot)})
         who = f"robot {request.robot}" if request.robot else "all robots"
         self._report(Level.INFO, f"stop sent to {who}; {len(confirmed)} confirmed it")

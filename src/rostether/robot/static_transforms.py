@@ -19,6 +19,7 @@ from msgspec import Struct
 from rostether.errors import ConfigError
 from rostether.graph.ports import ParamValue
 from rostether.graph.typed_graph import TypedGraph
+from rostether.mechanisms.run_until import run_until
 from rostether.robot.tf_messages import tf_publisher, tf_static_publisher, to_message
 from rostether.robot.transform import (
     Quaternion,
@@ -80,22 +81,21 @@ def static_transform_of(value: ParamValue, name: str) -> StaticTransform:
 
 async def publish_static_transform(graph: TypedGraph, static: StaticTransform) -> None:
     """Publish until cancelled or the node is shut down."""
-    left = asyncio.ensure_future(graph.raw.wait_closed())
-    try:
-        if static.period_s is None:
-            publisher = await tf_static_publisher(graph)
-            publisher.publish(to_message([_stamped(static, graph.now().to_ns())]))
-            await left
-            return
-        publisher = await tf_publisher(graph)
-        while not left.done():
-            # As in tf, the stamp is in the future, so that the transform is valid until the next one
-            # arrives.
-            ahead_ns = graph.now().to_ns() + round(static.period_s * 1e9)
-            publisher.publish(to_message([_stamped(static, ahead_ns)]))
-            await asyncio.wait([left], timeout=static.period_s)
-    finally:
-        left.cancel()
+    await run_until(_publish(graph, static), graph.raw.wait_closed())
+
+
+async def _publish(graph: TypedGraph, static: StaticTransform) -> None:
+    if static.period_s is None:
+        publisher = await tf_static_publisher(graph)
+        publisher.publish(to_message([_stamped(static, graph.now().to_ns())]))
+        await asyncio.Event().wait()
+        return
+    publisher = await tf_publisher(graph)
+    while True:
+        # As in tf, the stamp is in the future, so that the transform is valid until the next one arrives.
+        ahead_ns = graph.now().to_ns() + round(static.period_s * 1e9)
+        publisher.publish(to_message([_stamped(static, ahead_ns)]))
+        await asyncio.sleep(static.period_s)
 
 
 def _stamped(static: StaticTransform, stamp_ns: int) -> StampedTransform:

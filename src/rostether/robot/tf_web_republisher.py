@@ -14,7 +14,6 @@ from typing import Any
 from msgspec import Struct, field
 
 from rostether.errors import ConfigError, GraphError, TransformError
-from rostether.graph.ports import Level
 from rostether.graph.typed_graph import TypedGraph
 from rostether.graph.typed_handles import TypedPublisher
 from rostether.mechanisms.block_end import closed_at_end
@@ -224,8 +223,3 @@ class _Republisher:
         self._tasks.add(task)
         task.add_done_callback(self._tasks.discard)
         return task
-
-
-def report_to(graph: TypedGraph) -> Callable[[str], None]:
-    """Return a function that reports a refused request on /rosout."""
-    return lambda problem: graph.log(Level.WARN, problem)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import itertools
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
@@ -13,6 +14,7 @@ from rostether.cli.shell.option_group import COUNT, add_option
 from rostether.cli.shell.output import json_option, write_json, write_line
 from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import verb
+from rostether.mechanisms.run_until import run_until
 from rostether.mechanisms.text import escape_line
 
 if TYPE_CHECKING:
@@ -59,16 +61,13 @@ async def _monitor(frames: tuple[str, ...], count: int | None, as_json: bool, gr
         def add(transforms: Sequence[StampedTransform], authority: str, is_static: bool) -> None:
             statistics.add(transforms, authority, is_static, node.now().to_ns())
 
-        listener.on_transforms = add
-        left = asyncio.ensure_future(node.raw.wait_closed())
-        made = 0
-        try:
-            while made != count and not left.done():
-                await asyncio.wait([left], timeout=REPORT_PERIOD_S)
+        async def report() -> None:
+            for _ in itertools.count() if count is None else range(count):
+                await asyncio.sleep(REPORT_PERIOD_S)
                 _report(listener.buffer, statistics, frames, as_json)
-                made += 1
-        finally:
-            left.cancel()
+
+        listener.on_transforms = add
+        await run_until(report(), node.raw.wait_closed())
 
 
 def _report(

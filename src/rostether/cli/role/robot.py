@@ -5,9 +5,10 @@ from __future__ import annotations
 import asyncio
 import shutil
 import sys
+from functools import partial
 from typing import TYPE_CHECKING
 
-from rostether.cli.role.node import role
+from rostether.cli.role.node import reporter, role
 from rostether.cli.shell.keys import split_keys, typed_keys
 from rostether.cli.shell.output import warn
 from rostether.graph.ports import Level
@@ -133,11 +134,7 @@ async def robot_state_publisher(graph: TypedGraph, _: Arguments) -> None:
     """
     from rostether.robot.robot_state_publisher import publish_robot_state
 
-    def report(problem: str) -> None:
-        graph.log(Level.WARN, problem)
-        warn(f"[WARN] {problem}")
-
-    await publish_robot_state(graph, report)
+    await publish_robot_state(graph, partial(reporter(graph), Level.WARN))
 
 
 @role("tf2-web-republisher", "rostether role tf2-web-republisher")
@@ -146,6 +143,6 @@ async def tf2_web_republisher(graph: TypedGraph, _: Arguments) -> None:
 
     It serves the service republish_tfs and the action tf2_web_republisher, which ROSLIB.TFClient uses.
     """
-    from rostether.robot.tf_web_republisher import report_to, republish_for_web
+    from rostether.robot.tf_web_republisher import republish_for_web
 
-    await republish_for_web(graph, report_to(graph))
+    await republish_for_web(graph, partial(reporter(graph), Level.WARN))

@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 import asyncio
-import itertools
-import os
 import shutil
 import signal
 import socket
 import tempfile
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
-from pathlib import Path
 
 from rostether.mechanisms.backoff import Backoff
+from rostether.mechanisms.program import signal_group
 from rostether.platform.boot.robot_file import Part
 
 # The same as in the systemd units: a part whose event loop is blocked for this time is killed and restarted.
@@ -25,8 +23,6 @@ SETTLED_S = 30.0
 # The exit code of a command with wrong arguments: a restart would not help.
 EXIT_USAGE = 2
 MAX_LINE_BYTES = 1 << 16
-
-_NUMBERS = itertools.count()
 
 
 class PartProcess:
@@ -72,7 +68,7 @@ class PartProcess:
         # setpriv: the kernel ends the part if this process is killed.
         guard = [program, "--pdeathsig", "INT"] if (program := shutil.which("setpriv")) else []
         folder = await asyncio.to_thread(tempfile.mkdtemp, prefix="rostether-up-")
-        address = str(Path(folder) / f"{next(_NUMBERS)}")
+        address = f"{folder}/notify"
         self._last_notification_s = None
         with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as notifications:
             notifications.setblocking(False)
@@ -132,23 +128,18 @@ class PartProcess:
             last_s = self._last_notification_s
             if last_s is not None and loop.time() - last_s > self._watchdog_s:
                 self._report(self.part.name, f"has not responded for {self._watchdog_s:.0f} s; ending it")
-                _signal(process, signal.SIGKILL)
+                signal_group(process, signal.SIGKILL)
                 return
 
 
 async def _end(process: asyncio.subprocess.Process) -> None:
-    _signal(process, signal.SIGINT)
+    signal_group(process, signal.SIGINT)
     with suppress(TimeoutError):
         async with asyncio.timeout(END_LIMIT_S):
             await process.wait()
     # Child processes of the part may still run: end them, too.
-    _signal(process, signal.SIGKILL)
+    signal_group(process, signal.SIGKILL)
     await process.wait()
-
-
-def _signal(process: asyncio.subprocess.Process, number: signal.Signals) -> None:
-    with suppress(ProcessLookupError):
-        os.killpg(process.pid, number)
 
 
 def _exit_text(code: int) -> str:

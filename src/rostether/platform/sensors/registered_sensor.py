@@ -19,6 +19,7 @@ from rostether.graph.ports import Level
 from rostether.graph.typed_graph import TypedGraph
 from rostether.graph.typed_handles import TypedPublisher
 from rostether.mechanisms.backoff import Backoff
+from rostether.mechanisms.block_end import closed_at_end, task_beside
 from rostether.platform.sensor_state import MAX_STATE_TEXT_CHARACTERS
 
 # A manager that restarts without its file knows all sensors again after a renewal period.
@@ -153,12 +154,8 @@ async def registered_sensor(
     graph: TypedGraph, description: SensorDescription, report: Callable[[Level, str], None]
 ) -> AsyncIterator[RegisteredSensor]:
     """Publish and keep the sensor registered within the block. Raises GraphError."""
-    publisher = await graph.publisher(description.topic, description.message_type)
-    sensor = RegisteredSensor(graph, description, publisher, report)
-    keeping = asyncio.ensure_future(sensor.keep_registered())
-    try:
-        yield sensor
-    finally:
-        keeping.cancel()
-        await asyncio.wait([keeping])
-        await publisher.close()
+    opened = await graph.publisher(description.topic, description.message_type)
+    async with closed_at_end(opened) as publisher:
+        sensor = RegisteredSensor(graph, description, publisher, report)
+        async with task_beside(sensor.keep_registered()):
+            yield sensor

@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 import logging
 from collections.abc import AsyncGenerator
-from contextlib import aclosing
+from contextlib import aclosing, closing
 from pathlib import Path
 from typing import Any
 
@@ -46,8 +46,7 @@ class V4l2Camera:
 
     async def _captured(self, rate_hz: float) -> AsyncGenerator[bytes, None]:
         change = self._change
-        device = await asyncio.to_thread(self._open)
-        try:
+        with closing(await asyncio.to_thread(self._open)) as device:
             capture = self._video.VideoCapture(device)
             try:
                 capture.set_format(change.width or 640, change.height or 480, "MJPG")
@@ -63,7 +62,7 @@ class V4l2Camera:
                 capture.open()
             except self._video.V4L2Error as error:
                 raise BoardError(f"{self._path} is not a camera: {error}") from None
-            try:
+            with closing(capture):
                 # If the camera scales its pictures, they are not scaled again.
                 if (form.width, form.height) == (change.width, change.height):
                     change = replace(change, width=0, height=0)
@@ -74,10 +73,6 @@ class V4l2Camera:
                         yield frame
                     else:
                         yield await asyncio.to_thread(changed_jpeg, frame, change)
-            finally:
-                capture.close()
-        finally:
-            device.close()
 
     async def _frames(self, capture: Any, rate_hz: float) -> AsyncGenerator[bytes, None]:
         loop = asyncio.get_running_loop()
