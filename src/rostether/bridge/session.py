@@ -299,7 +299,7 @@ class Session:
     def _device_reset(self, _event: DeviceReset) -> None:
         self._was_reset = True
         self.node.health.clock.forget()
-        self.node.endpoints.fail_calls("reset")
+        self.node.endpoints.device_reset()
         self._notices.report_episode("reset", Level.INFO, "the board was reset; requesting its topics")
 
     def note_pause(self) -> None:

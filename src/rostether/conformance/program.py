@@ -76,8 +76,8 @@ class ConformanceProgram:
         self._text = device.publisher(f"{PREFIX}text_out", "std_msgs/String")
         self._real = device.publisher(f"{PREFIX}real_out", "std_msgs/Float64")
         self._pong = device.publisher(f"{PREFIX}pong", "std_msgs/Time")
-        device.subscriber(f"{PREFIX}text_in", "std_msgs/String", self._return_text)
-        device.subscriber(f"{PREFIX}real_in", "std_msgs/Float64", self._return_real)
+        device.subscriber(f"{PREFIX}text_in", "std_msgs/String", self._text.publish)
+        device.subscriber(f"{PREFIX}real_in", "std_msgs/Float64", self._real.publish)
         device.subscriber(f"{PREFIX}ping", "std_msgs/Empty", self._send_time)
         device.subscriber(f"{PREFIX}command", "std_msgs/UInt8", self._run_command)
         device.service_server(
@@ -86,12 +86,6 @@ class ConformanceProgram:
             lambda request: {"success": request.data, "message": "on" if request.data else "off"},
         )
         self._trigger = device.service_client(f"{PREFIX}trigger", "std_srvs/Trigger")
-
-    def _return_text(self, message: Message) -> None:
-        self._text.publish(message)
-
-    def _return_real(self, message: Message) -> None:
-        self._real.publish(message)
 
     def _send_time(self, _message: Message) -> None:
         self._pong.publish(data=self._device.now())

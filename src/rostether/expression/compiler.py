@@ -151,7 +151,7 @@ class _Compiler:
                 owner, position = compile_(inner), compile_(index)
                 return lambda scope: owner(scope)[position(scope)]
             case ast.Slice(lower=lower, upper=upper, step=step):
-                parts = [compile_(part) if part else _none for part in (lower, upper, step)]
+                parts = [compile_(part) if part else lambda _: None for part in (lower, upper, step)]
                 return lambda scope: slice(*(part(scope) for part in parts))
             case ast.UnaryOp(op=unary, operand=operand):
                 value_of, apply_unary = compile_(operand), _UNARY[type(unary)]
@@ -270,7 +270,3 @@ def _attribute(owner: Any, name: str) -> Any:
     fields = ", ".join(getattr(type(owner), "__slots__", ()))
     known = f"the fields are {fields}" if fields else "this value has no fields"
     raise ConfigError(f"there is no .{name}; {known}")
-
-
-def _none(scope: Scope) -> None:
-    return None

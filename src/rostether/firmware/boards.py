@@ -84,7 +84,7 @@ class BoardTable:
 
         Raises ConfigError, which lists known boards.
         """
-        board, _, processor = _without_platform(name).partition(":")
+        board, _, processor = name.removeprefix(":".join(_PLATFORM) + ":").partition(":")
         alias = _ALIASES.get(_plain(board), board)
         board_id, _, alias_processor = alias.partition(":")
         found = self._by_plain_name.get(_plain(board_id))
@@ -144,16 +144,6 @@ def other_platform_fqbn(name: str) -> str | None:
     if len(parts) >= 3 and tuple(parts[:2]) != _PLATFORM:
         return name
     return _OTHER_PLATFORMS.get(_plain(name))
-
-
-def arduino_cli_board(fqbn: str) -> Board:
-    """Return a board that only arduino-cli knows."""
-    return Board(name=fqbn, title=fqbn, fqbn=fqbn)
-
-
-def _without_platform(name: str) -> str:
-    prefix = ":".join(_PLATFORM) + ":"
-    return name.removeprefix(prefix)
 
 
 def _plain(name: str) -> str:

@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from rostether.errors import FirmwareError, SketchError
-from rostether.firmware.boards import Board, arduino_cli_board, other_platform_fqbn
+from rostether.firmware.boards import Board, other_platform_fqbn
 from rostether.firmware.built_firmware import BuildOptions, BuiltFirmware, UsedLibrary
 from rostether.firmware.cache import BuildCache, cache_folder, digest
 from rostether.firmware.libraries import SIMULATION_LIBRARIES, Origin
@@ -28,7 +28,7 @@ _CONTENT_VERSION = 1
 def find_board(name: str) -> Board:
     """Return a board by name. Raises ConfigError for an unknown one, FirmwareError without a core."""
     if (fqbn := other_platform_fqbn(name)) is not None:
-        return arduino_cli_board(fqbn)
+        return Board(name=fqbn, title=fqbn, fqbn=fqbn)
     return find_avr_toolchain().boards.find(name)
 
 

@@ -64,7 +64,11 @@ def explain(output: str, sketch: Sketch, skipped: Sequence[str] = ()) -> str:
         for path in [*sketch.inos, *sketch.sources]:
             lines += _joined_lines(read_ino(path).text, str(path))
     lines += output.splitlines()
-    lines += [_explain_pin(name) for name in dict.fromkeys(_UNDECLARED.findall(output)) if _is_opencr(name)]
+    lines += [
+        f"note: {name} is a pin of the OpenCR; build with --board opencr, or name a pin here: -D {name}=13"
+        for name in dict.fromkeys(_UNDECLARED.findall(output))
+        if name.startswith("BDPIN_")
+    ]
     if _BASE_CLASS.search(output):
         lines.append(
             "note: generated messages are not ros::Msg: make the function or class a template of the"
@@ -91,14 +95,6 @@ def _joined_lines(text: str, path: str) -> list[str]:
         what = "a web page joined several lines into this one; start a new line before"
         found.append(f"{location}: error: {what} `{match[group][:30].strip()}`")
     return found[:MAX_REPORTED]
-
-
-def _is_opencr(name: str) -> bool:
-    return name.startswith("BDPIN_")
-
-
-def _explain_pin(name: str) -> str:
-    return f"note: {name} is a pin of the OpenCR; build with --board opencr, or name a pin here: -D {name}=13"
 
 
 def _explain_header(header: str) -> str:

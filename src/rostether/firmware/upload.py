@@ -13,7 +13,6 @@ import shutil
 import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from rostether.errors import FirmwareError, RostetherError
 from rostether.firmware.boards import Board
@@ -21,12 +20,10 @@ from rostether.firmware.built_firmware import BuiltFirmware
 from rostether.firmware.toolchain import find_arduino_cli
 from rostether.mechanisms.program import run_program
 from rostether.transports.address import SerialAddress
+from rostether.transports.opening import list_serial_ports
 from rostether.transports.serial_errors import explain_open_error, explain_permission, find_holder
+from rostether.transports.serial_port import ListPorts
 
-if TYPE_CHECKING:
-    from rostether.transports.serial import SerialPort
-
-ListPorts = Callable[[], Sequence["SerialPort"]]
 Show = Callable[[Sequence[str]], None]
 
 TOUCH_BAUD = 1200
@@ -40,13 +37,6 @@ _POLL_S = 0.1
 _SETTLE_S = 0.25
 _INSTALL_AVRDUDE = "no avrdude on PATH; run: sudo apt install avrdude"
 _SILENT = ("not in sync", "not responding", "programmer is not", "timeout", "unable to open programmer")
-
-
-def list_serial_ports() -> Sequence[SerialPort]:
-    """Return the serial ports; serialx is imported late because it is slow to import."""
-    from rostether.transports.serial import list_ports
-
-    return list_ports()
 
 
 def choose_port(board: Board, list_ports: ListPorts = list_serial_ports) -> str:

@@ -11,7 +11,7 @@ from rostether.errors import UnknownNameError
 from rostether.graph.ports import ServiceEntry, Snapshot, TopicEntry
 from rostether.mechanisms.text import escape_line
 from rostether.msgdef.interface import ANY_TYPE
-from rostether.names.graph_name import is_in_namespace
+from rostether.names.graph_name import is_hidden, is_in_namespace
 
 if TYPE_CHECKING:
     from rostether.pictures.digraph import Digraph
@@ -116,19 +116,15 @@ def as_digraph(shown: Shown, *, nodes_only: bool = False) -> Digraph:
 
 
 def _is_hidden_node(name: str) -> bool:
-    return name in _HIDDEN_NODES or _has_hidden_part(name)
+    return name in _HIDDEN_NODES or is_hidden(name)
 
 
 def _is_hidden_topic(name: str) -> bool:
-    return name in _HIDDEN_TOPICS or _has_hidden_part(name)
+    return name in _HIDDEN_TOPICS or is_hidden(name)
 
 
 def _is_hidden_service(service: ServiceEntry) -> bool:
-    return service.name.rpartition("/")[2] in _NODE_SERVICES or _has_hidden_part(service.name)
-
-
-def _has_hidden_part(name: str) -> bool:
-    return any(part.startswith("_") for part in name.split("/"))
+    return service.name.rpartition("/")[2] in _NODE_SERVICES or is_hidden(service.name)
 
 
 def _is_in(name: str, namespaces: Iterable[str]) -> bool:

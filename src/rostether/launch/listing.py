@@ -12,15 +12,9 @@ from rostether.graph.ports import ParamValue
 from rostether.launch.command_line import Locate, Replaced, command_of
 from rostether.launch.plan import LaunchNode, LaunchPlan
 from rostether.names.graph_name import join
-from rostether.param_yaml import dump
 
 # As in roslaunch: a summary lists the parameters, without the text of a URDF.
 _MAX_VALUE_CHARS = 20
-
-
-def parameter_lines(plan: LaunchPlan) -> str:
-    """Return the parameters as YAML, by full name."""
-    return dump(plan.parameters)
 
 
 def node_lines(plan: LaunchPlan) -> list[str]:

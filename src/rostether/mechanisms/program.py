@@ -54,16 +54,17 @@ async def run_program(
 
 async def _end(starting: asyncio.Future[asyncio.subprocess.Process]) -> None:
     process = await starting
-    _signal(process, signal.SIGTERM)
+    signal_group(process, signal.SIGTERM)
     with suppress(TimeoutError):
         async with asyncio.timeout(END_LIMIT_S):
             await process.communicate()
             return
-    _signal(process, signal.SIGKILL)
+    signal_group(process, signal.SIGKILL)
     await process.communicate()
 
 
-def _signal(process: asyncio.subprocess.Process, number: signal.Signals) -> None:
+def signal_group(process: asyncio.subprocess.Process, number: signal.Signals) -> None:
+    """Signal a process that was started with `start_new_session`, and its children."""
     with suppress(ProcessLookupError):
         if hasattr(os, "killpg"):
             os.killpg(process.pid, number)

@@ -114,6 +114,11 @@ def resolve_remappings(remappings: Mapping[str, str], *, namespace: str, node_na
     }
 
 
+def is_hidden(name: str) -> bool:
+    """Return whether listings hide a name, as those of ROS 2 do: a part of it begins with `_`."""
+    return any(part.startswith("_") for part in name.split("/"))
+
+
 def is_in_namespace(name: str, namespace: str) -> bool:
     """Return whether a full name is a namespace or in it."""
     return name == namespace or name.startswith(namespace.rstrip("/") + "/")

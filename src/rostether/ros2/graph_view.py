@@ -7,15 +7,11 @@ from collections.abc import Iterable, Iterator, Sequence
 from msgspec import Struct
 
 from rostether.graph.ports import ServiceEntry, Snapshot, TopicEntry
+from rostether.names.graph_name import is_hidden
 from rostether.ros2.endpoint_info import EndpointInfo, EndpointKind
 
 TOPIC_KINDS = (EndpointKind.PUBLISHER, EndpointKind.SUBSCRIPTION)
 SERVICE_KINDS = (EndpointKind.SERVER, EndpointKind.CLIENT)
-
-
-def is_hidden(name: str) -> bool:
-    """Return whether ROS 2 hides a name in listings: a part of it begins with `_`."""
-    return any(part.startswith("_") for part in name.split("/"))
 
 
 class GraphView(Struct, frozen=True):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import AsyncIterator, Mapping
 from contextlib import asynccontextmanager
+from typing import TYPE_CHECKING
 
 from rostether.errors import ConfigError
 from rostether.extras import install_command
@@ -11,6 +12,9 @@ from rostether.graph.ports import JoinGraph
 from rostether.mechanisms.block_end import closed_at_end
 from rostether.ros2.environment import Ros2Environment
 from rostether.ros2.types.type_support import Ros2Types
+
+if TYPE_CHECKING:
+    from rostether.ros2.zenoh.session import ZenohSession
 
 
 @asynccontextmanager
@@ -30,11 +34,16 @@ async def open_ros2(
         return
     if middleware != "zenoh":
         raise ConfigError(f"unknown middleware {middleware!r}; give zenoh or rclpy")
+    async with closed_at_end(await zenoh_sessions().open(environment, types)) as session:
+        yield session.join
+
+
+def zenoh_sessions() -> type[ZenohSession]:
+    """Import and return the class of zenoh sessions. Raises ConfigError with the command to install zenoh."""
     try:
         from rostether.ros2.zenoh.session import ZenohSession
     except ModuleNotFoundError as error:
         if error.name not in ("zenoh", "xxhash"):
             raise
         raise ConfigError(f"zenoh support is not installed; run: {install_command('zenoh')}") from None
-    async with closed_at_end(await ZenohSession.open(environment, types)) as session:
-        yield session.join
+    return ZenohSession

@@ -159,10 +159,10 @@ class EndpointTable:
         for endpoint in self._servers():
             endpoint.time_requested(now_s)
 
-    def fail_calls(self, reason: str) -> None:
-        """Fail the calls in flight: the board was `reason` (lost, reset)."""
+    def device_reset(self) -> None:
+        """Fail the calls in flight."""
         for endpoint in self._servers():
-            endpoint.fail_call(reason)
+            endpoint.fail_call("reset")
 
     async def close(self) -> None:
         """Close all endpoints within a second."""

@@ -10,8 +10,6 @@ from typing import TYPE_CHECKING
 from msgspec import Struct
 
 from rostether.cli.access.graph_options import Middleware, ZenohReach
-from rostether.errors import ConfigError
-from rostether.extras import install_command
 from rostether.graph.ports import Graph, JoinGraph
 from rostether.mechanisms.block_end import closed_at_end
 from rostether.ros2.environment import Ros2Environment
@@ -86,16 +84,13 @@ async def _over_zenoh(
     environment: Ros2Environment, types: Ros2Types, reach: ZenohReach, params_files: tuple[Path, ...]
 ) -> AsyncIterator[Ros2Access]:
     from rostether.ros2.parameters.parameter_file import read_parameter_files
+    from rostether.ros2.session import zenoh_sessions
 
-    try:
-        from rostether.ros2.zenoh.configuration import Reach, RouterChoice
-        from rostether.ros2.zenoh.session import ZenohSession
-    except ModuleNotFoundError as error:
-        if error.name != "zenoh":
-            raise
-        raise ConfigError(f"zenoh support is not installed; run: {install_command('zenoh')}") from None
+    sessions = zenoh_sessions()
+    from rostether.ros2.zenoh.configuration import Reach, RouterChoice
+
     rules = read_parameter_files(params_files)
-    session = await ZenohSession.open(
+    session = await sessions.open(
         environment, types, reach=Reach(RouterChoice(reach.router), reach.connect, reach.listen)
     )
 

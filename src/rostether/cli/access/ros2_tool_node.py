@@ -14,8 +14,9 @@ from rostether.cli.shell.output import warn
 from rostether.errors import GraphError, UnknownTypeError
 from rostether.mechanisms.anonymous import anonymous_name
 from rostether.mechanisms.block_end import closed_at_end
+from rostether.names.graph_name import is_hidden
 from rostether.ros2.endpoint_info import EndpointKind
-from rostether.ros2.graph_view import GraphView, is_hidden
+from rostether.ros2.graph_view import GraphView
 
 if TYPE_CHECKING:
     from rostether.graph.typed_graph import TypedGraph

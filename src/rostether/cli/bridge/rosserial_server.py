@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from rostether.cli.bridge.serial_node import HostRole, run_host, whole
+from rostether.cli.bridge.serial_node import HostRole, name_options, run_host, whole
 from rostether.cli.role.node import RoleVerb, node_arguments, node_words, role
 from rostether.cli.shell.verbs import verb
 from rostether.graph.typed_graph import TypedGraph
@@ -30,10 +30,9 @@ _DEFAULT_SERIAL_PORT = "/dev/ttyACM0"
 @node_words
 def serial(arguments: tuple[str, ...]) -> None:
     """Bridge the board at ~port with ~baud."""
-    _run(
-        HostRole("rosserial_server_serial_node", "rosserial server", ("port", "baud"), _serial_link),
-        arguments,
-    )
+    known = ("port", "baud")
+    host = HostRole("rosserial_server_serial_node", "rosserial server", known, _serial_link)
+    run_host(host, node_arguments(arguments))
 
 
 @verb("rosserial-server-socket", "rostether role rosserial-server-socket _port:=11411", cls=RoleVerb)
@@ -41,7 +40,8 @@ def serial(arguments: tuple[str, ...]) -> None:
 def socket(arguments: tuple[str, ...]) -> None:
     """Bridge the boards that connect to the TCP port ~port."""
     known = ("port", "listen")
-    _run(HostRole("rosserial_server_socket_node", "rosserial server", known, _socket_link), arguments)
+    host = HostRole("rosserial_server_socket_node", "rosserial server", known, _socket_link)
+    run_host(host, node_arguments(arguments))
 
 
 @verb("rosserial-server-udp", "rostether role rosserial-server-udp _server_port:=11411", cls=RoleVerb)
@@ -49,7 +49,8 @@ def socket(arguments: tuple[str, ...]) -> None:
 def udp(arguments: tuple[str, ...]) -> None:
     """Bridge the boards that send to the UDP port ~server_port."""
     known = ("server_port", "client_port", "client_addr", "listen")
-    _run(HostRole("rosserial_server_udp_socket_node", "rosserial server", known, _udp_link), arguments)
+    host = HostRole("rosserial_server_udp_socket_node", "rosserial server", known, _udp_link)
+    run_host(host, node_arguments(arguments))
 
 
 @role("message-info-service", "rostether role message-info-service")
@@ -61,28 +62,17 @@ async def message_info(graph: TypedGraph, _: Arguments) -> None:
     await serve_message_info(graph, Registry.from_environment())
 
 
-def _run(host: HostRole, arguments: tuple[str, ...]) -> None:
-    run_host(host, node_arguments(arguments))
-
-
 def _serial_link(rest: list[str], parameters: Mapping[str, object], *, node_name: str, namespace: str) -> str:
     baud = parameters.get("baud")
     speed = "" if baud is None else f"&baud={whole(baud, 'baud')}"
-    return f"{parameters.get('port', _DEFAULT_SERIAL_PORT)}?{_options(node_name, namespace)}{speed}"
+    return f"{parameters.get('port', _DEFAULT_SERIAL_PORT)}?{name_options(node_name, namespace)}{speed}"
 
 
 def _socket_link(rest: list[str], parameters: Mapping[str, object], *, node_name: str, namespace: str) -> str:
-    host = parameters.get("listen", "")
-    return (
-        f"tcp://{host}:{whole(parameters.get('port', DEFAULT_PORT), 'port')}?{_options(node_name, namespace)}"
-    )
+    port = whole(parameters.get("port", DEFAULT_PORT), "port")
+    return f"tcp://{parameters.get('listen', '')}:{port}?{name_options(node_name, namespace)}"
 
 
 def _udp_link(rest: list[str], parameters: Mapping[str, object], *, node_name: str, namespace: str) -> str:
     port = whole(parameters.get("server_port", DEFAULT_PORT), "server_port")
-    return f"udp://{parameters.get('listen', '')}:{port}?{_options(node_name, namespace)}"
-
-
-def _options(node_name: str, namespace: str) -> str:
-    name = node_name.removeprefix(namespace.rstrip("/") + "/")
-    return f"name={name}" + (f"&ns={namespace}" if namespace != "/" else "")
+    return f"udp://{parameters.get('listen', '')}:{port}?{name_options(node_name, namespace)}"

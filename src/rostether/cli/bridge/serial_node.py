@@ -188,8 +188,7 @@ def choose_link(rest: list[str], parameters: Mapping[str, object], *, node_name:
         # As in ROS, a value is read as YAML: `tcp:` is a mapping.
         raise ConfigError(f"port must be a serial port or tcp, not {wanted!r}; write _port:=tcp or a path")
     target = known[0] if known else str(wanted)
-    base_name = node_name.removeprefix(namespace.rstrip("/") + "/")
-    options = f"name={base_name}" + (f"&ns={namespace}" if namespace != "/" else "")
+    options = name_options(node_name, namespace)
     if target == "tcp":
         port = whole(known[1] if len(known) == 2 else parameters.get("tcp_port", DEFAULT_PORT), "tcp_port")
         return f"tcp://:{port}?{options}"
@@ -200,6 +199,12 @@ def choose_link(rest: list[str], parameters: Mapping[str, object], *, node_name:
         given = given or f"baud={number}"
     # By default devices.toml may set it.
     return f"{path}?{options}" + (f"&{given}" if given else "")
+
+
+def name_options(node_name: str, namespace: str) -> str:
+    """Return the options of a link address for a board whose node has this full name."""
+    name = node_name.removeprefix(namespace.rstrip("/") + "/")
+    return f"name={name}" + (f"&ns={namespace}" if namespace != "/" else "")
 
 
 def whole(value: object, name: str) -> int:

@@ -10,6 +10,7 @@ from urllib.parse import quote
 
 from msgspec import Struct, field
 
+from rostether.cli.shell.input import read_bytes
 from rostether.errors import ConfigError
 
 # The panels of the page, as in its addresses.
@@ -76,11 +77,7 @@ def read_view(panel: str, shown: Sequence[str]) -> View:
 
 
 def _read_rviz(path: Path) -> View:
-    try:
-        with path.open("rb") as file:
-            content = file.read(_MAX_RVIZ_BYTES + 1)
-    except OSError as error:
-        raise ConfigError(f"{path}: {error.strerror}") from None
+    content = read_bytes(path)
     if len(content) > _MAX_RVIZ_BYTES:
         raise ConfigError(f"{path} is larger than {_MAX_RVIZ_BYTES >> 20} MB; give an .rviz file")
     return View("scene", {"rviz": "view.rviz"}, {"view.rviz": content})

@@ -16,7 +16,7 @@ from msgspec.structs import replace
 from rostether.cli.access.console_reporter import ConsoleReporter
 from rostether.cli.access.graph_options import GraphOptions, graph_options
 from rostether.cli.access.options import msg_path_option
-from rostether.cli.access.ros1_access import type_store
+from rostether.cli.access.ros1_access import ros1_join, type_store
 from rostether.cli.access.served_graphs import ServedGraphs
 from rostether.cli.gateway.gateways import (
     GatewayGraph,
@@ -180,8 +180,8 @@ def settings_of_parameters(parameters: Mapping[str, Any], token: str = "") -> Fo
 async def _main(graph: TypedGraph, arguments: Arguments, gateways: GatewayOptions) -> None:
     settings = settings_of_parameters(await private_parameters(graph), gateways.token)
     settings = replace(settings, origins=gateways.origins)
-    # The gateway uses the node of the role.
-    on = ros1_gateway_graph(_no_join, graph.store, node_environment(arguments))
+    environment = node_environment(arguments)
+    on = ros1_gateway_graph(ros1_join(environment), graph.store, environment)
     async with _gateway_on(graph.raw, on, settings, ConsoleReporter().report, "address 0.0.0.0") as gateway:
         await gateway.wait_ended()
 
@@ -251,10 +251,6 @@ def _filter(parameters: Mapping[str, Any], name: str) -> NameFilter:
     if not isinstance(given, list) or not all(isinstance(each, str) for each in given):
         raise ConfigError(f"~{name} must be a list of regular expressions, for example ['/camera/.*']")
     return NameFilter() if ".*" in given else NameFilter.of(given, f"~{name}")
-
-
-async def _no_join(*_: object, **__: object) -> Any:
-    raise AssertionError("the node of the role is the gateway's")
 
 
 def _packages(msg_paths: Sequence[Path]) -> Mapping[str, Path]:

@@ -186,12 +186,13 @@ def launch(
 
 def _listing(options: LaunchOptions, loaded: LoadedLaunch, environment: RosEnvironment) -> list[str] | None:
     from rostether.launch import listing
+    from rostether.param_yaml import dump
 
     plan = loaded.plan
     if options.lists_nodes:
         return listing.node_lines(plan)
     if options.dumps:
-        return [listing.parameter_lines(plan)]
+        return [dump(plan.parameters)]
     if options.lists_arguments:
         return list(listing.argument_lines(plan))
     if options.lists_files:

@@ -14,13 +14,7 @@ from rostether.mechanisms.line_budget import LineBudget
 from rostether.mechanisms.repeat_limiter import RepeatLimiter
 from rostether.mechanisms.text import counted, fold_line
 
-_LEVELS = {
-    logging.DEBUG: Level.DEBUG,
-    logging.INFO: Level.INFO,
-    logging.WARNING: Level.WARN,
-    logging.ERROR: Level.ERROR,
-    logging.CRITICAL: Level.FATAL,
-}
+_LEVELS = {level.number_in_tens: level for level in Level}
 _ROSTETHER = logging.getLogger("rostether")
 _ASYNCIO = logging.getLogger("asyncio")
 # The limits of open files, of a process and of the whole system.
@@ -67,7 +61,7 @@ def show_library_logs(show: Callable[[Level, str], None] | None = None) -> None:
 
     A later call replaces an earlier one.
     """
-    handler = _Lines(show or (lambda level, text: warn(f"{logging.getLevelName(_python(level))}: {text}")))
+    handler = _Lines(show or _warn)
     for logger in (_ROSTETHER, _ASYNCIO):
         for earlier in [each for each in logger.handlers if isinstance(each, _Lines)]:
             logger.removeHandler(earlier)
@@ -79,5 +73,5 @@ def show_debug_records() -> None:
     _ROSTETHER.setLevel(logging.DEBUG)
 
 
-def _python(level: Level) -> int:
-    return next(number for number, ours in _LEVELS.items() if ours is level)
+def _warn(level: Level, text: str) -> None:
+    warn(f"{logging.getLevelName(level.number_in_tens)}: {text}")

@@ -36,7 +36,7 @@ class CborForm:
     """Messages of all types in CBOR; `style` is the form of times."""
 
     def __init__(self, style: Style = Style.ROS1) -> None:
-        leaves = Leaves(stamp_reader(style), clean_text, _unchanged, _typed_array, OMITTED[style])
+        leaves = Leaves(stamp_reader(style), clean_text, bytes, _typed_array, OMITTED[style])
         self._readers = CompiledForms(compile_values, leaves)
 
     def publish(self, topic: str, codec: Codec, payload: bytes) -> bytes:
@@ -58,7 +58,3 @@ def _typed_array(code: str) -> Callable[[list[Any]], cbor2.CBORTag]:
         return cbor2.CBORTag(tag, struct.pack(f"<{len(values)}{code}", *values))
 
     return pack
-
-
-def _unchanged(value: bytes) -> bytes:
-    return value
