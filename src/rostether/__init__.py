@@ -13,17 +13,17 @@ if TYPE_CHECKING:
 __all__ = ["Device", "join", "sync"]
 
 # These modules are imported on first use, because the command line starts without them.
-_HOMES = {"Device": "rostether.device", "join": "rostether.joining", "sync": "rostether.sync"}
+_MODULES = {"Device": "rostether.device", "join": "rostether.joining", "sync": "rostether.sync"}
 
 
 def __getattr__(name: str) -> object:
-    home = _HOMES.get(name)
-    if home is None:
+    module_name = _MODULES.get(name)
+    if module_name is None:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     from importlib import import_module
 
-    module = import_module(home)
-    value = globals()[name] = module if home == f"rostether.{name}" else getattr(module, name)
+    module = import_module(module_name)
+    value = globals()[name] = module if module_name == f"rostether.{name}" else getattr(module, name)
     return value
 
 

@@ -25,7 +25,7 @@ _NODE_SERVICES = frozenset(
 )
 
 
-class Shown(Struct, frozen=True):
+class ShownGraph(Struct, frozen=True):
     """The chosen part of a graph, sorted by name."""
 
     nodes: Sequence[str]
@@ -33,7 +33,7 @@ class Shown(Struct, frozen=True):
     services: Sequence[ServiceEntry]
 
 
-def choose(snapshot: Snapshot, names: Iterable[str] = (), *, with_hidden: bool = False) -> Shown:
+def choose(snapshot: Snapshot, names: Iterable[str] = (), *, with_hidden: bool = False) -> ShownGraph:
     """Select the nodes and topics with one of `names` or in such a namespace, and their neighbors.
 
     Raises UnknownNameError for a name that is not in the graph.
@@ -54,10 +54,10 @@ def choose(snapshot: Snapshot, names: Iterable[str] = (), *, with_hidden: bool =
         near = chosen.union(*map(_ends, topics))
         nodes = [each for each in nodes if each in near]
     left = set(nodes)
-    return Shown(nodes, [_without(each, left) for each in topics], services)
+    return ShownGraph(nodes, [_without(each, left) for each in topics], services)
 
 
-def as_text(shown: Shown) -> Iterator[str]:
+def as_text(shown: ShownGraph) -> Iterator[str]:
     """Yield lines: each node with its publications, subscriptions and services, and the other ends."""
     for node in shown.nodes:
         yield escape_line(node)
@@ -75,7 +75,7 @@ def as_text(shown: Shown) -> Iterator[str]:
         yield "no nodes"
 
 
-def as_records(shown: Shown) -> Iterator[Mapping[str, object]]:
+def as_records(shown: ShownGraph) -> Iterator[Mapping[str, object]]:
     """Yield an object for each node, then one for each topic."""
     for node in shown.nodes:
         yield {
@@ -93,7 +93,7 @@ def as_records(shown: Shown) -> Iterator[Mapping[str, object]]:
         }
 
 
-def as_digraph(shown: Shown, *, nodes_only: bool = False) -> Digraph:
+def as_digraph(shown: ShownGraph, *, nodes_only: bool = False) -> Digraph:
     """Return the vertices and edges of a picture; topics are vertices too, unless `nodes_only`."""
     from rostether.pictures.digraph import Digraph, Edge, Shape, Vertex
 

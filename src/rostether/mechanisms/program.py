@@ -13,7 +13,7 @@ from typing import NamedTuple
 END_LIMIT_S = 5.0
 
 
-class Ended(NamedTuple):
+class ProgramResult(NamedTuple):
     """The result of a program: its exit code, its output, and its error output if that is separate."""
 
     code: int
@@ -27,7 +27,7 @@ async def run_program(
     input_data: bytes | None = None,
     environ: Mapping[str, str] | None = None,
     merge: bool = True,
-) -> Ended:
+) -> ProgramResult:
     """Run a program with `input_data` as its input; `merge` puts its error output into its output.
 
     Raises OSError if it cannot be started.
@@ -49,7 +49,7 @@ async def run_program(
     except asyncio.CancelledError:
         await asyncio.shield(_end(starting))
         raise
-    return Ended(process.returncode or 0, output, errors or b"")
+    return ProgramResult(process.returncode or 0, output, errors or b"")
 
 
 async def _end(starting: asyncio.Future[asyncio.subprocess.Process]) -> None:

@@ -22,7 +22,7 @@ Select: TypeAlias = Callable[[Sequence[bytes]], Sequence[bytes]]
 MAX_SENT_MESSAGES = 100_000
 
 
-def everything(payloads: Sequence[bytes]) -> Sequence[bytes]:
+def all_messages(payloads: Sequence[bytes]) -> Sequence[bytes]:
     """Select all messages, as a relay does."""
     return payloads
 
@@ -77,7 +77,7 @@ class ByteRate:
 
 
 async def forward(
-    graph: Graph, source: str, target: str, select: Select = everything, *, lazy: bool = False
+    graph: Graph, source: str, target: str, select: Select = all_messages, *, lazy: bool = False
 ) -> None:
     """Publish a topic's messages under another name until cancelled.
 

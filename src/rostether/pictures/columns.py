@@ -29,7 +29,7 @@ def column_choices(keys: Sequence[str], edges: Sequence[Ends]) -> Iterator[dict[
         neighbors[source].append(target)
         neighbors[target].append(source)
     for width in range(max(depths.values(), default=0) + 1, MIN_COLUMNS - 1, -1):
-        yield _apart({key: _folded(depth, width) for key, depth in depths.items()}, neighbors)
+        yield _separated({key: _folded(depth, width) for key, depth in depths.items()}, neighbors)
 
 
 def _folded(depth: int, width: int) -> int:
@@ -38,7 +38,7 @@ def _folded(depth: int, width: int) -> int:
     return min(step, 2 * width - 2 - step)
 
 
-def _apart(wanted: Mapping[str, int], neighbors: Mapping[str, Sequence[str]]) -> dict[str, int]:
+def _separated(wanted: Mapping[str, int], neighbors: Mapping[str, Sequence[str]]) -> dict[str, int]:
     """Return the columns nearest to the wanted ones that separate all neighbors, without empty columns."""
     placed: dict[str, int] = {}
     for key in sorted(wanted, key=lambda each: wanted[each]):

@@ -19,14 +19,14 @@ from rostether.recording.regular_file import MappedFile
 from rostether.serde.layout import Layout
 
 
-class Checked(Struct, frozen=True):
+class CheckResult(Struct, frozen=True):
     """The number of readable messages, and the errors, one line each."""
 
     message_count: int
     faults: tuple[str, ...]
 
 
-def check(path: Path, registry: Registry) -> Checked:
+def check(path: Path, registry: Registry) -> CheckResult:
     """Read a recording; `registry` has the types known here.
 
     Raises RecordingError if it is not a recording.
@@ -64,7 +64,7 @@ def check(path: Path, registry: Registry) -> Checked:
             faults.append(f"its index counts {counted(expected, 'message')}, but the file has {count}")
     faults += [f"{topic}: {misfit_text(many)}: {why}" for topic, (many, why) in unfit.items()]
     # Names in a damaged file may contain anything.
-    return Checked(count, tuple(dict.fromkeys(escape_line(fault) for fault in faults)))
+    return CheckResult(count, tuple(dict.fromkeys(escape_line(fault) for fault in faults)))
 
 
 def file_faults(path: Path) -> list[str]:

@@ -15,7 +15,7 @@ from rostether.msgdef.ros2.action_parts import ActionParts
 from rostether.msgdef.ros2.definitions import Ros2Definitions
 from rostether.msgdef.ros2.parse import parse_message
 from rostether.msgdef.ros2.spec import Ros2Message, Ros2Service
-from rostether.msgdef.ros2.to_ros1 import express, ros1_name
+from rostether.msgdef.ros2.to_ros1 import as_ros1_specs, ros1_name
 from rostether.msgdef.spec import MessageSpec
 from rostether.recording.recorded import Ros2Origin
 from rostether.ros2.types.native_registry import NativeRegistry
@@ -138,7 +138,7 @@ def as_ros1_type(message: Ros2Message, definitions: Ros2Definitions) -> MessageT
     Raises UnknownTypeError, and DefinitionError for what ROS 1 cannot express.
     """
     registry = Registry()
-    own, *below = express(message, definitions)
+    own, *below = as_ros1_specs(message, definitions)
     parts = [
         f"{SEPARATOR}\nMSG: {each.full_name}\n{_text(each)}"
         for each in below

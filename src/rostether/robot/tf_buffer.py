@@ -133,8 +133,8 @@ class TransformBuffer:
             return cache.latest_ns if cache is not None else 0
         passed = self.chain(target, source)
         # The common ancestor adds no step.
-        meeting = self._meeting_frame(target, source)
-        stamps = [self._caches[frame].latest_ns for frame in passed if frame != meeting]
+        ancestor = self._common_ancestor(target, source)
+        stamps = [self._caches[frame].latest_ns for frame in passed if frame != ancestor]
         return min((stamp for stamp in stamps if stamp), default=0)
 
     def chain(self, target: str, source: str) -> list[str]:
@@ -144,9 +144,9 @@ class TransformBuffer:
         """
         self._check(target, "chain argument target_frame")
         self._check(source, "chain argument source_frame")
-        meeting = self._meeting_frame(target, source)
-        upward = list(self._climb(source, meeting))
-        downward = list(self._climb(target, meeting))
+        ancestor = self._common_ancestor(target, source)
+        upward = list(self._frames_above(source, ancestor))
+        downward = list(self._frames_above(target, ancestor))
         return [*upward, *reversed(downward[:-1])]
 
     @property
@@ -217,18 +217,18 @@ class TransformBuffer:
             raise ExtrapolationError(f"{stopped}{route}") from None
         raise _unconnected(target, source)
 
-    def _meeting_frame(self, target: str, source: str) -> str:
+    def _common_ancestor(self, target: str, source: str) -> str:
         passed: dict[str, None] = {}
-        for frame in self._climb(source):
+        for frame in self._frames_above(source):
             if frame == target:
                 return target
             passed[frame] = None
-        for frame in self._climb(target):
+        for frame in self._frames_above(target):
             if frame in passed:
                 return frame
         raise _unconnected(target, source)
 
-    def _climb(self, frame: str, last: str = "") -> Iterator[str]:
+    def _frames_above(self, frame: str, last: str = "") -> Iterator[str]:
         for _ in range(MAX_DEPTH):
             yield frame
             cache = self._caches.get(frame)

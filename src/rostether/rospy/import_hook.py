@@ -26,7 +26,7 @@ _GENPY_MESSAGE = "client.message client.message_arguments client.message_types c
 
 # Modules of ROS that modules of `rostether.rospy` implement; if several define a name, the last counts. The
 # folder `modules` has the others.
-_HOMES = {
+_IMPLEMENTATIONS = {
     "actionlib.action_client": "actionlib.action_client actionlib.client_goal actionlib.comm_states",
     "actionlib.action_server": "actionlib.action_server",
     "actionlib.exceptions": "actionlib.action_types",
@@ -113,8 +113,8 @@ class PackageFinder(MetaPathFinder):
         self, fullname: str, path: Sequence[str] | None = None, target: ModuleType | None = None
     ) -> ModuleSpec | None:
         """Return a spec for a module or package that Python itself does not find."""
-        if home := _HOMES.get(fullname):
-            return ModuleSpec(fullname, _HomeLoader(home.split()))
+        if names := _IMPLEMENTATIONS.get(fullname):
+            return ModuleSpec(fullname, _FacadeLoader(names.split()))
         if "." in fullname or fullname.startswith("_"):
             return None
         from rostether.rospy.client.message_types import all_types
@@ -144,15 +144,15 @@ class _EmptyLoader(Loader):
         pass
 
 
-class _HomeLoader(Loader):
+class _FacadeLoader(Loader):
     """Fills a module with the names of the modules that implement it."""
 
-    def __init__(self, homes: list[str]) -> None:
-        self._homes = homes
+    def __init__(self, module_names: list[str]) -> None:
+        self._module_names = module_names
 
     def exec_module(self, module: ModuleType) -> None:
-        for home in self._homes:
-            names = vars(importlib.import_module(f"{__package__}.{home}"))
+        for module_name in self._module_names:
+            names = vars(importlib.import_module(f"{__package__}.{module_name}"))
             vars(module).update((name, value) for name, value in names.items() if not name.startswith("__"))
 
 

@@ -57,7 +57,7 @@ class Patience(Enum):
     NONE = auto()
 
 
-class _Known(NamedTuple):
+class _KnownHeader(NamedTuple):
     """A valid header, with the values to cut and check frames that begin with it."""
 
     topic_id: int
@@ -105,7 +105,7 @@ class FrameScanner:
         self._start = bytes((SYNC, self._version_byte))
         self._max_payload_bytes = max_payload_bytes
         self._refused_above = {} if refused_above is None else refused_above
-        self._known: dict[bytes, _Known] = {}
+        self._known: dict[bytes, _KnownHeader] = {}
 
     def refuse_above(self, refused_above: Mapping[int | None, int]) -> None:
         """Apply these limits from now on, even to known headers."""
@@ -133,18 +133,18 @@ class FrameScanner:
         After more than `max_false_starts` (None: any number), only its end is searched; the rest is noise.
         """
         result = Scan()
-        waste = _Waste(buffer, self._start, max_false_starts)
-        unfinished = self._cut_frames(buffer, patience, result, waste)
+        discarded = _Discarded(buffer, self._start, max_false_starts)
+        unfinished = self._cut_frames(buffer, patience, result, discarded)
         result.rest = len(buffer)
         if unfinished is not None and patience is not Patience.NONE:
             result.rest, result.needed_bytes = unfinished
-        if waste.false_starts:
-            result.false_starts = waste.false_starts
-            result.discarded = waste.pieces(result.rest)
+        if discarded.false_starts:
+            result.false_starts = discarded.false_starts
+            result.discarded = discarded.pieces(result.rest)
         return result
 
     def _cut_frames(  # noqa: PLR0915 - the hot loop: a call costs as much as a small frame
-        self, buffer: bytes, patience: Patience, result: Scan, waste: _Waste
+        self, buffer: bytes, patience: Patience, result: Scan, discarded: _Discarded
     ) -> tuple[int, int] | None:
         """Add the valid frames to the result, and return position and size of an unfinished one, if any."""
         groups = result.groups
@@ -161,7 +161,7 @@ class FrameScanner:
             if known is None:
                 verdict = self._check_header(header)
                 if isinstance(verdict, DiscardReason):
-                    position = waste.reject(position, verdict)
+                    position = discarded.reject(position, verdict)
                     header = buffer[position : position + header_bytes]
                     continue
                 known = verdict
@@ -171,7 +171,7 @@ class FrameScanner:
                 unfinished = unfinished or (position, stride)
                 if patience is Patience.WAIT:
                     break
-                position = waste.reject(position, DiscardReason.UNFINISHED)
+                position = discarded.reject(position, DiscardReason.UNFINISHED)
                 header = buffer[position : position + header_bytes]
                 continue
             following = buffer[end : end + header_bytes]
@@ -186,12 +186,12 @@ class FrameScanner:
                 payload = buffer[position + header_bytes : end - 1]
                 good = [payload] if (sum_of(payload) + buffer[end - 1]) & 0xFF == target else []
             if not good:
-                position = waste.reject_payload(position, stride)
+                position = discarded.reject_payload(position, stride)
                 header = buffer[position : position + header_bytes]
-                sums = sums or waste.sums_after(stride)
+                sums = sums or discarded.sums_after(stride)
                 continue
-            if waste.is_open:
-                waste.end(position)
+            if discarded.is_open:
+                discarded.end(position)
                 tail_frames = 0
             tail_frames += len(good)
             unfinished = None
@@ -205,7 +205,7 @@ class FrameScanner:
         result.tail_frames = tail_frames
         return unfinished
 
-    def _check_header(self, header: bytes) -> _Known | DiscardReason:
+    def _check_header(self, header: bytes) -> _KnownHeader | DiscardReason:
         """Check an unknown header; an incomplete one becomes a frame longer than the buffer."""
         size = len(header)
         if header[0] != SYNC:
@@ -222,17 +222,17 @@ class FrameScanner:
             if size == self._header_bytes:
                 return self._remember(header, header[5] | header[6] << 8, length, header[5] + header[6])
         if size < self._header_bytes:
-            return _Known(-1, size + 1, adler32, 0)
+            return _KnownHeader(-1, size + 1, adler32, 0)
         length = header[4] | header[5] << 8
         return self._remember(header, header[2] | header[3] << 8, length, sum(header[2:]))
 
-    def _remember(self, header: bytes, topic_id: int, length: int, base: int) -> _Known | DiscardReason:
+    def _remember(self, header: bytes, topic_id: int, length: int, base: int) -> _KnownHeader | DiscardReason:
         """Check the length of a valid header; `base` is the header's part of the payload checksum."""
         if length > self._max_length(topic_id) or length > self._max_payload_bytes:
             return DiscardReason.TOO_LONG
         if len(self._known) >= MAX_KNOWN_HEADERS:
             self._known.clear()
-        known = _Known(topic_id, length + self._overhead_bytes, sum_function(length), -base & 0xFF)
+        known = _KnownHeader(topic_id, length + self._overhead_bytes, sum_function(length), -base & 0xFF)
         self._known[header] = known
         return known
 
@@ -244,11 +244,11 @@ class FrameScanner:
 
 @lru_cache(maxsize=MAX_KNOWN_HEADERS)
 def _run_layout(header_bytes: int, stride: int) -> Struct:
-    """Return a struct that splits a run of frames. `_Known` has none: most headers in noise occur once."""
+    """Return a struct that splits a run of frames; headers in noise mostly occur once, and need none."""
     return Struct(f"{header_bytes}s{stride - header_bytes - 1}sB")
 
 
-def _split_run(buffer: bytes, position: int, header: bytes, known: _Known) -> list[bytes]:
+def _split_run(buffer: bytes, position: int, header: bytes, known: _KnownHeader) -> list[bytes]:
     """Return the payloads of the valid frames, all with the same header, that begin at a position."""
     _, stride, sum_of, target = known
     run = memoryview(buffer)[position : len(buffer) - (len(buffer) - position) % stride]
@@ -260,7 +260,7 @@ def _split_run(buffer: bytes, position: int, header: bytes, known: _Known) -> li
     return good
 
 
-class _Waste:
+class _Discarded:
     """The stretches between the frames of a buffer, as [start, end, reason], and the cost of the search.
 
     After more than `max_false_starts` (None: any number) places where no frame begins, only the end of the

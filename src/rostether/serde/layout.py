@@ -59,7 +59,7 @@ class Layout:
         walk = _Walk(payload)
         try:
             walk.over(self._tree, "")
-        except _DoesNotFit as reason:
+        except _Misfit as reason:
             return f"the payload of {counted(len(payload), 'byte')} {reason} of {self._tree.name}"
         extra_bytes = len(payload) - walk.at
         if extra_bytes:
@@ -95,7 +95,7 @@ def _fixed_size_checks(size: int) -> tuple[Callable[[bytes], bool], Callable[[Se
     return accepts, accepts_all
 
 
-class _DoesNotFit(Exception):  # noqa: N818
+class _Misfit(Exception):  # noqa: N818
     """Ends a walk; the text is the reason."""
 
 
@@ -107,7 +107,7 @@ class _Walk:
         self._payload = payload
 
     def over(self, node: Node, path: str) -> None:
-        """Walk over one value. Raises _DoesNotFit."""
+        """Walk over one value. Raises _Misfit."""
         if node.fixed_size_bytes is not None and not isinstance(node, Struct):
             self._skip(node.fixed_size_bytes, path)
         elif isinstance(node, Text):
@@ -123,7 +123,7 @@ class _Walk:
         count = self._length(path) if array.length is None else array.length
         size = array.element.fixed_size_bytes
         if array.max_count is not None and count > array.max_count:
-            raise _DoesNotFit(f"announces {count} elements in field '{path}', over the limit")
+            raise _Misfit(f"announces {count} elements in field '{path}', over the limit")
         if size is not None:
             self._skip(count * size, path)
             return
@@ -139,5 +139,5 @@ class _Walk:
     def _skip(self, size: int, path: str) -> None:
         missing_bytes = self.at + size - len(self._payload)
         if missing_bytes > 0:
-            raise _DoesNotFit(f"ends {counted(missing_bytes, 'byte')} early in field '{path}'")
+            raise _Misfit(f"ends {counted(missing_bytes, 'byte')} early in field '{path}'")
         self.at += size

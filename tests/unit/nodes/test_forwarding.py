@@ -10,7 +10,7 @@ from contract.graphs import STRING, Inbox, string
 from rostether.errors import ConfigError
 from rostether.graph.memory_graph import MemoryGraph
 from rostether.graph.memory_network import MemoryNetwork
-from rostether.nodes.forwarding import ByteRate, MessageRate, Select, everything, forward
+from rostether.nodes.forwarding import ByteRate, MessageRate, Select, all_messages, forward
 from waiting import until
 
 NETWORK_NODES = ("/talker", "/relay", "/listener")
@@ -26,7 +26,7 @@ class World:
 
     @asynccontextmanager
     async def forwarding(
-        self, source: str, target: str, select: Select = everything, *, lazy: bool = False
+        self, source: str, target: str, select: Select = all_messages, *, lazy: bool = False
     ) -> AsyncIterator[None]:
         running = asyncio.ensure_future(forward(self.relay, source, target, select, lazy=lazy))
         try:

@@ -39,7 +39,7 @@ MAX_BOARDS = 512
 _POLL_S = 0.1
 
 
-class BoardsSeen:
+class SeenBoards:
     """The last status of each board, with the times of its first and last arrival by `clock`."""
 
     def __init__(self, clock: Callable[[], float]) -> None:
@@ -59,7 +59,7 @@ class BoardsSeen:
         for name in [name for name, (_, at_s, _) in self._seen.items() if now_s - at_s > FORGET_S]:
             del self._seen[name]
         return [
-            status if now_s - at_s <= STALE_S else _gone(status, now_s - at_s)
+            status if now_s - at_s <= STALE_S else _as_gone(status, now_s - at_s)
             for _, at_s, status in self._seen.values()
         ]
 
@@ -79,7 +79,7 @@ async def listen(graph: TypedGraph, on_status: Callable[[BoardStatus], object]) 
 async def reported_boards(graph: TypedGraph) -> list[BoardStatus]:
     """Return the boards on a graph with their rates, by name."""
     loop = asyncio.get_running_loop()
-    seen = BoardsSeen(loop.time)
+    seen = SeenBoards(loop.time)
     began_s = loop.time()
     async with task_beside(listen(graph, seen.add_status)):
         while (waited_s := loop.time() - began_s) < LISTEN_S:
@@ -93,7 +93,7 @@ async def reported_boards(graph: TypedGraph) -> list[BoardStatus]:
     return sorted(seen.boards(), key=lambda board: board.name)
 
 
-def _gone(status: BoardStatus, silence_s: float) -> BoardStatus:
+def _as_gone(status: BoardStatus, silence_s: float) -> BoardStatus:
     return replace(
         status,
         state="gone",

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from msgspec import to_builtins
 
 from rostether.bridge.health.board_status import BoardStatus
-from rostether.bridge.health.reported_boards import BoardsSeen, listen, reported_boards
+from rostether.bridge.health.reported_boards import SeenBoards, listen, reported_boards
 from rostether.cli.access.either_graph import joined_either
 from rostether.cli.access.graph_options import GraphOptions, graph_options
 from rostether.cli.bridge.monitor_table import table
@@ -69,7 +69,7 @@ async def _monitor(once: bool, as_json: bool, graph: GraphOptions) -> int:
         if as_json:
             await listen(node, _write_status)
             return EXIT_DONE
-        seen = BoardsSeen(asyncio.get_running_loop().time)
+        seen = SeenBoards(asyncio.get_running_loop().time)
         async with task_beside(listen(node, seen.add_status)) as listening:
             await _show_live(seen, graph_name, listening)
     return EXIT_DONE
@@ -93,7 +93,7 @@ async def _print_once(node: TypedGraph, as_json: bool) -> int:
     return EXIT_DONE
 
 
-async def _show_live(seen: BoardsSeen, graph_name: str, listening: asyncio.Task[object]) -> None:
+async def _show_live(seen: SeenBoards, graph_name: str, listening: asyncio.Task[object]) -> None:
     from rich.console import Console
     from rich.live import Live
 

@@ -14,7 +14,7 @@ from rostether.cli.shell.output import json_option, write_json, write_line
 from rostether.cli.shell.picture_files import SUFFIXES, picture_format, save
 from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import verb
-from rostether.graph.shown_graph import Shown, as_digraph, as_records, as_text, choose
+from rostether.graph.shown_graph import ShownGraph, as_digraph, as_records, as_text, choose
 from rostether.mechanisms.text import counted
 
 if TYPE_CHECKING:
@@ -80,7 +80,7 @@ def show_graph(
         write_line(str(_content(shown, kind, nodes_only=nodes_only)).rstrip("\n"))
 
 
-def _content(shown: Shown, kind: str, *, nodes_only: bool) -> str | bytes:
+def _content(shown: ShownGraph, kind: str, *, nodes_only: bool) -> str | bytes:
     if kind == "text":
         return "\n".join(as_text(shown))
     from rostether.pictures.digraph import dot, draw

@@ -55,7 +55,7 @@ class Request:
         """Return a required text field. Raises RemoteProtocolError."""
         value = self.fields.get(name)
         if not isinstance(value, str):
-            raise self._wrong(name, "a string")
+            raise self._field_error(name, "a string")
         return value
 
     def word(self, name: str) -> str:
@@ -78,7 +78,7 @@ class Request:
         except (ValueError, OverflowError):
             number = math.nan
         if not 0 <= number < math.inf:
-            raise self._wrong(name, "a number, zero or more")
+            raise self._field_error(name, "a number, zero or more")
         return number
 
     def count(self, name: str, default: int) -> int:
@@ -89,14 +89,14 @@ class Request:
         """Return a boolean, False if it is missing. Raises RemoteProtocolError."""
         value = self.fields.get(name, False)
         if value is not None and not isinstance(value, bool | int):
-            raise self._wrong(name, "true or false")
+            raise self._field_error(name, "true or false")
         return bool(value)
 
     def _check_length(self, name: str, value: str) -> None:
         if len(value) > MAX_WORD_CHARACTERS:
-            raise self._wrong(name, f"at most {MAX_WORD_CHARACTERS} characters")
+            raise self._field_error(name, f"at most {MAX_WORD_CHARACTERS} characters")
 
-    def _wrong(self, name: str, wanted: str) -> RemoteProtocolError:
+    def _field_error(self, name: str, wanted: str) -> RemoteProtocolError:
         op = self.fields.get("op")
         subject = f"{show(op)[1:-1]}: " if isinstance(op, str) and name != "op" else ""
         got = show(self.fields[name]) if name in self.fields else "nothing"

@@ -26,7 +26,7 @@ class MessageSource(Protocol):
         """Return a message by `package/msg/Name`."""
 
 
-def express(message: Ros2Message, definitions: MessageSource) -> list[MessageSpec]:
+def as_ros1_specs(message: Ros2Message, definitions: MessageSource) -> list[MessageSpec]:
     """Return the message in the form of ROS 1, then all nested messages in the order of first use.
 
     Raises UnknownTypeError, DefinitionError.

@@ -39,12 +39,12 @@ def faults_of(data: Buffer) -> list[str]:
         check.run()
     except RecordingError as error:
         check.report(str(error))
-    except _EnoughError:
+    except _TooManyFaultsError:
         check.faults.append(f"more errors follow; only the first {MAX_FAULTS} are listed")
     return check.faults
 
 
-class _EnoughError(Exception):
+class _TooManyFaultsError(Exception):
     """Ends a check that has reported enough faults."""
 
 
@@ -57,7 +57,7 @@ class _Check:
     def report(self, fault: str) -> None:
         self.faults.append(fault)
         if len(self.faults) >= MAX_FAULTS:
-            raise _EnoughError
+            raise _TooManyFaultsError
 
     def run(self) -> None:
         data = self._data

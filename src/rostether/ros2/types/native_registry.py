@@ -16,7 +16,7 @@ from rostether.msgdef.ros2.definition_files import Declared, declared_by
 from rostether.msgdef.ros2.definitions import Ros2Definitions
 from rostether.msgdef.ros2.parse import REQUEST_SUFFIX, RESPONSE_SUFFIX
 from rostether.msgdef.ros2.spec import Ros2Message, Ros2Service
-from rostether.msgdef.ros2.to_ros1 import express, ros1_name
+from rostether.msgdef.ros2.to_ros1 import as_ros1_specs, ros1_name
 from rostether.msgdef.spec import MessageSpec, ServiceSpec
 from rostether.ros2.types.paired_definitions import PairedDefinitions
 
@@ -90,7 +90,7 @@ class NativeRegistry(Registry):
         """Return a message in ROS 1's form. Raises UnknownTypeError, DefinitionError."""
         spec = self._messages.get(name)
         if spec is None:
-            spec = self._messages[name] = express(self.ros2_message(name), self.source)[0]
+            spec = self._messages[name] = as_ros1_specs(self.ros2_message(name), self.source)[0]
         return spec
 
     def service(self, name: str) -> ServiceSpec:
@@ -99,7 +99,7 @@ class NativeRegistry(Registry):
         if spec is None:
             service = self.ros2_service(name)
             request, response = (
-                express(message, self.source)[0] for message in (service.request, service.response)
+                as_ros1_specs(message, self.source)[0] for message in (service.request, service.response)
             )
             text = f"{request.text}---\n{response.text}"
             spec = ServiceSpec(service.package, service.name, request, response, text)

@@ -13,7 +13,7 @@ from rostether.msgdef.ros2.definition_text import message_text
 from rostether.msgdef.ros2.definitions import Ros2Definitions
 from rostether.msgdef.ros2.from_ros1 import derive
 from rostether.msgdef.ros2.spec import Ros2Message, Ros2Service
-from rostether.msgdef.ros2.to_ros1 import MessageSource, express
+from rostether.msgdef.ros2.to_ros1 import MessageSource, as_ros1_specs
 from rostether.msgdef.spec import MessageSpec
 from rostether.serde.cdr.converter import CdrConverter, compile_message
 from rostether.serde.cdr.renamed_types import ros1_message_name, ros2_message_name, ros2_service_name
@@ -81,7 +81,7 @@ class NativeView:
     """The fields of a ROS 2 message in ROS 1's form; no field is dropped or added."""
 
     def __init__(self, ros2: Ros2Message, definitions: MessageSource) -> None:
-        specs = express(ros2, definitions)
+        specs = as_ros1_specs(ros2, definitions)
         self._specs = {spec.full_name: spec for spec in specs}
         spec = specs[0]
         self.md5_text = message_md5_text(spec, self.message)

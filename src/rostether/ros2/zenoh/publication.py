@@ -21,7 +21,7 @@ from rostether.ros2.zenoh.attachment import ATTACHMENT, GID_BYTES, gid_of
 from rostether.ros2.zenoh.configuration import WAIT_BEFORE_DROP_US
 from rostether.ros2.zenoh.entities import NodeEntities
 from rostether.ros2.zenoh.mismatches import Mismatches
-from rostether.ros2.zenoh.put_queue import PutQueue, Puts
+from rostether.ros2.zenoh.put_queue import BatchResult, PutQueue
 from rostether.ros2.zenoh.shared_session import LiveToken
 from rostether.ros2.zenoh.tokens import Kind, Token, data_key
 
@@ -132,11 +132,11 @@ class Publication:
             self._subscribers = []
             self._undeclare()
 
-    def _put(self, payloads: Sequence[bytes], max_stalls: int | None = None) -> Puts:
+    def _put(self, payloads: Sequence[bytes], max_stalls: int | None = None) -> BatchResult:
         """Put messages, until `max_stalls` of them have waited for room (None: all, for a thread)."""
         convert, put, gid, sequence = self._convert, self._publisher.put, self._gid, self._sequence
         pack, clock = ATTACHMENT.pack, time.time_ns
-        puts = Puts()
+        puts = BatchResult()
         done = stalls = 0
         now = clock()
         for payload in payloads:
@@ -161,7 +161,7 @@ class Publication:
         puts.done = done
         return puts
 
-    def _note(self, puts: Puts) -> None:
+    def _note(self, puts: BatchResult) -> None:
         self._queue.note_longest(puts.longest_ns)
         self._lost_count += puts.lost
         if puts.lost and not self._loss_reported:

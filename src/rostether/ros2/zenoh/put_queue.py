@@ -48,7 +48,7 @@ FINISH_LIMIT_S = 1.0
 _log = logging.getLogger("rostether.ros2")
 
 
-class Puts(Struct):
+class BatchResult(Struct):
     """The result of a batch: `done` messages are finished, the others were not started.
 
     `misfits` of them did not fit their type; `error` is the reason for the last one. Zenoh dropped `lost`.
@@ -70,8 +70,8 @@ class PutQueue:
 
     def __init__(
         self,
-        put: Callable[[Sequence[bytes]], Puts],
-        note: Callable[[Puts], None],
+        put: Callable[[Sequence[bytes]], BatchResult],
+        note: Callable[[BatchResult], None],
         threads: Executor,
         limit_bytes: int,
     ) -> None:
@@ -86,7 +86,7 @@ class PutQueue:
         self._waiting_bytes = 0
         self._flow = PublicationFlow()
         self._backlog = SubscriberFlow(self._flow, lambda: self._waiting_bytes, limit_bytes)
-        self._job: asyncio.Future[Puts] | None = None
+        self._job: asyncio.Future[BatchResult] | None = None
         self._thread_timer: asyncio.TimerHandle | None = None
         self._long_s = float("-inf")
         self._has_ended = False
@@ -154,7 +154,7 @@ class PutQueue:
         self._job = asyncio.get_running_loop().run_in_executor(self._threads, self._put, batch)
         self._job.add_done_callback(self._job_done)
 
-    def _job_done(self, job: asyncio.Future[Puts]) -> None:
+    def _job_done(self, job: asyncio.Future[BatchResult]) -> None:
         self._job = None
         if job.cancelled() or job.exception() is not None:
             # The session or the publication has ended in the meantime.

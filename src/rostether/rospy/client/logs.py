@@ -180,7 +180,7 @@ def _is_new_text(statement: Any, text: Any) -> bool:
     return is_new
 
 
-def _family(level: int) -> tuple[Callable[..., None], ...]:
+def _log_functions(level: int) -> tuple[Callable[..., None], ...]:
     """Return the plain, throttled, throttled-if-identical and once-only functions of one level."""
 
     def log(msg: Any, *args: Any, **kwargs: Any) -> None:
@@ -209,10 +209,10 @@ def _family(level: int) -> tuple[Callable[..., None], ...]:
     return log, log_throttle, log_throttle_identical, log_once
 
 
-logdebug, logdebug_throttle, logdebug_throttle_identical, logdebug_once = _family(logging.DEBUG)
-loginfo, loginfo_throttle, loginfo_throttle_identical, loginfo_once = _family(logging.INFO)
-logwarn, logwarn_throttle, logwarn_throttle_identical, logwarn_once = _family(logging.WARNING)
-logerr, logerr_throttle, logerr_throttle_identical, logerr_once = _family(logging.ERROR)
-logfatal, logfatal_throttle, logfatal_throttle_identical, logfatal_once = _family(logging.CRITICAL)
+logdebug, logdebug_throttle, logdebug_throttle_identical, logdebug_once = _log_functions(logging.DEBUG)
+loginfo, loginfo_throttle, loginfo_throttle_identical, loginfo_once = _log_functions(logging.INFO)
+logwarn, logwarn_throttle, logwarn_throttle_identical, logwarn_once = _log_functions(logging.WARNING)
+logerr, logerr_throttle, logerr_throttle_identical, logerr_once = _log_functions(logging.ERROR)
+logfatal, logfatal_throttle, logfatal_throttle_identical, logfatal_once = _log_functions(logging.CRITICAL)
 logout = loginfo
 logerror = logerr

@@ -108,7 +108,8 @@ def quaternion_from_euler(ai: float, aj: float, ak: float, axes: str = "sxyz") -
     is_rotating, letters = axes[0] == "r", axes[1:]
     _convention(axes)
     first, second, third = (
-        _about(_LETTERS.index(letter), angle) for letter, angle in zip(letters, (ai, aj, ak), strict=True)
+        _axis_rotation(_LETTERS.index(letter), angle)
+        for letter, angle in zip(letters, (ai, aj, ak), strict=True)
     )
     if is_rotating:
         return as_array(multiply(multiply(first, second), third))
@@ -147,18 +148,18 @@ def quaternion_from_matrix(matrix: Any) -> Any:
 
 def quaternion_multiply(quaternion1: Sequence[float], quaternion0: Sequence[float]) -> Any:
     """Return the rotation by `quaternion0` first, then by `quaternion1`."""
-    return as_array(multiply(_four(quaternion1), _four(quaternion0)))
+    return as_array(multiply(_as_quaternion(quaternion1), _as_quaternion(quaternion0)))
 
 
 def quaternion_conjugate(quaternion: Sequence[float]) -> Any:
     """Return the conjugate."""
-    x, y, z, w = _four(quaternion)
+    x, y, z, w = _as_quaternion(quaternion)
     return as_array([-x, -y, -z, w])
 
 
 def quaternion_inverse(quaternion: Sequence[float]) -> Any:
     """Return the inverse."""
-    x, y, z, w = _four(quaternion)
+    x, y, z, w = _as_quaternion(quaternion)
     norm = x * x + y * y + z * z + w * w
     return as_array([-x / norm, -y / norm, -z / norm, w / norm])
 
@@ -171,7 +172,7 @@ def quaternion_slerp(
     shortestpath: bool = True,
 ) -> Any:
     """Return the rotation at a fraction of the way from one to another, with `spin` more half turns."""
-    start, end = (_four(unit_vector(each)) for each in (quat0, quat1))
+    start, end = (_as_quaternion(unit_vector(each)) for each in (quat0, quat1))
     if fraction in (0.0, 1.0):
         return as_array(end if fraction else start)
     if shortestpath and not spin:
@@ -236,13 +237,13 @@ def _convention(axes: str) -> tuple[bool, tuple[int, int, int], bool, bool]:
     return is_rotating, (i, j, 3 - i - j), letters[0] == letters[2], (j - i) % 3 != 1
 
 
-def _about(axis: int, angle: float) -> tuple[float, float, float, float]:
+def _axis_rotation(axis: int, angle: float) -> tuple[float, float, float, float]:
     parts = [0.0, 0.0, 0.0, math.cos(angle / 2.0)]
     parts[axis] = math.sin(angle / 2.0)
     return parts[0], parts[1], parts[2], parts[3]
 
 
-def _four(values: Sequence[float]) -> tuple[float, float, float, float]:
+def _as_quaternion(values: Sequence[float]) -> tuple[float, float, float, float]:
     x, y, z, w = (float(value) for value in values)
     return x, y, z, w
 

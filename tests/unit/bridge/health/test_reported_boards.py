@@ -2,7 +2,7 @@ from __future__ import annotations
 
 from msgspec.structs import replace
 
-from rostether.bridge.health.reported_boards import FORGET_S, MAX_BOARDS, STALE_S, BoardsSeen
+from rostether.bridge.health.reported_boards import FORGET_S, MAX_BOARDS, STALE_S, SeenBoards
 from unit.cli.bridge.test_monitor_table import ARM
 
 
@@ -18,7 +18,7 @@ class Clock:
 
 def test_a_board_that_falls_silent_disconnects_and_is_forgotten() -> None:
     clock = Clock()
-    seen = BoardsSeen(clock)
+    seen = SeenBoards(clock)
     seen.add_status(ARM)
     clock.now_s = 100.0 + STALE_S
     (board,) = seen.boards()
@@ -33,7 +33,7 @@ def test_a_board_that_falls_silent_disconnects_and_is_forgotten() -> None:
 
 
 def test_what_is_kept_is_bounded() -> None:
-    seen = BoardsSeen(Clock())
+    seen = SeenBoards(Clock())
     for number in range(MAX_BOARDS + 100):
         seen.add_status(replace(ARM, name=f"/board_{number}"))
     assert len(seen.boards()) == MAX_BOARDS
@@ -41,7 +41,7 @@ def test_what_is_kept_is_bounded() -> None:
 
 def test_rates_are_known_after_a_second_of_reports() -> None:
     clock = Clock()
-    seen = BoardsSeen(clock)
+    seen = SeenBoards(clock)
     for now_s, count in ((100.0, 0), (100.1, 0), (101.0, 1)):
         clock.now_s = now_s
         seen.add_status(ARM)

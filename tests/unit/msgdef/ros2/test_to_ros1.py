@@ -5,13 +5,13 @@ from __future__ import annotations
 from rostether.msgdef.parse_msg import parse_message
 from rostether.msgdef.ros2 import parse
 from rostether.msgdef.ros2.definitions import Ros2Definitions
-from rostether.msgdef.ros2.to_ros1 import express, ros1_name
+from rostether.msgdef.ros2.to_ros1 import as_ros1_specs, ros1_name
 
 DEFINITIONS = Ros2Definitions()
 
 
 def test_keeps_the_fields_of_ros2() -> None:
-    header, time = express(DEFINITIONS.message("std_msgs/msg/Header"), DEFINITIONS)
+    header, time = as_ros1_specs(DEFINITIONS.message("std_msgs/msg/Header"), DEFINITIONS)
     assert header.full_name == "std_msgs/Header"
     assert header.text == "builtin_interfaces/Time stamp\nstring frame_id\n"
     assert time.text == "int32 sec\nuint32 nanosec\n"
@@ -24,7 +24,7 @@ def test_converts_bytes_bounds_and_constants_to_ros1() -> None:
         package="x",
         name="Foo",
     )
-    (spec,) = express(message, DEFINITIONS)
+    (spec,) = as_ros1_specs(message, DEFINITIONS)
     assert spec.text == (
         "uint8 B=255\nbool T=1\nfloat32 F=0.001\nstring S=x\n"
         "uint8 b\nuint8[3] c\nstring[] names\nint8[] many\n"
@@ -35,7 +35,7 @@ def test_ros1_reads_the_text_of_every_bundled_type_as_meant() -> None:
     names = [name for name in DEFINITIONS.messages() if "WString" not in name]
     halves = [f"{name}_{half}" for name in DEFINITIONS.services() for half in ("Request", "Response")]
     for name in names + halves:
-        for spec in express(DEFINITIONS.message(name), DEFINITIONS):
+        for spec in as_ros1_specs(DEFINITIONS.message(name), DEFINITIONS):
             assert parse_message(spec.text, package=spec.package, name=spec.name) == spec
 
 
@@ -46,4 +46,4 @@ def test_names_halves_of_services_as_ros1_does() -> None:
 
 def test_wide_strings_are_strings() -> None:
     message = parse.parse_message("wstring<=3 text\nwstring[] more\n", package="x", name="Foo")
-    assert express(message, DEFINITIONS)[0].text == "string text\nstring[] more\n"
+    assert as_ros1_specs(message, DEFINITIONS)[0].text == "string text\nstring[] more\n"

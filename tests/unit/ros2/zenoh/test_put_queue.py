@@ -9,7 +9,7 @@ import pytest
 
 from rostether.errors import SerializationError
 from rostether.graph.flow_control import STEPS
-from rostether.ros2.zenoh.put_queue import LONG_NS, VERY_LONG_NS, PutQueue, Puts
+from rostether.ros2.zenoh.put_queue import LONG_NS, VERY_LONG_NS, BatchResult, PutQueue
 from waiting import until
 
 
@@ -20,18 +20,18 @@ class Link:
         self.room = threading.Event()
         self.put: list[bytes] = []
         self.threads: set[int] = set()
-        self.noted: list[Puts] = []
+        self.noted: list[BatchResult] = []
         self.error: Exception | None = None
 
-    def take(self, payloads: Sequence[bytes]) -> Puts:
+    def take(self, payloads: Sequence[bytes]) -> BatchResult:
         self.threads.add(threading.get_ident())
         self.room.wait(60)
         if self.error is not None:
             raise self.error
         self.put += payloads
-        return Puts(len(payloads))
+        return BatchResult(len(payloads))
 
-    def note(self, puts: Puts) -> None:
+    def note(self, puts: BatchResult) -> None:
         assert threading.current_thread() is threading.main_thread()
         self.noted.append(puts)
 
