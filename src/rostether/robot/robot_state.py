@@ -143,19 +143,19 @@ def prefixed(prefix: str, frame: str) -> str:
 
 def joint_transform(joint: Joint, position: float = 0.0) -> Transform:
     """Return the transform from a joint's parent to its child, for a position in radians or meters."""
-    turn = matrix_from_quaternion(joint.origin.rotation)
+    rotation = matrix_from_quaternion(joint.origin.rotation)
     translation = joint.origin.translation
     if joint.type in (JointType.REVOLUTE, JointType.CONTINUOUS):
-        axis = _unit(matrix_times_vector(turn, joint.axis))
-        turn = matrix_product(matrix_from_axis_angle(axis, position), turn)
+        axis = _unit(matrix_times_vector(rotation, joint.axis))
+        rotation = matrix_product(matrix_from_axis_angle(axis, position), rotation)
     elif joint.type is JointType.PRISMATIC:
-        x, y, z = _unit(matrix_times_vector(turn, joint.axis))
+        x, y, z = _unit(matrix_times_vector(rotation, joint.axis))
         translation = (
             translation[0] + x * position,
             translation[1] + y * position,
             translation[2] + z * position,
         )
-    return Transform(translation, quaternion_from_matrix(turn))
+    return Transform(translation, quaternion_from_matrix(rotation))
 
 
 def with_mimics(model: RobotModel, positions: Mapping[str, float]) -> dict[str, float]:

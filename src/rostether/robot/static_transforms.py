@@ -66,9 +66,9 @@ def static_transform_of(value: ParamValue, name: str) -> StaticTransform:
     """Read a parameter with the fields of a geometry_msgs/TransformStamped. Raises ConfigError."""
     content: Any = value
     try:
-        translation, turn = content["transform"]["translation"], content["transform"]["rotation"]
+        translation, rotation = content["transform"]["translation"], content["transform"]["rotation"]
         x, y, z = (_number(str(translation[axis])) for axis in "xyz")
-        qx, qy, qz, qw = (_number(str(turn[axis])) for axis in "xyzw")
+        qx, qy, qz, qw = (_number(str(rotation[axis])) for axis in "xyzw")
         transform = Transform((x, y, z), (qx, qy, qz, qw))
         parent, child = str(content["header"]["frame_id"]), str(content["child_frame_id"])
     except (KeyError, TypeError) as error:

@@ -73,7 +73,7 @@ class Request(Struct):
         )
 
     def changed_transforms(self, buffer: TransformBuffer) -> list[StampedTransform]:
-        """Return the frames that are new, or have moved beyond the thresholds since they were sent."""
+        """Return the transforms that are new, or have changed beyond the thresholds since they were sent."""
         found = []
         for source in self.sources:
             try:
@@ -203,7 +203,7 @@ class _Republisher:
         timeout_s: float,
         send: Callable[[dict[str, Any]], object],
     ) -> None:
-        """Send changed transforms until there has been no subscriber for some time."""
+        """Send changed transforms until there was no subscriber for `timeout_s`."""
         loop = asyncio.get_running_loop()
         last_subscriber_s = loop.time()
         while loop.time() - last_subscriber_s < timeout_s:

@@ -68,8 +68,10 @@ class StampedTransform(Struct, frozen=True):
 
 def transform_of(message: Any) -> Transform:
     """Return the transform in a geometry_msgs/TransformStamped."""
-    translation, turn = message.transform.translation, message.transform.rotation
-    return Transform((translation.x, translation.y, translation.z), (turn.x, turn.y, turn.z, turn.w))
+    translation, rotation = message.transform.translation, message.transform.rotation
+    return Transform(
+        (translation.x, translation.y, translation.z), (rotation.x, rotation.y, rotation.z, rotation.w)
+    )
 
 
 def has_unit_length(rotation: Quaternion) -> bool:

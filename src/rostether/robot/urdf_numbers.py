@@ -38,8 +38,8 @@ def origin(element: XmlElement, what: str) -> Transform:
     if found is None:
         return Transform()
     translation = vector(found, found.attributes.get("xyz", "0 0 0"), f"the origin of {what}")
-    turn = vector(found, found.attributes.get("rpy", "0 0 0"), f"the rpy of {what}")
-    return Transform(translation, quaternion_from_rpy(*turn)).normalized()
+    rpy = vector(found, found.attributes.get("rpy", "0 0 0"), f"the rpy of {what}")
+    return Transform(translation, quaternion_from_rpy(*rpy)).normalized()
 
 
 def _number(element: XmlElement, text: str, what: str) -> float:

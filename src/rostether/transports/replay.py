@@ -66,7 +66,7 @@ class CaptureListener:
             await self.close()
 
     async def close(self) -> None:
-        """Close the link. Idempotent."""
+        """Close all links. Idempotent."""
         for link in list(self._boards):
             self._unplug(link)
 

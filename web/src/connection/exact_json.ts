@@ -8,7 +8,7 @@ const rawJson = (JSON as { rawJSON?: (text: string) => unknown }).rawJSON;
 
 /** Like JSON.parse; integers that a number cannot hold are bigint. Throws SyntaxError. */
 export function parseExact(text: string): unknown {
-  // The reviver's third argument is newer than its type.
+  // TypeScript's type of JSON.parse does not have the reviver's third argument yet.
   const revive = (_: string, value: unknown, context?: Source) =>
     typeof value === "number" && !Number.isSafeInteger(value) && /^-?\d+$/.test(context?.source ?? "")
       ? BigInt(context?.source as string)

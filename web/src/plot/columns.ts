@@ -1,7 +1,7 @@
 // Thins series to the resolution of the screen: the least and the greatest value of each pixel column.
 import type { SeriesBuffer } from "./series_buffer.ts";
 
-/** `undefined` is joined by a line, `null` breaks it. */
+/** A line joins the values beside `undefined`; `null` breaks the line. */
 export type Cell = number | null | undefined;
 
 /** The columns' grid in time; it does not move with the window, so that lines do not flicker. */
@@ -29,7 +29,7 @@ export function gridTimes(grid: Grid): number[] {
   return times;
 }
 
-// uPlot has no axis for more, and one such value must not hide the others.
+// uPlot cannot draw an axis for larger values, and one such value must not hide the others.
 const MAX_DRAWN = 1e30;
 
 /** The drawn form of a value: NaN and infinite ones break the line (REP 117: nothing within range). */

@@ -17,7 +17,7 @@ export class Series {
   readonly path: string;
   readonly buffer = new SeriesBuffer();
   unit = "";
-  /** Why it cannot be read, empty when it can. */
+  /** Why the series cannot be read; empty when it can. */
   error = "";
   /** For a path with `[:]`: the last numbers. */
   lastArray: ArrayLike<number | bigint> = [];

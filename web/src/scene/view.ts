@@ -211,7 +211,7 @@ export class SceneView {
     const from = frameName(frame);
     if (from === "" || from === frameName(this.fixedFrame)) return { transform: undefined, problem: "" };
     let found = this.tf.lookup(this.fixedFrame, from, stampS);
-    // A stamp that is newer than the transforms, or older than the history: the newest is the best guess.
+    // The stamp is newer than the transforms, or older than the history: the newest transform is the best guess.
     if (typeof found === "string" && stampS !== null) found = this.tf.lookup(this.fixedFrame, from, null);
     if (typeof found === "string") return { transform: undefined, problem: `${found} Drawn at the origin.` };
     return { transform: found.transform, problem: "" };

@@ -25,7 +25,7 @@ export class BoardRelay {
   /** Bytes from the board and to it, since the start. */
   receivedBytes = 0;
   sentBytes = 0;
-  // The robot recognizes the board by it when the connection is made again.
+  // By this key, the robot recognizes the board after a reconnection.
   private readonly key = crypto.randomUUID();
   private line: SerialLine | undefined;
   private socket: ReconnectingSocket | undefined;

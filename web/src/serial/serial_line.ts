@@ -81,7 +81,7 @@ export class SerialLine {
           await this.handlers.onData(value);
         }
       } catch {
-        // The loop's condition decides.
+        // The condition of the loop decides whether reading continues.
       } finally {
         this.reader.releaseLock();
         this.reader = undefined;

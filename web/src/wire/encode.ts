@@ -124,7 +124,7 @@ function writerOf(node: Node): Write {
         if (!Array.isArray(values) && !ArrayBuffer.isView(values)) throw wrong(where, value, "a list");
         const list = values as ArrayLike<unknown>;
         if (isBytes && length === undefined && values instanceof Uint8Array) {
-          // A picture.
+          // A uint8[], such as a picture.
           const start = writer.grow(4 + values.length);
           writer.view.setUint32(start, values.length, true);
           writer.bytes.set(values, start + 4);

@@ -46,7 +46,7 @@ class GatewayContext(Struct, eq=False):
     _ending: set[asyncio.Task[None]] = field(default_factory=set)
 
     def linger(self, publication: Publication) -> None:
-        """End a publication after a while."""
+        """End a publication after `LINGER_S`."""
         while len(self._lingering) >= MAX_LINGERING:
             oldest = next(iter(self._lingering))
             self._lingering[oldest].cancel()

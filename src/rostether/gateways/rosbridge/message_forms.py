@@ -80,7 +80,7 @@ class MessageForms:
             batch.forms[key] = form
         if not isinstance(form, asyncio.Task):
             return form
-        # Other clients may wait for it too.
+        # Other clients may wait for the same conversion.
         await asyncio.wait([form])
         return form.result()
 

@@ -23,7 +23,7 @@ MAX_REMEMBERED = 1000
 
 
 class ServiceTypes:
-    """Types of the graph's services, kept for a moment."""
+    """The types of the graph's services, cached for a short time."""
 
     def __init__(self, graph: Graph, store: TypeStore, ask_server: AskServer | None = None) -> None:
         self._graph = graph

@@ -85,11 +85,11 @@ class Arcball:
         if self._axis is not None:
             end = arcball_constrain_to_axis(end, self._axis)
         (a, b, c), (d, e, f) = self._start, end
-        turn = [b * f - c * e, c * d - a * f, a * e - b * d]
+        axis = [b * f - c * e, c * d - a * f, a * e - b * d]
         self._before = self._now
         self._now = self._down
-        if _dot(turn, turn) >= _EPSILON:
-            self._now = rotations.quaternion_multiply([*turn, _dot(self._start, end)], self._down)
+        if _dot(axis, axis) >= _EPSILON:
+            self._now = rotations.quaternion_multiply([*axis, _dot(self._start, end)], self._down)
 
     def next(self, acceleration: float = 0.0) -> None:
         """Continue the rotation of the last drag."""

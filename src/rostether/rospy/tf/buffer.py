@@ -206,7 +206,7 @@ def _to_message(stamped: StampedTransform) -> Any:
     message.header.frame_id = stamped.parent
     message.header.stamp = Time(0, stamped.stamp_ns)
     message.child_frame_id = stamped.child
-    translation, turn = message.transform.translation, message.transform.rotation
+    translation, rotation = message.transform.translation, message.transform.rotation
     translation.x, translation.y, translation.z = stamped.transform.translation
-    turn.x, turn.y, turn.z, turn.w = stamped.transform.rotation
+    rotation.x, rotation.y, rotation.z, rotation.w = stamped.transform.rotation
     return message

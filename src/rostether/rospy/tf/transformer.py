@@ -197,9 +197,9 @@ class TransformBroadcaster:
         message.header.frame_id = parent
         message.header.stamp = time
         message.child_frame_id = child
-        vector, turn = message.transform.translation, message.transform.rotation
+        vector, quaternion = message.transform.translation, message.transform.rotation
         vector.x, vector.y, vector.z = translation
-        turn.x, turn.y, turn.z, turn.w = rotation
+        quaternion.x, quaternion.y, quaternion.z, quaternion.w = rotation
         self.sendTransformMessage(message)
 
     def sendTransformMessage(self, transform: Any) -> None:

@@ -75,7 +75,7 @@ function FramesPanel({ context }: { context: PanelContext }) {
   );
 }
 
-// Deeper ones would leave no room for their names.
+// A larger indent would leave no room for the names of deep frames.
 const MAX_INDENT = 6;
 
 function Below(props: { frame: string; table: Map<string, Edge[]>; depth: number }) {

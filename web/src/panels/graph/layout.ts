@@ -84,7 +84,7 @@ export function layout(
   const place = (boxes: Boxes) => {
     const [right, down] = isNarrow ? NARROW : WIDE;
     const usual = draw(boxes, boxHeight, right);
-    // On a phone, the narrower one is shown larger.
+    // On a phone, the narrower drawing is shown larger.
     if (usual.width <= maxWidth && !isNarrow) return usual;
     const other = draw(boxes, boxHeight, down);
     return other.width < usual.width ? other : usual;

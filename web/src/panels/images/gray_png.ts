@@ -1,4 +1,4 @@
-// PNG with 16-bits of gray, such as depth: browsers keep only the upper 8 bits of each pixel.
+// PNG with 16 bits of gray, such as depth: browsers keep only the upper 8 bits of each pixel.
 import type { RawImage } from "./raw_image.ts";
 import { MAX_PIXELS } from "./raw_image.ts";
 

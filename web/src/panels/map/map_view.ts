@@ -3,7 +3,7 @@ import L from "leaflet";
 import { nearestLongitude, type Position, Track } from "./track.ts";
 
 const COLORS = ["#4c9aff", "#f5a524", "#36b37e", "#e5618a", "#9a6cf5", "#2bb8c4"];
-// At the edges, in pixels.
+// The space between the robots and the edges of the map, in pixels.
 const PADDING: L.PointTuple = [40, 40];
 
 interface Robot {

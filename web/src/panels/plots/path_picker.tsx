@@ -33,7 +33,7 @@ export function PathPicker({ context, chosen, onToggle, onClose }: Props) {
       try {
         for (const path of numericPaths(topic.type())) found.push(`${topic.name}.${path}`);
       } catch {
-        // The Topics panel shows why it cannot be read.
+        // The Topics panel shows why a topic cannot be read.
       }
     }
     return found;

@@ -44,7 +44,7 @@ function PlotsPage({ context }: { context: PanelContext }) {
   const change = (changes: object) => {
     settings.value = { ...settings.peek(), ...changes };
   };
-  // Without a choice, the first thing that moves.
+  // Without a choice, the panel plots the first suggestion.
   const suggested = useComputed(() => strings(plotSuggestions(graphOf(robot))[0]?.settings.series));
   const isNamed = settings.value.series !== undefined || settings.value.names !== undefined;
   const ids = !isNamed ? suggested.value : strings(settings.value.series);

@@ -1,4 +1,4 @@
-// The sensors of the list by robot and type, without drawing.
+// Groups the listed sensors by robot and type.
 import { compareNames } from "../../shell/format.ts";
 import type { Level } from "../../shell/parts.tsx";
 

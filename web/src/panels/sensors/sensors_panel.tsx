@@ -97,7 +97,7 @@ function Branch(props: {
       class="sensors-platform"
       open={isOpen}
       onToggle={(event) => {
-        // Setting `open` is reported too.
+        // The event also occurs when the attribute `open` is set.
         if (event.currentTarget.open !== isOpen) onToggle(event.currentTarget.open);
       }}
     >

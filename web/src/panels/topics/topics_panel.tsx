@@ -18,7 +18,7 @@ const REFRESH_MS = 500;
 interface Row {
   name: string;
   typeName: string;
-  /** Whether something publishes it. */
+  /** Whether a node publishes the topic. */
   isPublished: boolean;
 }
 
