@@ -1,4 +1,4 @@
-"""Finds the hosts of one machine: the URIs of its nodes may contain different names and addresses of it."""
+"""Finds the hosts of one machine, whose nodes may have URIs with different names and addresses."""
 
 from __future__ import annotations
 

@@ -25,8 +25,8 @@ _MAX_SHOWN: Final = 40
 class Message:
     """One ROS message; a subclass for each type has its fields as attributes and its constants on the class.
 
-    The constructor takes fields by keyword, missing ones are zero, unknown ones raise SerializationError. Two
-    messages are equal if their types and all fields are; as everywhere in Python, NaN equals nothing.
+    The constructor takes fields by keyword; missing ones are zero, and unknown ones raise SerializationError.
+    Two messages are equal if their types and all fields are; as everywhere in Python, NaN equals nothing.
     Internal names start with `_`, which no field's name does.
     """
 

@@ -57,7 +57,7 @@ def fleet() -> None:
 @json_option
 @fleet_options()
 def list_robots(as_json: bool, fleet: FleetSettings) -> int:
-    """List the robots that answer: id, address, whether they move, and who commands them."""
+    """List the robots that answer: id, address, whether they move, and which sender commands them."""
     return run(_query(fleet, as_json, detailed=False))
 
 

@@ -32,9 +32,9 @@ async def multicast_topic_bridge(graph: TypedGraph, _: Arguments) -> None:
 
     Parameters: ~topic (multicast_topic), ~multicast_group_addr (224.0.1.1), ~sending_port (12345), ~frequency
     (1000 Hz; 0 sends immediately), ~interface (names or addresses), ~ttl (1). With ~framed true, the group is
-    that of `rostether fleet` (239.255.82.83, port 11412), and robots check who commands them: ~robot (an id)
-    or ~groups (all), ~key_file, ~ttl_ms (300), ~input_timeout (0.5 s), ~unicast (addresses of robots that
-    multicast does not reach).
+    that of `rostether fleet` (239.255.82.83, port 11412), and robots check which sender commands them: ~robot
+    (an id) or ~groups (all), ~key_file, ~ttl_ms (300), ~input_timeout (0.5 s), ~unicast (addresses of robots
+    that multicast does not reach).
     """
     from rostether.platform.command_frame import ALL_GROUPS, DEFAULT_TTL_MS, MAX_TTL_MS
     from rostether.platform.command_link import SenderSettings

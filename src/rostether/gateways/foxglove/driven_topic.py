@@ -78,7 +78,7 @@ class DrivenTopic:
         return None
 
     def lease_changed(self, holder: str) -> None:
-        """Report who drives now."""
+        """Report which client drives now."""
         state = "free" if not holder else "driving" if holder == self.name else "taken"
         if self._reported != (state, holder):
             self._reported = (state, holder)

@@ -158,7 +158,7 @@ class Teleop:
     async def enter(
         self, driver: Driver, topic: str, message_type: MessageType, codec: Codec
     ) -> CommandTopic:
-        """Return a topic for a driver, who must leave it. Raises RostetherError."""
+        """Return a topic for a driver, which must leave it. Raises RostetherError."""
         if message_type.name not in DRIVE_TYPES:
             raise ConfigError(f"only {', '.join(DRIVE_TYPES)} can be driven, not {message_type.name[:80]}")
         async with self._lock:

@@ -61,7 +61,7 @@ class MasterClient:
         return str(await self._look_up("lookupNode", node_name))
 
     async def system_state(self) -> tuple[dict[str, list[str]], dict[str, list[str]], dict[str, list[str]]]:
-        """Return who publishes each topic, who subscribes to it, and who provides each service."""
+        """Return the publishers and the subscribers of each topic, and the providers of each service."""
         answer: Any = await self._call("getSystemState")
         try:
             publishers, subscribers, services = answer

@@ -91,7 +91,7 @@ class RosoutHandler(logging.Handler):
         self._inside.flag = True
         try:
             self._publish(record, self._now())
-        except Exception:  # noqa: BLE001 - a log line that cannot be published must not end who logs
+        except Exception:  # noqa: BLE001 - a log line that cannot be published must not end the program
             self.handleError(record)
         finally:
             self._inside.flag = False
