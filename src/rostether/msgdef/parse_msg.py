@@ -60,7 +60,7 @@ def parse_message(text: str, *, package: str, name: str, file: str = "", first_l
         if field.name in names:
             source.fail(f"the field {field.name!r} is declared twice", field.name)
         if len(fields) == MAX_FIELDS:
-            source.fail(f"more than {MAX_FIELDS} fields; use arrays or nested messages")
+            source.fail(f"a message can have at most {MAX_FIELDS} fields; use arrays or nested messages")
         names.add(field.name)
         fields.append(field)
     return MessageSpec(package, name, tuple(fields), tuple(constants), text)
@@ -87,7 +87,7 @@ def _parse_field(line: SourceLine, package: str) -> Field:
         return Field(FieldType(base, is_array=brackets is not None), name)
     length = int(length_text) if len(length_text) < 20 else MAX_ARRAY_LENGTH + 1
     if length > MAX_ARRAY_LENGTH:
-        line.fail(f"an array of more than {MAX_ARRAY_LENGTH} elements", type_text)
+        line.fail(f"{quote(type_text)}: an array can have at most {MAX_ARRAY_LENGTH} elements", type_text)
     return Field(FieldType(base, is_array=True, length=length, length_text=length_text), name)
 
 

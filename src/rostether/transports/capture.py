@@ -157,5 +157,5 @@ def _entry(line: _Line, last_s: float) -> Entry | None:
     try:
         data = bytes.fromhex(line.hex)
     except ValueError:
-        raise ValueError("`hex` has no bytes in hexadecimal") from None
+        raise ValueError("`hex` is not hexadecimal") from None
     return Chunk(time_s, line.link, line.sender == "device", data)

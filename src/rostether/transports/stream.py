@@ -1,4 +1,4 @@
-"""The transport port over an asyncio byte stream, shared by TCP and serial ports."""
+"""The transport over an asyncio byte stream, shared by TCP and serial ports."""
 
 from __future__ import annotations
 

@@ -148,8 +148,8 @@ def test_constants_have_the_types_that_can_be_written() -> None:
         ("int32 A B=1", 1, 9, "constant's name"),
         ("int32 =1", 1, 1, "constant's name"),
         ("=1", 1, 1, "type of a constant"),
-        (f"uint8[{MAX_ARRAY_LENGTH + 1}] a", 1, 1, "more than"),
-        (f"uint8[{'9' * 5000}] a", 1, 1, "more than"),
+        (f"uint8[{MAX_ARRAY_LENGTH + 1}] a", 1, 1, "at most"),
+        (f"uint8[{'9' * 5000}] a", 1, 1, "at most"),
         (f"int32 X={'9' * 5000}", 1, 9, "not a decimal integer"),
         (f"bool X={'[' * 5000}", 1, 8, "True, False, 1 or 0"),
     ],
@@ -176,7 +176,7 @@ def test_text_and_fields_are_bounded() -> None:
         parse("#" * (MAX_TEXT_CHARACTERS + 1))
     declarations = [f"int8 a{number}" for number in range(MAX_FIELDS)]
     assert len(parse("\n".join(declarations)).fields) == MAX_FIELDS
-    with pytest.raises(DefinitionError, match=rf"Foo\.msg:{MAX_FIELDS + 1}:1: more than"):
+    with pytest.raises(DefinitionError, match=rf"Foo\.msg:{MAX_FIELDS + 1}:1: a message can have at most"):
         parse("\n".join([*declarations, "int8 last"]))
 
 

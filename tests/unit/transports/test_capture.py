@@ -68,7 +68,7 @@ def test_a_recorder_that_was_killed_leaves_a_capture(tmp_path: Path) -> None:
         ('{"t": 1' + "0" * 4000 + ', "from": "device", "hex": "00"}', "Number out of range - at `$.t`"),
         ('{"t": -1, "from": "device", "hex": "00"}', "Expected `float` >= 0.0 - at `$.t`"),
         ('{"t": 1, "from": "moon", "hex": "00"}', "Invalid enum value 'moon' - at `$.from`"),
-        ('{"t": 1, "from": "device", "hex": "0"}', "`hex` has no bytes"),
+        ('{"t": 1, "from": "device", "hex": "0"}', "`hex` is not hexadecimal"),
         ('{"t": 1, "from": "device", "hex": 7}', "got `int` - at `$.hex`"),
         ('{"t": 1, "from": "device"}', "`from` and `hex`"),
         ('{"t": 1, "from": "device", "hex": "00", "link": 0}', "Expected `int` >= 1 - at `$.link`"),

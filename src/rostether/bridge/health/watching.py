@@ -91,7 +91,7 @@ async def watch_board(
 
 
 async def _watch(session: Session, clock: Callable[[], float], watch_s: float) -> float | None:
-    """Wait as long as there is something to learn; return when the board first answered."""
+    """Watch the board for `watch_s`, longer if it may be unstable; return when it first answered."""
     began_s = found_s = clock()
     alive_s: float | None = None
     while session.is_connected:

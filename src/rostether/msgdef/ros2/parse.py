@@ -82,7 +82,7 @@ def parse_message(
         if field.name in names:
             source.fail(f"the field {field.name!r} is declared twice", field.name)
         if len(fields) == MAX_FIELDS:
-            source.fail(f"more than {MAX_FIELDS} fields; use arrays or nested messages")
+            source.fail(f"a message can have at most {MAX_FIELDS} fields; use arrays or nested messages")
         names.add(field.name)
         fields.append(field)
     return Ros2Message(package, kind, name, tuple(fields), tuple(constants))
@@ -210,7 +210,7 @@ def _count(line: SourceLine, digits: str | None, type_text: str) -> int | None:
     if count == 0:
         line.fail(f"{quote(type_text)}: a length or bound must be at least 1", type_text)
     if count > MAX_ARRAY_LENGTH:
-        line.fail(f"{quote(type_text)}: a length or bound of more than {MAX_ARRAY_LENGTH}", type_text)
+        line.fail(f"{quote(type_text)}: a length or bound can be at most {MAX_ARRAY_LENGTH}", type_text)
     return count
 
 

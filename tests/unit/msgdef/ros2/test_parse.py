@@ -87,7 +87,7 @@ def test_reads_constants_comments_and_blank_lines() -> None:
         ("int32<=3 a", "1:1", "only string and wstring"),
         ("int32[0] a", "1:1", "at least 1"),
         ("string<=0 a", "1:1", "at least 1"),
-        ("int32[99999999999999999999999] a", "1:1", "more than 16777216"),
+        ("int32[99999999999999999999999] a", "1:1", "at most 16777216"),
         ("int32[ a", "1:1", "not a type"),
         ("int32 a\nint8 a", "2:6", "declared twice"),
         ("Bar a 1", "1:7", "only fields of built-in types"),
@@ -119,7 +119,7 @@ def test_reports_where_a_mistake_is(text: str, place: str, says: str) -> None:
 def test_refuses_texts_without_end() -> None:
     with pytest.raises(DefinitionError, match="longer than"):
         parse("#" * (1 << 19))
-    with pytest.raises(DefinitionError, match="more than 4096 fields"):
+    with pytest.raises(DefinitionError, match="at most 4096 fields"):
         parse("".join(f"int8 a{number}\n" for number in range(5000)))
     with pytest.raises(DefinitionError, match="not an integer"):
         parse(f"int64 A={'9' * 10_000}")
