@@ -35,16 +35,20 @@ class Clock {
     normalizeSecNSec(sec, nsec);
     moment_.sec = sec;
     moment_.nsec = nsec;
+    Returned& last = returned();
     // Negative differences wrap to large numbers.
-    const uint32_t behind_s = returned_.sec - sec;
-    if (behind_s >= MAX_HOLD_S || (behind_s == 0 && nsec >= returned_.nsec)) returned_ = moment_;
-    return returned_;
+    const uint32_t behind_s = last.moment.sec - sec;
+    if (last.clock != this || behind_s >= MAX_HOLD_S || (behind_s == 0 && nsec >= last.moment.nsec)) {
+      last.clock = this;
+      last.moment = moment_;
+    }
+    return last.moment;
   }
 
   void set(const Time& moment, uint32_t then_ms) {
     moment_.sec = moment.sec;
     moment_.nsec = moment.nsec;
-    returned_.sec = 0;
+    returned().clock = nullptr;
     moment_ms_ = then_ms;
   }
 
@@ -59,9 +63,23 @@ class Clock {
   // Longer than any round trip, and short enough for a stopped clock.
   static const uint32_t MAX_HOLD_S = 10;
 
+  // The latest time that was returned, and the clock that it is of.
+  struct Returned {
+    const Clock* clock;
+    Moment moment;
+  };
+#if defined(__AVR__)
+  // One for all clocks: a sketch that does not use the time does not contain it.
+  static Returned& returned() {
+    static Returned returned;
+    return returned;
+  }
+#else
+  Returned& returned() { return returned_; }
+  Returned returned_;
+#endif
+
   Moment moment_;
-  // The latest time that was returned.
-  Moment returned_;
   uint32_t moment_ms_;
 };
 

@@ -2,31 +2,32 @@
 #define ROS_FLASH_NAMES_H_
 
 #include <stddef.h>
+#include <stdint.h>
 
 #include "ros/flash.h"
 #include "ros/frame_writer.h"
 
 namespace ros {
 
-// Type and md5sum of a message in flash: the type, then the length of the md5sum and the md5sum as on the wire.
+// Type and md5sum of a message in flash: the length of the type, the type, and the md5sum with its length as on the
+// wire.
 class FlashNames {
  public:
-  constexpr FlashNames(const char* both, uint8_t type_length) : both_(both), type_length_(type_length) {}
+  explicit constexpr FlashNames(const uint8_t* names) : names_(names) {}
 
   // The bytes of both as strings on the wire.
-  size_t length() const { return static_cast<size_t>(4 + afterPrefix()); }
+  size_t length() const { return static_cast<size_t>(4 + typeLength() + MD5_BYTES); }
   void write(FrameWriter& writer) const {
-    writer.count(type_length_);
-    writer.putFlash(both_, afterPrefix());
+    writer.count(typeLength());
+    writer.putFlash(reinterpret_cast<const char*>(names_ + 1), static_cast<uint16_t>(typeLength() + MD5_BYTES));
   }
 
  private:
   static const uint8_t MD5_BYTES = 4 + 32;
 
-  uint16_t afterPrefix() const { return static_cast<uint16_t>(type_length_ + MD5_BYTES); }
+  uint8_t typeLength() const { return ROS_READ_FLASH(names_); }
 
-  const char* both_;
-  uint8_t type_length_;
+  const uint8_t* names_;
 };
 
 }  // namespace ros

@@ -21,6 +21,7 @@ namespace ros {
 class FrameWriter : protected NodeState {
  public:
   using NodeState::CHUNK_BYTES;
+  uint32_t time() override ROS_ABSTRACT;
 
   ROS_APART void begin(uint16_t topic_id, uint16_t length) {
     uint8_t* to = spare_;
@@ -32,7 +33,6 @@ class FrameWriter : protected NodeState {
         to = window_.lentRoom();
       }
     }
-    chunk_ = to;
     to_ = to + FRAME_HEADER_BYTES;
     sum_ = static_cast<uint8_t>(topic_id + (topic_id >> 8));
     room_ = static_cast<chunk_length>(chunk_bytes_ - FRAME_HEADER_BYTES);
@@ -85,7 +85,7 @@ class FrameWriter : protected NodeState {
     if (--room_ < LEAST_ROOM_BYTES) flush();
   }
 
-  void word(uint16_t word) {
+  ROS_APART void word(uint16_t word) {
     byte(static_cast<uint8_t>(word));
     byte(static_cast<uint8_t>(word >> 8));
   }

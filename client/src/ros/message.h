@@ -22,12 +22,15 @@
 
 // The name and md5sum of a message: getType and getMD5 for sketches, and the same texts in flash for announcements.
 // A space is 32: " \0\0\0" is the length of the md5sum on the wire.
-#define ROS_MESSAGE_TYPE(type, md5)                          \
-  static const char* getType() { return type; }              \
-  static constexpr const char* getMD5() { return md5; }      \
-  static ros::FlashNames flashNames() {                      \
-    static const char both[] ROS_FLASH = type " \0\0\0" md5; \
-    return ros::FlashNames(both, sizeof type - 1);           \
+#define ROS_MESSAGE_TYPE(type, md5)                                    \
+  static const char* getType() { return type; }                        \
+  static constexpr const char* getMD5() { return md5; }                \
+  static ros::FlashNames flashNames() {                                \
+    static const struct {                                              \
+      uint8_t type_length;                                             \
+      char both[sizeof type " \0\0\0" md5];                            \
+    } names ROS_FLASH = {sizeof type - 1, type " \0\0\0" md5};         \
+    return ros::FlashNames(&names.type_length);                        \
   }
 
 namespace ros {

@@ -30,9 +30,6 @@ class ActionServer;
 
 class NodeHandleBase_ : public FrameWriter {
  public:
-  // Sends bytes. Returns false once the line accepts no more bytes; then the rest of the frame is lost.
-  virtual bool transmit(uint8_t* bytes, uint16_t count) = 0;
-
   // Handles the received bytes and runs callbacks. Returns SPIN_OK; SPIN_ERR if the host asked for the topics;
   // SPIN_TIMEOUT if the time limit ended it before all bytes were handled.
   virtual int spinOnce() = 0;
@@ -179,19 +176,14 @@ class NodeHandleBase_ : public FrameWriter {
   template <class Names>
   ROS_APART void announce(const Endpoint& endpoint, uint8_t role, Names names) {
     begin(role, static_cast<uint16_t>(2 + 4 + strlen(endpoint.topic_) + names.length() + 4));
-    uint16_t id = endpoint.id_;
-    // Messages to the host are streamed, so only the length field of a frame limits them.
-    uint16_t largest = 0xffff;
-    if (role & 1) {
-      largest = window_.largestPayload();
-    } else if (role) {
-      // A service sends on the id after the one on which it receives.
-      ++id;
-    }
-    word(id);
+    ROS_CONCEAL(role);
+    // A service sends on the id after the one on which it receives.
+    word(static_cast<uint16_t>(endpoint.id_ + (role != ID_PUBLISHER && !receives(role))));
     string(endpoint.topic_);
     names.write(*this);
-    count(largest);
+    ROS_CONCEAL(role);
+    // Messages to the host are streamed, so only the length field of a frame limits them.
+    count(receives(role) ? window_.largestPayload() : 0xffff);
     finish();
   }
 
@@ -213,7 +205,7 @@ class NodeHandleBase_ : public FrameWriter {
   };
 
   // The board's clock in milliseconds.
-  virtual uint32_t time() = 0;
+  uint32_t time() override ROS_ABSTRACT;
 
  protected:
   static const uint16_t SYNC_PERIOD_MS = 2200;
@@ -307,6 +299,9 @@ class NodeHandleBase_ : public FrameWriter {
     return flash;
   }
 
+  // Whether an endpoint that is announced in this role receives messages of the host: subscribers, requests.
+  static bool receives(uint8_t role) { return role & 1; }
+
   // The pointer to an endpoint in the list, or the last pointer.
   Endpoint** linkTo(const Endpoint* wanted) {
     Endpoint** link = &endpoints_;
@@ -364,9 +359,9 @@ class NodeHandleBase_ : public FrameWriter {
 };
 
 ROS_APART inline void FrameWriter::flush() {
-  uint8_t* const start = chunk_;
-  if (sending_ && to_ != start) sending_ = static_cast<NodeHandleBase_*>(this)->transmit(start, static_cast<uint16_t>(to_ - start));
-  to_ = start;
+  const chunk_length count = static_cast<chunk_length>(chunk_bytes_ - room_);
+  to_ -= count;
+  if (sending_ && count) sending_ = static_cast<NodeHandleBase_*>(this)->transmit(to_, count);
   room_ = chunk_bytes_;
 }
 

@@ -4,6 +4,7 @@
 #include <stdint.h>
 
 #include "ros/clock.h"
+#include "ros/inlining.h"
 #include "ros/reader.h"
 #include "ros/receive_window.h"
 
@@ -35,16 +36,24 @@ struct NodeState {
   static const chunk_length CHUNK_BYTES = SPARE_BYTES;
 #endif
 
+  // Sends bytes. Returns false once the line accepts no more bytes; then the rest of the frame is lost.
+  virtual bool transmit(uint8_t* bytes, uint16_t count) = 0;
+  // The board's clock in milliseconds.
+  virtual uint32_t time() ROS_ABSTRACT;
+
   // The frame that is being sent.
   uint8_t* to_;
   chunk_length room_;
   chunk_length chunk_bytes_;
-  uint8_t* chunk_;
   uint8_t sum_;
   bool sending_;
   // The received frame.
   ReceiveWindow window_;
-  Reader reader_;
+  // A message is read completely before its callback sends one, so they share memory.
+  union {
+    Reader reader_;
+    uint8_t spare_[SPARE_BYTES];
+  };
   uint16_t spin_timeout_ms_;
   uint16_t requested_ms_;
   uint16_t received_ms_;
@@ -57,7 +66,6 @@ struct NodeState {
   Endpoint* endpoints_;
   uint16_t user_topics_;
   Clock clock_;
-  uint8_t spare_[SPARE_BYTES];
 };
 
 }  // namespace ros

@@ -14,7 +14,8 @@ from rostether.firmware.build import build_sketch, find_board
 from rostether.firmware.built_firmware import BuildOptions
 from rostether.firmware.elf import ElfFile
 
-# Flash and static RAM in bytes: avr-gcc 5.4, -Os -flto.
+# Flash and static RAM in bytes: avr-gcc 5.4, -Os -flto. The sketches on Ethernet were measured with the
+# first version of the simulated Ethernet library; 41 bytes that it needs since then are in their RAM.
 ESTABLISHED: Mapping[str, Mapping[str, tuple[int, int]]] = {
     "uno": {
         "HelloWorld": (9278, 1362),
@@ -30,8 +31,8 @@ ESTABLISHED: Mapping[str, Mapping[str, tuple[int, int]]] = {
         "BlinkM": (11498, 1664),
         "BlinkerWithClass": (10314, 1540),
         "Temperature": (9714, 1360),
-        "TcpBlink": (9740, 1285),
-        "TcpHelloWorld": (10638, 1484),
+        "TcpBlink": (9740, 1326),
+        "TcpHelloWorld": (10638, 1525),
         "Parameters": (12018, 1804),
     },
     "leonardo": {

@@ -39,7 +39,7 @@ WITH_STACK = (
     "BlinkM",
 )
 # Static RAM of a node on TCP with one publisher, without its network library; 280 bytes are for input.
-MAX_TCP_RAM_BYTES = 470
+MAX_TCP_RAM_BYTES = 450
 MODEM = """
 #define ROSSERIAL_ARDUINO_TCP
 #include <IPAddress.h>

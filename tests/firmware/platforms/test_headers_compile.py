@@ -134,6 +134,21 @@ def test_avr_boards(library: Path, board: str, switch: str) -> None:
     assert not _compile(library, (*command, *core, *SWITCHES[switch]), NODE / "arduino.cpp")
 
 
+@pytest.mark.avr
+@pytest.mark.parametrize("optimization", ["-O0", "-Og", "-Os"])
+def test_avr_programs_of_debuggers_link(library: Path, tmp_path: Path, optimization: str) -> None:
+    source = tmp_path / "main.cpp"
+    source.write_text(
+        "#include <ros/node_handle.h>\n"
+        "struct Own { void init() {} int read() { return -1; } void write(uint8_t*, int) {}\n"
+        "             unsigned long time() { return 0; } };\n"
+        'extern "C" void __cxa_pure_virtual() {}\n'
+        "ros::NodeHandle_<Own> nh;\nint main() { nh.initNode(); nh.spinOnce(); }\n"
+    )
+    command = ["avr-g++", "-std=gnu++11", optimization, "-mmcu=atmega328p", f"-I{library}/src"]
+    subprocess.run([*command, "-o", str(tmp_path / "main.elf"), str(source)], check=True)
+
+
 @pytest.mark.parametrize(
     "command",
     [
