@@ -243,7 +243,7 @@ class CheckedClient(SmallWriter):
 
     def time_answer(self) -> bytes:
         """Return a frame with the host's time."""
-        return encode_frame(ids.TIME, encode_time(Time.from_ns(round(self.host_time_s() * 1e9))))
+        return encode_frame(ids.TIME, encode_time(Time.from_s(self.host_time_s())))
 
     def data_received(self, data: bytes) -> None:
         """Read data from the client, and answer its requests."""

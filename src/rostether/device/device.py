@@ -117,7 +117,7 @@ class Device(Endpoints, BlockClosable):
             await asyncio.gather(self._keeper, return_exceptions=True)
         transport = self._line.transport
         self._line.detach()
-        self._handle_loss()
+        self._fail_requests("the device was closed")
         for server in self._servers:
             server.close()
         if transport is not None:
@@ -233,7 +233,10 @@ class Device(Endpoints, BlockClosable):
                 _LOG.info("the host closed the connection")
 
     def _handle_loss(self) -> None:
-        reason = "the line to the host was lost; reopening it"
+        reopening = "; reopening it" if self._address is not None else ""
+        self._fail_requests(f"the line to the host was lost{reopening}")
+
+    def _fail_requests(self, reason: str) -> None:
         self._parameters.fail_all(reason)
         for client in self._clients:
             client.fail(reason)

@@ -17,7 +17,9 @@ def parse_launch_xml(data: bytes, *, file: str) -> XmlElement:
     """
     if file.endswith(".launch.py"):
         raise LaunchError(
-            "a ROS 2 launch file in Python; only ROS 1 launch files in XML are supported", file=file
+            "a ROS 2 launch file in Python, and only ROS 1 launch files in XML can be read; start it with "
+            "`ros2 launch`",
+            file=file,
         )
     root = parse_xml(
         data,

@@ -54,7 +54,7 @@ def find_node(plan: LaunchPlan, name: str, namespace: str) -> LaunchNode:
     raise ConfigError(f"there is no node {name} in these files; the nodes are {names}")
 
 
-def command_words(node: LaunchNode, environ: Mapping[str, str], master_uri: str, locate: Locate) -> str:
+def shell_line(node: LaunchNode, environ: Mapping[str, str], master_uri: str, locate: Locate) -> str:
     """Return the shell line that starts a node: its changes to the environment, and the command.
 
     Raises RostetherError if there is no such program.

@@ -40,7 +40,7 @@ class ParameterTags:
         reader: TagReader,
         programs: Mapping[tuple[str, str], Sequence[str]],
         *,
-        runs_commands: bool = True,
+        runs_commands: bool,
     ) -> None:
         self._reader = reader
         self._programs = programs
@@ -93,7 +93,7 @@ class ParameterTags:
                 reader.plan.before.append(DumpParameters(canonical(full_name), file))
             case "delete":
                 if file is not None:
-                    raise LaunchError("<rosparam command='delete'> cannot have file=")
+                    raise LaunchError("<rosparam command='delete'> cannot have file=; remove it")
                 reader.plan.before.append(DeleteParameters(canonical(full_name)))
             case _:
                 raise LaunchError(f"<rosparam> has no command {command!r}; known: {', '.join(_COMMANDS)}")
@@ -150,17 +150,23 @@ class ParameterTags:
                     process.kill()
                     raise
         except OSError as error:
-            raise LaunchError(f"cannot run {words[0]!r}: {error.strerror or error}") from None
+            raise LaunchError(
+                f"cannot run {words[0]!r}: {error.strerror or error}; install it, or correct command="
+            ) from None
         if len(output) > MAX_FILE_BYTES:
             raise LaunchError(
                 f"the command {command!r} prints more than {MAX_FILE_BYTES} bytes, too many for a parameter"
             )
         if process.returncode != 0:
-            raise LaunchError(f"the command {command!r} failed with code {process.returncode}")
+            raise LaunchError(
+                f"the command {command!r} failed with code {process.returncode}; run it to see why"
+            )
         try:
             return output.decode()
         except UnicodeDecodeError:
-            raise LaunchError(f"the output of {command!r} is not UTF-8") from None
+            raise LaunchError(
+                f"the output of {command!r} is not UTF-8; give a command that prints text"
+            ) from None
 
     def _program(self, word: str) -> Sequence[str]:
         path = Path(word)

@@ -104,7 +104,7 @@ def _explain_missing(words: list[str], missing: str, packages: Mapping[str, Path
     if len(words) < 2 or missing != words[0]:
         if Path(missing).is_dir():
             return f"{missing} is a folder; give a launch file in it"
-        return f"there is no launch file {missing}"
+        return f"there is no launch file {missing}; give its path, or PACKAGE FILE"
     package, name = words[0], words[1]
     if package not in packages:
         hint = did_you_mean(package, packages) or "`rostether pkg list` shows the packages found"

@@ -42,10 +42,10 @@ def first_line(error: Exception) -> str:
 
 
 def write_failure(path: object, error: Exception) -> str:
-    """Return why a file cannot be written, and the next step."""
+    """Return why a file or folder cannot be written, and the next step."""
     reason = getattr(error, "strerror", None) or fold_line(str(error))
     number = getattr(error, "errno", None)
-    step = "choose a file in a writable folder"
+    step = "choose a writable folder"
     # SQLite's errors have no number.
     if number in (errno.ENOSPC, errno.EDQUOT) or "is full" in reason:
         step = "free some space on its disk"

@@ -64,6 +64,11 @@ class XmlElement(Struct, frozen=True):
         return self.make_error(text, self.line)
 
 
+def place_first(kind: type[Exception], file: str) -> MakeError:
+    """Return a function that makes errors whose text begins with file and line."""
+    return lambda text, line: kind(f"{file}:{line}: {text}" if line else f"{file}: {text}")
+
+
 def parse_xml(
     data: bytes, *, file: str, max_bytes: int, what: str, make_error: MakeError, encoding: str | None = None
 ) -> XmlElement:

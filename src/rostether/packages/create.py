@@ -15,6 +15,7 @@ from xml.sax.saxutils import escape, quoteattr
 from msgspec import Struct, field
 
 from rostether.errors import ConfigError
+from rostether.mechanisms.text import write_failure
 from rostether.packages.package_xml import is_package_name
 from rostether.packages.search_path import PACKAGE_FILE
 
@@ -75,7 +76,7 @@ def create_package(parent: Path, package: NewPackage) -> CreatedPackage:
         for file, text in texts.items():
             file.write_text(text, encoding="utf-8")
     except OSError as error:
-        raise ConfigError(f"{error.filename}: {error.strerror}") from error
+        raise ConfigError(write_failure(error.filename, error)) from error
     warnings = []
     if not _CONVENTIONAL_NAME.fullmatch(package.name):
         warnings.append(

@@ -7,7 +7,7 @@ import re
 from msgspec import Struct, field
 
 from rostether.errors import ConfigError
-from rostether.mechanisms.xml_tree import XmlElement, parse_xml
+from rostether.mechanisms.xml_tree import XmlElement, parse_xml, place_first
 
 # Real ones are a few KB; a larger file is not a package.xml.
 MAX_PACKAGE_XML_BYTES = 1 << 20
@@ -49,12 +49,12 @@ def parse_package_xml(data: bytes, *, file: str = "package.xml", default_name: s
 
     Raises ConfigError for a file that is too large, is not XML, or has a DTD, an entity or no legal name.
     """
-
-    def make_error(reason: str, line: int) -> ConfigError:
-        return ConfigError(f"{file}:{line}: {reason}" if line else f"{file}: {reason}")
-
     root = parse_xml(
-        data, file=file, max_bytes=MAX_PACKAGE_XML_BYTES, what="a package.xml", make_error=make_error
+        data,
+        file=file,
+        max_bytes=MAX_PACKAGE_XML_BYTES,
+        what="a package.xml",
+        make_error=place_first(ConfigError, file),
     )
     if root.tag != "package":
         raise ConfigError(f"{file}: the root element is <{root.tag}>, not <package>")

@@ -14,6 +14,7 @@ from pathlib import Path
 from msgspec import Struct
 
 from rostether.errors import ConfigError
+from rostether.mechanisms.text import write_failure
 from rostether.packages.executables import programs
 from rostether.packages.locate import SOURCE_FOLDER
 from rostether.packages.package_xml import MAX_PACKAGE_XML_BYTES, PackageXml, parse_package_xml
@@ -54,7 +55,7 @@ def init_workspace(source: Path) -> Path:
         source.mkdir(parents=True, exist_ok=True)
         file.write_text(_CMAKE)
     except OSError as error:
-        raise ConfigError(f"{error.filename}: {error.strerror}") from error
+        raise ConfigError(write_failure(error.filename, error)) from error
     return file
 
 
@@ -114,7 +115,7 @@ def write_setup_files(workspace: Path) -> list[Path]:
                 file.write_text(text)
                 written.append(file)
     except OSError as error:
-        raise ConfigError(f"{error.filename}: {error.strerror}") from error
+        raise ConfigError(write_failure(error.filename, error)) from error
     return written
 
 

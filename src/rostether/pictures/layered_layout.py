@@ -16,9 +16,9 @@ from msgspec import Struct
 
 from rostether.errors import ConfigError
 from rostether.pictures.columns import Ends, column_choices
+from rostether.pictures.scene import Point
 
 Size: TypeAlias = tuple[float, float]
-Point: TypeAlias = tuple[float, float]
 
 # The time grows with the square of the number, and larger pictures are not readable.
 MAX_VERTICES = 2_000

@@ -7,11 +7,7 @@ from fnmatch import fnmatchcase
 from types import MappingProxyType
 from typing import Any
 
-from msgspec import Struct, field
-
-_NOTHING: Mapping[str, str] = MappingProxyType({})
-_NO_DEPTHS: Mapping[str, int] = MappingProxyType({})
-_NO_LIMITS: Mapping[str, float] = MappingProxyType({})
+from msgspec import Struct
 
 
 class NameRule(Struct, frozen=True):
@@ -77,7 +73,7 @@ class DeviceSettings(Struct, frozen=True, kw_only=True):
     the baud rate. `reset=False` does not change DTR. `remap` maps its names to others, like `a:=b`.
     `required_topics` are reported if it does not announce them. `queue_depths` limits the waiting messages of
     a topic. `grace_s` is the time that its node stays in the graph after it is lost. `limits` overrides
-    limits of the bridge for this board, see `board_limits`.
+    limits of the bridge for this board, see `devices_toml.BOARD_LIMITS`.
     """
 
     name: str | None = None
@@ -85,12 +81,12 @@ class DeviceSettings(Struct, frozen=True, kw_only=True):
     baud: int | None = None
     reset: bool | None = None
     namespace: str | None = None
-    remap: Mapping[str, str] = field(default_factory=lambda: _NOTHING)
+    remap: Mapping[str, str] = MappingProxyType({})
     required_topics: tuple[str, ...] = ()
     access: Access = ANY_ACCESS
-    queue_depths: Mapping[str, int] = field(default_factory=lambda: _NO_DEPTHS)
+    queue_depths: Mapping[str, int] = MappingProxyType({})
     grace_s: float | None = None
-    limits: Mapping[str, Any] = field(default_factory=lambda: _NO_LIMITS)
+    limits: Mapping[str, Any] = MappingProxyType({})
 
 
 NO_SETTINGS = DeviceSettings()

@@ -110,7 +110,7 @@ class TomlTable:
 
     def names_to_names(self, key: str) -> dict[str, str]:
         """Return a table of ROS names."""
-        entries = self.table_of_any(key)
+        entries = self._entries(key)
         return {
             self._check_graph_name(name, key_path): self._check_graph_name(value, key_path)
             for name, value, key_path in entries
@@ -118,13 +118,13 @@ class TomlTable:
 
     def names_to_numbers(self, key: str, lowest: int, highest: int) -> dict[str, int]:
         """Return a table of whole numbers by ROS name."""
-        entries = self.table_of_any(key)
+        entries = self._entries(key)
         return {
             self._check_graph_name(name, key_path): self._whole(value, key_path, lowest, highest)
             for name, value, key_path in entries
         }
 
-    def table_of_any(self, key: str) -> Iterator[tuple[str, object, str]]:
+    def _entries(self, key: str) -> Iterator[tuple[str, object, str]]:
         """Yield keys, values and paths of a nested table."""
         inner = TomlTable(self._file, self._at(key), self._content.get(key, {}), known=None)
         for name, value in inner._content.items():

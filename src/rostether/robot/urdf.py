@@ -10,7 +10,7 @@ import math
 from collections.abc import Iterable
 
 from rostether.errors import RobotModelError
-from rostether.mechanisms.xml_tree import XmlElement, parse_xml
+from rostether.mechanisms.xml_tree import XmlElement, parse_xml, place_first
 from rostether.robot.robot_model import Joint, JointType, Limits, Mimic, RobotModel
 from rostether.robot.transform import Vector
 from rostether.robot.urdf_numbers import number, numbers, origin, vector
@@ -36,17 +36,13 @@ def parse_urdf(text: str | bytes, *, file: str = "robot_description") -> RobotMo
 
 def parse_robot_xml(text: str | bytes, *, file: str) -> XmlElement:
     """Return the root element of a URDF or xacro file. Raises RobotModelError with file and line."""
-
-    def make_error(reason: str, line: int) -> RobotModelError:
-        return RobotModelError(f"{file}:{line}: {reason}" if line else f"{file}: {reason}")
-
     data, encoding = (text.encode(), "utf-8") if isinstance(text, str) else (text, None)
     return parse_xml(
         data.lstrip(),
         file=file,
         max_bytes=MAX_XML_BYTES,
         what="a robot description",
-        make_error=make_error,
+        make_error=place_first(RobotModelError, file),
         encoding=encoding,
     )
 

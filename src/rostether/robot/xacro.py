@@ -16,9 +16,8 @@ from rostether.errors import ConfigError, RobotModelError
 from rostether.expression.python_expression import PythonEvaluator
 from rostether.extras import install_command
 from rostether.mechanisms.text import did_you_mean, fold_line
+from rostether.names.remap import ASSIGNMENT
 from rostether.robot.urdf import MAX_XML_BYTES, parse_robot_xml
-
-ASSIGNMENT = ":="
 
 _XACRO = re.compile(rb"<xacro:|xmlns:xacro")
 

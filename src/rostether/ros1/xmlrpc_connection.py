@@ -6,7 +6,7 @@ import asyncio
 from collections.abc import Awaitable, Callable
 from typing import cast
 
-from rostether.xmlrpc.http_message import MAX_BODY_BYTES, HttpServerSide
+from rostether.xmlrpc.http_message import HttpServerSide
 
 # Nearly all requests are below; larger ones are counted together, so that many cannot fill the memory.
 _LARGE_BODY_BYTES = 256 * 1024
@@ -30,10 +30,10 @@ class ServerConnection(asyncio.Protocol):
         has_room: Callable[[], bool],
         make_room: Callable[[], None],
         schedule: Callable[[ServerConnection], None],
-        admit: Callable[[ServerConnection, asyncio.Transport], bool] = lambda _connection, _transport: True,
+        admit: Callable[[ServerConnection, asyncio.Transport], bool],
         *,
-        max_body_bytes: int = MAX_BODY_BYTES,
-        is_own_host: Callable[[str], bool] = lambda _host: True,
+        max_body_bytes: int,
+        is_own_host: Callable[[str], bool],
     ) -> None:
         self._answer = answer
         self._has_room = has_room

@@ -5,21 +5,19 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from types import MappingProxyType
 
-from msgspec import Struct, field
+from msgspec import Struct
 
 from rostether.errors import ConfigError
 
 # A certificate is about 2 KB; a longer file is not a certificate.
 MAX_CERTIFICATE_BYTES = 64 * 1024
 
-_NONE: Mapping[str, bytes] = MappingProxyType({})
-
 
 class BoardKeys(Struct, frozen=True):
     """Pre-shared keys, and certificates in DER form, by the paths of their files."""
 
-    keys: Mapping[str, bytes] = field(default_factory=lambda: _NONE)
-    certificates: Mapping[str, bytes] = field(default_factory=lambda: _NONE)
+    keys: Mapping[str, bytes] = MappingProxyType({})
+    certificates: Mapping[str, bytes] = MappingProxyType({})
 
 
 class Proof(Struct, frozen=True):

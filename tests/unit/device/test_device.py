@@ -446,3 +446,16 @@ async def test_an_async_callback_is_refused(pair: tuple[Device, Any]) -> None:
 
     with pytest.raises(TypeError, match="write a plain function"):
         pair[0].subscriber("chatter", "std_msgs/String", hear)
+
+
+async def test_a_closed_device_fails_calls_under_way(pair: tuple[Device, Any]) -> None:
+    device, line = pair
+    client = device.service_client("lookup", "rosserial_arduino/Test")
+    async with tethered(device, line):
+        await device.wait_connected()
+        call = asyncio.ensure_future(client.call(input="a"))
+        await asyncio.sleep(0)
+        await asyncio.sleep(0)
+        await device.close()
+        with pytest.raises(ServiceUnavailableError, match="the device was closed"):
+            await call

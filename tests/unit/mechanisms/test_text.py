@@ -41,7 +41,7 @@ def test_white_space_folds_into_one_space() -> None:
             OSError(errno.ENOSPC, "No space left"),
             "cannot write a.bag: No space left; free some space on its disk",
         ),
-        (OSError(errno.EACCES, "Denied"), "cannot write a.bag: Denied; choose a file in a writable folder"),
+        (OSError(errno.EACCES, "Denied"), "cannot write a.bag: Denied; choose a writable folder"),
         (
             sqlite3.OperationalError("database or disk is full"),
             "cannot write a.bag: database or disk is full; free some space on its disk",

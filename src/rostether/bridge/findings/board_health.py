@@ -43,7 +43,7 @@ class BoardHealth:
         endpoints: EndpointTable,
         store: TypeStore,
         notices: Notices,
-        required: RequiredTopics | None = None,
+        required: RequiredTopics,
     ) -> None:
         self.clock = ClockEstimate()
         self.connection_count = 0
@@ -51,7 +51,7 @@ class BoardHealth:
         self.watch: LineWatch | None = None
         # None if the board is not on a radio.
         self.radio: LinkQuality | None = None
-        self.required = required if required is not None else RequiredTopics()
+        self.required = required
         self._notices = notices
         self._resets = Resets()
         self._was_closed = False

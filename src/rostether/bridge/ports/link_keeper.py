@@ -49,14 +49,14 @@ class LinkKeeper:
         open_link: OpenTransport,
         serve: ServeLink,
         reporter: Reporter,
-        devices: DeviceBook | None = None,
+        devices: DeviceBook,
         list_ports: ListPorts = list_serial_ports,
     ) -> None:
         self._address = address
         self._open_link = open_link
         self._serve = serve
         self._reporter = reporter
-        self._devices = devices if devices is not None else DeviceBook()
+        self._devices = devices
         self._finder: PortFinder | None = None
         self._terminal_created_ns: int | None = None
         if isinstance(address, SerialAddress) and _comes_and_goes(address):

@@ -30,12 +30,11 @@ _ENVIRONMENT_OF_ARGUMENT = {
 }
 
 
-def read_environment(graph: GraphOptions | None = None, listen: str | None = None) -> RosEnvironment:
+def read_environment(graph: GraphOptions, listen: str | None = None) -> RosEnvironment:
     """Return the ROS environment of a command; options override variables. Raises ConfigError.
 
     `listen` is the value of `--listen`.
     """
-    graph = graph or GraphOptions()
     variables = dict(os.environ)
     variables.update(
         {

@@ -20,7 +20,7 @@ from rostether.cli.shell.output import json_option, paint_keys, warn, write_json
 from rostether.cli.shell.verbs import verb
 from rostether.errors import ConfigError
 from rostether.mechanisms.text import escape_line
-from rostether.rostime import NS_PER_S
+from rostether.rostime import NS_PER_S, Time
 
 if TYPE_CHECKING:
     from rostether.recording.recorded import RecordingReader
@@ -222,7 +222,7 @@ def yaml_text(facts: Mapping[str, Any], reader: RecordingReader) -> str:
     lines = [f"path: {_word(facts['path'])}", f"version: {facts['version']}"]
     if (span := reader.span_ns) is None:
         return "\n".join([*lines, f"size: {reader.size_bytes}", "indexed: False\n"])
-    start_s, end_s = (secs + nsecs / 1e9 for secs, nsecs in (divmod(each, 1_000_000_000) for each in span))
+    start_s, end_s = (Time.from_ns(each).to_s() for each in span)
     lines += [f"duration: {end_s - start_s:.6f}", f"start: {start_s:.6f}", f"end: {end_s:.6f}"]
     lines += [f"size: {reader.size_bytes}", f"messages: {facts['messages']}", f"indexed: {not reader.damage}"]
     lines += [f"compression: {facts['compression']}"]

@@ -199,7 +199,7 @@ def _listing(options: LaunchOptions, loaded: LoadedLaunch, environment: RosEnvir
         return listing.file_lines(plan)
     if options.args_of is not None:
         node = listing.find_node(plan, options.args_of, environment.namespace)
-        return [listing.command_words(node, loaded.environ, environment.master_uri, loaded.locate)]
+        return [listing.shell_line(node, loaded.environ, environment.master_uri, loaded.locate)]
     if options.file_of is not None:
         return [listing.find_node(plan, options.file_of, environment.namespace).file]
     return None

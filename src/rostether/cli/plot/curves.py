@@ -44,7 +44,7 @@ def numbers(name: str, value: Any) -> Iterator[tuple[str, float]]:
     if isinstance(value, bool | int | float):
         yield name, float(value)
     elif isinstance(value, Time | Duration):
-        yield name, value.secs + value.nsecs / 1e9
+        yield name, value.to_s()
     elif isinstance(value, bytes | list):
         for index, each in enumerate(value[: MAX_CURVES + 1]):
             yield from numbers(f"{name}[{index}]", each)

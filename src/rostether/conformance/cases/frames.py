@@ -31,7 +31,7 @@ case = CaseList()
 async def check_split(client: CheckedClient) -> None:
     """A frame is received if its bytes arrive one by one."""
     await client.send_slowly(_frame(client, "split"))
-    await _expect_texts(client, "split")
+    await _expect_text(client, "split")
 
 
 @case("frame-joined", Part.PING)
@@ -111,7 +111,7 @@ async def check_longest(client: CheckedClient) -> None:
     size = min(client.buffer_of("text_in"), 1024) - 4
     text = "".join(chr(ord("a") + index % 26) for index in range(size))
     client.send_bytes(_frame(client, text))
-    await _expect_texts(client, text)
+    await _expect_text(client, text)
 
 
 @case("frame-too-long", Part.TEXT)
@@ -182,11 +182,10 @@ def _frame(client: CheckedClient, text: str) -> bytes:
 async def _expect_after(client: CheckedClient, data: bytes) -> None:
     """Send bytes and a valid message together: only this message may come back."""
     client.send_bytes(data + _frame(client, "valid"))
-    await _expect_texts(client, "valid")
+    await _expect_text(client, "valid")
 
 
-async def _expect_texts(client: CheckedClient, *texts: str) -> None:
-    for text in texts:
-        answer = read_text(await client.next_on("text_out"))
-        if answer != text:
-            raise Deviation(f"{answer[:40]!r} came back, not {text[:40]!r}")
+async def _expect_text(client: CheckedClient, text: str) -> None:
+    answer = read_text(await client.next_on("text_out"))
+    if answer != text:
+        raise Deviation(f"{answer[:40]!r} came back, not {text[:40]!r}")

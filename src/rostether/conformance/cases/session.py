@@ -144,7 +144,7 @@ async def _read_clock(client: CheckedClient) -> tuple[tuple[float, float], float
     time = decode_time(payload)
     if time is None:
         raise Deviation(f"{payload.hex(' ')} is not a std_msgs/Time")
-    return (before_s, client.host_time_s()), time.secs + time.nsecs / 1e9
+    return (before_s, client.host_time_s()), time.to_s()
 
 
 async def _expect_clock(client: CheckedClient) -> None:

@@ -114,9 +114,9 @@ class Client:
 
     # Calls from the gateway.
 
-    def show_status(self, level: StatusLevel, text: str, status_id: str | None = None) -> None:
+    def show_status(self, level: StatusLevel, text: str) -> None:
         """Show a line to the client's user."""
-        self.sender.send(replies.status(level, text, status_id))
+        self.sender.send(replies.status(level, text))
 
     def report_error(self, text: str) -> None:
         """Report an error to the client, up to a limit."""

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Protocol
 
 from rostether.errors import RecordingError
+from rostether.mechanisms.text import write_failure
 from rostether.msgdef.ros2.definition_files import BUNDLED_DISTRO
 from rostether.recording.chunked_writer import DEFAULT_CHUNK_BYTES
 from rostether.recording.compression import NONE
@@ -74,9 +75,7 @@ class Ros2Bag:
             if any(folder.iterdir()):
                 raise RecordingError(f"{folder} is not empty; a ROS 2 bag needs a new folder")
         except OSError as error:
-            raise RecordingError(
-                f"cannot write {folder}: {error.strerror or error}; choose a writable folder"
-            ) from None
+            raise RecordingError(write_failure(folder, error)) from None
 
     def path_of(self, number: int) -> Path:
         """Return the path of the file with a number, as rosbag2 names it."""

@@ -21,15 +21,9 @@ from rostether.simulation.dynamixel.servo import Servo
 class ServoBus:
     """Servos on one line. `damage` changes each answer on its way to the controller, or drops it (b"")."""
 
-    def __init__(
-        self,
-        ids: Sequence[int],
-        clock: Callable[[], float],
-        *,
-        damage: Callable[[bytes], bytes] | None = None,
-    ) -> None:
+    def __init__(self, ids: Sequence[int], clock: Callable[[], float]) -> None:
         self.servos = {servo_id: Servo(servo_id, clock()) for servo_id in ids}
-        self.damage = damage
+        self.damage: Callable[[bytes], bytes] | None = None
         self.request_count = 0
         self._clock = clock
         self._reader = PacketReader()

@@ -97,7 +97,7 @@ class OpenCrBoard(BlockClosable):
         """
         link = PtyLink(link_path)
         base = DriveBase(clock if clock is not None else asyncio.get_running_loop().time)
-        with contextlib.ExitStack() as child_ends:
+        with contextlib.ExitStack() as child_ends, contextlib.ExitStack() as at_error:
             master, slave = os.openpty()
             child_ends.callback(os.close, master)
             child_ends.callback(os.close, slave)
@@ -106,9 +106,10 @@ class OpenCrBoard(BlockClosable):
             descriptors = {"OPENCR_USB": master}
             own_ends: dict[str, socket.socket] = {}
             for name in ("OPENCR_DXL", "OPENCR_PINS", "OPENCR_BLUETOOTH"):
-                own_ends[name], other = socket.socketpair()
-                child_ends.callback(other.close)
-                own_ends[name].setblocking(False)
+                own, other = socket.socketpair()
+                own_ends[name] = at_error.enter_context(own)
+                child_ends.enter_context(other)
+                own.setblocking(False)
                 descriptors[name] = other.fileno()
             # These lines wait for the program when it starts.
             _send(own_ends["OPENCR_PINS"], _battery_line(12.0) + _motion_line(base))
@@ -124,10 +125,9 @@ class OpenCrBoard(BlockClosable):
                     start_new_session=True,
                 )
             except OSError as error:
-                for line in own_ends.values():
-                    line.close()
                 raise BoardError(f"cannot run {program}: {error.strerror}; build the sketch again") from error
-        link.place(terminal)
+            link.place(terminal)
+            at_error.pop_all()
         return cls(process, base, own_ends, terminal, link)
 
     @property

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from types import MappingProxyType
 from typing import Any
 
-from msgspec import Struct, field
+from msgspec import Struct
 
 from rostether.errors import BoardError
 
@@ -17,7 +17,7 @@ class BoardEvent(Struct, frozen=True):
 
     name: str
     time_s: float
-    values: Mapping[str, Any] = field(default_factory=lambda: MappingProxyType({}))
+    values: Mapping[str, Any] = MappingProxyType({})
 
     def __getitem__(self, key: str) -> Any:
         """Return one of the event's values. Raises KeyError."""

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Sequence
-from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
 
@@ -29,14 +27,13 @@ class CountingBoard:
         *,
         rate_hz: float,
         store: TypeStore | None = None,
-        msg_paths: Sequence[Path] = (),
     ) -> None:
         self.name = name
         self.published = 0
         self.led_changes = 0
         self.is_lit = False
         self._period_s = 1 / rate_hz
-        self._device = Device(transport, config=_UNO, store=store, msg_paths=msg_paths)
+        self._device = Device(transport, config=_UNO, store=store)
         self._count = self._device.publisher(f"{name}/count", "std_msgs/UInt32")
         self._device.subscriber(f"{name}/led", "std_msgs/Bool", self._switch)
         self._counting: asyncio.Task[None] | None = None

@@ -32,7 +32,12 @@ class Bench:
         self.addresses: list[Address] = []
         self.lost: asyncio.Future[TransportError | None] = asyncio.get_running_loop().create_future()
         keeper = LinkKeeper(
-            parse_address(address), self.open, self.serve, self.reporter, devices, lambda: self.ports
+            parse_address(address),
+            self.open,
+            self.serve,
+            self.reporter,
+            devices or DeviceBook(),
+            lambda: self.ports,
         )
         self.task = asyncio.ensure_future(keeper.run())
 
