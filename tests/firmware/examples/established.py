@@ -1,18 +1,23 @@
-"""Flash and static RAM of the examples with the established library, and what is not ROS of it."""
+"""Flash, RAM and stack of the examples beside those of the established library, and what is not ROS of it."""
 
 from __future__ import annotations
 
+import asyncio
 import statistics
+import struct
 import tempfile
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
 from effort import effort
+from firmware.examples.stage import build_example, running
+from firmware.robustness.scripted_host import ScriptedHost
 from rostether.codegen.library_source import client_library
 from rostether.firmware.build import build_sketch, find_board
 from rostether.firmware.built_firmware import BuildOptions
 from rostether.firmware.elf import ElfFile
+from rostether.rosserial import topic_id
 
 # Flash and static RAM in bytes: avr-gcc 5.4, -Os -flto. The sketches on Ethernet were measured with the
 # first version of the simulated Ethernet library; 41 bytes that it needs since then are in their RAM.
@@ -57,6 +62,9 @@ ESTABLISHED: Mapping[str, Mapping[str, tuple[int, int]]] = {
 # The deepest stack of the established library on a simulated Uno is 127 to 138 bytes.
 ESTABLISHED_STACK_BYTES = 127
 USES_WIRE = frozenset({"BlinkM"})
+RAM_BYTES = 2048
+_RUN_S = 3
+_TIME = struct.pack("<II", 1_700_000_000, 0)
 # Static RAM on an Uno of a sketch that only uses Wire, less that of one without it.
 WIRE_RAM_BYTES = 216
 _SERIAL = "#ifdef USBCON\n#define Serial Serial1\n#endif\nvoid loop() { Serial.write(Serial.read()); }\n"
@@ -85,6 +93,40 @@ class FlashSize:
     def ros_part(self) -> float:
         """Of the established library's, without what is for Wire and USB."""
         return (self.bytes - self.other_bytes) / (self.established_bytes - self.other_bytes)
+
+
+@dataclass(frozen=True, slots=True)
+class RamSize:
+    """Static RAM of one example on an Uno, and the deepest stack that it reached, in bytes."""
+
+    example: str
+    static_bytes: int
+    stack_bytes: int
+
+    def part(self, *, without_bytes: int = 0) -> float:
+        """Both, of those with the established library; `without_bytes` are not counted on either side."""
+        established = ESTABLISHED["uno"][self.example][1] + ESTABLISHED_STACK_BYTES
+        return (self.static_bytes + self.stack_bytes - without_bytes) / (established - without_bytes)
+
+
+async def ram_size(example: str) -> RamSize:
+    """Run an example on a simulated Uno, with a host that answers, and measure its RAM and stack."""
+    built = await build_example(example, "uno")
+    static_bytes = ElfFile.read(built.elf).ram_bytes
+    if example.startswith("Tcp"):
+        async with running(example, uses_network=True) as stage:
+            await asyncio.sleep(_RUN_S)
+            free_bytes = await stage.board.free_stack_bytes()
+    else:
+        host = await ScriptedHost.start(built.elf)
+        host.on_frame = lambda each, _payload: (
+            host.send(topic_id.TIME, _TIME) if each == topic_id.TIME else None
+        )
+        async with host.board:
+            host.send(topic_id.PUBLISHER)
+            await host.run(_RUN_S * 1000)
+            free_bytes = await host.board.free_stack_bytes()
+    return RamSize(example, static_bytes, RAM_BYTES - static_bytes - free_bytes)
 
 
 async def flash_sizes(board: str) -> list[FlashSize]:

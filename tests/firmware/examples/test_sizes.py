@@ -2,20 +2,18 @@
 
 from __future__ import annotations
 
-import struct
 from pathlib import Path
 
 import pytest
 
 from firmware.examples.established import (
     ESTABLISHED,
-    ESTABLISHED_STACK_BYTES,
     USES_WIRE,
     WIRE_RAM_BYTES,
     flash_sizes,
     median_part,
+    ram_size,
 )
-from firmware.examples.stage import build_example
 from firmware.robustness.scripted_host import ScriptedHost
 from rostether.firmware.build import build_sketch, find_board
 from rostether.firmware.elf import ElfFile
@@ -25,7 +23,6 @@ from rostether.rosserial import topic_id
 MAX_FLASH, MAX_MEDIAN_FLASH = 0.65, 0.60
 # Static RAM and the deepest stack together, without Wire's.
 MAX_SUM = 0.50
-RAM_BYTES = 2048
 WITH_STACK = (
     "HelloWorld",
     "Blink",
@@ -67,7 +64,6 @@ void loop() {
   nh.spinOnce();
 }
 """
-TIME = struct.pack("<II", 1_700_000_000, 0)
 SUBSCRIBERS = """
 #include <ros.h>
 #include <std_msgs/Int16.h>
@@ -96,23 +92,11 @@ async def test_examples_are_small(board: str, capsys: pytest.CaptureFixture[str]
 async def test_static_ram_and_stack_are_half_of_the_established_library_s(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
-    lines, too_large = [f"{'Uno':<16}{'RAM':>7}{'stack':>7}{'sum':>7}"], []
+    lines, too_large = [f"{'Uno':<16}{'RAM':>7}{'stack':>7}{'part':>7}"], []
     for name in WITH_STACK:
-        _, established_bytes = ESTABLISHED["uno"][name]
-        built = await build_example(name, "uno")
-        static_bytes = ElfFile.read(built.elf).ram_bytes
-        host = await ScriptedHost.start(built.elf)
-        host.on_frame = lambda each, _payload, host=host: (
-            host.send(10, TIME) if each == topic_id.TIME else None
-        )  # type: ignore[misc]
-        async with host.board:
-            host.send(0)
-            await host.run(3000)
-            stack_bytes = RAM_BYTES - static_bytes - await host.board.free_stack_bytes()
-        total = static_bytes + stack_bytes
-        wire_bytes = WIRE_RAM_BYTES if name in USES_WIRE else 0
-        part = (total - wire_bytes) / (established_bytes + ESTABLISHED_STACK_BYTES - wire_bytes)
-        lines.append(f"{name:<16}{static_bytes:>7}{stack_bytes:>7}{total:>7}{part:>7.1%}")
+        size = await ram_size(name)
+        part = size.part(without_bytes=WIRE_RAM_BYTES if name in USES_WIRE else 0)
+        lines.append(f"{name:<16}{size.static_bytes:>7}{size.stack_bytes:>7}{part:>7.1%}")
         if part > MAX_SUM:
             too_large.append(lines[-1])
     with capsys.disabled():
