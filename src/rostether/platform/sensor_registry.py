@@ -63,7 +63,7 @@ class Sensor(Struct, frozen=True):
 
     @property
     def origin(self) -> Origin:
-        """How it became known to the manager."""
+        """How the manager learned of the sensor."""
         if self.number >= 0:
             return Origin.COUNTED
         return Origin.ID if self.lease_s else Origin.FILE

@@ -54,8 +54,8 @@ class Completeness:
         self._before_close = (0, 0)
 
     @property
-    def complete(self) -> frozenset[EndpointKey]:
-        """The last complete state."""
+    def endpoints(self) -> frozenset[EndpointKey]:
+        """The endpoints of the last complete state."""
         return frozenset(self._complete)
 
     @property

@@ -308,7 +308,7 @@ class HostLink:
 
     def _settle(self, now_s: float, events: list[HostEvent]) -> None:
         negotiation = self._negotiation
-        events += (changes := self._announcements.withdraw_all_but(negotiation.complete))
+        events += (changes := self._announcements.withdraw_all_but(negotiation.endpoints))
         if negotiation.rounds > 1:
             events += self._announcements.refuse_incomplete_services()
         self._presence.sign_received(now_s)

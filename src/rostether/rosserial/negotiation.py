@@ -146,9 +146,9 @@ class Negotiation:
         return self._completeness.rounds
 
     @property
-    def complete(self) -> frozenset[EndpointKey]:
+    def endpoints(self) -> frozenset[EndpointKey]:
         """All endpoints of the device, once settled."""
-        return self._completeness.complete
+        return self._completeness.endpoints
 
     def ask(self, now_s: float, *, is_lossy: bool = False) -> None:
         """Start a negotiation, unless one is running. `is_lossy`: data was lost before."""

@@ -51,4 +51,4 @@ def _read(text: str, kind: type[_T]) -> _T:
     try:
         return msgspec.json.decode(text, type=kind)
     except (ValueError, RecursionError) as error:
-        raise RemoteProtocolError(f"a wrong text message: {error}") from None
+        raise RemoteProtocolError(f"a text message is invalid: {error}") from None

@@ -115,7 +115,7 @@ def test_a_device_that_makes_up_ids_fills_no_memory() -> None:
     completeness = Completeness()
     play(completeness, [publisher(100 + number) for number in range(MAX_ANNOUNCED + 9)])
     completeness.accept(is_confirmed=True)
-    assert len(completeness.complete) == MAX_ANNOUNCED
+    assert len(completeness.endpoints) == MAX_ANNOUNCED
 
 
 def test_less_than_before_needs_more() -> None:
@@ -125,7 +125,7 @@ def test_less_than_before_needs_more() -> None:
     completeness.begin(is_lossy=False)
     assert play(completeness, *[[ONE]] * 4) == [False, False, False, True]
     completeness.accept(is_confirmed=True)
-    assert completeness.complete == {EndpointKey(True, 125)}
+    assert completeness.endpoints == {EndpointKey(True, 125)}
 
 
 def test_unconfirmed_rounds_take_nothing_away() -> None:
@@ -135,7 +135,7 @@ def test_unconfirmed_rounds_take_nothing_away() -> None:
     completeness.begin(is_lossy=False)
     play(completeness, [TWO, THREE])
     completeness.accept(is_confirmed=False)
-    assert len(completeness.complete) == 3
+    assert len(completeness.endpoints) == 3
 
 
 def test_a_changed_announcement_is_news() -> None:
@@ -151,7 +151,7 @@ def test_what_equal_rounds_do_not_repeat_is_removed() -> None:
     rounds = [[ONE, TWO, THREE], *[[ONE, TWO]] * EQUAL_ROUNDS]
     assert play(completeness, *rounds) == [False] * EQUAL_ROUNDS + [True]
     completeness.accept(is_confirmed=True)
-    assert {key.topic_id for key in completeness.complete} == {125, 126}
+    assert {key.topic_id for key in completeness.endpoints} == {125, 126}
 
 
 def test_what_rounds_of_a_lossy_line_do_not_repeat_is_kept() -> None:
@@ -159,4 +159,4 @@ def test_what_rounds_of_a_lossy_line_do_not_repeat_is_kept() -> None:
     rounds = [[ONE, TWO, THREE], [ONE, TWO], [ONE], [ONE, TWO]]
     assert play(completeness, *rounds) == [False, False, False, True]
     completeness.accept(is_confirmed=True)
-    assert len(completeness.complete) == 3
+    assert len(completeness.endpoints) == 3

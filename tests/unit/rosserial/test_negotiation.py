@@ -145,7 +145,7 @@ def test_a_device_that_answers_only_once_is_left_in_peace() -> None:
         asked += negotiation.pop_request() is not None
         assert now_s < 10
     assert asked == MAX_UNANSWERED
-    assert len(negotiation.complete) == 1
+    assert len(negotiation.endpoints) == 1
     assert negotiation.get_timer() is None
 
 
@@ -179,7 +179,7 @@ def test_unrequested_announcements_with_news_are_confirmed() -> None:
             negotiation.announced(ids.PUBLISHER, replace(INFO, topic_id=topic_id), now_s + 0.01)
         now_s, done = tick(negotiation)
     assert negotiation.requests == 2
-    assert len(negotiation.complete) == 2
+    assert len(negotiation.endpoints) == 2
 
 
 def test_damage_on_a_line_that_looked_clean_leads_to_one_question() -> None:
@@ -229,7 +229,7 @@ def settle_against(pause_s: float, count: int = 4, limit_s: float = 60.0) -> tup
 )
 def test_pauses_between_announcements_are_learned(pause_s: float, most_requests: int) -> None:
     negotiation, _ = settle_against(pause_s)
-    assert len(negotiation.complete) == 4
+    assert len(negotiation.endpoints) == 4
     assert negotiation.requests <= most_requests
 
 
@@ -283,7 +283,7 @@ def test_a_board_that_answers_without_announcing_any_more_is_left_in_peace() -> 
             negotiation.time_requested(now_s + 0.01)
         now_s, done = tick(negotiation)
     assert negotiation.requests <= MAX_ROUNDS
-    assert len(negotiation.complete) == 1
+    assert len(negotiation.endpoints) == 1
 
 
 def test_an_announcement_before_the_first_request_changes_nothing() -> None:
