@@ -10,9 +10,9 @@ test("a state is read", () => {
       mcu: "atmega328p",
       pins: { D9: "pwm0.503", D13: "out1", A0: "in0", D1: "?" },
       servos: { D10: 90.5 },
-      words: { range: "0.5", adc: { A0: "2.5", A1: "x" }, pin: { D7: "1", D8: "z" } },
+      values: { range: "0.5", adc: { A0: "2.5", A1: "x" }, pin: { D7: "1", D8: "z" } },
       commands: ["adc", "pin"],
-      most_volts: 3.3,
+      max_volts: 3.3,
       error: "",
     }),
   );
@@ -23,7 +23,7 @@ test("a state is read", () => {
     { name: "D13", direction: "out", level: 1 },
     { name: "A0", direction: "in", level: 0 },
   ]);
-  assert.deepEqual([state.servos, state.words], [{ D10: 90.5 }, { range: "0.5" }]);
+  assert.deepEqual([state.servos, state.values], [{ D10: 90.5 }, { range: "0.5" }]);
   assert.deepEqual([state.volts, state.driven], [{ A0: 2.5 }, { D7: 1 }]);
 });
 

@@ -1,7 +1,7 @@
 """Expressions that users type: `m.range < 0.5 and m.header.frame_id == 'sonar'`, or `pi/2` in rad(pi/2).
 
-The Python that rostopic's users type, read by our own evaluator over a whitelisted syntax tree: a pasted
-line can use no function, module or attribute besides those below.
+The language is the part of Python that rostopic's users type. Our own evaluator walks a syntax tree of
+allowed nodes, so a pasted line can use no function, module or attribute besides those below.
 """
 
 from __future__ import annotations

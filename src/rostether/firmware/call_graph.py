@@ -64,7 +64,7 @@ class CallGraph:
         return self._code.return_bytes
 
     @property
-    def programs(self) -> list[int]:
+    def entry_points(self) -> list[int]:
         """The entry points: `main`, and the constructors of global objects before it."""
         return self._named(lambda name: name == "main" or name.startswith(_CONSTRUCTORS))
 

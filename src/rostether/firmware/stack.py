@@ -51,7 +51,7 @@ def estimate_stack(elf: ElfFile) -> StackEstimate:
     graph = CallGraph(elf)
     search = _Search(graph)
     # main is called by the start-up code, an interrupt by the processor: both leave a return address.
-    main = search.deepest(graph.programs)
+    main = search.deepest(graph.entry_points)
     interrupt = search.deepest(graph.interrupts)
     return StackEstimate(
         main_bytes=main.depth_bytes,
@@ -164,7 +164,7 @@ class _Search:
 
 def _unknown(graph: CallGraph, elf: ElfFile) -> list[str]:
     found = []
-    for entry in graph.reachable([*graph.programs, *graph.interrupts]):
+    for entry in graph.reachable([*graph.entry_points, *graph.interrupts]):
         here = graph.walk(entry)
         calls_itself = entry in graph.reachable(here.calls, through_pointers=False)
         if calls_itself and not graph.name(entry).startswith(_BOUNDED):

@@ -21,7 +21,7 @@ from rostether.rostime import Time
 
 
 class MemoryGraph(NodeMembership):
-    """A `Graph`; created by `MemoryNetwork.join`."""
+    """Implements `Graph`; created by `MemoryNetwork.join`."""
 
     def __init__(
         self, state: MemoryState, node_name: str, namespace: str, remappings: Mapping[str, str]

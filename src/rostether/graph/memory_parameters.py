@@ -90,7 +90,7 @@ class MemoryParameters:
 
 
 class MemoryWatch:
-    """A `Watch`."""
+    """Passes each new value of one parameter to a callback; implements `Watch`."""
 
     def __init__(
         self, parameters: MemoryParameters, name: str, on_change: Callable[[ParamValue], None]

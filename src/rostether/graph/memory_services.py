@@ -18,7 +18,7 @@ from rostether.msgdef.interface import ANY_MD5SUM, ServiceType
 
 
 class MemoryServiceServer:
-    """A `ServiceServer`; calls run concurrently, and continue after their caller has given up."""
+    """Implements `ServiceServer`; calls run concurrently, and continue after their caller has given up."""
 
     def __init__(
         self,

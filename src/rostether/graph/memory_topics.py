@@ -102,7 +102,7 @@ class MemoryPublisher:
 
 
 class MemorySubscriber:
-    """A `Subscriber`."""
+    """One subscriber of a topic and its queue; implements `Subscriber`."""
 
     def __init__(
         self,

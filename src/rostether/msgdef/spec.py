@@ -42,7 +42,7 @@ class FieldType(Struct, frozen=True):
 
 
 class Field(Struct, frozen=True):
-    """One named field."""
+    """One field of a message, service request or response."""
 
     type: FieldType
     name: str

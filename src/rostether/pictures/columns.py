@@ -81,9 +81,9 @@ def _shortest_paths(keys: Sequence[str], edges: Sequence[Ends]) -> dict[str, int
 def _without_cycles(keys: Sequence[str], edges: Sequence[Ends]) -> list[Ends]:
     """Return the edges; those that lead back in a depth-first search are reversed."""
     following, entered = _adjacency(keys, edges)
-    turned: set[Ends] = set()
+    reversed_edges: set[Ends] = set()
     done: set[str] = set()
-    # Vertices without incoming edges first: then only true cycles are cut.
+    # Start at vertices without incoming edges, so that only edges of true cycles are reversed.
     for start in sorted(keys, key=lambda key: entered[key] > 0):
         if start in done:
             continue
@@ -97,11 +97,11 @@ def _without_cycles(keys: Sequence[str], edges: Sequence[Ends]) -> list[Ends]:
                 on_path.discard(key)
                 done.add(key)
             elif step in on_path:
-                turned.add((key, step))
+                reversed_edges.add((key, step))
             elif step not in done:
                 on_path.add(step)
                 walk.append((step, iter(following[step])))
-    oriented = (ends[::-1] if ends in turned else ends for ends in edges)
+    oriented = (ends[::-1] if ends in reversed_edges else ends for ends in edges)
     return list(dict.fromkeys(oriented))
 
 

@@ -31,7 +31,7 @@ _ROW_GAP = 16.0
 _BEND_HEIGHT = 6.0
 
 # Backward edges are drawn lower by this, to distinguish them from forward edges.
-_TURNED_SHIFT = 6.0
+_REVERSED_SHIFT = 6.0
 _ORDERING_SWEEPS = 12
 _PLACING_SWEEPS = 8
 
@@ -59,13 +59,13 @@ def lay_out(sizes: Mapping[str, Size], edges: Sequence[Ends], *, column_gap: flo
     positions = {key: (xs[key], ys[key]) for key in sizes}
     routes = {}
     for ends in dict.fromkeys(ends for ends in edges if ends[0] != ends[1]):
-        is_turned = ends not in columns.chains
-        chain = columns.chains[ends[::-1] if is_turned else ends]
-        down = _TURNED_SHIFT if is_turned else 0.0
+        is_reversed = ends not in columns.chains
+        chain = columns.chains[ends[::-1] if is_reversed else ends]
+        down = _REVERSED_SHIFT if is_reversed else 0.0
         points = [(xs[key], ys[key] + down) for key in chain]
         points[0] = (points[0][0] + sizes[chain[0]][0] / 2, points[0][1])
         points[-1] = (points[-1][0] - sizes[chain[-1]][0] / 2, points[-1][1])
-        routes[ends] = points[::-1] if is_turned else points
+        routes[ends] = points[::-1] if is_reversed else points
     right = max((xs[key] + size[0] / 2 for key, size in sizes.items()), default=0.0)
     # Bends of edges may be below all vertices.
     bottoms = [y for points in routes.values() for _, y in points]

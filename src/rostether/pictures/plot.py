@@ -52,11 +52,11 @@ class Curve(Struct, frozen=True):
 
 
 class Labels(Struct, frozen=True):
-    """The text around a plot; `begin_s` is the Unix time at 0 s, `is_clock` shows the time of day."""
+    """The text around a plot; `begin_s` is the Unix time at 0 s."""
 
     title: str = ""
     begin_s: float | None = None
-    is_clock: bool = False
+    shows_time_of_day: bool = False
 
 
 class _Frame(Struct, frozen=True):
@@ -142,7 +142,7 @@ def _draw_times(scene: Scene, frame: _Frame, labels: Labels) -> None:
     if labels.begin_s is not None:
         begin = time.strftime("%Y-%m-%d %H:%M:%S", time.localtime(labels.begin_s))
         name = f"seconds since {begin}"
-        if labels.is_clock:
+        if labels.shows_time_of_day:
             ticks, name = clock_ticks(frame.x_axis, count, labels.begin_s), begin.partition(" ")[0]
     for value, text in ticks:
         x = frame.x(value)

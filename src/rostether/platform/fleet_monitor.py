@@ -78,9 +78,9 @@ class FleetMonitor:
         for robot_id, host in sorted(self._lost - lost):
             self._report(Level.INFO, f"robot {robot_id} ({host}) answers again")
         self._lost = lost
-        clock = self._graph.now().to_ns()
+        graph_now_ns = self._graph.now().to_ns()
         return [
-            _state(robot, robot.key in lost, clock - int((now_s - robot.answered_s) * 1e9))
+            _state(robot, robot.key in lost, graph_now_ns - int((now_s - robot.answered_s) * 1e9))
             for robot in robots
             if robot.key not in lost or robot.status.robot_id not in here
         ]

@@ -131,8 +131,8 @@ class SensorRegistry:
     def register_by_id(self, wanted: Registration, now_s: float) -> tuple[Sensor, str]:
         """Register a sensor or renew its lease; return it, and why it must wait, or an empty string.
 
-        It must wait while another process holds the lease. Raises ServiceCallError for a field that cannot be
-        used.
+        The sensor must wait while another process holds its lease. Raises ServiceCallError for a field that
+        cannot be used.
         """
         wanted.check()
         before = self._sensors.get(wanted.id)

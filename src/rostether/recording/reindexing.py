@@ -125,7 +125,7 @@ def write_messages(
 ) -> int:
     """Write messages to a new recording; return their number.
 
-    It gets all `connections`, even those without messages. On RecordingError, no file remains.
+    The recording gets all `connections`, even those without messages. On RecordingError, no file remains.
     """
     with locked(output):
         writer = create(output)

@@ -156,7 +156,7 @@ class TransformBuffer:
 
     @property
     def children(self) -> list[str]:
-        """The names of the frames that have a parent, in that order."""
+        """The names of the frames that have a parent, in the order of their first appearance."""
         return [frame for frame in self._frames if frame in self._caches]
 
     def cache_of(self, frame: str) -> TimeCache | StaticCache | None:

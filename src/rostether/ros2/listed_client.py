@@ -6,7 +6,7 @@ from collections.abc import Awaitable, Callable
 
 
 class ListedClient:
-    """A `graph.ports.ServiceClient`; `withdraw` is called once."""
+    """Implements `graph.ports.ServiceClient`; `withdraw` is called once."""
 
     def __init__(self, withdraw: Callable[[], Awaitable[None]]) -> None:
         self._withdraw = withdraw

@@ -65,7 +65,7 @@ _IMPLEMENTATIONS = {
     "tf.transformations": "tf.transformations",
 }
 
-# Modules that ROS 2's package of the same name lacks; Python may find that package first.
+# Modules of ROS 1's packages that ROS 2's packages of the same names lack; Python may find ROS 2's first.
 _BESIDE_MESSAGES = frozenset({"sensor_msgs.point_cloud2"})
 
 

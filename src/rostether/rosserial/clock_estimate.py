@@ -26,7 +26,7 @@ SOUND_S = 5.0
 # Stamps from before the answer may still arrive for this long.
 FRESH_S = 0.1
 
-# Without an answer for longer a board unconfigures itself; an interval is cut here.
+# A board that gets no answer for this long unconfigures itself, so an interval ends.
 MAX_INTERVAL_S = 12.0
 
 # Both ends must be this far apart: with 1 ms of jitter, a shorter interval gives no result.

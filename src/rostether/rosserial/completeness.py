@@ -3,7 +3,7 @@
 A round is one topic request and the burst that answers it; any part of both may be lost. The announcements
 of a round count as complete if later rounds announce nothing new: one more round on a clean line, three if
 there is a sign of loss (rounds that differ, damage, gaps in the ids, a service without request or response,
-less than before), none if the round equals the last complete state.
+fewer announcements than before), none if the round equals the last complete state.
 """
 
 from __future__ import annotations

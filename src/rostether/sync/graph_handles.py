@@ -90,7 +90,7 @@ class Messages(Generic[M]):
     """The messages of a topic, to loop over; made by `Graph.messages`.
 
     The subscription begins with the loop, or the first `next`, and ends with the loop or `close`. Each
-    message goes to only one of the threads that share it; the first loop that is left ends all.
+    message goes to only one of the threads that loop over the object; the first loop that is left ends all.
     """
 
     def __init__(self, is_closed: Callable[[], bool], stream: MessageStream[M]) -> None:

@@ -9,7 +9,7 @@ import type { SettingChecks, Settings } from "./setting_checks.ts";
 
 /** A card that a panel offers for the overview. */
 export interface Suggestion {
-  /** Stable, so that the card keeps its place: `/ultrasound`. */
+  /** Stable, so that the card keeps its position: `/ultrasound`. */
   key: string;
   /** The text of the card's header. */
   title: string;

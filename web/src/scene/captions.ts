@@ -6,7 +6,7 @@ const HEIGHT_PX = 17;
 /** The text is drawn finer than most screens are. */
 const PIXEL_RATIO = 2;
 
-/** A name that floats above its place. */
+/** A name that floats above its position. */
 export class Caption extends Sprite {
   readonly widthPx: number;
 
@@ -22,7 +22,7 @@ export class Caption extends Sprite {
 /**
  * Gives captions their size in a picture of this many pixels, and hides those that would cover an earlier one.
  *
- * Things behind the camera have a place in the picture too, but cover nothing.
+ * Things behind the camera have a position in the picture too, but cover nothing.
  */
 export function arrangeCaptions(captions: Iterable<Caption>, camera: PerspectiveCamera, size: Vector2): void {
   const unitsPerPx = (2 * Math.tan((camera.fov * Math.PI) / 360)) / size.y;
@@ -30,13 +30,13 @@ export function arrangeCaptions(captions: Iterable<Caption>, camera: Perspective
   camera.updateMatrixWorld();
   for (const caption of captions) {
     caption.scale.set(caption.widthPx * unitsPerPx, HEIGHT_PX * unitsPerPx, 1);
-    const place = caption.getWorldPosition(new Vector3()).project(camera);
-    const at = new Vector2(place.x, place.y).multiply(size).multiplyScalar(0.5);
+    const projected = caption.getWorldPosition(new Vector3()).project(camera);
+    const at = new Vector2(projected.x, projected.y).multiply(size).multiplyScalar(0.5);
     caption.visible = !shown.some(
       (other) =>
         Math.abs(other.at.x - at.x) < (other.widthPx + caption.widthPx) / 2 &&
         Math.abs(other.at.y - at.y) < HEIGHT_PX,
     );
-    if (caption.visible && place.z <= 1) shown.push({ at, widthPx: caption.widthPx });
+    if (caption.visible && projected.z <= 1) shown.push({ at, widthPx: caption.widthPx });
   }
 }

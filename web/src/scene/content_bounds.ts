@@ -26,10 +26,10 @@ export function expandByContent(box: Box3, root: Object3D): void {
     const { geometry } = object as { geometry?: BufferGeometry };
     if (geometry === undefined || object instanceof Sprite || object.userData.isOutOfView) return;
     if (object instanceof InstancedMesh) {
-      const place = new Matrix4();
+      const pose = new Matrix4();
       for (let i = 0; i < object.count; i += stepOf(object.count)) {
-        object.getMatrixAt(i, place);
-        point.setFromMatrixPosition(place).applyMatrix4(object.matrixWorld);
+        object.getMatrixAt(i, pose);
+        point.setFromMatrixPosition(pose).applyMatrix4(object.matrixWorld);
         add();
       }
       return;

@@ -4,7 +4,7 @@ import type { Caption } from "./captions.ts";
 import type { Xyz, Xyzw } from "./messages.ts";
 import { normalized } from "./rigid.ts";
 
-/** A thing at a place in one frame; the view keeps it there as frames move. */
+/** An object with a pose in one frame; the view keeps it there as frames move. */
 export interface Placed {
   readonly frame: string;
   /** Seconds; null follows the newest transform. */

@@ -40,7 +40,7 @@ export class Ground {
     this.lines.geometry.setAttribute("color", new BufferAttribute(colors, 4));
   }
 
-  /** Lays the grid around a place; its lines stay at multiples of the cell. */
+  /** Lays the grid around a point; its lines stay at multiples of the cell. */
   lay(cellM: number, x: number, y: number): void {
     this.lines.scale.setScalar(cellM);
     this.lines.position.set(Math.round(x / cellM) * cellM, Math.round(y / cellM) * cellM, 0);

@@ -24,7 +24,7 @@ export interface Edge {
   isStatic: boolean;
   /** Sorted by time; one for a static transform. */
   samples: Sample[];
-  /** When it arrived, on the page's clock. */
+  /** When the newest transform arrived, on the page's clock. */
   receivedMs: number;
   broadcaster: string;
 }

@@ -184,10 +184,10 @@ export class SceneView {
     return box;
   }
 
-  /** Whether a place in the fixed frame is inside the picture. */
-  shows(place: Vec3): boolean {
+  /** Whether a position in the fixed frame is inside the picture. */
+  shows(position: Vec3): boolean {
     this.camera.updateMatrixWorld();
-    const { x, y } = new Vector3(...place).project(this.camera);
+    const { x, y } = new Vector3(...position).project(this.camera);
     // At the edge, half of the robot is cut off; `fit` leaves more room.
     return Math.abs(x) < 0.9 && Math.abs(y) < 0.9;
   }

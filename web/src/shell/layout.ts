@@ -39,10 +39,10 @@ export function arranged<Card extends { id: string; width?: Width }>(
   layout: Layout,
 ): Card[] {
   const hidden = new Set(layout.hidden);
-  const place = new Map(layout.order.map((id, index) => [id, index]));
+  const indexes = new Map(layout.order.map((id, index) => [id, index]));
   return cards
     .filter((each) => !hidden.has(each.id))
-    .map((card, index) => ({ card, at: place.get(card.id) ?? layout.order.length + index }))
+    .map((card, index) => ({ card, at: indexes.get(card.id) ?? layout.order.length + index }))
     .sort((a, b) => a.at - b.at)
     .map(({ card }) => {
       const width = layout.widths[card.id];
@@ -50,7 +50,7 @@ export function arranged<Card extends { id: string; width?: Width }>(
     });
 }
 
-/** Moves a card by one place among those that are shown. */
+/** Moves a card by one position among those that are shown. */
 export function moved(layout: Layout, shown: readonly { id: string }[], id: string, by: -1 | 1): Layout {
   const order = shown.map((each) => each.id);
   const from = order.indexOf(id);

@@ -94,8 +94,8 @@ function allCards(robot: Robot, { added }: Layout): Card[] {
   const cards: Card[] = panels.flatMap((panel) =>
     (panel.matches?.(graph) ?? []).map((each) => ({ ...each, id: `${panel.id} ${each.key}`, panel })),
   );
-  const place = (card: Card) => (isWide.value && (card.width ?? 1) > 1 ? WIDE_CARD_ORDER : card.order);
-  cards.sort((a, b) => place(a) - place(b) || compareNames(a.key, b.key));
+  const orderOf = (card: Card) => (isWide.value && (card.width ?? 1) > 1 ? WIDE_CARD_ORDER : card.order);
+  cards.sort((a, b) => orderOf(a) - orderOf(b) || compareNames(a.key, b.key));
   const known = new Set(cards.map((each) => each.id));
   for (const { panelId, ...each } of added) {
     const panel = panels.find((one) => one.id === panelId);

@@ -50,7 +50,7 @@ export class RateMeter {
     const { messages, firstMs } = this.window(nowMs);
     if (messages < 2) return 0;
     const periods = ((messages - 1) * 1000) / Math.max(this.lastMs - firstMs, MIN_SPAN_MS);
-    // The first ones may have waited for the page since it asked for them.
+    // The first messages may have waited since the page subscribed.
     const hasBegun = messages === this.count && Number.isFinite(this.startMs);
     return hasBegun ? Math.min(periods, (messages * 1000) / (this.lastMs - this.startMs)) : periods;
   }

@@ -57,7 +57,9 @@ class PlayOptions:
     immediate: bool = flag("-i --immediate", "Play as fast as possible.")
     is_paused: bool = flag("--pause", "Start paused.")
     with_clock: bool = flag("--clock", "Publish the recorded time on /clock.")
-    hz: float = option("--hz", "The rate of /clock, in Hz (default: 100).", type=POSITIVE, default=100.0)
+    clock_hz: float = option(
+        "--hz", "The rate of /clock, in Hz (default: 100).", type=POSITIVE, default=100.0
+    )
     topics: tuple[str, ...] = option(
         "--topics TOPIC", "Play only these topics; accepts several.", multiple=True
     )
@@ -68,8 +70,8 @@ class PlayOptions:
         "--bags FILE", "The recordings, if --topics comes before them.", multiple=True
     )
     prefix: str = option("-p --prefix NAME", "Put all topics in the namespace NAME.", default="")
-    skip_empty: float | None = option("--skip-empty SEC", "Skip gaps longer than SEC.", type=NOT_NEGATIVE)
-    delay: float = option(
+    skip_empty_s: float | None = option("--skip-empty SEC", "Skip gaps longer than SEC.", type=NOT_NEGATIVE)
+    delay_s: float = option(
         "-d --delay SEC",
         "Wait SEC seconds for subscribers to connect (default: 0.2).",
         type=NOT_NEGATIVE,
@@ -77,7 +79,7 @@ class PlayOptions:
     )
     wait_for_subscribers: bool = flag("--wait-for-subscribers", "Start when every topic has a subscriber.")
     keep_alive: bool = flag("-k --keep-alive", "Keep running at the end, for latched topics.")
-    queue: int | None = option(
+    queue_messages: int | None = option(
         "--queue COUNT",
         "Queue up to COUNT messages per topic for slow subscribers (default: 4 MB).",
         type=click.IntRange(min=0),
@@ -85,7 +87,7 @@ class PlayOptions:
     rate_control_topic: str | None = option(
         "--rate-control-topic TOPIC", "Pause if TOPIC is silent for longer than --rate-control-max-delay."
     )
-    rate_control_max_delay: float = option(
+    rate_control_max_delay_s: float = option(
         "--rate-control-max-delay SEC",
         "The longest silence of --rate-control-topic, in seconds (default: 1).",
         type=NOT_NEGATIVE,
@@ -135,14 +137,14 @@ def bag_play(options: PlayOptions, files: tuple[str, ...], graph: GraphOptions) 
         is_immediate=options.immediate,
         is_looping=options.is_looping,
         starts_paused=options.is_paused,
-        skip_empty_s=options.skip_empty,
-        delay_s=options.delay,
-        clock_hz=options.hz if options.with_clock else None,
-        queue_messages=options.queue,
+        skip_empty_s=options.skip_empty_s,
+        delay_s=options.delay_s,
+        clock_hz=options.clock_hz if options.with_clock else None,
+        queue_messages=options.queue_messages,
         rate_control_topic=resolve(options.rate_control_topic, environment)
         if options.rate_control_topic
         else "",
-        rate_control_max_delay_s=options.rate_control_max_delay,
+        rate_control_max_delay_s=options.rate_control_max_delay_s,
         waits_for_subscribers=options.wait_for_subscribers,
         pause_topics=frozenset(resolve(each, environment) for each in options.pause_topics),
         topics=frozenset(resolve(each, environment) for each in topics),

@@ -105,11 +105,11 @@ async def _served_at(
 
     access = settings.access
     encryption = await asyncio.to_thread(read_encryption, access.tls, host)
-    on = with_ros1_types(graphs, msg_paths)
+    gateway_graph = with_ros1_types(graphs, msg_paths)
     is_ros2_alone = graphs.ros1 is None
     recordings = Recordings(
         settings.recordings or recordings_folder(),
-        lambda: on.join(anonymous_name("record")),
+        lambda: gateway_graph.join(anonymous_name("record")),
         lambda text: report(Level.INFO, f"{NODE}: {text}"),
         # ROS 2 programs read MCAP files with ROS 2 messages.
         partial(create_recording, form=Form.ROS2, types=graphs.types) if is_ros2_alone else create_recording,
@@ -135,19 +135,25 @@ async def _served_at(
             **_map_metadata(tiles),
         },
     )
-    graph = await joined_as(on, settings.node, settings.node.name_for(NODE, port, DEFAULT_PORT), report)
+    graph = await joined_as(
+        gateway_graph, settings.node, settings.node.name_for(NODE, port, DEFAULT_PORT), report
+    )
     teleop = NodeNaming().name_for(TELEOP_NODE, port, DEFAULT_PORT)
     # By its name, pages know which commands are their own.
     teleop_node = f"{graph.node_name.rpartition('/')[0]}/{teleop}"
     served = replace(served, metadata={**served.metadata, "teleop_node": teleop_node})
 
     async def join_teleop() -> Graph:
-        return await joined_as(on, NodeNaming(namespace=settings.node.namespace), teleop, report)
+        return await joined_as(gateway_graph, NodeNaming(namespace=settings.node.namespace), teleop, report)
 
     async with (
         closed_at_end(graph),
         gateway_on(
-            graph, on, served, report, DashboardParts(site, join_teleop, recordings, settings.boards)
+            graph,
+            gateway_graph,
+            served,
+            report,
+            DashboardParts(site, join_teleop, recordings, settings.boards),
         ) as gateway,
     ):
         url = page_url(host, gateway.port, access.token, is_encrypted=bool(access.tls))

@@ -89,8 +89,8 @@ def foxglove(
     settings = read_settings(address, replace(gateways, allow=graph.allow))
 
     def open_gateway(graphs: ServedGraphs, report: Report) -> AbstractAsyncContextManager[FoxgloveGateway]:
-        on = with_ros1_types(graphs, msg_paths)
-        return _gateway(settings, node, on, report, "`rostether foxglove 0.0.0.0:{port}`")
+        gateway_graph = with_ros1_types(graphs, msg_paths)
+        return _gateway(settings, node, gateway_graph, report, "`rostether foxglove 0.0.0.0:{port}`")
 
     serve_gateway(graph, msg_paths, open_gateway)
 
@@ -124,8 +124,10 @@ async def foxglove_gateway(
     Raises ConfigError, TransportOpenError if the port is not free, GraphError if another node has the name.
     """
     settings = await asyncio.to_thread(read_settings, options.foxglove or DEFAULT_ADDRESS, options)
-    on = with_ros1_types(graphs, msg_paths)
-    async with _gateway(settings, NodeNaming(), on, report, "--foxglove 0.0.0.0:{port}") as gateway:
+    gateway_graph = with_ros1_types(graphs, msg_paths)
+    async with _gateway(
+        settings, NodeNaming(), gateway_graph, report, "--foxglove 0.0.0.0:{port}"
+    ) as gateway:
         yield gateway
 
 
@@ -181,8 +183,10 @@ async def _main(graph: TypedGraph, arguments: Arguments, gateways: GatewayOption
     settings = settings_of_parameters(await private_parameters(graph), gateways.token)
     settings = replace(settings, origins=gateways.origins)
     environment = node_environment(arguments)
-    on = ros1_gateway_graph(ros1_join(environment), graph.store, environment)
-    async with _gateway_on(graph.raw, on, settings, ConsoleReporter().report, "address 0.0.0.0") as gateway:
+    gateway_graph = ros1_gateway_graph(ros1_join(environment), graph.store, environment)
+    async with _gateway_on(
+        graph.raw, gateway_graph, settings, ConsoleReporter().report, "address 0.0.0.0"
+    ) as gateway:
         await gateway.wait_ended()
 
 
@@ -194,28 +198,37 @@ def with_ros1_types(graphs: ServedGraphs, msg_paths: Sequence[Path]) -> GatewayG
 
         rcl_interfaces().add_to(store.registry)
     if graphs.ros1 is not None:
-        on = ros1_gateway_graph(graphs.join, store, graphs.ros1)
+        gateway_graph = ros1_gateway_graph(graphs.join, store, graphs.ros1)
     else:
-        on = GatewayGraph(graphs.join, store)
-    return replace(on, msg_paths=msg_paths)
+        gateway_graph = GatewayGraph(graphs.join, store)
+    return replace(gateway_graph, msg_paths=msg_paths)
 
 
 @asynccontextmanager
 async def _gateway(
-    settings: FoxgloveSettings, node: NodeNaming, on: GatewayGraph, report: Report, remote_option: str
+    settings: FoxgloveSettings,
+    node: NodeNaming,
+    gateway_graph: GatewayGraph,
+    report: Report,
+    remote_option: str,
 ) -> AsyncIterator[FoxgloveGateway]:
     from rostether.gateways.foxglove.settings import DEFAULT_PORT
 
-    graph = await joined_as(on, node, node.name_for(FOXGLOVE_NODE, settings.port, DEFAULT_PORT), report)
-    async with closed_at_end(graph), _gateway_on(graph, on, settings, report, remote_option) as gateway:
+    graph = await joined_as(
+        gateway_graph, node, node.name_for(FOXGLOVE_NODE, settings.port, DEFAULT_PORT), report
+    )
+    async with (
+        closed_at_end(graph),
+        _gateway_on(graph, gateway_graph, settings, report, remote_option) as gateway,
+    ):
         yield gateway
 
 
 @asynccontextmanager
 async def _gateway_on(
-    graph: Graph, on: GatewayGraph, settings: FoxgloveSettings, report: Report, remote_option: str
+    graph: Graph, gateway_graph: GatewayGraph, settings: FoxgloveSettings, report: Report, remote_option: str
 ) -> AsyncIterator[FoxgloveGateway]:
-    async with gateway_on(graph, on, settings, report) as gateway:
+    async with gateway_on(graph, gateway_graph, settings, report) as gateway:
         report(Level.INFO, f"foxglove: open a connection to {gateway.url} in Foxglove")
         report_reach("foxglove", settings.host, settings.port, settings.token, remote_option, report)
         yield gateway
@@ -223,7 +236,7 @@ async def _gateway_on(
 
 def gateway_on(
     graph: Graph,
-    on: GatewayGraph,
+    gateway_graph: GatewayGraph,
     settings: FoxgloveSettings,
     report: Report,
     dashboard: DashboardParts | None = None,
@@ -233,10 +246,10 @@ def gateway_on(
 
     return FoxgloveGateway(
         graph,
-        on.store,
+        gateway_graph.store,
         settings,
-        find_service_type=on.ask_service_type,
-        find_packages=partial(_packages, on.msg_paths),
+        find_service_type=gateway_graph.ask_service_type,
+        find_packages=partial(_packages, gateway_graph.msg_paths),
         report=report,
         dashboard=dashboard,
     )

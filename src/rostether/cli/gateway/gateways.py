@@ -85,14 +85,14 @@ def ros1_gateway_graph(join: JoinGraph, store: TypeStore, environment: RosEnviro
     )
 
 
-async def joined_as(on: GatewayGraph, naming: NodeNaming, name: str, report: Report) -> Graph:
+async def joined_as(gateway_graph: GatewayGraph, naming: NodeNaming, name: str, report: Report) -> Graph:
     """Join as soon as there is a master. Raises GraphError if another node has the name."""
 
     async def join(
         node_name: str, *, namespace: str = "/", remappings: Mapping[str, str] | None = None
     ) -> Graph:
-        await check_free(node_name, namespace, on.is_live)
-        return await on.join(node_name, namespace=namespace, remappings=remappings)
+        await check_free(node_name, namespace, gateway_graph.is_live)
+        return await gateway_graph.join(node_name, namespace=namespace, remappings=remappings)
 
     in_its_namespace = partial(join, namespace=naming.namespace, remappings=naming.remappings)
     return await join_with_retries(in_its_namespace, name, report)

@@ -113,7 +113,7 @@ async def _opened(
 @asynccontextmanager
 async def rosbridge_gateway(
     options: GatewayOptions,
-    on: GatewayGraph,
+    gateway_graph: GatewayGraph,
     report: Report,
     naming: NodeNaming | None = None,
     remote_option: str = "--rosbridge 0.0.0.0:{port}",
@@ -139,42 +139,49 @@ async def rosbridge_gateway(
         certificate=encryption.certificate,
         key=encryption.key,
     )
-    graph = await joined_as(on, naming, naming.name_for(ROSBRIDGE_NODE, port, DEFAULT_PORT), report)
-    async with closed_at_end(graph), rosbridge_server(graph, on, settings, report, remote_option) as server:
+    graph = await joined_as(
+        gateway_graph, naming, naming.name_for(ROSBRIDGE_NODE, port, DEFAULT_PORT), report
+    )
+    async with (
+        closed_at_end(graph),
+        rosbridge_server(graph, gateway_graph, settings, report, remote_option) as server,
+    ):
         yield server
 
 
 @asynccontextmanager
 async def rosbridge_server(
-    graph: Graph, on: GatewayGraph, settings: RosbridgeSettings, report: Report, remote_option: str
+    graph: Graph, gateway_graph: GatewayGraph, settings: RosbridgeSettings, report: Report, remote_option: str
 ) -> AsyncIterator[RosbridgeServer]:
     """Run a rosbridge server on a node, and report its address; see `rosbridge_gateway`."""
     from rostether.gateways.rosbridge.rosapi.rosapi import Rosapi, offering_rosapi
     from rostether.gateways.rosbridge.server import RosbridgeServer
     from rostether.gateways.rosbridge.values import Style
 
-    style = Style.ROS2 if on.is_ros2 else Style.ROS1
+    style = Style.ROS2 if gateway_graph.is_ros2 else Style.ROS1
     rosapi = Rosapi(
         graph,
-        on.store,
+        gateway_graph.store,
         style=style,
         settings=settings,
-        ask_type=on.ask_service_type,
-        ask_host=on.ask_service_host,
+        ask_type=gateway_graph.ask_service_type,
+        ask_host=gateway_graph.ask_service_host,
     )
     server = RosbridgeServer(
         graph,
-        on.store,
+        gateway_graph.store,
         settings,
         style=style,
-        ask_service_type=on.ask_service_type,
+        ask_service_type=gateway_graph.ask_service_type,
         local_services=rosapi,
         report=report,
     )
     async with AsyncExitStack() as stack:
         stack.push_async_callback(server.close)
         try:
-            await stack.enter_async_context(offering_rosapi(rosapi, on.join, graph, on.is_live))
+            await stack.enter_async_context(
+                offering_rosapi(rosapi, gateway_graph.join, graph, gateway_graph.is_live)
+            )
         except (DefinitionError, GraphError) as error:
             # The server itself answers its clients' calls of rosapi's services.
             report(Level.INFO, f"rosbridge: only its own clients can call rosapi's services: {error}")
@@ -216,8 +223,10 @@ async def _main(graph: TypedGraph, arguments: Arguments, gateways: GatewayOption
     settings = replace(read_settings(parameters, gateways.token), origins=gateways.origins)
     reporter = ConsoleReporter()
     environment = node_environment(arguments)
-    on = ros1_gateway_graph(ros1_join(environment), graph.store, environment)
-    async with rosbridge_server(graph.raw, on, settings, reporter.report, "address 0.0.0.0") as server:
+    gateway_graph = ros1_gateway_graph(ros1_join(environment), graph.store, environment)
+    async with rosbridge_server(
+        graph.raw, gateway_graph, settings, reporter.report, "address 0.0.0.0"
+    ) as server:
         await graph.raw.set_param("~actual_port", server.port)
         await graph.raw.wait_closed()
 
@@ -286,13 +295,13 @@ async def _run_rosapi(graph: TypedGraph, arguments: Arguments) -> None:
     from rostether.gateways.rosbridge.rosapi.rosapi import Rosapi
 
     environment = node_environment(arguments)
-    on = ros1_gateway_graph(ros1_join(environment), graph.store, environment)
+    gateway_graph = ros1_gateway_graph(ros1_join(environment), graph.store, environment)
     rosapi = Rosapi(
         graph.raw,
-        on.store,
+        gateway_graph.store,
         settings=read_settings(await node_parameters(graph, arguments.rest)),
-        ask_type=on.ask_service_type,
-        ask_host=on.ask_service_host,
+        ask_type=gateway_graph.ask_service_type,
+        ask_host=gateway_graph.ask_service_host,
     )
     await rosapi.offer(graph.raw)
     await graph.raw.wait_closed()

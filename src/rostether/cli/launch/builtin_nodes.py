@@ -118,7 +118,7 @@ _PROGRAMS = {("xacro", "xacro"): ("xacro",)}
 
 def builtin_nodes() -> dict[tuple[str, str], list[str]]:
     """Map (package, type) of the built-in nodes to whole command lines, without the node's arguments."""
-    return {node: own_command(*words) for node, words in BUILTIN_NODES.items() if _exists(words)}
+    return {node: own_command(*words) for node, words in BUILTIN_NODES.items() if _is_command(words)}
 
 
 def replacement_line(package: str, environ: Mapping[str, str], *, in_terminal: bool = False) -> str | None:
@@ -145,11 +145,11 @@ def view_command(package: str, arguments: Sequence[str], *, in_terminal: bool = 
 def window_view(package: str, arguments: Sequence[str]) -> tuple[str, list[str]]:
     """Return the dashboard's panel for a window of rviz or rqt, and its contents from the arguments."""
     panel, _ = _WINDOWS.get(package, _OTHER_WINDOW)
+    if not panel:
+        return panel, []
     if panel == "scene":
         return panel, _rviz_file(arguments)
-    return panel, [
-        each for each in arguments if ":=" not in each and not each.startswith("-")
-    ] if panel else []
+    return panel, [each for each in arguments if ":=" not in each and not each.startswith("-")]
 
 
 def _rviz_file(arguments: Sequence[str]) -> list[str]:
@@ -182,7 +182,7 @@ def window_program(package: str, name: str, environ: Mapping[str, str]) -> Path 
     return None
 
 
-def _exists(words: tuple[str, ...]) -> bool:
+def _is_command(words: tuple[str, ...]) -> bool:
     from rostether.cli.role.group import ROLES
     from rostether.cli.verb_table import VERBS
 

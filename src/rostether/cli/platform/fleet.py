@@ -83,7 +83,7 @@ class DriveOptions:
         default=0.3,
         show_default=True,
     )
-    direction: float = option(
+    direction_deg: float = option(
         "--direction",
         "The direction in degrees: 0 is forward, 90 right, 180 back.",
         type=NumberRange(-180, 180),
@@ -116,7 +116,7 @@ def drive(options: DriveOptions, fleet: FleetSettings) -> int:
     if sum(targets) != 1:
         raise click.UsageError("give one of ROBOT, --groups or --all")
     settings = for_robot(fleet, options.robot)
-    payload = struct.pack("<dd", options.direction, options.speed)
+    payload = struct.pack("<dd", options.direction_deg, options.speed)
     return run(_drive(settings, payload, options.duration_s or float("inf")))
 
 

@@ -60,7 +60,7 @@ class PlotOptions:
         "unit); may be repeated.",
         multiple=True,
     )
-    is_clock: bool = flag("--clock", "Mark the times with the time of day, not with seconds.")
+    shows_time_of_day: bool = flag("--clock", "Mark the times with the time of day, not with seconds.")
     msg_paths: tuple[Path, ...] = shared(msg_path_option, ())
 
 
@@ -130,7 +130,7 @@ class PlotSession:
 
             since_s = self._last_s - self._options.window_s if self._options.window_s else 0.0
             curves = self._with_scales(self._curves.curves(since_s))
-            labels = Labels(self._options.title or "", self._begin_unix_s, self._options.is_clock)
+            labels = Labels(self._options.title or "", self._begin_unix_s, self._options.shows_time_of_day)
             save(file, encode(draw_plot(curves, labels), picture_format(file)))
             write_line(
                 f"{file}: {counted(len(curves), 'curve')}, "
@@ -173,7 +173,7 @@ class PlotSession:
         window_s = self._options.window_s or whole_s or DEFAULT_WINDOW_S
         end_s = max(self._last_s, window_s)
         x_axis = Axis(end_s - window_s, end_s)
-        begin_s = self._begin_unix_s if self._options.is_clock else None
+        begin_s = self._begin_unix_s if self._options.shows_time_of_day else None
         curves = self._with_scales(self._curves.curves(x_axis.low))
         return plot_lines(curves, columns, rows - 1, x_axis, begin_s)
 

@@ -78,7 +78,7 @@ class Ros1TopicListing:
             for node in nodes:
                 write_line(escape_line(f" * {node} ({uris[node] or f'unknown address {node}'})"))
             write_line()
-        # rostopic ends with one line more.
+        # As in rostopic, the output ends with two empty lines.
         write_line()
 
     def type_of(self, topic: str, msg_paths: tuple[Path, ...]) -> None:

@@ -12,7 +12,7 @@ from msgspec import Meta, Struct, field
 # Subscriptions, channels or names in one message; a large system has a few thousand topics.
 MAX_ITEMS = 4096
 
-# The limit of a name, an encoding or an id; ROS names have less than 256 characters.
+# The limit of a name, an encoding or an id; ROS names have fewer than 256 characters.
 MAX_TEXT_CHARACTERS = 4096
 
 # Seconds of a recording: a century.

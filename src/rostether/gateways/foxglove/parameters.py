@@ -148,7 +148,7 @@ class Parameters:
 
 
 class _Watched:
-    """One watched parameter."""
+    """A parameter that is watched once for all clients, and its latest value."""
 
     def __init__(self, name: str) -> None:
         self.listeners: list[Callable[[dict[str, Any]], None]] = []

@@ -59,7 +59,7 @@ class Defragmenter:
             raise RemoteProtocolError(
                 f"fragment: num counts from 0 and stays below total, which is {MAX_FRAGMENTS} at most"
             )
-        # A message that continues is the newest.
+        # A message becomes the newest with each of its fragments.
         known = self._unfinished.get(message_id)
         if known is not None and known.total != total:
             self._forget(message_id)

@@ -47,7 +47,7 @@ class Request:
         found = self.fields.get("id")
         if isinstance(found, str):
             self._check_length("id", found)
-        # Python's JSON reader accepts NaN, and would write invalid JSON.
+        # Python's json reads NaN, which would make the answer invalid JSON.
         is_valid = isinstance(found, str | int) or (isinstance(found, float) and math.isfinite(found))
         return found if is_valid else None
 

@@ -47,9 +47,9 @@ def message_payload(codec: Codec, value: object, now: Time) -> bytes:
 class _MisfitError(Exception):
     """A value does not fit; the path to it is completed while the exception propagates."""
 
-    def __init__(self, wanted: str, got: object) -> None:
+    def __init__(self, wanted: str, got: object, path: str = "") -> None:
         super().__init__(wanted)
-        self.path = ""
+        self.path = path
         self._wanted = wanted
         self._got = got
 
@@ -59,10 +59,20 @@ class _MisfitError(Exception):
 
     def message(self, type_name: str) -> str:
         """Return the whole error in one line."""
-        if not self._wanted:
-            return f"{type_name} has no field {self.path}; {self._got}"
         where = f" for field {self.path}" if self.path else ""
         return f"{type_name} needs {self._wanted}{where}, got {_show(self._got)}"
+
+
+class _UnknownFieldError(_MisfitError):
+    """An object has a field that its type does not have; `known` lists the type's fields for the error."""
+
+    def __init__(self, name: str, known: str) -> None:
+        super().__init__(known, name, path=name[:_MAX_SHOWN])
+        self._known = known
+
+    def message(self, type_name: str) -> str:
+        """Return the whole error in one line."""
+        return f"{type_name} has no field {self.path}; it has {self._known}"
 
 
 class _Reader:
@@ -172,10 +182,7 @@ def _refuse_unknown(tree: Struct, value: Mapping[Any, Any]) -> None:
     for name in value:
         # Pages written for ROS 1 send `seq` in headers, which ROS 2 does not have.
         if name not in known and not (name == "seq" and tree.name == HEADER):
-            has = f"it has {', '.join(known)}" if known else "it has no fields"
-            misfit = _MisfitError("", has)
-            misfit.within(str(name)[:_MAX_SHOWN])
-            raise misfit
+            raise _UnknownFieldError(str(name), ", ".join(known) or "no fields")
 
 
 def _number(node: Number, value: Any) -> bool | int | float:
@@ -208,14 +215,10 @@ def _stamp(node: Stamp, value: Any, now: Time) -> Time | Duration:
         if type(part) is float and part.is_integer():
             part = int(part)
         if type(part) is not int:
-            misfit = _MisfitError("an integer", part)
-            misfit.within(str(name))
-            raise misfit
+            raise _MisfitError("an integer", part, path=str(name))
         parts.append(part)
     if left:
-        misfit = _MisfitError("", "it has secs and nsecs, or sec and nanosec")
-        misfit.within(str(left.pop())[:_MAX_SHOWN])
-        raise misfit
+        raise _UnknownFieldError(str(left.pop()), "secs and nsecs, or sec and nanosec")
     return kind(*parts)
 
 

@@ -47,7 +47,7 @@ class Ros2Field(Struct, frozen=True):
 
 
 class Ros2Constant(Struct, frozen=True):
-    """One constant."""
+    """One constant and its parsed value."""
 
     type: str
     name: str
@@ -95,7 +95,7 @@ class Ros2Service(Struct, frozen=True):
 
 
 class Ros2Action(Struct, frozen=True):
-    """One action definition."""
+    """One action definition: the messages of its goal, result and feedback."""
 
     package: str
     name: str

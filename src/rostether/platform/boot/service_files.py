@@ -84,7 +84,7 @@ def path_below(root: Path | None, path: Path) -> Path:
 def unit_text(installation: Installation) -> str:
     """Return the systemd unit. Raises ConfigError for a path with unprintable characters.
 
-    Source: systemd.service(5). It does not wait for the network: every part waits for what it needs.
+    Source: systemd.service(5). The unit does not wait for the network: every part waits for what it needs.
     """
     words = [*installation.program, "up", str(installation.robot_file)]
     lines = [

@@ -90,7 +90,7 @@ async def publish_battery(
 ) -> None:
     """Publish a battery as a sensor until cancelled; `supply` None is the first one. Raises GraphError.
 
-    It is in alert while it discharges below `alert_below`, a fraction of 1.
+    The sensor is in alert while the battery discharges below `alert_below`, a fraction of 1.
     """
     async with registered_sensor(graph, description, report) as sensor:
 

@@ -54,8 +54,8 @@ def _chosen(codec: Codec, path: str) -> Iterator[Column]:
         found = [
             column
             for column in _below(codec.tree, "", ())
-            if fnmatchcase(_plain(column.name), _plain(path))
-            or fnmatchcase(_plain(column.name), f"{_plain(path)}.*")
+            if fnmatchcase(_without_brackets(column.name), _without_brackets(path))
+            or fnmatchcase(_without_brackets(column.name), f"{_without_brackets(path)}.*")
         ]
         if not found:
             known = ", ".join(column.name for column in _below(codec.tree, "", ()))
@@ -64,11 +64,11 @@ def _chosen(codec: Codec, path: str) -> Iterator[Column]:
         return
     field = FieldPath(codec, path.replace(".", "/"))
     node, lists = _end_of(codec.tree, path)
-    yield from _spread(node, path, lambda message: _given(field, message), lists)
+    yield from _spread(node, path, lambda message: _read_or_none(field, message), lists)
 
 
-def _plain(name: str) -> str:
-    """Return a name with brackets escaped for `fnmatch`."""
+def _without_brackets(name: str) -> str:
+    """Return a name with other characters for the brackets, which `fnmatch` would interpret."""
     return name.replace("[", "<").replace("]", ">")
 
 
@@ -87,7 +87,7 @@ def _end_of(tree: Struct, path: str) -> tuple[Node, int]:
     return node, lists
 
 
-def _given(field: FieldPath, message: Any) -> Any:
+def _read_or_none(field: FieldPath, message: Any) -> Any:
     try:
         return field.read(message)
     except SerializationError:  # an array that is shorter this time

@@ -38,6 +38,7 @@ class ParameterApi:
         """Set a parameter or a tree."""
         name = resolve(key, caller_id)
         steps = self._parameters.set_steps(name, value)
+        # Only a large value needs more than one step.
         for _ in steps:
             return self._set_large_param(steps, name, value, caller_id)
         return self._finish_set(name, value, caller_id)
@@ -61,6 +62,7 @@ class ParameterApi:
         name = resolve(key, caller_id)
         steps = self._parameters.delete_steps(name)
         try:
+            # As in `set_param`.
             for _ in steps:
                 return self._delete_large_param(steps, name, caller_id)
         except UnknownNameError:

@@ -64,7 +64,7 @@ async def join_ros1(
 
 
 class Ros1Graph(NodeMembership):
-    """A `graph.ports.Graph`; created by `join_ros1`."""
+    """Implements `graph.ports.Graph`; created by `join_ros1`."""
 
     def __init__(
         self,

@@ -105,7 +105,7 @@ class ParameterWatches:
 
 
 class ParameterWatch:
-    """A `graph.ports.Watch`."""
+    """Implements `graph.ports.Watch`."""
 
     def __init__(self, watches: ParameterWatches, name: str, on_change: Callable[[ParamValue], None]) -> None:
         self.name = name

@@ -22,7 +22,10 @@ CALLER_FIELDS: ContextVar[Mapping[str, str]] = ContextVar("CALLER_FIELDS")
 
 
 class ServiceServer:
-    """A `graph.ports.ServiceServer`; it handles the calls of one client in order, of several concurrently."""
+    """Implements `graph.ports.ServiceServer`.
+
+    The calls of one client are handled in order, those of several clients concurrently.
+    """
 
     def __init__(
         self,

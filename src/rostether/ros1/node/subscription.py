@@ -17,7 +17,7 @@ from rostether.tcpros.handshake import check_publisher, subscriber_fields, type_
 
 
 class Subscription:
-    """A `graph.ports.Subscriber`; `own_uri` is the URI of this node.
+    """Implements `graph.ports.Subscriber`; `own_uri` is the URI of this node.
 
     Each has its own connections, even if one node subscribes to a topic twice: so each can pause, and each
     new one receives the latched message.

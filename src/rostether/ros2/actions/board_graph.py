@@ -64,7 +64,7 @@ class BoardJoin:
 
 
 class _Topics(Struct):
-    """The topics of one action: the handler of cancels, and the action once the board subscribes to goals."""
+    """The topics of one action; `action` is None until the board subscribes to goals."""
 
     on_cancels: OnMessages | None = None
     action: BoardAction | None = None
@@ -141,7 +141,7 @@ class _BoardGraph:
         )
         await topics.close()
         action.on_goals, action.on_cancels = on_goals, topics.on_cancels
-        # The board may subscribe to cancels while the action is opened.
+        # The board may subscribe to cancel requests while the action is opened.
         topics.action = action
         try:
             topics.node = await session.join(f"{self._graph.node_name.strip('/').replace('/', '_')}_actions")
@@ -187,7 +187,7 @@ class _ActionPublisher:
 
 
 class _ActionSubscriber:
-    """The board's subscription to goals or cancels."""
+    """The board's subscription to goals or cancel requests."""
 
     publisher_count = 1
 

@@ -20,7 +20,7 @@ MAX_PARAMETERS = 4096
 # The limit of names that were requested but not set; line noise can produce any number of names.
 MAX_ASKED_NAMES = 256
 
-# Real names have less than 100 characters.
+# Real names have fewer than 100 characters.
 MAX_NAME_CHARACTERS = 256
 
 # Parameters that every node has; their type is fixed, and they cannot be deleted.

@@ -78,7 +78,7 @@ class ParameterWatches:
 
 
 class ParameterWatch:
-    """A `graph.ports.Watch`."""
+    """Implements `graph.ports.Watch`."""
 
     def __init__(
         self,

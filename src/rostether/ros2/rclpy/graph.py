@@ -24,7 +24,7 @@ from rostether.rostime import Time
 
 
 class RclpyGraph(Ros2Membership):
-    """A `graph.ports.Graph`; made by `RclpyContext.join`."""
+    """Implements `graph.ports.Graph`; made by `RclpyContext.join`."""
 
     def __init__(
         self,

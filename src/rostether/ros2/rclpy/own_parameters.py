@@ -14,7 +14,7 @@ from rostether.ros2.rclpy.own_node import OwnNode
 
 
 class RclpyParameters:
-    """A `parameters.store.OwnParameters`."""
+    """Implements `parameters.store.OwnParameters`."""
 
     def __init__(self, own: OwnNode) -> None:
         self._own = own

@@ -110,8 +110,8 @@ class Publication:
     async def drained(self, timeout_s: float) -> None:
         """Wait until reliable subscribers have received everything, `timeout_s` at most.
 
-        A publisher may know a subscriber that does not know it yet. Such a subscriber drops messages, and the
-        middleware sends them again.
+        A publisher may have discovered a subscriber before the subscriber discovers the publisher. Until then
+        the subscriber drops messages, and the middleware sends them again.
         """
         deadline_s = time.monotonic() + timeout_s
         # The middleware does not report acknowledgements; polling is cheap.

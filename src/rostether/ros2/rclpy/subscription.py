@@ -45,7 +45,7 @@ _GID_BYTES = 16
 
 
 class RclpySubscriber:
-    """A `graph.ports.Subscriber`. `open`, `adapt` and `end` run in the executor's thread."""
+    """Implements `graph.ports.Subscriber`. `open`, `adapt` and `end` run in the executor's thread."""
 
     def __init__(
         self,

@@ -36,7 +36,7 @@ class Mismatches:
         if end.type != self._type_name:
             other = type_of_dds_name(end.type) or end.type
             return (
-                f"{node} {verb} {self._topic} as {other:.200}, this node uses {self._support.name},"
+                f"{node} {verb} {self._topic} as {other:.200}, but this node uses {self._support.name},"
                 " so they do not connect; make both use the same type"
             )
         return (

@@ -46,7 +46,7 @@ _log = logging.getLogger("rostether.ros2")
 
 
 class ZenohGraph(Ros2Membership):
-    """A `graph.ports.Graph`; made by `ZenohSession.join`."""
+    """Implements `graph.ports.Graph`; made by `ZenohSession.join`."""
 
     def __init__(
         self,

@@ -37,7 +37,7 @@ _log = logging.getLogger("rostether.ros2")
 
 
 class ServiceServer:
-    """A `graph.ports.ServiceServer`; calls run concurrently."""
+    """Implements `graph.ports.ServiceServer`; calls run concurrently."""
 
     def __init__(
         self,

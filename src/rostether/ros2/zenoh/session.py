@@ -56,7 +56,7 @@ ACCESS_CHECK_AFTER_S = 1.0
 
 LINK_POLL_S = 0.005
 
-# The interval at which a graph of ROS 1 asks its master. A check takes microseconds.
+# The interval of checks whether a router is connected; each takes microseconds.
 _CHECK_S = 1.0
 
 _log = logging.getLogger("rostether.ros2")

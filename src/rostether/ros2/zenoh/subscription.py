@@ -44,7 +44,10 @@ class Receiver(Struct, frozen=True):
 
 
 class Subscription:
-    """A `graph.ports.Subscriber`. Without a type it accepts every type, learned from tokens and samples."""
+    """Implements `graph.ports.Subscriber`.
+
+    Without a type it accepts every type, learned from tokens and samples.
+    """
 
     def __init__(
         self,

@@ -37,7 +37,7 @@ class BagMessageWithConnectionHeader(NamedTuple):
 
 
 class TopicTuple(NamedTuple):
-    """One topic; `frequency` in Hz is None for less than two messages."""
+    """One topic; `frequency` in Hz is None for fewer than two messages."""
 
     msg_type: str
     message_count: int

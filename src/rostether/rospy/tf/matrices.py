@@ -93,8 +93,10 @@ def rotation_from_matrix(matrix: Any) -> tuple[float, Any, Any]:
         raise ValueError("the matrix is not a rotation")
     # The axis is the direction that does not change.
     axis = np.linalg.svd(linear - np.identity(3))[2][2]
-    turned = np.array([linear[2, 1] - linear[1, 2], linear[0, 2] - linear[2, 0], linear[1, 0] - linear[0, 1]])
-    angle = math.atan2(turned @ axis / 2.0, (np.trace(linear) - 1.0) / 2.0)
+    skew_part = np.array(
+        [linear[2, 1] - linear[1, 2], linear[0, 2] - linear[2, 0], linear[1, 0] - linear[0, 1]]
+    )
+    angle = math.atan2(skew_part @ axis / 2.0, (np.trace(linear) - 1.0) / 2.0)
     point = np.linalg.lstsq(np.identity(3) - linear, translation, rcond=TOLERANCE)[0]
     return angle, axis, homogeneous(point)
 

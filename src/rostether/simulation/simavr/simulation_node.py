@@ -125,9 +125,9 @@ class SimulationNode:
                 "mcu": self._board.mcu,
                 "pins": pins,
                 "servos": self._servos,
-                "words": self._last_values,
+                "values": self._last_values,
                 "commands": sorted(self._board.commands),
-                "most_volts": self._max_volts,
+                "max_volts": self._max_volts,
                 "error": self._error,
             }
         )

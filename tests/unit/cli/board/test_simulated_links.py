@@ -100,8 +100,8 @@ async def _use_node(graph: TypedGraph) -> None:
     command = await graph.publisher("/volt_meter_simulation/command", "std_msgs/String")
     assert await command.wait_for_subscriber(60)
     reported: list[tuple[str, Callable[[Any], bool]]] = [
-        ("adc A0=1.25 A1=5", lambda state: state["words"]["adc"] == {"A0": "1.25", "A1": "5"}),
-        ("range 0.5", lambda state: state["words"]["range"] == "0.5" and state["pins"]["D6"] != "out1"),
+        ("adc A0=1.25 A1=5", lambda state: state["values"]["adc"] == {"A0": "1.25", "A1": "5"}),
+        ("range 0.5", lambda state: state["values"]["range"] == "0.5" and state["pins"]["D6"] != "out1"),
         ("pin D7=1", lambda state: state["pins"]["D7"] == "in1"),
         ("fault flip=2", lambda state: "fault flip=2" in state["error"]),
         ("quit", lambda state: "'quit' is not one of adc" in state["error"]),

@@ -158,7 +158,7 @@ function GraphPanel({ context }: { context: PanelContext }) {
   );
 }
 
-/** Zooms with two fingers; the place between them stays below them. */
+/** Zooms with two fingers; the point between them stays there. */
 function usePinch(
   host: { readonly current: HTMLDivElement | null },
   scroll: { readonly current: HTMLDivElement | null },
@@ -184,11 +184,11 @@ function usePinch(
         const { left, top } = element.getBoundingClientRect();
         const x = (one.clientX + two.clientX) / 2 - left;
         const y = (one.clientY + two.clientY) / 2 - top;
-        const place = [(element.scrollLeft + x) / zoom, (element.scrollTop + y) / zoom] as const;
+        const point = [(element.scrollLeft + x) / zoom, (element.scrollTop + y) / zoom] as const;
         change((zoom * distance) / before);
         requestAnimationFrame(() => {
-          element.scrollLeft = place[0] * current.current.zoom - x;
-          element.scrollTop = place[1] * current.current.zoom - y;
+          element.scrollLeft = point[0] * current.current.zoom - x;
+          element.scrollTop = point[1] * current.current.zoom - y;
         });
       }
       before = distance;

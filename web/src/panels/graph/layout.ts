@@ -224,7 +224,7 @@ function draw({ nodes, topics, pairs }: Boxes, boxHeight: number, look: Look): D
   return { isVertical, boxes: [...boxes.values()], edges, width: width + 12, height: height + 12 };
 }
 
-/** Moves the ends of an edge to the middle of a side; dagre uses any place on the border. */
+/** Moves the ends of an edge to the middle of a side; dagre uses any point on the border. */
 function fromSideToSide(points: Edge["points"], from: Box, to: Box, isVertical: boolean): Edge["points"] {
   // An edge against the reading direction leaves to the left, or upwards.
   if (isVertical) {

@@ -44,8 +44,8 @@ function MapPanel({ context }: { context: PanelContext }) {
         const { feed, close } = context.subscribe(topic.name, () => {
           const fix = feed.lastValid() as unknown as Fix | undefined;
           if (!fix) return;
-          const isPlace = Math.abs(fix.latitude) <= 90 && Math.abs(fix.longitude) <= 180;
-          const found = fix.status.status !== NO_FIX && isPlace;
+          const isOnEarth = Math.abs(fix.latitude) <= 90 && Math.abs(fix.longitude) <= 180;
+          const found = fix.status.status !== NO_FIX && isOnEarth;
           if (found === withoutFix.has(topic.name)) {
             if (found) withoutFix.delete(topic.name);
             else withoutFix.add(topic.name);

@@ -112,7 +112,7 @@ export class SceneStage {
   private model: RobotModel | undefined;
   private treeVersion = -1;
   private drawnTheme: Theme | undefined;
-  /** The box around the origin and all places of frames. */
+  /** The box around the origin and all positions of frames. */
   private readonly visited = new Box3();
   private ticksToFit = 0;
   private hasMoved = false;
@@ -211,12 +211,12 @@ export class SceneStage {
   private extent(): Box3 {
     const robot = this.view.boundsOf(ROBOT);
     const marginM = robot.isEmpty() ? MARGIN_M : 0.02;
-    for (const place of this.framePlaces()) this.visited.expandByPoint(new Vector3(...place));
+    for (const position of this.framePositions()) this.visited.expandByPoint(new Vector3(...position));
     return this.visited.clone().union(robot).expandByScalar(marginM);
   }
 
   /** Where the frames are in the fixed frame, without those that are too far away for one picture. */
-  private framePlaces(): Vec3[] {
+  private framePositions(): Vec3[] {
     return this.tf.frames().flatMap((frame) => {
       const found = this.tf.lookup(this.view.fixedFrame, frame);
       if (typeof found === "string" || Math.hypot(...found.transform.translation) > MAX_DISTANCE_M) return [];
@@ -226,7 +226,9 @@ export class SceneStage {
 
   /** Whether a robot drove out of the picture. */
   private hasLeftPicture(): boolean {
-    return !this.settings.followedFrame && this.framePlaces().some((place) => !this.view.shows(place));
+    return (
+      !this.settings.followedFrame && this.framePositions().some((position) => !this.view.shows(position))
+    );
   }
 
   private drawable(): string[] {

@@ -17,7 +17,7 @@ export interface BoardState {
   /** Degrees by pin. */
   servos: Record<string, number>;
   /** The last value of each command, such as `range`: `0.5`. */
-  words: Record<string, string>;
+  values: Record<string, string>;
   volts: Record<string, number>;
   /** Pins that are driven from outside: 0 or 1. */
   driven: Record<string, number>;
@@ -28,7 +28,7 @@ export interface BoardState {
   error: string;
 }
 
-/** Whether a pin has its place in the drawing: D13 and A0. */
+/** Whether a pin has a number, such as D13 and A0; the others are not in the drawing. */
 export function isNumbered(name: string): boolean {
   return /^[AD]\d+$/.test(name);
 }
@@ -51,7 +51,7 @@ export function readBoardState(text: unknown): BoardState | undefined {
   } catch {
     return undefined;
   }
-  const words = asRecord(state.words);
+  const values = asRecord(state.values);
   const pins: Pin[] = [];
   for (const [name, value] of Object.entries(asRecord(state.pins))) {
     const match = PIN.exec(String(value));
@@ -65,13 +65,13 @@ export function readBoardState(text: unknown): BoardState | undefined {
     mcu: String(state.mcu),
     pins,
     servos: numbers(state.servos),
-    words: Object.fromEntries(
-      Object.entries(words).filter(([, value]) => typeof value === "string"),
+    values: Object.fromEntries(
+      Object.entries(values).filter(([, value]) => typeof value === "string"),
     ) as Record<string, string>,
-    volts: numbers(words.adc),
-    driven: numbers(words.pin),
+    volts: numbers(values.adc),
+    driven: numbers(values.pin),
     commands: Array.isArray(state.commands) ? state.commands.map(String) : [],
-    maxVolts: Number(state.most_volts) || 5,
+    maxVolts: Number(state.max_volts) || 5,
     error: String(state.error ?? ""),
   };
 }

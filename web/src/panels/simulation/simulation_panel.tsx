@@ -145,7 +145,7 @@ function NamedPins(props: {
 }
 
 function Obstacle({ state, send, slide }: { state: BoardState; send: SendLine; slide: SendLine }) {
-  const meters = Number.parseFloat(state.words.range ?? "");
+  const meters = Number.parseFloat(state.values.range ?? "");
   const isThere = Number.isFinite(meters);
   return (
     <div class="simulation-row">
@@ -171,7 +171,7 @@ function Obstacle({ state, send, slide }: { state: BoardState; send: SendLine; s
 
 function Battery({ state, slide }: { state: BoardState; slide: SendLine }) {
   if (!state.commands.includes("battery")) return null;
-  const volts = Number.parseFloat(state.words.battery ?? "") || FULL_BATTERY_V;
+  const volts = Number.parseFloat(state.values.battery ?? "") || FULL_BATTERY_V;
   return (
     <div class="simulation-row">
       <span>{t.battery}</span>
@@ -239,8 +239,8 @@ function Slider(props: {
 }
 
 function Line({ state, send }: { state: BoardState; send: SendLine }) {
-  const fault = state.words.fault ?? "none";
-  const isOff = state.words.power === "off";
+  const fault = state.values.fault ?? "none";
+  const isOff = state.values.power === "off";
   const has = (word: string) => state.commands.includes(word);
   const choices = FAULTS.includes(fault) ? FAULTS : [...FAULTS, fault];
   return (
