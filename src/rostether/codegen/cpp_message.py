@@ -37,7 +37,7 @@ _STATIC_TYPES = {"float32": "float", "float64": "double", "string": "const char*
 
 # Sketches assign arrays of float and of double to a float64[]; this class accepts both.
 _SEQUENCE_POINTERS = {"float64": "ros::Float64Pointer"}
-# Their elements are not aligned in the receive buffer.
+# The elements of these sequences are not aligned in the receive buffer.
 _SEQUENCES_OF_64_BITS = frozenset({"int64", "uint64"})
 
 

@@ -16,22 +16,22 @@ import struct
 from rostether.errors import RemoteProtocolError
 from rostether.platform.command_frame import Flags, decode_frame
 
-_PLACE = struct.Struct("!16sH")
+_TARGET = struct.Struct("!16sH")
 
 
 def encode_forward(address: str, port: int, query: bytes) -> bytes:
     """Return the payload. Raises ValueError for an address that is not numeric."""
     parsed = ipaddress.ip_address(address)
     mapped = parsed if parsed.version == 6 else ipaddress.IPv6Address(f"::ffff:{parsed}")
-    return _PLACE.pack(mapped.packed, port) + query
+    return _TARGET.pack(mapped.packed, port) + query
 
 
 def decode_forward(payload: bytes, key: bytes) -> tuple[str, int, bytes]:
     """Return address, port and query. Raises RemoteProtocolError for anything that is not a query."""
-    if len(payload) < _PLACE.size:
+    if len(payload) < _TARGET.size:
         raise RemoteProtocolError(f"{len(payload)} bytes are not an address and a query to forward")
-    packed, port = _PLACE.unpack_from(payload)
-    query = payload[_PLACE.size :]
+    packed, port = _TARGET.unpack_from(payload)
+    query = payload[_TARGET.size :]
     # A robot sends nothing else for others: no command, and no bytes of their choice.
     if decode_frame(query, key).flags & ~Flags.TO_GROUPS != Flags.QUERY:
         raise RemoteProtocolError("only queries are forwarded")

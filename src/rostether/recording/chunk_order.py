@@ -67,14 +67,14 @@ def in_order(
 
     `chunks` are sorted by their first times. Raises the errors of `unpack` and its iterator.
     """
-    heap: list[tuple[int, int, _Open]] = []
-    opened: dict[int, _Open] = {}
+    heap: list[tuple[int, int, _ChunkCursor]] = []
+    opened: dict[int, _ChunkCursor] = {}
     open_bytes = 0
     following = 0
     min_ns, max_ns = -1 if start_ns is None else start_ns, 1 << 64 if end_ns is None else end_ns
     while True:
         while following < len(chunks) and (not heap or chunks[following].start_ns <= heap[0][0]):
-            chunk = _Open(chunks[following], unpack, min_ns, max_ns)
+            chunk = _ChunkCursor(chunks[following], unpack, min_ns, max_ns)
             if chunk.advance():
                 heappush(heap, (chunk.time_ns, following, chunk))
                 opened[following] = chunk
@@ -105,7 +105,7 @@ def in_order(
             open_bytes -= chunk.held_bytes
 
 
-def _close_except(opened: dict[int, _Open], kept: int) -> int:
+def _close_except(opened: dict[int, _ChunkCursor], kept: int) -> int:
     """Close all chunks except one; return the number of bytes freed."""
     freed = 0
     for rank in [each for each in opened if each != kept]:
@@ -115,7 +115,7 @@ def _close_except(opened: dict[int, _Open], kept: int) -> int:
     return freed
 
 
-class _Open:
+class _ChunkCursor:
     """A cursor over the messages of a chunk; `time_ns` is the time of the next one."""
 
     __slots__ = (

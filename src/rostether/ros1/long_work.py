@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from time import monotonic
 
 # Each piece of long work holds documents of a few MB; each adds one slice to a round of the event loop.
-AT_ONCE = 4
+RUNNING_AT_ONCE = 4
 # All slices of a round together stay below 50 ms.
 SLICE_S = 0.004
 

@@ -15,7 +15,7 @@ from time import monotonic
 from typing import Any, TypeAlias
 
 from rostether.errors import RemoteProtocolError, RostetherError, SerializationError
-from rostether.ros1.long_work import AT_ONCE, SLICE_S, run_in_slices
+from rostether.ros1.long_work import RUNNING_AT_ONCE, SLICE_S, run_in_slices
 from rostether.xmlrpc.document_reader import DocumentReader, load_call
 from rostether.xmlrpc.document_writer import (
     DocumentTooLargeError,
@@ -52,7 +52,7 @@ class MethodTable:
             "system.listMethods": lambda: sorted([*self._methods, _MULTICALL]),
         }
         self._answer_bytes = answer_bytes
-        self._long_work = asyncio.Semaphore(AT_ONCE)
+        self._long_work = asyncio.Semaphore(RUNNING_AT_ONCE)
 
     def answer(self, document: bytes) -> bytes | Awaitable[bytes]:
         """Return the response document, directly if it is small and the method is not a coroutine."""

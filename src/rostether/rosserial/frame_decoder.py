@@ -44,7 +44,7 @@ MAX_SEARCH_S = 1.0
 # 65,536 is valid.
 PROVING_FRAMES = 3
 
-# Each place that looks like the start of a frame costs 2.5 to 6 µs, so this is a tenth of a CPU. A line at
+# Each position that looks like the start of a frame costs 2.5 to 6 µs, so this is a tenth of a CPU. A line at
 # 1 Mbaud delivers at most 14,000 headers per second. A network may deliver more: then, only the end of the
 # bytes is searched, and the rest is counted.
 FALSE_STARTS_PER_S = 20_000

@@ -71,7 +71,7 @@ class Scan(msgspec.Struct):
 
     `controls` are the frames of reserved ids in their order, `groups` all others by id.
     The last `tail_frames` frames follow each other without other bytes between them. `false_starts` counts
-    the places where a frame might have begun, but did not.
+    the positions where a frame might have begun, but did not.
     """
 
     controls: list[tuple[int, list[bytes]]] = field(default_factory=list)
@@ -133,7 +133,7 @@ class FrameScanner:
         After more than `max_false_starts` (None: any number), only its end is searched; the rest is noise.
         """
         result = Scan()
-        discarded = _Discarded(buffer, self._start, max_false_starts)
+        discarded = _DiscardedStretches(buffer, self._start, max_false_starts)
         unfinished = self._cut_frames(buffer, patience, result, discarded)
         result.rest = len(buffer)
         if unfinished is not None and patience is not Patience.NONE:
@@ -144,7 +144,7 @@ class FrameScanner:
         return result
 
     def _cut_frames(  # noqa: PLR0915 - the hot loop: a call costs as much as a small frame
-        self, buffer: bytes, patience: Patience, result: Scan, discarded: _Discarded
+        self, buffer: bytes, patience: Patience, result: Scan, discarded: _DiscardedStretches
     ) -> tuple[int, int] | None:
         """Add the valid frames to the result, and return position and size of an unfinished one, if any."""
         groups = result.groups
@@ -260,10 +260,10 @@ def _split_run(buffer: bytes, position: int, header: bytes, known: _KnownHeader)
     return good
 
 
-class _Discarded:
+class _DiscardedStretches:
     """The stretches between the frames of a buffer, as [start, end, reason], and the cost of the search.
 
-    After more than `max_false_starts` (None: any number) places where no frame begins, only the end of the
+    After more than `max_false_starts` (None: any number) positions where no frame begins, only the end of the
     buffer is searched.
     """
 

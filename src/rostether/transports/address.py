@@ -1,4 +1,4 @@
-"""Link addresses as values: the kind of link, its place and its options; `address_parser` reads them."""
+"""Link addresses as values: the kind of a link, its endpoint and its options; `address_parser` reads them."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ DEFAULT_PORT = 11411
 LOOPBACK = "127.0.0.1"
 
 
-class _Named(Struct, frozen=True, kw_only=True):
+class _NamedAddress(Struct, frozen=True, kw_only=True):
     name: str | None = None
     ns: str | None = None
 
@@ -27,7 +27,7 @@ class _Named(Struct, frozen=True, kw_only=True):
         return False
 
 
-class _Endpoint(_Named, frozen=True):
+class _EndpointAddress(_NamedAddress, frozen=True):
     host: str
     port: int
     connect: bool = False
@@ -37,7 +37,7 @@ class _Endpoint(_Named, frozen=True):
         return not self.connect
 
 
-class _Shared(_Named, frozen=True):
+class _SharedAddress(_NamedAddress, frozen=True):
     @property
     def listens(self) -> bool:
         return True
@@ -59,7 +59,7 @@ class SimulationPauses:
         self.on_pause: Callable[[], None] = lambda: None
 
 
-class SerialAddress(_Named, frozen=True):
+class SerialAddress(_NamedAddress, frozen=True):
     """A serial port or a pseudo-terminal's slave; `reset=False` leaves DTR and RTS alone.
 
     `given` are the options in the address: they override devices.toml. `program` is set if the board is known
@@ -87,7 +87,7 @@ class SerialAddress(_Named, frozen=True):
         return self.path
 
 
-class TcpAddress(_Endpoint, frozen=True):
+class TcpAddress(_EndpointAddress, frozen=True):
     """A TCP port to listen on, or with `connect` one to connect to; `allow` are networks, empty is all.
 
     `psk` is the file of a key that the peer must have; with `tls`, the link is encrypted.
@@ -101,7 +101,7 @@ class TcpAddress(_Endpoint, frozen=True):
         return f"{'tcp' if self.tls is None else 'tls'}://{show_endpoint(self.host, self.port)}"
 
 
-class UdpAddress(_Endpoint, frozen=True):
+class UdpAddress(_EndpointAddress, frozen=True):
     """A UDP port to listen on, or with `connect` one peer; `bind` is then the local port, 0 means any."""
 
     bind: int = 0
@@ -111,7 +111,7 @@ class UdpAddress(_Endpoint, frozen=True):
         return f"udp://{show_endpoint(self.host, self.port)}"
 
 
-class PtyAddress(_Named, frozen=True):
+class PtyAddress(_NamedAddress, frozen=True):
     """A pseudo-terminal to create, with a symbolic link at `link`."""
 
     link: str
@@ -120,7 +120,7 @@ class PtyAddress(_Named, frozen=True):
         return f"pty:{self.link}"
 
 
-class XbeeAddress(_Shared, frozen=True):
+class XbeeAddress(_SharedAddress, frozen=True):
     """An XBee radio's serial port; `peers` are 16-bit or 64-bit addresses served before they send."""
 
     path: str
@@ -131,7 +131,7 @@ class XbeeAddress(_Shared, frozen=True):
         return f"xbee:{self.path}"
 
 
-class SimAddress(_Named, frozen=True):
+class SimAddress(_NamedAddress, frozen=True):
     """A sketch or ELF file to run on a simulated board; `commands` are the board's first commands."""
 
     program: str
@@ -144,7 +144,7 @@ class SimAddress(_Named, frozen=True):
         return f"sim:{self.program}"
 
 
-class WebAddress(_Shared, frozen=True):
+class WebAddress(_SharedAddress, frozen=True):
     """The serial ports of devices that show the dashboard; `baud` is the baud rate of one board."""
 
     baud: int = DEFAULT_BAUD

@@ -35,7 +35,7 @@ DEVICES_PSK = "devices"
 
 
 class Greeting:
-    """One side's part of this start, for many connections. The constructor reads the files.
+    """One side's part of the start of a link, for many connections. The constructor reads the files.
 
     A listener also accepts the keys and certificates of `boards`, and with `psk=devices` no other key.
     Raises ConfigError.

@@ -31,7 +31,7 @@ class WebHello(Struct, frozen=True, tag_field="op", tag="connect"):
     baud: Annotated[int, Meta(ge=1, le=MAX_BAUD)]
 
 
-class _Written(Struct, tag_field="op", tag="written"):
+class _WriteProgress(Struct, tag_field="op", tag="written"):
     bytes: Annotated[int, Meta(ge=0, le=_MAX_BYTES)]
 
 
@@ -42,7 +42,7 @@ def read_hello(text: str) -> WebHello:
 
 def read_progress(text: str) -> int:
     """Return how many bytes a page has written to its port so far. Raises RemoteProtocolError."""
-    return _read(text, _Written).bytes
+    return _read(text, _WriteProgress).bytes
 
 
 def _read(text: str, kind: type[_T]) -> _T:

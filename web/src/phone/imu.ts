@@ -63,7 +63,7 @@ export const imu: Sensor = {
         const upward = force.x * x + force.y * y + force.z * z;
         if (Math.abs(upward) > 5) sign = Math.sign(upward);
       }
-      const known = sign || 1;
+      const factor = sign || 1;
       const hasRate = rate?.alpha != null && rate.beta != null && rate.gamma != null;
       output.publish(
         {
@@ -73,7 +73,7 @@ export const imu: Sensor = {
             ? { x: rate.alpha! * RADIANS, y: rate.beta! * RADIANS, z: rate.gamma! * RADIANS }
             : {},
           angular_velocity_covariance: hasRate ? undefined : UNKNOWN,
-          linear_acceleration: { x: known * force.x, y: known * force.y, z: known * force.z },
+          linear_acceleration: { x: factor * force.x, y: factor * force.y, z: factor * force.z },
         },
         pageTimeMs(event.timeStamp),
       );

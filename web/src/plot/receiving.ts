@@ -7,7 +7,7 @@ import type { Series } from "./series.ts";
 const pageVisible = computed(() => !pageHidden.value);
 const kept = new WeakMap<Robot, Map<Series, () => void>>();
 
-/** Receives a series while `visible` is true; returns a function that ends this. */
+/** Receives a series while `visible` is true; returns a function that stops it. */
 export function receiveSeries(robot: Robot, series: Series, visible: ReadonlySignal<boolean>): () => void {
   const feed = robot.feed(series.topicName);
   const stopFollowing = effect(() => series.follow(feed.topic.value));

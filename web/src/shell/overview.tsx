@@ -172,7 +172,7 @@ function CardView({ card, robot, arrange }: { card: Card; robot: Robot; arrange:
 /** The height of the grid's rows: `grid-auto-rows` in shell.css. */
 const ROW_PX = 4;
 
-/** Lets a card span the rows that it needs; returns a function that ends this. */
+/** Lets a card span the rows that it needs; returns a function that stops it. */
 function followHeight(card: HTMLElement): () => void {
   const observer = new ResizeObserver(() => {
     const marginPx = Number.parseFloat(getComputedStyle(card).marginBottom);

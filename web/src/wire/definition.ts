@@ -136,7 +136,7 @@ function parseBody(name: string, body: string): RawType {
   for (const line of body.split("\n")) {
     const trimmed = line.trim();
     if (trimmed === "" || trimmed.startsWith("#")) {
-      // A comment above a field belongs to it; an empty line ends that.
+      // A comment above a field belongs to it, unless an empty line separates them.
       above = trimmed === "" ? [] : [...above.slice(-7), trimmed.replace(/^#+\s*/, "")];
       continue;
     }

@@ -26,7 +26,7 @@ export interface StampNode {
 export interface ArrayNode {
   kind: "array";
   element: Node;
-  /** Undefined when the message has the number. */
+  /** Undefined for an array of variable length: the message has its length. */
   length: number | undefined;
 }
 export interface StructNode {

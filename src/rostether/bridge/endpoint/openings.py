@@ -37,7 +37,7 @@ MAX_RETRY_S = 5.0
 CLOSE_LIMIT_S = 1.0
 # Openings and closings of one board at once. Each takes 10 KB: more would fill memory when many boards come
 # or leave together.
-AT_ONCE = 4
+CHANGED_AT_ONCE = 4
 
 
 class EndpointOpenings:
@@ -54,7 +54,7 @@ class EndpointOpenings:
         self._refused: set[Endpoint] = set()
         self._tasks: set[asyncio.Task[None]] = set()
         self._lock = asyncio.Lock()
-        self._slots = asyncio.Semaphore(AT_ONCE)
+        self._slots = asyncio.Semaphore(CHANGED_AT_ONCE)
 
     def open(self, slot: Slot, endpoint: Endpoint) -> None:
         """Open an endpoint in the graph after the earlier endpoints of its slot have left it."""

@@ -26,7 +26,7 @@ from rostether.bridge.findings.line_watch import NO_ANSWER_S
 from rostether.bridge.findings.noise import show
 from rostether.bridge.findings.port import busy, cannot_open, open_error_finding, port_findings
 from rostether.bridge.health.diagnostics import BoardView
-from rostether.bridge.health.watching import WATCH_S, Watched, watch_board
+from rostether.bridge.health.watching import WATCH_S, BoardObservations, watch_board
 from rostether.bridge.peer_entry import BOARD_ENTRY
 from rostether.bridge.ports.port_probe import TunableTransport, probe_port
 from rostether.errors import RostetherError, TransportError
@@ -122,7 +122,7 @@ class Doctor:
             return self._diagnosis(address, watched, baud)
         return await self._search(address, watched)
 
-    async def _search(self, address: SerialAddress, watched: Watched) -> Diagnosis:
+    async def _search(self, address: SerialAddress, watched: BoardObservations) -> Diagnosis:
         """Try other baud rates, after no valid data arrived at the address's baud rate."""
         try:
             self._report_step("trying other baud rates, for up to half a minute ...")
@@ -186,10 +186,10 @@ class Doctor:
 
     async def _watch(
         self, transport: Transport, baud: int | None, pauses: SimulationPauses | None = None
-    ) -> Watched:
+    ) -> BoardObservations:
         return await watch_board(transport, baud, self._store, watch_s=self._watch_s, pauses=pauses)
 
-    def _diagnosis(self, address: Address, watched: Watched, baud: int | None = None) -> Diagnosis:
+    def _diagnosis(self, address: Address, watched: BoardObservations, baud: int | None = None) -> Diagnosis:
         has_answered = watched.view.protocol_version is not None
         return Diagnosis(
             str(address),
@@ -207,7 +207,7 @@ async def _read_facts(list_ports: ListPorts, path: str) -> PortFacts:
     return await asyncio.to_thread(read_port_facts, path, list_ports)
 
 
-def _needs_search(watched: Watched) -> bool:
+def _needs_search(watched: BoardObservations) -> bool:
     """Return whether another baud rate may be the reason: readable text arrives only at the right one."""
     codes = {each.code for each in watched.findings}
     return (
@@ -217,7 +217,7 @@ def _needs_search(watched: Watched) -> bool:
     )
 
 
-def _judge_search(address: SerialAddress, watched: Watched, found: NoBoard) -> Finding:
+def _judge_search(address: SerialAddress, watched: BoardObservations, found: NoBoard) -> Finding:
     """Return the finding if no baud rate gave a frame."""
     first = watched.findings[0]
     if found.text_baud is not None:

@@ -32,7 +32,7 @@ _FIND_PERIOD_S = 1.0
 _NODE = "/board"
 
 
-class Watched(Struct, frozen=True):
+class BoardObservations(Struct, frozen=True):
     """The observations of one board; rates are messages per second by `role name`."""
 
     findings: tuple[Finding, ...]
@@ -50,7 +50,7 @@ async def watch_board(
     *,
     watch_s: float,
     pauses: SimulationPauses | None = None,
-) -> Watched:
+) -> BoardObservations:
     """Serve a board for `watch_s` after its first answer, or until none can be expected; then close it."""
     clock = asyncio.get_running_loop().time
     # A step of the wall clock would look like drift of the board's clock.
@@ -77,7 +77,7 @@ async def watch_board(
             for each in view.endpoints
         }
         estimate = node.health.clock
-        return Watched(
+        return BoardObservations(
             tuple(findings),
             view,
             watched_s,

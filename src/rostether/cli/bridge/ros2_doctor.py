@@ -13,7 +13,7 @@ from rostether.mechanisms.anonymous import anonymous_name
 from rostether.mechanisms.block_end import closed_at_end
 from rostether.mechanisms.text import counted
 from rostether.ros2.environment import Ros2Environment
-from rostether.ros2.rclpy.left_over_memory import SHARED_MEMORY, find_left_over
+from rostether.ros2.rclpy.left_over_memory import SHARED_MEMORY, find_leftover_files
 
 
 class _Finding(NamedTuple):
@@ -36,7 +36,7 @@ async def _examine(middleware: Middleware) -> AsyncIterator[_Finding]:
     if middleware is Middleware.ZENOH:
         async for finding in _routers(Ros2Environment.read()):
             yield finding
-    elif left := find_left_over():
+    elif left := find_leftover_files():
         # Checked first, because leftover files can also delay the join below.
         text = (
             f"killed programs have left {counted(len(left), 'file')}, such as {left[0]}. If programs hang at "

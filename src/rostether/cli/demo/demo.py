@@ -55,7 +55,7 @@ NEARER = (b"\033[B", b"\033OB", b"\033[D", b"\033OD")
 class DemoOptions:
     """The options of `demo`."""
 
-    seconds: float | None = option(
+    duration_s: float | None = option(
         "--duration SECONDS",
         "Stop after this many seconds (default: run until Ctrl-C).",
         type=NumberRange(min=0.1),
@@ -162,7 +162,7 @@ async def _demo(environment: RosEnvironment, options: DemoOptions, devices: Devi
         )
         show = _show_live(facts, view, recent, controls) if is_live else _show_lines(view)
         with contextlib.suppress(TimeoutError):
-            await asyncio.wait_for(show, options.seconds)
+            await asyncio.wait_for(show, options.duration_s)
     if not view.has_messages and not controls.quit.is_set():
         raise GraphError("no message of the simulated board arrived through the ROS graph; please report it")
 

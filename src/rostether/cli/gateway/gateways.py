@@ -49,7 +49,7 @@ class GatewayGraph(Struct, frozen=True):
 
 
 @asynccontextmanager
-async def gateway_graph(
+async def open_gateway_graph(
     graphs: ServedGraphs,
     options: GraphOptions,
     msg_paths: Sequence[Path] = (),

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from rostether.cli.access.graph_options import GraphOptions
 from rostether.cli.access.served_graphs import ServedGraphs
-from rostether.cli.gateway.gateways import Report, gateway_graph
+from rostether.cli.gateway.gateways import Report, open_gateway_graph
 from rostether.cli.gateway.options import GatewayOptions
 
 
@@ -25,7 +25,7 @@ async def optional_gateways(
         if options.rosbridge is not None:
             from rostether.cli.gateway.rosbridge import rosbridge_gateway
 
-            graph = await stack.enter_async_context(gateway_graph(graphs, graph_options, msg_paths))
+            graph = await stack.enter_async_context(open_gateway_graph(graphs, graph_options, msg_paths))
             await stack.enter_async_context(rosbridge_gateway(options, graph, report))
         if options.foxglove is not None:
             from rostether.cli.gateway.foxglove import foxglove_gateway

@@ -20,8 +20,8 @@ from rostether.cli.access.ros1_access import ros1_join
 from rostether.cli.gateway.gateways import (
     GatewayGraph,
     Report,
-    gateway_graph,
     joined_as,
+    open_gateway_graph,
     report_reach,
     ros1_gateway_graph,
     serve_gateway,
@@ -104,7 +104,7 @@ async def _opened(
     report: Report,
 ) -> AsyncIterator[RosbridgeServer]:
     async with (
-        gateway_graph(graphs, graph_options, msg_paths) as graph,
+        open_gateway_graph(graphs, graph_options, msg_paths) as graph,
         rosbridge_gateway(options, graph, report, node, "`rostether rosbridge 0.0.0.0:{port}`") as server,
     ):
         yield server

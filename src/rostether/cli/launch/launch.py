@@ -58,13 +58,13 @@ class LaunchOptions:
         "-p --port", "Port for the ROS master, which is started if none runs (default: 11311).", type=PORT
     )
     no_summary: bool = flag("--no-summary", "Do not print the summary.")
-    sigint_timeout: float = option(
+    sigint_timeout_s: float = option(
         "--sigint-timeout S",
         "Seconds that a node has to end after SIGINT (default: 15).",
         type=POSITIVE,
         default=15.0,
     )
-    sigterm_timeout: float = option(
+    sigterm_timeout_s: float = option(
         "--sigterm-timeout S",
         "Seconds that a node has to end after SIGTERM (default: 2).",
         type=POSITIVE,
@@ -104,7 +104,7 @@ class LaunchOptions:
         return RunOptions(
             output=Output.SCREEN if self.screen else Output.LOG if self.to_log else None,
             all_required=self.required,
-            stop_limits=StopLimits(self.sigint_timeout, self.sigterm_timeout),
+            stop_limits=StopLimits(self.sigint_timeout_s, self.sigterm_timeout_s),
         )
 
 

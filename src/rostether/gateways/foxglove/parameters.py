@@ -38,7 +38,7 @@ class Parameters:
     def __init__(self, graph: Graph, offered: NameFilter) -> None:
         self._graph = graph
         self._offered = offered
-        self._watched: dict[str, _Watched] = {}
+        self._watched: dict[str, _WatchedParameter] = {}
 
     async def get(self, names: Sequence[str]) -> list[dict[str, Any]]:
         """Return the values of the names, or of all parameters; unset parameters are skipped.
@@ -89,7 +89,7 @@ class Parameters:
         self._check(name)
         watched = self._watched.get(name)
         if watched is None:
-            watched = self._watched[name] = _Watched(name)
+            watched = self._watched[name] = _WatchedParameter(name)
         watched.listeners.append(on_change)
         if watched.latest is not None:
             on_change(watched.latest)
@@ -147,7 +147,7 @@ class Parameters:
             return None
 
 
-class _Watched:
+class _WatchedParameter:
     """A parameter that is watched once for all clients, and its latest value."""
 
     def __init__(self, name: str) -> None:

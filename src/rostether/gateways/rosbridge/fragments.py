@@ -33,7 +33,7 @@ def split_fragments(text: str, size: int, message_id: str) -> Iterator[str]:
         yield json.dumps(fields, separators=(",", ":"))
 
 
-class _Unfinished:
+class _UnfinishedMessage:
     def __init__(self, total: int) -> None:
         self.total = total
         self.size = 0
@@ -47,7 +47,7 @@ class Defragmenter:
         self._max_bytes = max_bytes
         self._size = 0
         self._pieces = 0
-        self._unfinished: dict[str | int, _Unfinished] = {}
+        self._unfinished: dict[str | int, _UnfinishedMessage] = {}
 
     def add(self, fields: Mapping[str, Any]) -> str | None:
         """Add a fragment; return the whole text after the last one. Raises RemoteProtocolError."""
@@ -63,7 +63,7 @@ class Defragmenter:
         known = self._unfinished.get(message_id)
         if known is not None and known.total != total:
             self._forget(message_id)
-        whole = self._unfinished.pop(message_id, None) or _Unfinished(total)
+        whole = self._unfinished.pop(message_id, None) or _UnfinishedMessage(total)
         self._unfinished[message_id] = whole
         # A piece may be repeated.
         self._pieces += number not in whole.pieces

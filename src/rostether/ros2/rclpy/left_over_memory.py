@@ -16,7 +16,7 @@ _LOCK_FILE = re.compile(r"fast(?:dds|rtps)_(?:[0-9a-f]{16}|port\d{1,5})_[es]l")
 _LOCK_DELAY_S = 10.0
 
 
-def find_left_over(folder: Path = SHARED_MEMORY) -> list[str]:
+def find_leftover_files(folder: Path = SHARED_MEMORY) -> list[str]:
     """Return the names of the segments whose programs have ended, sorted."""
     # Other systems use other locks.
     if sys.platform != "linux":

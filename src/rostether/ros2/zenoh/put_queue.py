@@ -28,7 +28,7 @@ from rostether.graph.flow_control import PublicationFlow, SubscriberFlow
 
 # The size of a batch in the thread, the same as zenoh's; in the meantime, the queue may drop its oldest
 # messages.
-JOB_BYTES = 64 << 10
+BATCH_BYTES = 64 << 10
 
 # A put that takes this long has waited for a link; the scheduler alone does not cause it.
 VERY_LONG_NS = 50_000_000
@@ -146,7 +146,7 @@ class PutQueue:
     def _continue(self) -> None:
         batch: list[bytes] = []
         batch_bytes = 0
-        while self._waiting and batch_bytes < JOB_BYTES:
+        while self._waiting and batch_bytes < BATCH_BYTES:
             batch.append(self._waiting.popleft())
             batch_bytes += len(batch[-1])
         self._waiting_bytes -= batch_bytes

@@ -55,7 +55,7 @@ class Arcball:
         self._down = self._before = self._now = now
 
     def place(self, center: _Vector, radius: float) -> None:
-        """Set the sphere's place in the window."""
+        """Set the sphere's position in the window."""
         self._center, self._radius = center, float(radius)
 
     def setaxes(self, *axes: _Vector) -> None:

@@ -84,8 +84,8 @@ class SimulatedBoard(BlockClosable):
         kind = kind_of(board)
         terminal_link = PtyLink(link_path if link == "pty" else None)
         runner = await in_own_loop(build_runner)
-        place = f"tcp:{tcp_port}" if link == "tcp" else link
-        arguments = ["--board", kind, "--link", place, "--seed", str(seed)]
+        runner_link = f"tcp:{tcp_port}" if link == "tcp" else link
+        arguments = ["--board", kind, "--link", runner_link, "--seed", str(seed)]
         arguments += [] if uart is None else ["--uart", str(uart)]
         arguments += [] if realtime else ["--fast"]
         arguments += ["--paused"] if paused else []
@@ -235,18 +235,18 @@ class SimulatedBoard(BlockClosable):
         """Return how many cycles the board has run."""
         return int((await self.ask("cycles", "cycles"))["cycles"])
 
-    async def memory(self, place: str, count: int | None = None) -> bytes:
+    async def memory(self, location: str, count: int | None = None) -> bytes:
         """Read RAM at a symbol of the program, or at an address (`"0x100"`)."""
-        answer = await self.ask(f"memory {place}{'' if count is None else f' {count}'}", "memory")
+        answer = await self.ask(f"memory {location}{'' if count is None else f' {count}'}", "memory")
         return bytes.fromhex(answer["data"])
 
     async def free_stack_bytes(self) -> int:
         """Return the number of bytes between heap and stack that were never used since power-up."""
         return int((await self.ask("stack", "stack"))["free_bytes"])
 
-    async def guard(self, place: str) -> None:
+    async def guard(self, location: str) -> None:
         """Report each write into a symbol or `0x100..0x180` from now on, as "guarded_write"."""
-        await self.send_command(f"guard {place}")
+        await self.send_command(f"guard {location}")
 
     async def close(self) -> None:
         """End the board, and remove its files."""

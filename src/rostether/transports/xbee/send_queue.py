@@ -50,7 +50,7 @@ class Finished(NamedTuple, Generic[Key]):
     status: TransmitStatus | None
 
 
-class _Waiting(Struct):
+class _WaitingBytes(Struct):
     data: bytearray = field(default_factory=bytearray)
     has_failed: bool = False
     is_gone: bool = False
@@ -61,7 +61,7 @@ class SendQueue(Generic[Key]):
 
     def __init__(self, packet_bytes: Callable[[], int]) -> None:
         self._packet_bytes = packet_bytes
-        self._boards: dict[Key, _Waiting] = {}
+        self._boards: dict[Key, _WaitingBytes] = {}
         self._ready: deque[Key] = deque()
         self._turn_packets = 0
         self._in_flight: dict[int, tuple[Key, float]] = {}
@@ -69,7 +69,7 @@ class SendQueue(Generic[Key]):
 
     def put(self, key: Key, data: bytes | bytearray | memoryview) -> bool:
         """Queue bytes for a board; False if its queue is full, and all of them are dropped."""
-        board = self._boards.setdefault(key, _Waiting())
+        board = self._boards.setdefault(key, _WaitingBytes())
         board.is_gone = False
         # A message that is longer on its own still gets through.
         if board.data and len(board.data) + len(data) > QUEUE_LIMIT_BYTES:

@@ -5,7 +5,7 @@ from typing import Any
 
 import pytest
 
-from rostether.bridge.endpoint.openings import AT_ONCE, EndpointOpenings
+from rostether.bridge.endpoint.openings import CHANGED_AT_ONCE, EndpointOpenings
 from rostether.errors import GraphError, TypeMismatchError
 from rostether.rosserial.events import TopicRole
 from unit.bridge.nodes import World, topic_info
@@ -173,6 +173,6 @@ async def test_a_board_s_endpoints_come_and_leave_a_few_at_a_time(world: World, 
         act((TopicRole.PUBLISHER, endpoint.name), endpoint)
     for _ in range(100):
         await asyncio.sleep(0)
-    assert len(begun) == AT_ONCE
+    assert len(begun) == CHANGED_AT_ONCE
     may_go_on.set()
     await until(lambda: len(done) == 20, "all")

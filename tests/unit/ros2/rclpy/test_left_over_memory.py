@@ -4,7 +4,7 @@ import fcntl
 import os
 from pathlib import Path
 
-from rostether.ros2.rclpy.left_over_memory import find_left_over
+from rostether.ros2.rclpy.left_over_memory import find_leftover_files
 
 
 def test_memory_without_a_lock_is_left_over(tmp_path: Path) -> None:
@@ -18,6 +18,6 @@ def test_memory_without_a_lock_is_left_over(tmp_path: Path) -> None:
     with (tmp_path / f"{files[2]}_el").open() as held, (tmp_path / f"{files[3]}_el").open() as shared:
         fcntl.flock(held, fcntl.LOCK_EX)
         fcntl.flock(shared, fcntl.LOCK_SH)
-        assert find_left_over(tmp_path) == files[:2]
-    assert len(find_left_over(tmp_path)) == 4
-    assert find_left_over(tmp_path / "missing") == []
+        assert find_leftover_files(tmp_path) == files[:2]
+    assert len(find_leftover_files(tmp_path)) == 4
+    assert find_leftover_files(tmp_path / "missing") == []

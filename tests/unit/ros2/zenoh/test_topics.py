@@ -125,7 +125,9 @@ async def test_endpoints_with_different_types_are_reported(
     talker, listener = await session.join("talker"), await session.join("listener")
     await talker.advertise("/chat", STRING)
     await listener.subscribe("/chat", BOOL, Inbox().take)
-    assert "/talker publishes /chat as std_msgs/msg/String, but this node uses std_msgs/msg/Bool" in caplog.text
+    assert (
+        "/talker publishes /chat as std_msgs/msg/String, but this node uses std_msgs/msg/Bool" in caplog.text
+    )
     assert "/listener subscribes to /chat as std_msgs/msg/Bool" in caplog.text
     await (await session.join("another")).advertise("/other", STRING)
     assert caplog.text.count("they do not connect;") == 2
