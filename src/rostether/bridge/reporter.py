@@ -11,7 +11,7 @@ from rostether.mechanisms.line_budget import LineBudget
 from rostether.mechanisms.repeat_limiter import RepeatLimiter
 from rostether.mechanisms.text import counted, escape_line
 
-# The length of a line on a terminal; longer log text of a board is only complete in the graph.
+# The length of a line on a terminal; longer log text of a board is complete only in the graph.
 MAX_LINE_CHARS = 500
 
 LineText: TypeAlias = str | Callable[[], str]

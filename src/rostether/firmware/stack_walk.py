@@ -68,7 +68,7 @@ class Code(Struct, frozen=True):
         return sorted(set(labels or self._words(0, self.tables_end)) & set(inside))
 
     def _words(self, start: int, end: int | None = None) -> Iterator[int]:
-        """Return the code addresses in a part of the flash, as if all of it was a table."""
+        """Return the code addresses in a part of the flash, as if all of it were a table."""
         offsets = range(start, len(self.flash) - 1 if end is None else end, 2)
         return (2 * int.from_bytes(self.flash[offset : offset + 2], "little") for offset in offsets)
 

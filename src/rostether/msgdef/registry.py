@@ -46,7 +46,7 @@ class Registry:
 
     `paths` are folders of packages or of plain definitions (--msg-path), `package_path` those of
     ROS_PACKAGE_PATH and the workspace; both override the bundled definitions, in the order given. A package
-    there replaces the whole bundled one; a plain folder replaces single types. `nearby` is only called for
+    there replaces the whole bundled one; a plain folder replaces single types. `nearby` is called only for
     types that none of these has; it returns the roots of more packages, whose search takes time.
     """
 

@@ -18,7 +18,7 @@ LAZY_POLL_S = 0.05
 
 Select: TypeAlias = Callable[[Sequence[bytes]], Sequence[bytes]]
 
-# Limits the memory for messages: empty ones do not count in the byte limit.
+# Limits the memory for messages: empty ones do not count towards the byte limit.
 MAX_SENT_MESSAGES = 100_000
 
 

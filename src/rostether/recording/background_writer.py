@@ -1,4 +1,4 @@
-"""Compresses and writes a recording in a thread: bz2 blocks for a tenth of a second per chunk.
+"""Compresses and writes a recording in a thread, because bz2 takes a tenth of a second per chunk.
 
 The compression libraries release the GIL. Only the queue is shared with the thread.
 """

@@ -15,7 +15,7 @@ from collections.abc import Sequence
 from rostether.errors import RemoteProtocolError
 
 # Four times the largest messages in practice (64 MB point clouds): a peer with a larger length lost its
-# framing or is hostile. Memory is only allocated for received bytes.
+# framing or is hostile. Memory is allocated only for received bytes.
 MAX_MESSAGE_BYTES = 256 << 20
 
 _LENGTH = struct.Struct("<I")

@@ -56,12 +56,12 @@ async def _camera(is_ros1: bool, graph: TypedGraph, _: Arguments) -> None:
     from rostether.platform.sensors.camera import MESSAGE_TYPE, publish_pictures
 
     parameters = NodeParameters(graph, "camera/")
-    first = await _first_parameters(graph, parameters) if is_ros1 else {}
-    source = await _source(parameters, bool(first.get("vflip")), bool(first.get("hflip")))
+    original = await _original_parameters(graph, parameters) if is_ros1 else {}
+    source = await _source(parameters, bool(original.get("vflip")), bool(original.get("hflip")))
     description = await read_description(parameters, SensorKind("camera", "CAMERA", MESSAGE_TYPE, 10.0))
-    # Some versions of the platform's first camera node misspell the parameter.
-    first_file = first.get("classifier") or first.get("clasifier") or ""
-    file = await parameters.text(str(first_file), "classifier")
+    # Some versions of the platform's original camera node misspell the parameter.
+    original_file = original.get("classifier") or original.get("clasifier") or ""
+    file = await parameters.text(str(original_file), "classifier")
     detector = await asyncio.to_thread(_detector, file) if file else None
     await publish_pictures(graph, description, source, reporter(graph), detector)
 
@@ -72,8 +72,8 @@ def _detector(file: str) -> CascadeDetector:
     return CascadeDetector(Path(file).expanduser())
 
 
-async def _first_parameters(graph: TypedGraph, parameters: NodeParameters) -> Mapping[str, ParamValue]:
-    """Return the parameters of the platform's first camera node, such as Robot3-pi_camera/vflip."""
+async def _original_parameters(graph: TypedGraph, parameters: NodeParameters) -> Mapping[str, ParamValue]:
+    """Return the parameters of the platform's original camera node, such as Robot3-pi_camera/vflip."""
     key = f"{await parameters.text(default_platform(), 'platform_name')}-pi_camera"
     # The hyphen is not allowed in names, so only the whole tree can be requested.
     if not any(name.startswith(f"/{key}/") for name in await graph.raw.list_params()):

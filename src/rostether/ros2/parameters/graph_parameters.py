@@ -63,7 +63,7 @@ class GraphParameters:
         return bool(await self._values(await self._locate(name)))
 
     async def search(self, name: str, resolve: Callable[[str], str]) -> str | None:
-        """Find a parameter; a relative name is only searched on our own node.
+        """Find a parameter; a relative name is searched only on our own node.
 
         As in ROS 1, only the first part of the name must exist.
         """
