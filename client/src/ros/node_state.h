@@ -18,7 +18,7 @@ class Endpoint;
 
 // The state of a node. It has no constructors, so that one loop can set it to zero: constructors would need 80 bytes
 // of code on an AVR. The most used fields come first, because an AVR reaches the first 63 bytes of an object with
-// short instructions.
+// short instructions. The virtual functions are here, so that `this` is the same address in all classes of a node.
 struct NodeState {
 // The largest chunk that is written at once. On a network, each becomes a packet, and most frames should fit into one.
 #if defined(ROS_SMALL_MEMORY)
