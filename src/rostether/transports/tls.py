@@ -22,8 +22,8 @@ _LOG = logging.getLogger(__name__)
 HANDSHAKE_LIMIT_S = 5.0
 # A certificate with all its authorities; a device file has no end.
 _MAX_FILE_BYTES = 1024 * 1024
-# OpenSSL's numbers for "certificate is not yet valid" and "certificate has expired".
-_DATE_FAULTS = frozenset({9, 10})
+# OpenSSL's error numbers for wrong dates; its texts depend on its version.
+_DATE_FAULTS = {9: "certificate is not yet valid", 10: "certificate has expired"}
 # OpenSSL's errors for a peer that does not send TLS.
 SPEAKS_NO_TLS = frozenset({"HTTP_REQUEST", "HTTPS_PROXY_REQUEST", "UNKNOWN_PROTOCOL", "WRONG_VERSION_NUMBER"})
 
@@ -172,8 +172,8 @@ def _find_date_fault(certificate: Path, key: Path) -> str | None:
             with suppress(ssl.SSLWantReadError):
                 side.do_handshake()
     except ssl.SSLError as error:
-        if isinstance(error, ssl.SSLCertVerificationError) and error.verify_code in _DATE_FAULTS:
-            return error.verify_message
+        if isinstance(error, ssl.SSLCertVerificationError):
+            return _DATE_FAULTS.get(error.verify_code)
     return None
 
 

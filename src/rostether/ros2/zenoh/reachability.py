@@ -103,7 +103,7 @@ async def _find_tls_fault(
     except TimeoutError:
         return "it accepts connections, but does not speak TLS: is it a tcp/ endpoint?"
     except OSError as error:
-        return f"it ends TLS connections ({_reason(error)}); check the port"
+        return f"it accepts connections, but ends those with TLS ({_reason(error)}): is it a tcp/ endpoint?"
     return ""
 
 
