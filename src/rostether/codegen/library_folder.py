@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 import contextlib
-import errno
 import os
 import tempfile
 from collections.abc import Mapping
 from pathlib import Path
 
 from rostether.errors import CodegenError
+from rostether.mechanisms.text import write_failure
 
-_NODE_HANDLES = ("src/ros/node_handle.h", "ros/node_handle.h")
-_FACADES = ("src/ros.h", "ros.h")
+# In a library of rostether, and in one of the established tools.
+_HEADERS = (("src/ros.h", "src/ros/node_handle.h"), ("ros.h", "ros/node_handle.h"))
 _MICROPYTHON = "ros/node_handle.py"
 # Another run may put its library in place between our two renames; that rarely happens twice.
 _ATTEMPTS = 10
@@ -21,8 +21,7 @@ _ATTEMPTS = 10
 def is_ros_library(folder: Path) -> bool:
     """Return whether a folder is a generated client library, of rostether or of the established tools."""
     return (folder / _MICROPYTHON).is_file() or any(
-        (folder / facade).is_file() and (folder / node_handle).is_file()
-        for facade, node_handle in zip(_FACADES, _NODE_HANDLES, strict=True)
+        all((folder / header).is_file() for header in headers) for headers in _HEADERS
     )
 
 
@@ -53,8 +52,7 @@ def write_library_folder(target: Path, files: Mapping[str, bytes]) -> bool:
             _write_files(fresh, files, old=target)
             _swap(fresh, target, Path(scratch))
     except OSError as error:
-        hint = "free some space" if error.errno == errno.ENOSPC else "give a folder that you may write to"
-        raise CodegenError(f"cannot write {target}: {error.strerror or error}; {hint}") from error
+        raise CodegenError(write_failure(target, error)) from error
     return replaces
 
 

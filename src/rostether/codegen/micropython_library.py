@@ -93,22 +93,24 @@ def _wanted(index: TypeIndex, program: Path | None, packages: Collection[str] | 
 
 def _modules(index: TypeIndex, name: str) -> Iterator[tuple[str, str]]:
     """Yield paths and texts of the modules for a name, which may belong to a message and to a service."""
-    lookup = index.registry.message
+    registry = index.registry
 
     def path_of(message: str) -> str:
         return _path(index, index.header_of(message))
 
     for spec in index.specs(name):
-        for part in (spec, *dependencies(spec, lookup)):
+        for part in (spec, *dependencies(spec, registry.message)):
             if part.package == LIBRARY_NAMESPACE or part.package in MODULES:
                 raise CodegenError(
                     f"the package {part.package!r} has the name of a module on the board; rename it"
                 )
     if index.is_message(name):
-        yield f"{_path(index, name)}.py", message_module(index.registry.message(name), lookup, path_of)
+        yield (
+            f"{_path(index, name)}.py",
+            message_module(registry.message(name), registry, path_of),
+        )
     if index.is_service(name):
-        service = index.registry.service(name)
-        yield f"{_path(index, name, 'srv')}.py", service_module(service, lookup, path_of)
+        yield f"{_path(index, name, 'srv')}.py", service_module(registry.service(name), registry, path_of)
 
 
 def _path(index: TypeIndex, name: str, kind: str = "") -> str:

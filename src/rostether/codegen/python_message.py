@@ -9,36 +9,37 @@ from math import isfinite
 from rostether.codegen.python_fields import TIME_CLASSES, PythonField, reading, writing
 from rostether.codegen.python_names import class_name, member_names, package_name
 from rostether.msgdef.md5sum import message_md5sum
+from rostether.msgdef.registry import Registry
 from rostether.msgdef.spec import Constant, Field, MessageSpec, ServiceSpec
-from rostether.serde.type_tree import SCALARS
+from rostether.serde.layout import smallest_size
+from rostether.serde.type_tree import TypeTrees
 
-Lookup = Callable[[str], MessageSpec]
 # Maps the full name of a message to the path of its module without `.py`.
 PathOf = Callable[[str], str]
 
 
-def message_module(spec: MessageSpec, lookup: Lookup, path_of: PathOf) -> str:
+def message_module(spec: MessageSpec, registry: Registry, path_of: PathOf) -> str:
     """Return the text of a message's module."""
-    return _module(spec.full_name, [spec], lookup, path_of, list(_class(spec, spec.full_name, lookup)))
+    return _module(spec.full_name, [spec], registry, path_of, list(_class(spec, spec.full_name, registry)))
 
 
-def service_module(spec: ServiceSpec, lookup: Lookup, path_of: PathOf) -> str:
+def service_module(spec: ServiceSpec, registry: Registry, path_of: PathOf) -> str:
     """Return the text of a service's module; request and response both announce the service's name."""
     messages = spec.request, spec.response
-    lines = [line for message in messages for line in (*_class(message, spec.full_name, lookup), "", "")]
+    lines = [line for message in messages for line in (*_class(message, spec.full_name, registry), "", "")]
     request, response = (class_name(message.name) for message in messages)
     lines += [f"class {class_name(spec.name)}:", f"    Request = {request}", f"    Response = {response}"]
-    return _module(spec.full_name, list(messages), lookup, path_of, lines)
+    return _module(spec.full_name, list(messages), registry, path_of, lines)
 
 
 def _module(
-    full_name: str, specs: list[MessageSpec], lookup: Lookup, path_of: PathOf, classes: list[str]
+    full_name: str, specs: list[MessageSpec], registry: Registry, path_of: PathOf, classes: list[str]
 ) -> str:
     bases = {each.type.base for spec in specs for each in spec.fields}
     imports = ["from struct import pack_into as _pack", "from struct import unpack_from as _unpack"]
     for base in sorted(each for each in bases if "/" in each):
         module = path_of(base).replace("/", ".")
-        imports.append(f"from {module} import {class_name(lookup(base).name)} as {_alias(base)}")
+        imports.append(f"from {module} import {class_name(registry.message(base).name)} as {_alias(base)}")
     imports += ["from ros.message import Message as _Message", "from ros.message import repeat as _repeat"]
     imports += [
         f"from ros.times import {name.removeprefix('_')} as {name}"
@@ -51,12 +52,13 @@ def _module(
     return "\n".join([head, "", *used, "", "", text, ""])
 
 
-def _class(spec: MessageSpec, type_name: str, lookup: Lookup) -> Iterator[str]:
+def _class(spec: MessageSpec, type_name: str, registry: Registry) -> Iterator[str]:
     names = member_names(spec)
-    fields = [_field(each, names[each.name], lookup) for each in spec.fields]
+    trees = TypeTrees(registry)
+    fields = [_field(each, names[each.name], trees) for each in spec.fields]
     yield f"class {class_name(spec.name)}(_Message):"
     yield f'    _type = "{type_name}"'
-    yield f'    _md5sum = "{message_md5sum(spec, lookup)}"'
+    yield f'    _md5sum = "{message_md5sum(spec, registry.message)}"'
     # If a constant is declared twice, the last value is used.
     constants = {each.name: each for each in spec.constants}
     yield from (f"    {names[each.name]} = {_value(each)}" for each in constants.values())
@@ -78,27 +80,11 @@ def _class(spec: MessageSpec, type_name: str, lookup: Lookup) -> Iterator[str]:
         yield from (f"        {line}" for line in lines)
 
 
-def _field(field: Field, name: str, lookup: Lookup) -> PythonField:
+def _field(field: Field, name: str, trees: TypeTrees) -> PythonField:
     base = field.type.base
     if "/" in base:
-        return PythonField(field, name, _alias(base), _min_bytes(lookup(base), lookup))
+        return PythonField(field, name, _alias(base), smallest_size(trees.struct(base)))
     return PythonField(field, name, TIME_CLASSES.get(base, ""), 8)
-
-
-def _min_bytes(spec: MessageSpec, lookup: Lookup) -> int:
-    total = 0
-    for field in spec.fields:
-        kind = field.type
-        if kind.is_array and kind.length is None:
-            total += 4
-            continue
-        if "/" in kind.base:
-            size = _min_bytes(lookup(kind.base), lookup)
-        else:
-            # A string is at least its length.
-            size = SCALARS[kind.base].fixed_size_bytes or 4
-        total += size * (kind.length if kind.length is not None else 1)
-    return total
 
 
 def _alias(full_name: str) -> str:

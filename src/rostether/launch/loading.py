@@ -7,7 +7,6 @@ only inside it; an included file gets only the arguments in its <include>.
 from __future__ import annotations
 
 import getpass
-import re
 import socket
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
@@ -21,6 +20,7 @@ from rostether.launch.scope import Scope, as_namespace
 from rostether.launch.substitution import LaunchContext, read_file
 from rostether.launch.tag_reader import TagReader
 from rostether.mechanisms.xml_tree import XmlElement
+from rostether.ros1.environment import is_loopback
 
 _MACHINE_ATTRIBUTES = ("name", "address", "env-loader", "ssh-port", "user", "password", "default", "timeout")
 
@@ -208,15 +208,10 @@ def _read_machine(reader: TagReader, element: XmlElement, scope: Scope) -> str:
     reader.check_attributes(element, _MACHINE_ATTRIBUTES)
     name, address = (reader.required(element, scope, each) for each in ("name", "address"))
     user = reader.optional(element, scope, "user")
-    if not _is_this_machine(address) or (user and user != getpass.getuser()):
+    is_here = address == socket.gethostname() or is_loopback(address)
+    if not is_here or (user and user != getpass.getuser()):
         raise LaunchError(
             f"machine {name!r} at {address} is another machine, but nodes are started only on this machine; "
             "remove <machine>, and run `rostether launch` there with the ROS_MASTER_URI of this machine"
         )
     return name
-
-
-def _is_this_machine(address: str) -> bool:
-    return address in ("localhost", "::1", socket.gethostname()) or bool(
-        re.fullmatch(r"127(\.\d{1,3}){3}", address)
-    )

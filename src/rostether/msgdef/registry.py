@@ -61,7 +61,7 @@ class Registry:
         self._paths = [Path(path) for path in paths]
         self._package_path = [Path(path) for path in package_path]
         self._bundled = bundled
-        self._nearby = nearby
+        self._nearby = nearby or tuple
         # Without folders there is nothing to search.
         self._found: dict[str, PackageFiles] | None = None if self._paths or self._package_path else {}
         self._found_nearby: dict[str, PackageFiles] | None = None if nearby is not None else {}
@@ -106,7 +106,7 @@ class Registry:
         found = find_definitions(self._paths, self._package_path) if self._found is None else self._found
         nearby = self._found_nearby
         if nearby is None:
-            nearby = find_definitions((), self._nearby()) if self._nearby is not None else {}
+            nearby = find_definitions((), self._nearby())
         for files in (*found.values(), *nearby.values()):
             files.of(Kind.MESSAGE)
         self._found, self._found_nearby = found, nearby
@@ -125,12 +125,7 @@ class Registry:
         """Return a service by `package/Name`. Raises UnknownTypeError, DefinitionError."""
         spec = self._services.get(name)
         if spec is None:
-            package, short_name = self._split(Kind.SERVICE, name)
-            file = self._file(Kind.SERVICE, package, short_name)
-            if file is None:
-                raise self._unknown(Kind.SERVICE, package, short_name)
-            spec = parse_service(read_definition(file), package=package, name=short_name, file=str(file))
-            self._services[name] = spec
+            spec = self._services[name] = self._load_service(name)
         return spec
 
     def message_type(self, name: str) -> MessageType:
@@ -234,6 +229,12 @@ class Registry:
             return parse_message(self._learned[name], package=package, name=short_name)
         raise self._unknown(Kind.MESSAGE, package, short_name)
 
+    def _load_service(self, name: str) -> ServiceSpec:
+        package, short_name = self._split(Kind.SERVICE, name)
+        if file := self._file(Kind.SERVICE, package, short_name):
+            return parse_service(read_definition(file), package=package, name=short_name, file=str(file))
+        raise self._unknown(Kind.SERVICE, package, short_name)
+
     def _unknown(self, kind: Kind, package: str, short_name: str) -> UnknownTypeError:
         root = self._replacement(package)
         if root is not None and self._bundled and bundled_file(package, kind, short_name) is not None:
@@ -264,7 +265,7 @@ class Registry:
     def _nearby_files(self) -> dict[str, PackageFiles]:
         if self._found_nearby is None:
             self._check_may_search()
-            self._found_nearby = find_definitions((), self._nearby()) if self._nearby is not None else {}
+            self._found_nearby = find_definitions((), self._nearby())
         return self._found_nearby
 
     def _replacement(self, package: str) -> Path | None:

@@ -13,7 +13,15 @@ from rostether.graph.ports import Graph, Snapshot
 from rostether.msgdef.ros2.action_parts import SEND_GOAL
 from rostether.ros2.actions.board_action import BoardAction
 from rostether.ros2.actions.board_graph import BoardJoin
-from rostether.ros2.actions.ros1_form import CANCEL, FEEDBACK, GOAL, RESULT, STATUS, ActionForms
+from rostether.ros2.actions.ros1_form import (
+    CANCEL,
+    FEEDBACK,
+    GOAL,
+    RESULT,
+    STATUS,
+    ActionForms,
+    type_of_part,
+)
 from rostether.ros2.actions.ros1_server import Ros1ActionServer
 from rostether.ros2.actions.types import SEND_GOAL_SERVICE
 
@@ -111,13 +119,13 @@ class ActionRelay:
         self._stack.push_async_callback(cancels.close)
         action.on_goals, action.on_cancels = self._goals.publish_raw, cancels.publish_raw
         subscribers = []
-        for (suffix, kind), handler in (
+        for part, handler in (
             (FEEDBACK, action.handle_feedback),
             (STATUS, action.handle_statuses),
             (RESULT, action.handle_results),
         ):
-            message_type = type_of(kind if "/" in kind else self.type_name + kind)
-            subscribers.append(await graph.subscribe(name + suffix, message_type, handler, skip_own=True))
+            message_type = type_of(type_of_part(part, self.type_name))
+            subscribers.append(await graph.subscribe(name + part[0], message_type, handler, skip_own=True))
             self._stack.push_async_callback(subscribers[-1].close)
         self._results = subscribers[-1]
         while not (self._is_served() and cancels.subscriber_count and subscribers[0].publisher_count):  # noqa: ASYNC110

@@ -202,11 +202,6 @@ def _is_ip_address(host: str) -> bool:
 
 
 def _network_address() -> str:
-    # Connecting a datagram socket sends nothing; it only selects the interface of the route.
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
-        try:
-            probe.connect(("192.0.2.1", 9))
-            address: str = probe.getsockname()[0]
-        except OSError:
-            return socket.gethostname()
-    return address
+    from rostether.transports.own_names import outward_address  # only needed by listeners
+
+    return outward_address() or socket.gethostname()

@@ -7,12 +7,8 @@ from __future__ import annotations
 
 from functools import cache
 
-from rostether.msgdef.full_text import message_full_text
 from rostether.msgdef.interface import MessageType, ServiceType
-from rostether.msgdef.md5sum import message_md5sum, service_md5sum
-from rostether.msgdef.parse_srv import parse_service
 from rostether.msgdef.registry import Registry
-from rostether.msgdef.spec import MessageSpec
 from rostether.serde.codec import Codec
 from rostether.serde.store import TypeStore
 
@@ -75,10 +71,8 @@ class RclInterfaces:
 
     def __init__(self) -> None:
         self._registry = Registry(bundled=False)
-        for name, text in _MESSAGES.items():
-            self._registry.add_full_text(f"{PACKAGE}/{name}", text)
+        self.add_to(self._registry)
         self._store = TypeStore(self._registry)
-        self._services = {name: self._learn_service(name, text) for name, text in _SERVICES.items()}
 
     def message(self, name: str) -> MessageType:
         """Return a message's type."""
@@ -86,7 +80,7 @@ class RclInterfaces:
 
     def service(self, name: str) -> ServiceType:
         """Return a service's type."""
-        return self._services[name]
+        return self._registry.service_type(f"{PACKAGE}/{name}")
 
     def codec(self, name: str) -> Codec:
         """Return the codec of a message, a request or a response."""
@@ -98,19 +92,6 @@ class RclInterfaces:
             registry.add_full_text(f"{PACKAGE}/{name}", text)
         for name, text in _SERVICES.items():
             registry.add_service_text(f"{PACKAGE}/{name}", text)
-
-    def _learn_service(self, name: str, text: str) -> ServiceType:
-        spec = parse_service(text, package=PACKAGE, name=name)
-        for message in (spec.request, spec.response):
-            self._registry.add_full_text(message.full_name, message.text)
-        md5sum = service_md5sum(spec, self._registry.message)
-        return ServiceType(
-            spec.full_name, md5sum, self._describe(spec.request), self._describe(spec.response)
-        )
-
-    def _describe(self, spec: MessageSpec) -> MessageType:
-        lookup = self._registry.message
-        return MessageType(spec.full_name, message_md5sum(spec, lookup), message_full_text(spec, lookup))
 
 
 @cache

@@ -42,7 +42,7 @@ class Layout:
     @property
     def smallest_size_bytes(self) -> int:
         """The size in bytes of the type's smallest message: strings empty, arrays as short as they may be."""
-        return _smallest_size(self._tree)
+        return smallest_size(self._tree)
 
     @property
     def has_varying_elements(self) -> bool:
@@ -73,13 +73,14 @@ def _has_varying_elements(node: Node) -> bool:
     return isinstance(node, Struct) and any(_has_varying_elements(member.node) for member in node.members)
 
 
-def _smallest_size(node: Node) -> int:
+def smallest_size(node: Node) -> int:
+    """Return the size in bytes of the smallest value: strings empty, arrays as short as they may be."""
     if node.fixed_size_bytes is not None:
         return node.fixed_size_bytes
     if isinstance(node, Array):
-        return 4 if node.length is None else node.length * _smallest_size(node.element)
+        return 4 if node.length is None else node.length * smallest_size(node.element)
     if isinstance(node, Struct):
-        return sum(_smallest_size(member.node) for member in node.members)
+        return sum(smallest_size(member.node) for member in node.members)
     return 4
 
 

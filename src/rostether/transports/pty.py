@@ -178,7 +178,7 @@ class PtyTransport:
         sent = self._send(self._unsent)
         if not self._is_open:
             return
-        if not sent and self._is_hung_up():
+        if not sent and self._has_event(select.POLLHUP):
             self._hung_up()
             return
         del self._unsent[:sent]
@@ -222,18 +222,15 @@ class PtyTransport:
 
     def _check_for_opener(self) -> None:
         # Unread bytes mean that a program was connected between two checks.
-        self._is_open = not self._is_hung_up() or self._has_input()
+        self._is_open = not self._has_event(select.POLLHUP) or self._has_event(select.POLLIN)
         if self._is_open:
             self._timer = None
             self._apply_reading()
         else:
             self._timer = self._loop.call_later(_OPENER_POLL_S, self._check_for_opener)
 
-    def _is_hung_up(self) -> bool:
-        return any(event & select.POLLHUP for _, event in self._poll.poll(0))
-
-    def _has_input(self) -> bool:
-        return any(event & select.POLLIN for _, event in self._poll.poll(0))
+    def _has_event(self, kind: int) -> bool:
+        return any(event & kind for _, event in self._poll.poll(0))
 
     def _end_when_read(self, checks_left: int = _UNREAD_CHECKS) -> None:
         checks_left = _UNREAD_CHECKS if _count_unread(self.terminal) else checks_left - 1

@@ -47,18 +47,6 @@ def derive(spec: MessageSpec, registry: Registry) -> Ros2Message:
     Raises UnknownTypeError if a nested type is missing, DefinitionError for what ROS 2 cannot express.
     """
     dependencies(spec, registry.message)
-    return _derived(spec, "msg", spec.name)
-
-
-def ros2_field_name(name: str) -> str:
-    """Return the ROS 2 name of a ROS 1 field: `D` -> `d`, `frameId` -> `frame_id`; legal names stay."""
-    if is_field_name(name):
-        return name
-    words = _BEFORE_CAPITALS.sub("_", name).lower().split("_")
-    return "_".join(word for word in words if word)
-
-
-def _derived(spec: MessageSpec, kind: str, name: str) -> Ros2Message:
     fields = tuple(_field(spec, field) for field in spec.fields)
     first_of: dict[str, str] = {}
     for old, new in zip(spec.fields, fields, strict=True):
@@ -69,7 +57,15 @@ def _derived(spec: MessageSpec, kind: str, name: str) -> Ros2Message:
                 file=spec.full_name,
             )
     constants = tuple(each for constant in spec.constants if (each := _constant(constant)) is not None)
-    return Ros2Message(spec.package, kind, name, fields, constants)
+    return Ros2Message(spec.package, "msg", spec.name, fields, constants)
+
+
+def ros2_field_name(name: str) -> str:
+    """Return the ROS 2 name of a ROS 1 field: `D` -> `d`, `frameId` -> `frame_id`; legal names stay."""
+    if is_field_name(name):
+        return name
+    words = _BEFORE_CAPITALS.sub("_", name).lower().split("_")
+    return "_".join(word for word in words if word)
 
 
 def _field(spec: MessageSpec, field: Field) -> Ros2Field:

@@ -76,6 +76,11 @@ class GoalId(msgspec.Struct, frozen=True):
         return self.write() + bytes([status]) + write_text(text)
 
 
+def type_of_part(part: tuple[str, str], action_type: str) -> str:
+    """Return the type of a topic of an action of type `package/Name`."""
+    return part[1] if "/" in part[1] else action_type + part[1]
+
+
 class ActionForms:
     """Converts an action, `action_type` as `package/Name`, between ROS 1 and the native form of ROS 2.
 

@@ -14,6 +14,7 @@ from typing import Final
 
 from rostether.errors import RostetherError, ServiceCallError
 from rostether.graph.ports import Graph, Publisher
+from rostether.msgdef.interface import MessageType
 from rostether.msgdef.registry import Registry
 from rostether.ros2.actions.ros1_form import (
     CANCEL,
@@ -25,6 +26,7 @@ from rostether.ros2.actions.ros1_form import (
     GoalId,
     Ros1Status,
     after_header,
+    type_of_part,
     write_header,
     write_statuses,
 )
@@ -96,9 +98,7 @@ class Ros1ActionServer:
             self._result = await self._advertise(RESULT)
             self._status = await self._advertise(STATUS, latch=True)
             for part, handle in ((CANCEL, self._handle_cancels), (GOAL, self._handle_goals)):
-                subscriber = await self._ros1.subscribe(
-                    self.action + part[0], self._registry.message_type(self._type_name(part)), handle
-                )
+                subscriber = await self._ros1.subscribe(self.action + part[0], self._type(part), handle)
                 self._stack.push_async_callback(subscriber.close)
         except BaseException:
             await self._stack.aclose()
@@ -123,14 +123,12 @@ class Ros1ActionServer:
         await self._stack.aclose()
 
     async def _advertise(self, part: tuple[str, str], *, latch: bool = False) -> Publisher:
-        publisher = await self._ros1.advertise(
-            self.action + part[0], self._registry.message_type(self._type_name(part)), latch=latch
-        )
+        publisher = await self._ros1.advertise(self.action + part[0], self._type(part), latch=latch)
         self._stack.push_async_callback(publisher.close)
         return publisher
 
-    def _type_name(self, part: tuple[str, str]) -> str:
-        return part[1] if "/" in part[1] else self._action_type + part[1]
+    def _type(self, part: tuple[str, str]) -> MessageType:
+        return self._registry.message_type(type_of_part(part, self._action_type))
 
     def _handle_goals(self, payloads: Sequence[bytes]) -> None:
         for payload in payloads:

@@ -50,7 +50,7 @@ class ExecutorThread:
             except Exception as error:  # noqa: BLE001 - the caller gets it
                 self.call_in_loop(_set_exception, future, error)
             else:
-                self.call_in_loop(_set_result, future, result)
+                self.call_in_loop(set_result, future, result)
 
         self.executor.create_task(work)
         return await future
@@ -88,7 +88,8 @@ class ExecutorThread:
                     _log.debug("traceback of this failure", exc_info=error)
 
 
-def _set_result(future: asyncio.Future[_Result], result: _Result) -> None:
+def set_result(future: asyncio.Future[_Result], result: _Result) -> None:
+    """Set the result, unless the waiting task was cancelled."""
     if not future.done():
         future.set_result(result)
 

@@ -52,27 +52,13 @@ def load_rclpy() -> Rclpy:
             # remove.
             warnings.simplefilter("ignore")
             import_module("rosidl_generator_py")
-            return _import_modules()
+            modules = {name: import_module(f"rclpy.{name}") for name in Rclpy._fields if name != "events"}
+            return Rclpy(events=_import_events(), **modules)
     except ImportError as error:
         raise ConfigError(
             f"rclpy cannot be used ({fold_line(str(error))}); run: {install_command('rclpy')}; or source "
             "the setup file of ROS 2, or use zenoh, which needs neither"
         ) from error
-
-
-def _import_modules() -> Rclpy:
-    return Rclpy(
-        context=import_module("rclpy.context"),
-        node=import_module("rclpy.node"),
-        executors=import_module("rclpy.executors"),
-        callback_groups=import_module("rclpy.callback_groups"),
-        qos=import_module("rclpy.qos"),
-        events=_import_events(),
-        parameter=import_module("rclpy.parameter"),
-        serialization=import_module("rclpy.serialization"),
-        task=import_module("rclpy.task"),
-        duration=import_module("rclpy.duration"),
-    )
 
 
 @functools.cache

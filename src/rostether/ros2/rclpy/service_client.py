@@ -12,6 +12,7 @@ from rostether.errors import (
     TypeMismatchError,
 )
 from rostether.ros2.early_conversion import convert
+from rostether.ros2.rclpy.executor_thread import set_result
 from rostether.ros2.rclpy.failures import attempt
 from rostether.ros2.rclpy.installation import interface_class, load_rclpy
 from rostether.ros2.rclpy.own_node import OwnNode
@@ -106,7 +107,7 @@ class RclpyServiceClient:
         def done(future: Any) -> None:
             if not future.cancelled() and future.exception() is None:
                 response = serialization.serialize_message(future.result())
-                self._own.thread.call_in_loop(_set_result, answer, response)
+                self._own.thread.call_in_loop(set_result, answer, response)
 
         pending = self._client.call_async(request)
         pending.add_done_callback(done)
@@ -122,8 +123,3 @@ class RclpyServiceClient:
     def _forget(self, pending: Any) -> None:
         if self._client is not None:
             self._client.remove_pending_request(pending)
-
-
-def _set_result(answer: asyncio.Future[bytes], response: bytes) -> None:
-    if not answer.done():
-        answer.set_result(response)

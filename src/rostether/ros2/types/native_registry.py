@@ -30,7 +30,7 @@ def short_name(name: str) -> str:
 
 
 class NativeRegistry(Registry):
-    """A registry of ROS 2 definitions; types that only ROS 1 defines are converted to ROS 2."""
+    """ROS 2 definitions in ROS 1's form; types that only ROS 1 defines are converted to ROS 2."""
 
     def __init__(self, definitions: Ros2Definitions, ros1: Registry) -> None:
         super().__init__(bundled=False)
@@ -86,26 +86,6 @@ class NativeRegistry(Registry):
             return self.source.service_counterpart(self._ros1.service_type(f"{package}/{rest}"))
         return self.definitions.service(full_name)
 
-    def message(self, name: str) -> MessageSpec:
-        """Return a message in ROS 1's form. Raises UnknownTypeError, DefinitionError."""
-        spec = self._messages.get(name)
-        if spec is None:
-            spec = self._messages[name] = as_ros1_specs(self.ros2_message(name), self.source)[0]
-        return spec
-
-    def service(self, name: str) -> ServiceSpec:
-        """Return a service in ROS 1's form. Raises UnknownTypeError, DefinitionError."""
-        spec = self._services.get(name)
-        if spec is None:
-            service = self.ros2_service(name)
-            request, response = (
-                as_ros1_specs(message, self.source)[0] for message in (service.request, service.response)
-            )
-            text = f"{request.text}---\n{response.text}"
-            spec = ServiceSpec(service.package, service.name, request, response, text)
-            self._services[name] = spec
-        return spec
-
     def message_type(self, name: str) -> MessageType:
         """Return a message's type in ROS 1's form. Raises the same errors as `message`."""
         return super().message_type(short_name(name))
@@ -125,6 +105,17 @@ class NativeRegistry(Registry):
     def services(self, package: str | None = None) -> list[str]:
         """Return all services by ROS 2's names, sorted."""
         return self.definitions.services(package)
+
+    def _load_message(self, name: str) -> MessageSpec:
+        return as_ros1_specs(self.ros2_message(name), self.source)[0]
+
+    def _load_service(self, name: str) -> ServiceSpec:
+        service = self.ros2_service(name)
+        request, response = (
+            as_ros1_specs(message, self.source)[0] for message in (service.request, service.response)
+        )
+        text = f"{request.text}---\n{response.text}"
+        return ServiceSpec(service.package, service.name, request, response, text)
 
     def _is_of_action(self, package: str, name: str) -> bool:
         """Return whether a name is a part of an action, such as `Fibonacci_Goal`; no other type has a `_`."""

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from rostether.msgdef.ros2.primitives import PRIMITIVE_TYPES
-from rostether.msgdef.ros2.spec import Ros2Field, Ros2Message
+from rostether.msgdef.ros2.spec import Ros2Field, Ros2Message, Ros2Type
 
 if TYPE_CHECKING:
     from rostether.rostime import Time
@@ -80,6 +80,4 @@ class ValueForm:
 
 
 def _element(field: Ros2Field) -> Ros2Field:
-    from rostether.msgdef.ros2.spec import Ros2Type
-
     return Ros2Field(Ros2Type(field.type.base), field.name)

@@ -59,7 +59,6 @@ class Subscription:
         own_gids: Callable[[], set[bytes]] | None = None,
         skip_nodes: Container[str] = (),
         one_type: bool = False,
-        history_samples: int = LATCHED_SAMPLES,
     ) -> None:
         self.topic = topic
         self.type: MessageType = ANY_MESSAGE if support is None else support.ros1_type
@@ -105,7 +104,7 @@ class Subscription:
             zenoh.handlers.Callback(
                 self._put if support is not None and self._accepts_all else self._put_of_any, indirect=False
             ),
-            history=ext.HistoryConfig(detect_late_publishers=True, max_samples=history_samples),
+            history=ext.HistoryConfig(detect_late_publishers=True, max_samples=LATCHED_SAMPLES),
         )
         if support is not None:
             self._declare_token(support)

@@ -28,14 +28,6 @@ from rostether.rospy.client.topic import topics
 
 _init_arguments: tuple[Any, ...] | None = None
 
-_LEVEL_NAMES = {
-    logging.DEBUG: "DEBUG",
-    logging.INFO: "INFO",
-    logging.WARNING: "WARN",
-    logging.ERROR: "ERROR",
-    logging.CRITICAL: "FATAL",
-}
-
 
 def init_node(  # noqa: PLR0913 - as rospy.init_node
     name: str,
@@ -153,12 +145,12 @@ def _get_loggers(request: Message) -> Any:
     response: Any = types.service_class("roscpp/GetLoggers")._response_class()
     for name in list(logging.Logger.manager.loggerDict):
         level = logging.getLogger(name).getEffectiveLevel()
-        response.loggers.append(logger_class(name, _LEVEL_NAMES.get(level, "INFO")))
+        response.loggers.append(logger_class(name, logs.LEVEL_NAMES.get(level, "INFO")))
     return response
 
 
 def _set_logger_level(request: Any) -> Any:
-    levels = {name: level for level, name in _LEVEL_NAMES.items()}
+    levels = {name: level for level, name in logs.LEVEL_NAMES.items()}
     level = levels.get(request.level.upper())
     if level is None:
         warnings.warn(f"Bad logging level: {request.level}", stacklevel=2)

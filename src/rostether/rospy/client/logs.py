@@ -25,6 +25,7 @@ _LEVELS = {
 }
 _PYTHON_LEVELS = {level: python for python, level in _LEVELS.items()}
 _NAMES = {DEBUG: "DEBUG", INFO: "INFO", WARN: "WARN", ERROR: "ERROR", FATAL: "FATAL"}
+LEVEL_NAMES = {python: _NAMES[level] for python, level in _LEVELS.items()}
 _COLORS = {DEBUG: "\033[32m", WARN: "\033[33m", ERROR: "\033[31m", FATAL: "\033[31m"}
 _FORMAT = "[${severity}] [${time}]: ${message}"
 _FILE_FORMAT = "[%(name)s][%(levelname)s] %(asctime)s: %(message)s"
