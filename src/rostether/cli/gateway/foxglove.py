@@ -16,13 +16,14 @@ from msgspec.structs import replace
 from rostether.cli.access.console_reporter import ConsoleReporter
 from rostether.cli.access.graph_options import GraphOptions, graph_options
 from rostether.cli.access.options import msg_path_option
-from rostether.cli.access.ros1_access import ros1_join, type_store
+from rostether.cli.access.ros1_access import type_store
 from rostether.cli.access.served_graphs import ServedGraphs
 from rostether.cli.gateway.gateways import (
     GatewayGraph,
     Report,
     joined_as,
     report_reach,
+    role_gateway_graph,
     ros1_gateway_graph,
     serve_gateway,
 )
@@ -41,7 +42,7 @@ from rostether.cli.gateway.options import (
     read_listen_address,
     viewer_access_options,
 )
-from rostether.cli.role.node import RoleVerb, node_environment, node_words, run_role
+from rostether.cli.role.node import RoleVerb, node_words, run_role
 from rostether.cli.shell.verbs import verb
 from rostether.errors import ConfigError
 from rostether.graph.ports import Level
@@ -182,8 +183,7 @@ def settings_of_parameters(parameters: Mapping[str, Any], token: str = "") -> Fo
 async def _main(graph: TypedGraph, arguments: Arguments, gateways: GatewayOptions) -> None:
     settings = settings_of_parameters(await private_parameters(graph), gateways.token)
     settings = replace(settings, origins=gateways.origins)
-    environment = node_environment(arguments)
-    gateway_graph = ros1_gateway_graph(ros1_join(environment), graph.store, environment)
+    gateway_graph = role_gateway_graph(arguments, graph.store)
     async with _gateway_on(
         graph.raw, gateway_graph, settings, ConsoleReporter().report, "address 0.0.0.0"
     ) as gateway:

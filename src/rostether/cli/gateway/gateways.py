@@ -12,12 +12,14 @@ from msgspec import Struct
 
 from rostether.cli.access.console_reporter import ConsoleReporter
 from rostether.cli.access.graph_options import GraphOptions
-from rostether.cli.access.ros1_access import master_client, read_environment, type_store
+from rostether.cli.access.ros1_access import master_client, read_environment, ros1_join, type_store
 from rostether.cli.access.served_graphs import ServedGraphs, native_session, served_graphs
 from rostether.cli.gateway.node import IsLive, NodeNaming, check_free, ros1_liveness
+from rostether.cli.role.node import node_environment
 from rostether.cli.shell.running import run
 from rostether.graph.ports import JoinGraph, Level
 from rostether.mechanisms.waiting import wait_for_master
+from rostether.names.remap import Arguments
 from rostether.ros1.environment import RosEnvironment, is_loopback, parse_rpc_uri
 from rostether.ros1.node.service_probe import look_up, probe_type
 
@@ -83,6 +85,12 @@ def ros1_gateway_graph(join: JoinGraph, store: TypeStore, environment: RosEnviro
     return GatewayGraph(
         join, store, ask_service_type=ask_type, ask_service_host=ask_host, is_live=ros1_liveness(environment)
     )
+
+
+def role_gateway_graph(arguments: Arguments, store: TypeStore) -> GatewayGraph:
+    """Return how a gateway that runs as a role joins the graph of its environment. Raises ConfigError."""
+    environment = node_environment(arguments)
+    return ros1_gateway_graph(ros1_join(environment), store, environment)
 
 
 async def joined_as(gateway_graph: GatewayGraph, naming: NodeNaming, name: str, report: Report) -> Graph:

@@ -16,14 +16,13 @@ from msgspec.structs import replace
 from rostether.cli.access.console_reporter import ConsoleReporter
 from rostether.cli.access.graph_options import GraphOptions, graph_options
 from rostether.cli.access.options import msg_path_option
-from rostether.cli.access.ros1_access import ros1_join
 from rostether.cli.gateway.gateways import (
     GatewayGraph,
     Report,
     joined_as,
     open_gateway_graph,
     report_reach,
-    ros1_gateway_graph,
+    role_gateway_graph,
     serve_gateway,
 )
 from rostether.cli.gateway.node import (
@@ -43,7 +42,7 @@ from rostether.cli.gateway.options import (
     read_encryption,
     read_listen_address,
 )
-from rostether.cli.role.node import RoleVerb, node_environment, node_words, run_role
+from rostether.cli.role.node import RoleVerb, node_words, run_role
 from rostether.cli.shell.verbs import verb
 from rostether.errors import ConfigError, DefinitionError, GraphError
 from rostether.extras import install_command
@@ -139,9 +138,8 @@ async def rosbridge_gateway(
         certificate=encryption.certificate,
         key=encryption.key,
     )
-    graph = await joined_as(
-        gateway_graph, naming, naming.name_for(ROSBRIDGE_NODE, port, DEFAULT_PORT), report
-    )
+    name = naming.name_for(ROSBRIDGE_NODE, port, DEFAULT_PORT)
+    graph = await joined_as(gateway_graph, naming, name, report)
     async with (
         closed_at_end(graph),
         rosbridge_server(graph, gateway_graph, settings, report, remote_option) as server,
@@ -221,12 +219,9 @@ def rosbridge_websocket(arguments: tuple[str, ...], gateways: GatewayOptions) ->
 async def _main(graph: TypedGraph, arguments: Arguments, gateways: GatewayOptions) -> None:
     parameters = await node_parameters(graph, arguments.rest)
     settings = replace(read_settings(parameters, gateways.token), origins=gateways.origins)
-    reporter = ConsoleReporter()
-    environment = node_environment(arguments)
-    gateway_graph = ros1_gateway_graph(ros1_join(environment), graph.store, environment)
-    async with rosbridge_server(
-        graph.raw, gateway_graph, settings, reporter.report, "address 0.0.0.0"
-    ) as server:
+    gateway_graph = role_gateway_graph(arguments, graph.store)
+    report = ConsoleReporter().report
+    async with rosbridge_server(graph.raw, gateway_graph, settings, report, "address 0.0.0.0") as server:
         await graph.raw.set_param("~actual_port", server.port)
         await graph.raw.wait_closed()
 
@@ -255,7 +250,6 @@ def read_settings(parameters: Mapping[str, Any], token: str = "") -> RosbridgeSe
         raise ConfigError(f"~authenticate needs a token; set {TOKEN_VARIABLE} in the environment of the node")
     is_secure = flag(parameters, "ssl") or bool(parameters.get("certfile"))
     certificate, key = certificate_files(parameters, "ssl") if is_secure else ("", "")
-    fragment_bytes = whole_number(parameters, "fragment_size", 0)
     return RosbridgeSettings(
         host=str(parameters.get("address") or DEFAULT_HOST),
         port=whole_number(parameters, "port", DEFAULT_PORT),
@@ -265,7 +259,7 @@ def read_settings(parameters: Mapping[str, Any], token: str = "") -> RosbridgeSe
         deflate=flag(parameters, "use_compression"),
         certificate=certificate,
         key=key,
-        fragment_bytes=fragment_bytes or None,
+        fragment_bytes=whole_number(parameters, "fragment_size", 0) or None,
         topics_glob=_globs(parameters, "topics_glob"),
         services_glob=_globs(parameters, "services_glob"),
         params_glob=_globs(parameters, "params_glob"),
@@ -294,8 +288,7 @@ def rosapi_node(arguments: tuple[str, ...]) -> None:
 async def _run_rosapi(graph: TypedGraph, arguments: Arguments) -> None:
     from rostether.gateways.rosbridge.rosapi.rosapi import Rosapi
 
-    environment = node_environment(arguments)
-    gateway_graph = ros1_gateway_graph(ros1_join(environment), graph.store, environment)
+    gateway_graph = role_gateway_graph(arguments, graph.store)
     rosapi = Rosapi(
         graph.raw,
         gateway_graph.store,
