@@ -107,7 +107,7 @@ class ElfFile:
             self._file = ELFFile(BytesIO(content))
             self.is_avr: bool = self._file["e_machine"] == "EM_AVR"
             self.flags: int = self._file["e_flags"]
-            # Not num_sections(): a damaged file can make that billions.
+            # Not num_sections(): with a damaged file, it can return billions.
             self._parts = [self._file.get_section(index) for index in range(self._file["e_shnum"])]
             self.sections = [self._section(each) for each in self._parts]
         # The library raises errors of many types for a damaged file.

@@ -5,7 +5,7 @@
     16-17   its port, big-endian
     18-     the query, a framed command under the same key
 
-It shows whether two robots reach each other, which an access point may prevent.
+A forwarded query shows whether two robots reach each other, which an access point may prevent.
 """
 
 from __future__ import annotations

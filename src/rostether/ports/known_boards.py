@@ -29,11 +29,11 @@ class KnownBoards:
 
     def remember(self, key: str, baud: int) -> None:
         """Store a board's baud rate; the file is written only if it has changed."""
-        is_news = self._bauds.pop(key, None) != baud
+        has_changed = self._bauds.pop(key, None) != baud
         self._bauds[key] = baud
         while len(self._bauds) > MAX_BOARDS:
             self._bauds.pop(next(iter(self._bauds)))
-        if is_news and self._path is not None:
+        if has_changed and self._path is not None:
             # If the folder cannot be written, the rate is detected again next time.
             with contextlib.suppress(OSError):
                 store_state(self._path, {"bauds": self._bauds})

@@ -84,7 +84,7 @@ class Recorder:
 
     @property
     def topic_count(self) -> int:
-        """How many topics are subscribed."""
+        """How many topics it subscribes to."""
         return len(self._subscribers)
 
     async def run(self, on_started: Callable[[], None] | None = None) -> None:

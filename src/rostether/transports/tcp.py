@@ -84,7 +84,7 @@ class TcpTransport(StreamTransport, asyncio.BufferedProtocol):
         """
         super().write(data)
         if self._socket is not None and _QUICKACK is not None:
-            # uvloop's wrapper of a closed socket raises ValueError; a `with` would cost twice this.
+            # uvloop's wrapper of a closed socket raises ValueError; a `with` would cost twice as much.
             try:  # noqa: SIM105
                 self._socket.setsockopt(socket.IPPROTO_TCP, _QUICKACK, 1)
             except (OSError, ValueError):

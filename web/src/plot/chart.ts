@@ -8,7 +8,7 @@ import type { Series } from "./series.ts";
 export interface ChartOptions {
   /** Whether it is a small one without a time axis. */
   isSmall: boolean;
-  /** The number of the axis of each series; series with one number share a scale. */
+  /** The axis of a series; all series with the same axis share a scale. */
   axisOf: (series: Series) => string;
   /** The user chose a span of time. */
   onZoom?: (fromS: number, toS: number) => void;

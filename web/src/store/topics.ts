@@ -28,7 +28,7 @@ export class Topic {
     return new Topic(channel.topic, channel.schemaName, channel.schema, channel.id);
   }
 
-  /** Whether a node publishes it, so that it can be subscribed. */
+  /** Whether a node publishes it, so that the page can subscribe to it. */
   get isPublished(): boolean {
     return this.channelId !== undefined;
   }

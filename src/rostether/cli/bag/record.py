@@ -77,8 +77,8 @@ DURATION = _DurationType()
 class RecordOptions:
     """The options of `bag record`."""
 
-    is_all: bool = flag("-a --all", "Record all topics, including those that appear later.")
-    is_regex: bool = flag("-e --regex", "TOPICs are regular expressions.")
+    records_all: bool = flag("-a --all", "Record all topics, including those that appear later.")
+    has_patterns: bool = flag("-e --regex", "TOPICs are regular expressions.")
     exclude: str | None = option("-x --exclude REGEX", "Leave out the topics that match.")
     node: str | None = option("--node NODE", "Record all topics that a node subscribes to.")
     output_name: str | None = option("-O --output FILE", "The .bag, .mcap or .db3 file, or folder.")
@@ -153,14 +153,14 @@ def bag_record(options: RecordOptions, topics: tuple[str, ...], graph: GraphOpti
         if marker and not old.startswith("_")
     }
     topics = tuple(each for each in topics if ":=" not in each)
-    if not topics and not options.is_all and options.node is None:
+    if not topics and not options.records_all and options.node is None:
         raise click.UsageError("give the topics to record, or --all")
-    full_names = [] if options.is_regex else [resolve(each, environment) for each in topics]
+    full_names = [] if options.has_patterns else [resolve(each, environment) for each in topics]
     choice = TopicChoice(
         names=tuple(dict.fromkeys(remapped.get(each, each) for each in full_names)),
-        patterns=tuple(_pattern(each) for each in topics) if options.is_regex else (),
+        patterns=tuple(_pattern(each) for each in topics) if options.has_patterns else (),
         exclude=None if options.exclude is None else _pattern(options.exclude),
-        is_all=options.is_all,
+        is_all=options.records_all,
         node="" if options.node is None else resolve(options.node, environment),
         with_hidden=not graph.is_ros2_alone,
     )

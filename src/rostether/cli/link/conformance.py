@@ -40,9 +40,9 @@ class ConformanceOptions:
     address: str | None = argument(required=False, metavar="[ADDRESS]", shell_complete=complete_ports)
     quick: bool = flag("--quick", "Leave out the cases that wait longer than 10 s.")
     names: tuple[str, ...] = option("--case NAME", "Check only this case; may be repeated.", multiple=True)
-    is_client: bool = flag("--client", "Run the conformance program at ADDRESS, in Python.")
-    is_list: bool = flag("--list", "List the cases.")
-    is_vectors: bool = flag("--vectors", "Print test vectors for codecs: bytes and values.")
+    runs_program: bool = flag("--client", "Run the conformance program at ADDRESS, in Python.")
+    lists_cases: bool = flag("--list", "List the cases.")
+    prints_vectors: bool = flag("--vectors", "Print test vectors for codecs: bytes and values.")
     msg_paths: tuple[Path, ...] = shared(msg_path_option, ())
     as_json: bool = shared(json_option, False)
 
@@ -66,15 +66,15 @@ def conformance(options: ConformanceOptions) -> int:
     endpoints in another language. A client without some of them skips the cases that need them. The
     exit code is 0 if no case failed.
     """
-    if options.is_vectors:
+    if options.prints_vectors:
         return _print_vectors()
     cases = _chosen(options.names, quick=options.quick)
-    if options.is_list:
+    if options.lists_cases:
         _print_cases(cases, as_json=options.as_json)
         return EXIT_DONE
     if options.address is None:
         raise click.UsageError("give the client's address, for example /dev/ttyACM0 or tcp://:11411")
-    if options.is_client:
+    if options.runs_program:
         run(_run_client(options.address), is_service=True)
         return EXIT_DONE
     return run(_check(options.address, cases, options.msg_paths, as_json=options.as_json))

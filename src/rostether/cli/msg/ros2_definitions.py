@@ -19,7 +19,7 @@ from rostether.ros2.types.type_hash import message_hash, service_hash
 if TYPE_CHECKING:
     from rostether.msgdef.registry import Registry
 
-# The longest in use have about 200. Four fields of the next type on each of 24 levels make 10^14.
+# Real types have at most about 200 lines. Four fields of the next type on each of 24 levels make 10^14 lines.
 MAX_SHOWN_LINES: Final = 10_000
 
 

@@ -51,7 +51,7 @@ class Ros1Topics(Ros1TopicListing):
 
         refuse_ros2_only(type_name=type_name)
         options.refuse_ros2_only()
-        # A wrong filter is reported before anything is subscribed.
+        # A wrong filter is reported before the node subscribes.
         options.compiled_filter()
         run(echo(self._graph, with_field(topic, options), options))
 

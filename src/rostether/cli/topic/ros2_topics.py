@@ -47,7 +47,7 @@ class Ros2Topics(Ros2TopicListing):
     def echo(self, topic: str, type_name: str | None, options: EchoOptions) -> None:
         """Print messages as `ros2 topic echo` does."""
         refuse_ros1_only(plot=options.plot, number_width=options.number_width, offset=options.offset)
-        # A wrong filter is reported before anything is subscribed.
+        # A wrong filter is reported before the node subscribes.
         options.compiled_filter()
         run(_echo(self._graph, topic, type_name, options))
 

@@ -71,7 +71,7 @@ async def check_services(client: CheckedClient) -> None:
     announced = {(each.kind, each.name, each.info.message_type) for each in client.announcements if each.info}
     for kind, name, service_type in announced:
         if kind >= ids.SERVICE_SERVER_RESPONSE and (kind ^ 1, name, service_type) not in announced:
-            raise Deviation(f"{name} [{service_type}] is announced on {kind}, and not on {kind ^ 1}")
+            raise Deviation(f"{name} [{service_type}] is announced on {kind}, but not on {kind ^ 1}")
 
 
 @case("announce-again")

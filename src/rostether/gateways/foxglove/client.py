@@ -140,9 +140,7 @@ class Client:
                 # The channel may have just ended, which is not an error of the client.
                 self.report_error(f"there is no channel {channel_id}")
             elif subscription_id in self._subscriptions or channel_id in self._by_channel:
-                self.report_error(
-                    f"channel {channel_id} or subscription {subscription_id} is already subscribed"
-                )
+                self.report_error(f"channel {channel_id} or subscription {subscription_id} is already in use")
             elif len(self._subscriptions) >= self._context.limits.subscriptions:
                 most = self._context.limits.subscriptions
                 self.report_error(f"a client may have at most {most} subscriptions; unsubscribe some")

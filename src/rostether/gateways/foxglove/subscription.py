@@ -63,7 +63,7 @@ class Subscription:
         try:
             self._share = await shared.subscribe(self.channel.topic, self._send_batch, self._report_publisher)
         except RostetherError as error:
-            report(f"{self.channel.topic} cannot be subscribed: {error}")
+            report(f"cannot subscribe to {self.channel.topic}: {error}")
 
     def _report_publisher(self, connection: PublisherConnection) -> None:
         self._channels.check_publisher(self.channel, connection)

@@ -97,7 +97,7 @@ class ConnectionServer(Protocol):
 class Connection(asyncio.BufferedProtocol):
     """One connection; it gets a user when the handshake ends.
 
-    It reads smaller chunks while handling a chunk takes long.
+    It reads less at a time while its chunks are expensive to process.
     """
 
     def __init__(self, server: ConnectionServer) -> None:

@@ -146,7 +146,7 @@ class _Check:
             self.report(f"its summary describes the chunk at byte {index.position} wrongly")
 
     def _check_statistics(self, statistics: Statistics) -> None:
-        first, last = self._found.span or (0, 0)
+        first, last = self._found.span_ns or (0, 0)
         rows = (
             ("messages", statistics.message_count, sum(self._found.counts.values())),
             ("schemas", statistics.schema_count, len(self._found.defined.schemas)),

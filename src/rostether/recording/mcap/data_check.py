@@ -42,7 +42,7 @@ class DataCheck:
     def __init__(self, data: Buffer, report: Callable[[str], None]) -> None:
         self.defined = McapContent()
         self.counts: dict[int, int] = {}
-        self.span: tuple[int, int] | None = None
+        self.span_ns: tuple[int, int] | None = None
         self.order = TimeOrder()
         self.kinds: dict[int, int] = {}
         self.chunks: dict[int, FoundChunk] = {}
@@ -161,10 +161,10 @@ class DataCheck:
                 self._report(f"a message belongs to channel {number}, which is not defined")
         self.counts[number] += 1
         self.order.add(time_ns)
-        if self.span is None:
-            self.span = (time_ns, time_ns)
-        elif not self.span[0] <= time_ns <= self.span[1]:
-            self.span = (min(self.span[0], time_ns), max(self.span[1], time_ns))
+        if self.span_ns is None:
+            self.span_ns = (time_ns, time_ns)
+        elif not self.span_ns[0] <= time_ns <= self.span_ns[1]:
+            self.span_ns = (min(self.span_ns[0], time_ns), max(self.span_ns[1], time_ns))
 
 
 def _records(plain: Buffer) -> Iterator[tuple[int, int, int, int]]:
