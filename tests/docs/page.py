@@ -1,6 +1,6 @@
 """A documentation page as its reader sees it: which commands it tells to type, and what they print.
 
-Fenced blocks count when their language is `sh` (commands, one a line, `\\` continues), followed or not by a
+Fenced blocks count when their language is `sh` (commands, one per line, `\\` continues), followed or not by a
 `text` block: lines that the last command prints, in that order. Numbers and times may differ, and lines that
 not every run prints are not required. The attribute `test` of a block is for the tests, the build of the
 pages removes it. On commands, "leave running" means that the last one is left running, as the reader would

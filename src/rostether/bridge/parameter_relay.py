@@ -22,7 +22,7 @@ from rostether.graph.ports import Graph, Level, ParamValue
 from rostether.ports.settings import ANY_ACCESS, Access
 from rostether.rosserial.host_link import HostLink
 
-# A board waits for each answer before its next request; more than a few waiting requests are damage.
+# A board waits for each answer before its next request, so more than a few waiting requests are damage.
 MAX_WAITING = 16
 # The pause before a master that did not answer is asked again, while the board still waits.
 RETRY_S = 0.1

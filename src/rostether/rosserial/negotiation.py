@@ -55,7 +55,7 @@ SEARCH_STEPS = ((2, 0.2), (2, 0.2), (1, 0.3), (2, 0.3), (1, 0.5), (2, 0.5))
 # The wait for an answer on a working line; most boards answer within 20 ms. ANSWER_MARGIN is for slow ones.
 RETRY_S = 0.2
 
-# Three requests lost in a row, once in 8000 cases at 5 % loss, then cost less than a second.
+# With this growth, three requests lost in a row (once in 8000 cases at 5 % loss) cost less than a second.
 RETRY_GROWTH = 1.5
 
 # The longest interval between unanswered requests: a user expects a lost board back within two seconds.

@@ -1,4 +1,4 @@
-// A robot with ros::MulticastCommand on loopback, in the group 239.255.82.83. Prints what it does, a line each:
+// A robot with ros::MulticastCommand on loopback, in the group 239.255.82.83. Prints what it does, one action per line:
 //   multicast_robot PORT [STALL_AFTER]     drive DIRECTION SPEED, halt, open; its socket stalls after this number of datagrams
 //   multicast_robot PORT bare             the same with ros::MulticastTopic
 // Robot 3 of group 1 line by line, without a network: a time in milliseconds and a datagram in hexadecimal on standard

@@ -165,7 +165,7 @@ async def upload_sketch(sketch: Path, board_name: str, options: BuildOptions, po
 @build_options
 @click.pass_context
 def firmware_sim(
-    context: click.Context, /, sketch: Path, board_name: str, options: BuildOptions, **of_the_board: Any
+    context: click.Context, /, sketch: Path, board_name: str, options: BuildOptions, **board_options: Any
 ) -> None:
     """Build a sketch and run it on a simulated board.
 
@@ -173,7 +173,7 @@ def firmware_sim(
     built.
     """
     built = run(build(sketch, board_name, options))
-    context.invoke(board_run, program=built.elf, board=board_name, msg_paths=(), **of_the_board)
+    context.invoke(board_run, program=built.elf, board=board_name, msg_paths=(), **board_options)
 
 
 firmware_sim.params += [each for each in board_run.params if each.name not in _BUILD_OPTIONS]

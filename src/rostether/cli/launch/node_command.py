@@ -20,7 +20,7 @@ PYTHON_VARIABLE = "ROSTETHER_PYTHON"
 
 # A Python starts within a second, even on a busy small board.
 _PROBE_LIMIT_S = 10.0
-# A Python with a real rospy must find the packages of the workspace that the script imports (they are built).
+# A Python with a real rospy must also find the built packages of the workspace that the script imports.
 # A Python without it must be new enough for the built-in rospy. A folder without `__init__.py` has no origin.
 _PROBE = """
 import importlib.util, sys

@@ -77,7 +77,7 @@ class Ros1Params:
             if content == {}:
                 warn(f"an empty mapping sets nothing; `rostether param delete {name}` empties the namespace")
             elif looks_like_number(content):
-                warn(f"{values[0]} is text in YAML; a number has a dot and a sign, such as 1.0e-3")
+                warn(f"{values[0]} is text in YAML; an exponent needs a dot and a sign, as in 1.0e-3")
         run(_store(self._environment, [(name, content)], verbose=options.verbose))
 
     def delete(self, name: str, parameter: str | None, *, verbose: bool) -> None:

@@ -22,7 +22,7 @@ from rostether.names.remap import Arguments
 async def sensing_manager(graph: TypedGraph, _: Arguments) -> None:
     """Register sensors (service `sensors_register`), watch them and publish their list (`sensors`).
 
-    Parameters: ~sensors_file (topics of boards that are sensors, a line each), ~state_file (where registered
+    Parameters: ~sensors_file (topics of boards that are sensors, one per line), ~state_file (where registered
     sensors are kept across restarts; default: ~/.local/state/rostether/sensors.json).
     """
     from rostether.platform.sensing_manager import SensingManager

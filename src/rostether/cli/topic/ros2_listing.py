@@ -76,7 +76,7 @@ class Ros2TopicListing:
                     write_line(f"{format_end(end)}\n")
 
     def type_of(self, topic: str, msg_paths: tuple[Path, ...]) -> None:
-        """Print the types of a topic, one a line."""
+        """Print the types of a topic, one per line."""
         name, view = _view_of(self._graph, topic)
         for each in view.types(TOPIC_KINDS, name):
             write_line(escape_line(each))

@@ -26,8 +26,8 @@ from rostether.serde.store import TypeStore
 # More topics than any graph has; announcing them to a client needs about 20 MB.
 MAX_CHANNELS = 20_000
 
-# Topics that are subscribed only to learn their types.
-_ASKED_AT_ONCE = 16
+# How many topics the gateway subscribes to at once only to learn their types.
+_LEARNED_AT_ONCE = 16
 
 # How long to wait for a publisher's type; then the next topic follows.
 _PUBLISHER_WAIT_S = 2.0
@@ -56,7 +56,7 @@ class Channels:
         self._names: dict[str, str] = {}
         self._learning: dict[str, asyncio.Task[None]] = {}
         self._learned: set[str] = set()
-        self._learning_slots = asyncio.Semaphore(_ASKED_AT_ONCE)
+        self._learning_slots = asyncio.Semaphore(_LEARNED_AT_ONCE)
         self._next_id = 1
 
     def update(self, snapshot: Snapshot) -> None:

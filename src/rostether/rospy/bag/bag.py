@@ -129,7 +129,7 @@ class Bag:
         """The file's size in bytes."""
         if self._writer is not None:
             return self._writer.size_bytes
-        with self._facts() as reader:
+        with self._reading() as reader:
             return reader.size_bytes
 
     def read_messages(
@@ -218,7 +218,7 @@ class Bag:
     def get_message_count(self, topic_filters: Any = None) -> int:
         """Return the number of messages, of some topics or all."""
         names = _names(topic_filters)
-        with self._facts() as reader:
+        with self._reading() as reader:
             counts = reader.counts
         return sum(count for each, count in counts.items() if names is None or each.topic in names)
 
@@ -232,16 +232,16 @@ class Bag:
 
     def get_type_and_topic_info(self, topic_filters: Any = None) -> TypesAndTopicsTuple:
         """Return types with their md5sums, and topics with type, counts and frequency."""
-        with self._facts() as reader:
+        with self._reading() as reader:
             return types_and_topics(reader, _names(topic_filters))
 
     def get_compression_info(self) -> CompressionTuple:
         """Return the most frequent compression, and the bytes of all chunks before and after it."""
-        with self._facts() as reader:
+        with self._reading() as reader:
             return compression_of(reader)
 
     def _get_yaml_info(self, key: str | None = None) -> str:
-        with self._facts() as reader:
+        with self._reading() as reader:
             return yaml_text(self._filename, reader, key)
 
     def _open(self, path: Path) -> RecordingReader:
@@ -278,8 +278,8 @@ class Bag:
         return self._reader
 
     @contextmanager
-    def _facts(self) -> Iterator[RecordingReader]:
-        """Return the facts about the bag, even after it is closed, like rosbag."""
+    def _reading(self) -> Iterator[RecordingReader]:
+        """Provide a reader of the bag, even after the bag is closed, like rosbag."""
         if self._reader is not None:
             yield self._reader
             return
@@ -287,7 +287,7 @@ class Bag:
             yield reader
 
     def _span(self) -> tuple[int, int]:
-        with self._facts() as reader:
+        with self._reading() as reader:
             span_ns = reader.span_ns
         if span_ns is None:
             raise ROSBagException("Bag contains no message")

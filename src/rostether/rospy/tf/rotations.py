@@ -171,7 +171,7 @@ def quaternion_slerp(
     spin: int = 0,
     shortestpath: bool = True,
 ) -> Any:
-    """Return the rotation at a fraction of the way from one to another, with `spin` more half turns."""
+    """Return the rotation at a fraction of the way from one to another, with `spin` additional half turns."""
     start, end = (_as_quaternion(unit_vector(each)) for each in (quat0, quat1))
     if fraction in (0.0, 1.0):
         return as_array(end if fraction else start)
