@@ -88,7 +88,7 @@ def test_what_is_not_a_parameter_is_refused_in_one_line(
 
 
 def test_what_was_probably_meant_otherwise_is_reported(graph: LiveGraph, shell: Shell) -> None:
-    assert "a number has a dot" in shell("param", "set", "/x", "1e-3").err
+    assert "an exponent needs a dot" in shell("param", "set", "/x", "1e-3").err
     assert value_of(graph, "/x") == "1e-3"
     assert "sets nothing" in shell("param", "set", "/x", "{}").err
     assert value_of(graph, "/x") == "1e-3"
