@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import statistics
 import struct
+import subprocess
 import tempfile
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -107,6 +108,12 @@ class RamSize:
         """Both, of those with the established library; `without_bytes` are not counted on either side."""
         established = ESTABLISHED["uno"][self.example][1] + ESTABLISHED_STACK_BYTES
         return (self.static_bytes + self.stack_bytes - without_bytes) / (established - without_bytes)
+
+
+def has_measured_compiler() -> bool:
+    """Return whether avr-gcc is of the version for which the limits of tests were measured."""
+    asked = subprocess.run(["avr-gcc", "-dumpversion"], capture_output=True, text=True, check=True)
+    return asked.stdout.startswith("5.")
 
 
 async def ram_size(example: str) -> RamSize:

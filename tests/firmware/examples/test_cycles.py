@@ -5,13 +5,18 @@ from __future__ import annotations
 import pytest
 
 from firmware.examples import counting
+from firmware.examples.established import has_measured_compiler
+
+# avr-gcc 16 needs up to 23 % more cycles than avr-gcc 5.4.
+SLACK_OF_NEWER_COMPILERS = 1.25
 
 
 async def test_no_operation_takes_longer_than_before(capsys: pytest.CaptureFixture[str]) -> None:
     cycles = await counting.count_async(neutral=True)
     with capsys.disabled():
         print("\n" + "\n".join(f"{each.name:<40}{cycles[each]:>7}{each.most:>7}" for each in cycles))
-    assert {each.name: cycles[each] for each in cycles if cycles[each] > each.most} == {}
+    slack = 1 if has_measured_compiler() else SLACK_OF_NEWER_COMPILERS
+    assert {each.name: cycles[each] for each in cycles if cycles[each] > each.most * slack} == {}
 
 
 @pytest.mark.parametrize("operation", counting.OPERATIONS, ids=lambda each: each.name)
