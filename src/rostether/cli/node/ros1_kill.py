@@ -10,10 +10,12 @@ from rostether.cli.access.ros1_access import master_client, no_master, resolve
 from rostether.cli.shell.failures import EXIT_FAILED, error_text
 from rostether.cli.shell.output import warn, write_line
 from rostether.cli.shell.running import run
-from rostether.errors import GraphError, MasterUnreachableError, UnknownNameError
+from rostether.errors import GraphError, MasterUnreachableError, ProtocolError, UnknownNameError
 from rostether.ros1.environment import RosEnvironment
 from rostether.ros1.node.leftovers import unregister_node
 from rostether.ros1.node.node_calls import ask, node_client, node_names, ping, unknown_node
+from rostether.xmlrpc.http_message import HttpStatusError
+from rostether.xmlrpc.values import FaultError
 
 
 def kill(environment: RosEnvironment, names: tuple[str, ...], *, kill_all: bool) -> None:
@@ -69,10 +71,12 @@ async def _kill(environment: RosEnvironment, names: list[str]) -> list[tuple[str
                 # The node has ended in the meantime.
                 continue
             except GraphError as error:
-                # A node may close the connection while it answers: only an unreachable node was not asked.
-                if isinstance(error.__cause__, ConnectionRefusedError):
+                cause = error.__cause__
+                # A node may close the connection while it answers.
+                is_ending = isinstance(cause, ConnectionError | ProtocolError)
+                if isinstance(cause, ConnectionRefusedError):
                     failed.append((name, "it is not running; `rostether node cleanup` removes it"))
-                elif error.__cause__ is None:
+                elif isinstance(cause, FaultError | HttpStatusError) or not is_ending:
                     failed.append((name, error_text(error)))
     return failed
 

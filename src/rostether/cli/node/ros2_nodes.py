@@ -99,8 +99,7 @@ def _sections(view: GraphView, node: str, *, with_hidden: bool) -> dict[str, lis
 def _actions(view: GraphView, kind: EndpointKind, node: str) -> Iterator[tuple[str, list[str]]]:
     for name, types in view.of_node(kind, node):
         if name.endswith(_ACTION_SERVICE):
-            plain = (each.replace("::dds_::", "/").replace("::", "/").rstrip("_") for each in types)
-            yield name.removesuffix(_ACTION_SERVICE), [each.removesuffix("_SendGoal") for each in plain]
+            yield name.removesuffix(_ACTION_SERVICE), [each.removesuffix("_SendGoal") for each in types]
 
 
 def _key(title: str) -> str:

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 import pytest
 
 from rostether.cli.shell.own_command import CALLED_AS_VARIABLE
+from rostether.mechanisms.block_end import closed_at_end
 from rostether.msgdef.interface import ServiceType
 from rostether.ros1.node.master_client import MasterClient
 from unit.cli.command_shell import STORE, LiveGraph, Shell
@@ -175,6 +176,17 @@ def test_kill_of_the_unknown_and_the_gone(gone: str, shell: Shell) -> None:
     result = shell("node", "kill", gone)
     assert result.code == 1
     assert "`rostether node cleanup` removes it" in result.err
+
+
+def test_kill_of_a_node_whose_host_is_unknown(graph: LiveGraph, shell: Shell) -> None:
+    async def register() -> None:
+        async with closed_at_end(MasterClient(graph.uri, "/lost")) as master:
+            await master.register_publisher("/chatter", TEXT.name, "http://robot.invalid:9/")
+
+    graph.do(register())
+    result = shell("node", "kill", "/lost")
+    assert result.code == 1
+    assert "/lost: node /lost at http://robot.invalid:9/ cannot be reached" in result.err
 
 
 @pytest.mark.parametrize(("arguments", "stdin"), [((), "maybe\ny\n"), (("--yes",), "")])
