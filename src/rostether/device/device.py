@@ -17,7 +17,7 @@ from rostether.device.parameters import DeviceParam, ParameterRequests
 from rostether.errors import ConfigError, TransportError, TransportTimeoutError, UnknownNameError
 from rostether.graph.ports import Level
 from rostether.mechanisms.backoff import Backoff
-from rostether.mechanisms.block_end import BlockClosable
+from rostether.mechanisms.block_end import BlockClosable, cancel_all
 from rostether.msgdef.registry import Registry
 from rostether.msgdef.search_waiting import definitions_searched
 from rostether.rosserial.device_link import PUBLISHER_OVERHEAD_BYTES, DeviceLink, DeviceLinkConfig
@@ -113,8 +113,7 @@ class Device(Endpoints, BlockClosable):
     async def close(self) -> None:
         """Close the line, and fail all pending requests. Idempotent."""
         if self._keeper is not None:
-            self._keeper.cancel()
-            await asyncio.gather(self._keeper, return_exceptions=True)
+            await cancel_all(self._keeper)
         transport = self._line.transport
         self._line.detach()
         self._fail_requests("the device was closed")

@@ -37,6 +37,7 @@ from rostether.graph.ports import (
     Snapshot,
     SubscribeOptions,
 )
+from rostether.mechanisms.block_end import cancel_all
 from rostether.msgdef.interface import MessageType, ServiceType
 from rostether.rostime import Time
 
@@ -268,9 +269,7 @@ class JointGraph:
             self._closed.set()
 
     async def _close(self) -> None:
-        for task in (*self._watching, *self._background):
-            task.cancel()
-        await asyncio.gather(*self._watching, *self._background, return_exceptions=True)
+        await cancel_all(*self._watching, *self._background)
         for handle in self._open_handles():
             handle.stop()
         results = await asyncio.gather(*(graph.close() for graph in self._graphs), return_exceptions=True)

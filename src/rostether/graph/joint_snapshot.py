@@ -8,6 +8,7 @@ from contextlib import aclosing
 
 from rostether.errors import GraphError
 from rostether.graph.ports import Graph, ServiceEntry, Snapshot, TopicEntry
+from rostether.mechanisms.block_end import cancel_all
 from rostether.msgdef.interface import ANY_TYPE
 
 
@@ -73,9 +74,7 @@ async def follow_each(
             await wakeup.wait()
             wakeup.clear()
     finally:
-        for task in (*watching, *tasks.values()):
-            task.cancel()
-        await asyncio.gather(*watching, *tasks.values(), return_exceptions=True)
+        await cancel_all(*watching, *tasks.values())
 
 
 async def _forward(event: asyncio.Event, wakeup: asyncio.Event) -> None:

@@ -52,5 +52,11 @@ async def task_beside(work: Coroutine[Any, Any, object]) -> AsyncIterator[asynci
     try:
         yield task
     finally:
+        await cancel_all(task)
+
+
+async def cancel_all(*tasks: asyncio.Future[Any]) -> None:
+    """Cancel tasks and wait for their end. Their errors are ignored."""
+    for task in tasks:
         task.cancel()
-        await asyncio.gather(task, return_exceptions=True)
+    await asyncio.gather(*tasks, return_exceptions=True)

@@ -25,6 +25,7 @@ from rostether.graph.joint_marks import (
     replace_names,
 )
 from rostether.graph.ports import Level, Publisher, Snapshot
+from rostether.mechanisms.block_end import cancel_all
 from rostether.relay.action_relay import ActionRelay, action_entries
 from rostether.relay.item import Kind, RelayItem
 from rostether.relay.relay_filter import Direction, RelayFilter
@@ -98,9 +99,7 @@ class Relay:
                 await ended
         finally:
             tasks += [*self._relaying.values(), *self._ending.values()]
-            for task in tasks:
-                task.cancel()
-            await asyncio.gather(*tasks, return_exceptions=True)
+            await cancel_all(*tasks)
             await asyncio.gather(*(mark.close() for mark in marks), return_exceptions=True)
 
     async def _leave(self, side: Side) -> None:

@@ -16,7 +16,7 @@ from msgspec import Struct, field
 from rostether.errors import ConfigError, GraphError, TransformError
 from rostether.graph.typed_graph import TypedGraph
 from rostether.graph.typed_handles import TypedPublisher
-from rostether.mechanisms.block_end import closed_at_end
+from rostether.mechanisms.block_end import cancel_all, closed_at_end
 from rostether.robot.tf_buffer import TransformBuffer
 from rostether.robot.tf_listener import tf_listener
 from rostether.robot.tf_messages import to_message
@@ -123,10 +123,7 @@ class _Republisher:
         await asyncio.gather(self._follow_goals(), self._follow_cancels(), self._publish_status())
 
     async def close(self) -> None:
-        tasks = [*self._tasks]
-        for task in tasks:
-            task.cancel()
-        await asyncio.gather(*tasks, return_exceptions=True)
+        await cancel_all(*self._tasks)
 
     async def _serve(self, message: Any) -> dict[str, str]:
         request = Request.read(message)

@@ -18,6 +18,7 @@ from rostether.bridge.health.shared_topics import SharedTopics
 from rostether.bridge.reporter import Reporter, reason_of
 from rostether.errors import GraphError
 from rostether.graph.ports import Level, Publisher
+from rostether.mechanisms.block_end import cancel_all
 from rostether.serde.store import TypeStore
 
 # The interval that diagnostic tools expect.
@@ -61,9 +62,7 @@ class HealthRound:
 
     async def close(self) -> None:
         """Stop, and unadvertise. Idempotent."""
-        for task in self._tasks:
-            task.cancel()
-        await asyncio.gather(*self._tasks, return_exceptions=True)
+        await cancel_all(*self._tasks)
         for publication in list(self._publications.values()):
             await publication.close()
 
@@ -144,8 +143,7 @@ class _Publication:
 
     async def close(self) -> None:
         """Stop advertising if that is still running; the graph removes the rest with the node."""
-        self._opening.cancel()
-        await asyncio.gather(self._opening, return_exceptions=True)
+        await cancel_all(self._opening)
 
     async def _open(self, node: BoardNode) -> None:
         try:

@@ -15,7 +15,7 @@ from rostether.cli.board.opencr import OPENCR, start_opencr
 from rostether.cli.board.qemu import start_in_qemu
 from rostether.errors import GraphError
 from rostether.graph.ports import Graph, JoinGraph, Level
-from rostether.mechanisms.block_end import closed_at_end
+from rostether.mechanisms.block_end import cancel_all, closed_at_end
 from rostether.simulation.qemu import MACHINES
 from rostether.transports.address import Address, ProgramSize, SerialAddress, SimAddress, SimulationPauses
 
@@ -89,7 +89,7 @@ async def simulated(
             reports.append(asyncio.get_running_loop().create_task(report))
             opened.append(SerialAddress(address, name=name, ns=link.ns, program=size, pauses=pauses))
         # The reports end first: a board that is ended on purpose has nothing to report.
-        stack.push_async_callback(_end, reports)
+        stack.push_async_callback(cancel_all, *reports)
         yield opened
 
 
@@ -203,9 +203,3 @@ async def _report_events(board: SimulatedBoard, link: SimAddress, reporter: Repo
         if event.name not in hidden:
             report(event)
     reporter.report(Level.ERROR, f"{link}: the simulated board has ended")
-
-
-async def _end(tasks: Sequence[asyncio.Task[None]]) -> None:
-    for task in tasks:
-        task.cancel()
-    await asyncio.gather(*tasks, return_exceptions=True)

@@ -19,6 +19,7 @@ from rostether.cli.shell.option_group import FILE, POSITIVE, flag, option, share
 from rostether.cli.shell.output import warn, write_line
 from rostether.cli.shell.picture_files import encode, picture_format, save
 from rostether.errors import ConfigError, GraphError, SerializationError, first_error
+from rostether.mechanisms.block_end import cancel_all
 from rostether.mechanisms.text import counted
 from rostether.msgdef.registry import Registry
 from rostether.serde.field_units import unit_of
@@ -115,9 +116,7 @@ class PlotSession:
                     else:
                         await asyncio.gather(*tasks)
         finally:
-            for task in tasks:
-                task.cancel()
-            await asyncio.gather(*tasks, return_exceptions=True)
+            await cancel_all(*tasks)
             if self._curves.names:
                 self._finish()
         if not self._curves.names:

@@ -19,6 +19,7 @@ from rostether.gateways.shared_subscriptions import (
 )
 from rostether.gateways.type_names import short_type
 from rostether.graph.ports import Snapshot, TopicEntry
+from rostether.mechanisms.block_end import cancel_all
 from rostether.msgdef.interface import ANY_MD5SUM, ANY_TYPE, MessageType
 from rostether.msgdef.registry import Registry
 from rostether.serde.store import TypeStore
@@ -107,10 +108,7 @@ class Channels:
 
     async def close(self) -> None:
         """Stop learning types."""
-        tasks = list(self._learning.values())
-        for task in tasks:
-            task.cancel()
-        await asyncio.gather(*tasks, return_exceptions=True)
+        await cancel_all(*self._learning.values())
 
     def _has_changed(self, topic: TopicEntry) -> bool:
         return topic.type not in (ANY_TYPE, self._names[topic.name])

@@ -13,6 +13,7 @@ from rostether.gateways.foxglove.server_messages import JSON_ENCODING, ROS1_ENCO
 from rostether.gateways.foxglove.settings import NameFilter
 from rostether.gateways.type_names import short_type
 from rostether.graph.ports import Graph, Snapshot
+from rostether.mechanisms.block_end import cancel_all
 from rostether.msgdef.interface import ANY_TYPE
 from rostether.serde.store import TypeStore
 
@@ -106,10 +107,7 @@ class Services:
 
     async def close(self) -> None:
         """Stop asking for types."""
-        tasks = list(self._asking.values())
-        for task in tasks:
-            task.cancel()
-        await asyncio.gather(*tasks, return_exceptions=True)
+        await cancel_all(*self._asking.values())
 
     def _add(self, name: str, type_name: str) -> list[OfferedService]:
         try:

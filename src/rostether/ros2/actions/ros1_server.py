@@ -14,6 +14,7 @@ from typing import Final
 
 from rostether.errors import RostetherError, ServiceCallError
 from rostether.graph.ports import Graph, Publisher
+from rostether.mechanisms.block_end import cancel_all
 from rostether.msgdef.interface import MessageType
 from rostether.msgdef.registry import Registry
 from rostether.ros2.actions.ros1_form import (
@@ -114,9 +115,7 @@ class Ros1ActionServer:
         running = [goal.running for goal in active if goal.running is not None]
         if running:
             await asyncio.wait(running, timeout=CLOSE_TIMEOUT_S)
-        for task in (*running, *self._canceling):
-            task.cancel()
-        await asyncio.gather(*running, *self._canceling, return_exceptions=True)
+        await cancel_all(*running, *self._canceling)
         for goal in active:
             if goal.ended_s is None:
                 self._end(goal, Ros1Status.ABORTED, "its server is no longer reachable", None)

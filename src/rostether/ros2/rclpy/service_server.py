@@ -9,6 +9,7 @@ from typing import Any
 from rostether.errors import RostetherError
 from rostether.graph.callbacks import report_error
 from rostether.graph.ports import Level, ServiceHandler
+from rostether.mechanisms.block_end import cancel_all
 from rostether.ros2.early_conversion import convert
 from rostether.ros2.rclpy.executor_thread import NoAnswerError
 from rostether.ros2.rclpy.installation import interface_class, load_rclpy
@@ -74,9 +75,7 @@ class RclpyServiceServer:
         if self._is_closed:
             return
         self._is_closed = True
-        for call in self._calls:
-            call.cancel()
-        await asyncio.gather(*self._calls, return_exceptions=True)
+        await cancel_all(*self._calls)
         await self._on_close(self)
 
     def end(self) -> None:

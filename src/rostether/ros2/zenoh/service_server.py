@@ -14,6 +14,7 @@ import zenoh
 from rostether.errors import RostetherError
 from rostether.graph.callbacks import report_error
 from rostether.graph.ports import ServiceHandler
+from rostether.mechanisms.block_end import cancel_all
 from rostether.ros2.early_conversion import convert
 from rostether.ros2.handover import Handover
 from rostether.ros2.naming import dds_name
@@ -72,9 +73,7 @@ class ServiceServer:
         self._token.withdraw()
         self._queryable.undeclare()
         self._queue.close()
-        for task in list(self._calls):
-            task.cancel()
-        await asyncio.gather(*self._calls, return_exceptions=True)
+        await cancel_all(*self._calls)
         if self._closing_replies:
             await asyncio.wait(map(asyncio.wrap_future, self._closing_replies), timeout=CLOSING_REPLY_S)
         self._on_close(self)

@@ -14,6 +14,7 @@ from typing import Any, Protocol
 
 from rostether.errors import BoardError
 from rostether.graph.typed_graph import TypedGraph
+from rostether.mechanisms.block_end import cancel_all
 from rostether.mechanisms.text import escape_line
 from rostether.simulation.simavr.board_events import BoardEvent
 
@@ -100,9 +101,7 @@ class SimulationNode:
             # The board has ended; the command that started it reports this.
             return
         finally:
-            for part in parts:
-                part.cancel()
-            await asyncio.gather(*parts, return_exceptions=True)
+            await cancel_all(*parts)
 
     async def _publish(self) -> None:
         publisher = await self._graph.publisher("~state", STRING, latch=True)

@@ -7,6 +7,7 @@ from types import TracebackType
 from typing import Any, Self
 
 from rostether.device.device import Device
+from rostether.mechanisms.block_end import cancel_all
 from rostether.rosserial.device_link import DeviceLinkConfig
 from rostether.serde.store import TypeStore
 from rostether.transports.transport import Transport
@@ -54,8 +55,7 @@ class CountingBoard:
     ) -> None:
         """Stop."""
         if self._counting is not None:
-            self._counting.cancel()
-            await asyncio.gather(self._counting, return_exceptions=True)
+            await cancel_all(self._counting)
         await self._device.close()
 
     async def _run(self) -> None:

@@ -18,6 +18,7 @@ from typing import TypeAlias
 
 from rostether.errors import TransportError
 from rostether.mechanisms.backoff import Backoff
+from rostether.mechanisms.block_end import cancel_all
 from rostether.transports.address import SerialAddress, XbeeAddress
 from rostether.transports.link_quality import LinkQuality
 from rostether.transports.peers import IDLE_LIMIT_S, MAX_PEERS, Medium, PeerTable
@@ -131,8 +132,7 @@ class XbeeListener(SmallWriter):
                     await self._drained.wait()
         self._cancel_timers()
         if self._reopening is not None:
-            self._reopening.cancel()
-            await asyncio.gather(self._reopening, return_exceptions=True)
+            await cancel_all(self._reopening)
         if self._serial is not None:
             self._serial.close()
             await self._serial.wait_closed()
