@@ -39,8 +39,5 @@ def _frames_in(data: bytes) -> list[Frames]:
 _CALL = b"\xff\x00"
 
 BOARD_ENTRY = PeerEntry(
-    is_frame=holds_frame,
-    request=encode_frame(ids.TOPIC_REQUEST, b""),
-    is_answer=holds_answer,
-    call=_CALL,
+    is_frame=holds_frame, request=encode_frame(ids.TOPIC_REQUEST, b""), is_answer=holds_answer, call=_CALL
 )

@@ -27,13 +27,7 @@ from rostether.bridge.process_memory import BoardObjects
 from rostether.bridge.reporter import LimitedReporter, Reporter, SilentReporter, reason_of
 from rostether.bridge.session import Session
 from rostether.bridge.settings import DEFAULT_NODES, DEFAULT_SETTINGS, BoardNodes, BridgeSettings
-from rostether.errors import (
-    NodeEndedError,
-    RostetherError,
-    SessionError,
-    TransportError,
-    TransportOpenError,
-)
+from rostether.errors import NodeEndedError, RostetherError, SessionError, TransportError, TransportOpenError
 from rostether.graph.ports import NAME_TAKEN, Graph, JoinGraph, Level
 from rostether.mechanisms.backoff import Backoff
 from rostether.mechanisms.waiting import wait_for_master

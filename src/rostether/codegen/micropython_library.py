@@ -105,10 +105,7 @@ def _modules(index: TypeIndex, name: str) -> Iterator[tuple[str, str]]:
                     f"the package {part.package!r} has the name of a module on the board; rename it"
                 )
     if index.is_message(name):
-        yield (
-            f"{_path(index, name)}.py",
-            message_module(registry.message(name), registry, path_of),
-        )
+        yield (f"{_path(index, name)}.py", message_module(registry.message(name), registry, path_of))
     if index.is_service(name):
         yield f"{_path(index, name, 'srv')}.py", service_module(registry.service(name), registry, path_of)
 

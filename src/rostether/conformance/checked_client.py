@@ -17,11 +17,7 @@ from rostether.rosserial import topic_id as ids
 from rostether.rosserial.events import FrameDiscarded
 from rostether.rosserial.frame import encode_frame
 from rostether.rosserial.frame_decoder import FrameDecoder
-from rostether.rosserial.packets import (
-    ParameterRequest,
-    ParameterResponse,
-    encode_time,
-)
+from rostether.rosserial.packets import ParameterRequest, ParameterResponse, encode_time
 from rostether.rostime import Time
 from rostether.transports.transport import SmallWriter, Transport
 

@@ -196,10 +196,7 @@ class _Source:
 
     async def _open(self) -> Subscriber:
         return await self._graph.subscribe(
-            self.topic,
-            ANY_MESSAGE,
-            self._deliver_from_last,
-            on_connection=self._add_connection,
+            self.topic, ANY_MESSAGE, self._deliver_from_last, on_connection=self._add_connection
         )
 
     def _add_connection(self, fields: Mapping[str, str]) -> OnMessages:

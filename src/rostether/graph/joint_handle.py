@@ -90,9 +90,7 @@ class JointHandle(ABC, Generic[PartT]):
         pending = set(trials)
         while pending:
             done, pending = await asyncio.wait(
-                pending,
-                timeout=SLOW_GRAPH_S if self.parts else None,
-                return_when=asyncio.FIRST_COMPLETED,
+                pending, timeout=SLOW_GRAPH_S if self.parts else None, return_when=asyncio.FIRST_COMPLETED
             )
             if not done:
                 return

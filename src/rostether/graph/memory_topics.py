@@ -8,11 +8,7 @@ from collections import deque
 from collections.abc import Callable, Container, Mapping, Sequence
 
 from rostether.graph.callbacks import call_safely
-from rostether.graph.flow_control import (
-    DEFAULT_QUEUE_BYTES,
-    PublicationFlow,
-    SubscriberFlow,
-)
+from rostether.graph.flow_control import DEFAULT_QUEUE_BYTES, PublicationFlow, SubscriberFlow
 from rostether.graph.ports import OnMessages, SubscribeOptions
 from rostether.msgdef.interface import ANY_MESSAGE, ANY_TYPE, MessageType, agree
 

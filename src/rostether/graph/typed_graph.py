@@ -15,12 +15,7 @@ from rostether.errors import GraphError, RostetherError, ServiceCallError
 from rostether.graph.log_methods import LogMethods
 from rostether.graph.message_stream import DEFAULT_QUEUE_MESSAGES, LearnedTypes, MessageStream
 from rostether.graph.ports import Graph, Level, ParamValue, ServiceServer, Snapshot, Watch
-from rostether.graph.typed_handles import (
-    CallbackSubscriber,
-    MessageLike,
-    TypedPublisher,
-    TypedServiceClient,
-)
+from rostether.graph.typed_handles import CallbackSubscriber, MessageLike, TypedPublisher, TypedServiceClient
 from rostether.msgdef.interface import ServiceType
 from rostether.msgdef.search_waiting import wait_for_definitions
 from rostether.rostime import Time

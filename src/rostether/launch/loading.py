@@ -65,11 +65,7 @@ def load_launch(
 
 class _Loader:
     def __init__(
-        self,
-        reader: TagReader,
-        programs: Mapping[tuple[str, str], Sequence[str]],
-        *,
-        runs_commands: bool,
+        self, reader: TagReader, programs: Mapping[tuple[str, str], Sequence[str]], *, runs_commands: bool
     ) -> None:
         self.reader = reader
         self._parameters = ParameterTags(reader, programs, runs_commands=runs_commands)

@@ -36,11 +36,7 @@ class ParameterTags:
     """
 
     def __init__(
-        self,
-        reader: TagReader,
-        programs: Mapping[tuple[str, str], Sequence[str]],
-        *,
-        runs_commands: bool,
+        self, reader: TagReader, programs: Mapping[tuple[str, str], Sequence[str]], *, runs_commands: bool
     ) -> None:
         self._reader = reader
         self._programs = programs

@@ -126,11 +126,7 @@ async def _ask_neighbors(
 
 
 async def _reaches(
-    sender: SenderSettings,
-    first: Robot,
-    second: Robot,
-    epoch_us: int,
-    report: Callable[[Level, str], None],
+    sender: SenderSettings, first: Robot, second: Robot, epoch_us: int, report: Callable[[Level, str], None]
 ) -> bool | None:
     """Return whether the first robot reaches the second one; None if the second does not answer now."""
     host, port = second.address[:2]

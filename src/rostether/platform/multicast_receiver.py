@@ -203,11 +203,7 @@ class _Receiver:
     def _answer(self, commands: CommandReceiver, source: SocketAddress) -> None:
         text = str(replace(self._address, group=source[0], port=source[1]))
         status = self._reporter.answer(
-            commands,
-            text,
-            self._last_s,
-            partial(read_signal_dbm, self._address.interfaces),
-            self._read_host,
+            commands, text, self._last_s, partial(read_signal_dbm, self._address.interfaces), self._read_host
         )
         if status is not None:
             with contextlib.suppress(OSError):

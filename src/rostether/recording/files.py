@@ -123,12 +123,7 @@ def create_recording(
     from rostether.recording.ros2.bag_writer import Ros2Bag, Storage
 
     bag = Ros2Bag(
-        path,
-        Storage(storage),
-        compression=compression,
-        chunk_bytes=chunk_bytes,
-        types=types,
-        unfit=unfit,
+        path, Storage(storage), compression=compression, chunk_bytes=chunk_bytes, types=types, unfit=unfit
     )
     return bag.create(bag.path_of(0))
 

@@ -156,10 +156,7 @@ class Recorder:
                 self._write(connection, payloads)
 
         self._subscribers[topic] = await self._graph.subscribe(
-            topic,
-            ANY_MESSAGE,
-            write,
-            on_connection=connected,
+            topic, ANY_MESSAGE, write, on_connection=connected
         )
         self._report(f"Subscribing to {topic}")
 

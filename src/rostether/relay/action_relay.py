@@ -13,15 +13,7 @@ from rostether.graph.ports import Graph, Snapshot
 from rostether.msgdef.ros2.action_parts import SEND_GOAL
 from rostether.ros2.actions.board_action import BoardAction
 from rostether.ros2.actions.board_graph import BoardJoin
-from rostether.ros2.actions.ros1_form import (
-    CANCEL,
-    FEEDBACK,
-    GOAL,
-    RESULT,
-    STATUS,
-    ActionForms,
-    type_of_part,
-)
+from rostether.ros2.actions.ros1_form import CANCEL, FEEDBACK, GOAL, RESULT, STATUS, ActionForms, type_of_part
 from rostether.ros2.actions.ros1_server import Ros1ActionServer
 from rostether.ros2.actions.types import SEND_GOAL_SERVICE
 

@@ -10,12 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
-from rostether.errors import (
-    ExtrapolationError,
-    TransformError,
-    UnconnectedFramesError,
-    UnknownFrameError,
-)
+from rostether.errors import ExtrapolationError, TransformError, UnconnectedFramesError, UnknownFrameError
 from rostether.robot.tf_cache import DEFAULT_CACHE_NS, Entry, StaticCache, TimeCache
 from rostether.robot.transform import (
     StampedTransform,

@@ -75,7 +75,7 @@ def _robot(robot: XmlElement) -> RobotModel:
         for role, link_name in (("parent", joint.parent), ("child", joint.child)):
             if link_name not in links:
                 raise element.error(
-                    f"{role} link {link_name!r} of joint {joint.name!r} does not exist{_xacro_hint(robot)}",
+                    f"{role} link {link_name!r} of joint {joint.name!r} does not exist{_xacro_hint(robot)}"
                 )
         if joint.child in children:
             other = children[joint.child]
@@ -94,7 +94,7 @@ def _root(robot: XmlElement, links: Iterable[str], children: dict[str, str]) -> 
         raise robot.error("no root link: every link is the child of a joint, so they form a loop")
     if len(roots) > 1:
         raise robot.error(
-            f"two root links, {roots[0]!r} and {roots[1]!r}; connect them with a joint{_xacro_hint(robot)}",
+            f"two root links, {roots[0]!r} and {roots[1]!r}; connect them with a joint{_xacro_hint(robot)}"
         )
     return roots[0]
 
@@ -117,7 +117,7 @@ def _joint(element: XmlElement) -> Joint:
     if limits is None and joint_type in _NEED_LIMITS:
         raise element.error(
             f"{kind} joint {name!r} has no limits; write "
-            '<limit lower="..." upper="..." effort="..." velocity="..."/>',
+            '<limit lower="..." upper="..." effort="..." velocity="..."/>'
         )
     return Joint(
         name=name,
@@ -181,11 +181,7 @@ def _mimic(element: XmlElement, name: str) -> Mimic | None:
     if joint is None:
         raise mimic.error(f'joint {name!r} mimics no joint; write <mimic joint="..."/>')
     what = f"the mimic of joint {name!r}"
-    return Mimic(
-        joint,
-        number(mimic, "multiplier", what, 1.0),
-        number(mimic, "offset", what, 0.0),
-    )
+    return Mimic(joint, number(mimic, "multiplier", what, 1.0), number(mimic, "offset", what, 0.0))
 
 
 def _xacro_hint(robot: XmlElement) -> str:

@@ -25,11 +25,7 @@ class Roscore:
     """A master with its log collector; `start` makes one that listens."""
 
     def __init__(
-        self,
-        master: MasterServer,
-        environment: RosEnvironment,
-        *,
-        respawn_pause_s: float = _RESPAWN_PAUSE_S,
+        self, master: MasterServer, environment: RosEnvironment, *, respawn_pause_s: float = _RESPAWN_PAUSE_S
     ) -> None:
         self._master = master
         self._environment = environment.with_master(master.uri)

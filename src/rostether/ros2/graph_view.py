@@ -77,9 +77,7 @@ def as_snapshot(view: GraphView) -> Snapshot:
         },
         {
             name: ServiceEntry(
-                name,
-                _nodes(view, EndpointKind.SERVER, name),
-                ", ".join(view.types(SERVICE_KINDS, name)),
+                name, _nodes(view, EndpointKind.SERVER, name), ", ".join(view.types(SERVICE_KINDS, name))
             )
             for name in view.names([EndpointKind.SERVER], with_hidden=True)
         },

@@ -194,10 +194,7 @@ class HostLink:
         self._output.queue_stop()
 
     def _listen(self) -> ProtocolDetector:
-        return ProtocolDetector(
-            max_payload_bytes=self._config.max_payload_bytes,
-            limits=self._limits,
-        )
+        return ProtocolDetector(max_payload_bytes=self._config.max_payload_bytes, limits=self._limits)
 
     def _handle_decoded(self, decoded: list[Decoded], now_s: float) -> list[HostEvent]:
         """Convert decoded frames to events."""

@@ -39,12 +39,7 @@ class Announcement:
 
     @classmethod
     async def start(
-        cls,
-        host: str,
-        port: int,
-        *,
-        interfaces: Sequence[str] | None = None,
-        machine: str | None = None,
+        cls, host: str, port: int, *, interfaces: Sequence[str] | None = None, machine: str | None = None
     ) -> Announcement:
         """Announce a listener on the local addresses `interfaces` (None: those of `host`).
 

@@ -111,10 +111,7 @@ async def listen(
             from rostether.transports.xbee.listener import XbeeListener
 
             return await XbeeListener.start(
-                address,
-                on_transport,
-                open_serial=open_serial,
-                call=entry.call if entry is not None else b"",
+                address, on_transport, open_serial=open_serial, call=entry.call if entry is not None else b""
             )
         case WebAddress():
             if web_boards is None:

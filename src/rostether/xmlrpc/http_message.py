@@ -147,10 +147,7 @@ class HttpServerSide:
         self._respond(200, b"OK", body, [_TEXT_XML])
 
     def _refuse(self, status: int, text: str) -> None:
-        if self._connection.our_state in (
-            h11.IDLE,
-            h11.SEND_RESPONSE,
-        ):  # pragma: no branch - true so far
+        if self._connection.our_state in (h11.IDLE, h11.SEND_RESPONSE):  # pragma: no branch - true so far
             headers = [(b"Content-Type", b"text/plain"), (b"Connection", b"close")]
             self._respond(status, _REASONS.get(status, b"Bad Request"), f"{text}\n".encode(), headers)
         if not self.has_ended:  # pragma: no cover - the answer above ends it

@@ -39,11 +39,7 @@ class BoardHealth:
     """The health of one board's node."""
 
     def __init__(
-        self,
-        endpoints: EndpointTable,
-        store: TypeStore,
-        notices: Notices,
-        required: RequiredTopics,
+        self, endpoints: EndpointTable, store: TypeStore, notices: Notices, required: RequiredTopics
     ) -> None:
         self.clock = ClockEstimate()
         self.connection_count = 0

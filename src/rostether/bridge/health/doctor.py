@@ -33,13 +33,7 @@ from rostether.errors import RostetherError, TransportError
 from rostether.mechanisms.block_end import closed_at_end
 from rostether.rosserial.baud_probe import NoBoard
 from rostether.serde.store import TypeStore
-from rostether.transports.address import (
-    Address,
-    SerialAddress,
-    SimulationPauses,
-    TcpAddress,
-    UdpAddress,
-)
+from rostether.transports.address import Address, SerialAddress, SimulationPauses, TcpAddress, UdpAddress
 from rostether.transports.opening import listen, open_transport
 from rostether.transports.port_facts import PortFacts, read_port_facts
 from rostether.transports.port_holders import find_listener

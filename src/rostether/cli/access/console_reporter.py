@@ -17,11 +17,7 @@ class ConsoleReporter:
     """
 
     def __init__(
-        self,
-        *,
-        show_node: bool = True,
-        lowest: Level = Level.INFO,
-        clock: Callable[[], float] = time.time,
+        self, *, show_node: bool = True, lowest: Level = Level.INFO, clock: Callable[[], float] = time.time
     ) -> None:
         self._show_node = show_node
         self._lowest = lowest

@@ -23,11 +23,7 @@ msg_path_option = add_option(
 
 
 ignored_qos_options = ignored_options(
-    "--qos-profile",
-    "--qos-depth",
-    "--qos-history",
-    "--qos-reliability",
-    "--qos-liveliness",
+    "--qos-profile", "--qos-depth", "--qos-history", "--qos-reliability", "--qos-liveliness"
 )
 
 

@@ -105,13 +105,7 @@ async def _over_zenoh(
     async with closed_at_end(session):
         line = _zenoh_line(session, environment)
         yield Ros2Access(
-            join,
-            types,
-            line,
-            session.listens_on,
-            session.connects_to,
-            session.is_router,
-            session.is_linked,
+            join, types, line, session.listens_on, session.connects_to, session.is_router, session.is_linked
         )
 
 

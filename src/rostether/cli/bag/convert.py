@@ -43,12 +43,7 @@ from rostether.mechanisms.text import counted, misfit_text
 @storage_option
 @msg_path_option
 def bag_convert(
-    source: Path,
-    target: Path,
-    compression: str,
-    form: str | None,
-    storage: str,
-    msg_paths: tuple[Path, ...],
+    source: Path, target: Path, compression: str, form: str | None, storage: str, msg_paths: tuple[Path, ...]
 ) -> None:
     """Write the messages of SOURCE to TARGET, with their times, topics and types.
 

@@ -61,11 +61,7 @@ _roscore_options = ignored_options(
 @graph_options(served=True, master=False, ros=False, zenoh=True)
 @_roscore_options
 def core(
-    port: int | None,
-    listen: str | None,
-    limits: tuple[str, ...],
-    ros2: str | None,
-    graph: GraphOptions,
+    port: int | None, listen: str | None, limits: tuple[str, ...], ros2: str | None, graph: GraphOptions
 ) -> None:
     """Run the ROS master, parameter server and log collector, like roscore.
 

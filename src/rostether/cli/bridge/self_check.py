@@ -77,9 +77,7 @@ def findings() -> Iterator[OptionalPart]:
         yield _extra(extra, module, distribution, purpose)
     yield _checked("avr-gcc", "sketches for AVR boards", _find_compiler)
     yield _program(
-        "arduino-cli",
-        "sketches for other boards",
-        "install it: https://arduino.github.io/arduino-cli",
+        "arduino-cli", "sketches for other boards", "install it: https://arduino.github.io/arduino-cli"
     )
     yield _program("avrdude", "flashing AVR boards", "on Debian and Ubuntu: sudo apt install avrdude")
     yield _checked("simavr", "simulated AVR boards", _find_simavr)

@@ -136,11 +136,7 @@ class ServeOptions:
 )
 @option_group("options", ServeOptions)
 @click.argument(
-    "addresses",
-    nargs=-1,
-    metavar="[ADDRESS...]",
-    shell_complete=complete_ports,
-    callback=check_addresses,
+    "addresses", nargs=-1, metavar="[ADDRESS...]", shell_complete=complete_ports, callback=check_addresses
 )
 @graph_options(served=True)
 @dashboard_option

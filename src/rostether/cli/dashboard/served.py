@@ -166,8 +166,7 @@ async def _served_at(
                 report(Level.INFO, f"Dashboard, view only: {view_url}")
             if encryption.authority is not None:
                 report(
-                    Level.INFO,
-                    f"Browsers warn until a device trusts this machine; see {page}/{PAGE_FILE}",
+                    Level.INFO, f"Browsers warn until a device trusts this machine; see {page}/{PAGE_FILE}"
                 )
             for view, view_url in zip(settings.views, view_urls, strict=True):
                 report(Level.INFO, f"Dashboard, {view.panel or 'overview'}: {view_url}")

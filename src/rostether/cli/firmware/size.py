@@ -114,11 +114,7 @@ async def _endpoints(
 
 
 def _record(
-    title: str,
-    footprint: Footprint,
-    endpoints: list[Endpoint],
-    buffer_bytes: int,
-    problems: list[str],
+    title: str, footprint: Footprint, endpoints: list[Endpoint], buffer_bytes: int, problems: list[str]
 ) -> dict[str, Any]:
     stack = footprint.stack
     return {

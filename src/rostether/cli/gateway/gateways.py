@@ -52,9 +52,7 @@ class GatewayGraph(Struct, frozen=True):
 
 @asynccontextmanager
 async def open_gateway_graph(
-    graphs: ServedGraphs,
-    options: GraphOptions,
-    msg_paths: Sequence[Path] = (),
+    graphs: ServedGraphs, options: GraphOptions, msg_paths: Sequence[Path] = ()
 ) -> AsyncIterator[GatewayGraph]:
     """Provide the gateways' own view of the graphs that boards are bridged into.
 

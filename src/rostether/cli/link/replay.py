@@ -67,12 +67,7 @@ AFTER_S = 1.0
 @graph_options(ros=False)
 @msg_path_option
 def link_replay(
-    file: Path,
-    speed: float,
-    fast: bool,
-    name: str | None,
-    graph: GraphOptions,
-    msg_paths: tuple[Path, ...],
+    file: Path, speed: float, fast: bool, name: str | None, graph: GraphOptions, msg_paths: tuple[Path, ...]
 ) -> None:
     """Replay the board's bytes with their original timing.
 

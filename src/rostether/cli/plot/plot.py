@@ -74,10 +74,7 @@ def plot(fields: tuple[str, ...], options: PlotOptions, graph: GraphOptions) -> 
 
 
 async def _plot_ros1(
-    graph_options: GraphOptions,
-    targets: Sequence[Group],
-    session: PlotSession,
-    msg_paths: tuple[Path, ...],
+    graph_options: GraphOptions, targets: Sequence[Group], session: PlotSession, msg_paths: tuple[Path, ...]
 ) -> None:
     from rostether.cli.access.ros1_access import joined, read_environment
     from rostether.cli.topic.ros1_chosen_topic import resolve_with_field, wait_for_topic
@@ -117,10 +114,7 @@ async def _plot_ros1(
 
 
 async def _plot_ros2(
-    graph_options: GraphOptions,
-    targets: Sequence[Group],
-    session: PlotSession,
-    msg_paths: tuple[Path, ...],
+    graph_options: GraphOptions, targets: Sequence[Group], session: PlotSession, msg_paths: tuple[Path, ...]
 ) -> None:
     from rostether.cli.access.ros2_tool_node import tool_node
     from rostether.cli.topic.ros2_chosen_topic import choose_ros2_topic

@@ -68,10 +68,7 @@ async def _echo(options: EchoOptions, graph: GraphOptions) -> int:
     from rostether.errors import TransformError
     from rostether.robot.tf_listener import tf_listener
 
-    async with (
-        joined_either(graph, purpose="tf_echo") as (node, _),
-        tf_listener(node) as listener,
-    ):
+    async with joined_either(graph, purpose="tf_echo") as (node, _), tf_listener(node) as listener:
         parent, child = options.parent.removeprefix("/"), options.child.removeprefix("/")
         timeout_s, count = options.timeout_s, options.count
         loop = asyncio.get_running_loop()

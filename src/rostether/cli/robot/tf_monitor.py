@@ -53,10 +53,7 @@ async def _monitor(frames: tuple[str, ...], count: int | None, as_json: bool, gr
     from rostether.robot.transform import StampedTransform
 
     statistics = TfStatistics()
-    async with (
-        joined_either(graph, purpose="tf_monitor") as (node, _),
-        tf_listener(node) as listener,
-    ):
+    async with joined_either(graph, purpose="tf_monitor") as (node, _), tf_listener(node) as listener:
 
         def add(transforms: Sequence[StampedTransform], authority: str, is_static: bool) -> None:
             statistics.add(transforms, authority, is_static, node.now().to_ns())

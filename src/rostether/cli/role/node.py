@@ -79,10 +79,7 @@ async def _on_ros1(arguments: Arguments, name: str) -> AsyncIterator[Graph]:
     environment = node_environment(arguments)
     graph = await wait_for_master(
         lambda: join_ros1(
-            name,
-            environment=environment,
-            namespace=environment.namespace,
-            remappings=arguments.remappings,
+            name, environment=environment, namespace=environment.namespace, remappings=arguments.remappings
         ),
         lambda _: warn(f"waiting for a ROS master at {environment.master_uri}"),
     )
@@ -101,12 +98,7 @@ async def _on_ros2(arguments: Arguments, name: str, ros2: str) -> AsyncIterator[
             yield graph
 
 
-def run_role(
-    default_name: str,
-    words: Sequence[str],
-    main: Main,
-    ros2: str | None = None,
-) -> None:
+def run_role(default_name: str, words: Sequence[str], main: Main, ros2: str | None = None) -> None:
     """Run a node until `main` returns, or the node or the process is shut down.
 
     `main` gets the graph and the node's arguments; `ros2` is the value of `--ros2`, None for ROS 1.

@@ -41,12 +41,7 @@ class ChosenRos2Topic(Struct, frozen=True):
 
 
 async def choose_ros2_topic(
-    tool: ToolNode,
-    text: str,
-    type_name: str | None = None,
-    field: str = "",
-    *,
-    needs_definition: bool = True,
+    tool: ToolNode, text: str, type_name: str | None = None, field: str = "", *, needs_definition: bool = True
 ) -> ChosenRos2Topic:
     """Return the topic that was typed, waiting for its first publisher unless its type was typed too.
 

@@ -152,12 +152,7 @@ class _OfferedAction:
     """One action that a client executes; the client uses strings as goal ids."""
 
     def __init__(
-        self,
-        context: GatewayContext,
-        action: str,
-        types: ActionTypes,
-        send: Send,
-        shown: tuple[str, str],
+        self, context: GatewayContext, action: str, types: ActionTypes, send: Send, shown: tuple[str, str]
     ) -> None:
         self._forms = context.forms
         self._types = types

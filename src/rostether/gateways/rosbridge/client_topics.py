@@ -23,10 +23,7 @@ class ClientTopics:
     """The topics that one client publishes or subscribes to. Methods raise RostetherError."""
 
     def __init__(
-        self,
-        context: GatewayContext,
-        outbox: Outbox[ClientSubscription],
-        report_error: Callable[[str], None],
+        self, context: GatewayContext, outbox: Outbox[ClientSubscription], report_error: Callable[[str], None]
     ) -> None:
         self._context = context
         self._outbox = outbox

@@ -13,10 +13,7 @@ from rostether.errors import DefinitionError
 from rostether.msgdef import primitives
 from rostether.msgdef.registry import Registry
 from rostether.msgdef.resolve_types import dependencies
-from rostether.msgdef.ros2.parse import (
-    is_constant_name,
-    is_field_name,
-)
+from rostether.msgdef.ros2.parse import is_constant_name, is_field_name
 from rostether.msgdef.ros2.primitives import INTEGER_RANGES
 from rostether.msgdef.ros2.spec import Ros2Constant, Ros2Field, Ros2Message, Ros2Type
 from rostether.msgdef.spec import Constant, Field, MessageSpec

@@ -25,10 +25,7 @@ _REPORT_S = 2.5
 
 
 async def publish_positions(
-    graph: TypedGraph,
-    description: SensorDescription,
-    address: Address,
-    report: Callable[[Level, str], None],
+    graph: TypedGraph, description: SensorDescription, address: Address, report: Callable[[Level, str], None]
 ) -> None:
     """Publish the positions of a receiver as a sensor until cancelled. Raises GraphError, ConfigError."""
     # A missing package is reported immediately.

@@ -126,10 +126,7 @@ class RegisteredSensor:
         }
         try:
             answer = await self._graph.call(
-                "/sensors_register_by_id",
-                "sensing_platform/RegisterSensor",
-                request,
-                timeout_s=_CALL_LIMIT_S,
+                "/sensors_register_by_id", "sensing_platform/RegisterSensor", request, timeout_s=_CALL_LIMIT_S
             )
         except GraphError as error:
             self._report_once(Level.WARN, f"not registered as {what.id} yet: {error}")

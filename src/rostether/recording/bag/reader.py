@@ -10,12 +10,7 @@ from types import MappingProxyType
 from rostether.recording.bag.chunks import BagContent, messages_in
 from rostether.recording.bag.content import read_content
 from rostether.recording.chunked_reader import ChunkedReader
-from rostether.recording.recorded import (
-    Connection,
-    RecordedMessage,
-    Wanted,
-    wanted_connections,
-)
+from rostether.recording.recorded import Connection, RecordedMessage, Wanted, wanted_connections
 
 
 class BagReader(ChunkedReader[BagContent]):

@@ -86,9 +86,7 @@ class BagWriter(ChunkedWriter):
             self._index = {number: _sorted(entries) for number, entries in self._index.items()}
         counts = tuple((number, len(entries) // 3) for number, entries in self._index.items())
         record = encode_record(
-            Op.CHUNK,
-            {b"compression": self._compression.encode(), b"size": U32.pack(len(plain))},
-            stored,
+            Op.CHUNK, {b"compression": self._compression.encode(), b"size": U32.pack(len(plain))}, stored
         )
         indexes = [_index_record(number, entries) for number, entries in self._index.items()]
         info = _ChunkInfo(position, self._start_ns, self._end_ns, counts)

@@ -56,9 +56,7 @@ class CsvTable:
     def add(self, time_ns: int, message: Message) -> None:
         """Write a row."""
         seconds, nanoseconds = divmod(time_ns, NS_PER_S)
-        self._write(
-            (f"{seconds}.{nanoseconds:09d}", time_ns, *(read(message) for read in self._cells)),
-        )
+        self._write((f"{seconds}.{nanoseconds:09d}", time_ns, *(read(message) for read in self._cells)))
 
     def flush(self) -> None:
         """Do nothing: rows wait only in the file's own buffer."""

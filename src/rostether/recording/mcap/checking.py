@@ -12,12 +12,7 @@ from rostether.errors import RecordingError
 from rostether.recording.compression import Buffer
 from rostether.recording.mcap.content import McapContent, footer_of
 from rostether.recording.mcap.data_check import DataCheck, kind_of
-from rostether.recording.mcap.decoding import (
-    check_header,
-    decode_chunk_index,
-    decode_statistics,
-    read_record,
-)
+from rostether.recording.mcap.decoding import check_header, decode_chunk_index, decode_statistics, read_record
 from rostether.recording.mcap.records import (
     FOOTER_BYTES,
     MAGIC,

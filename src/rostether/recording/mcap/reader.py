@@ -13,13 +13,7 @@ from typing import TYPE_CHECKING
 from rostether.recording.chunked_reader import ChunkedReader
 from rostether.recording.mcap.content import McapContent, messages_in, read_content
 from rostether.recording.mcap.records import Channel, Schema
-from rostether.recording.recorded import (
-    Connection,
-    RecordedMessage,
-    Ros2Origin,
-    Wanted,
-    wanted_connections,
-)
+from rostether.recording.recorded import Connection, RecordedMessage, Ros2Origin, Wanted, wanted_connections
 
 if TYPE_CHECKING:
     from rostether.recording.ros2_reading import Ros2Topics

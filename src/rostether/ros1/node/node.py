@@ -115,12 +115,7 @@ class Ros1Graph(NodeMembership):
     ) -> Subscription:
         """Subscribe. `ANY_MESSAGE` accepts every type."""
         self._check_open()
-        return await self._endpoints.subscribe(
-            self.resolve(topic),
-            message_type,
-            on_messages,
-            **options,
-        )
+        return await self._endpoints.subscribe(self.resolve(topic), message_type, on_messages, **options)
 
     async def advertise_service(
         self, service: str, service_type: ServiceType, handler: ServiceHandler

@@ -192,10 +192,7 @@ class PublisherLink:
         match answer:
             case ["TCPROS", str(host), int(port), *_]:
                 connection = await connect(
-                    host,
-                    port,
-                    self._request,
-                    functools.partial(self._accept, self.uri),
+                    host, port, self._request, functools.partial(self._accept, self.uri)
                 )
                 assert isinstance(connection, PublisherConnection)
                 return connection

@@ -65,9 +65,10 @@ class ServiceClient:
         try:
             async with asyncio.timeout(timeout_s):
                 if not self._persistent:
-                    return await self._call(await self._connect(), request)
+                    return await self._call(await self._open(self._request_fields), request)
                 async with self._lock:
-                    return await self._call(self._reuse() or await self._connect(), request)
+                    connection = self._reuse() or await self._open(self._request_fields)
+                    return await self._call(connection, request)
         except TimeoutError:
             raise ServiceTimeoutError(
                 f"service {self.service} did not answer within {timeout_s:g} s; check that its node does not"
@@ -77,11 +78,12 @@ class ServiceClient:
     async def wait_until_available(self, timeout_s: float | None = None) -> None:
         """Wait until a server answers. Raises ServiceUnavailableError after `timeout_s`."""
         reason = f"no node offers the service {self.service}"
+        fields = probe_fields(self.service, caller_id=self._master.caller_id)
         try:
             async with asyncio.timeout(timeout_s):
                 while True:
                     try:
-                        await self._probe()
+                        (await self._open(fields)).close()
                     except RostetherError as error:
                         reason = str(error)
                     else:
@@ -117,13 +119,6 @@ class ServiceClient:
             reason = answer.error_text or "no reason given; see the log of its node"
             raise ServiceCallError(f"service {self.service} responded with an error: {reason}")
         return answer.payload
-
-    async def _probe(self) -> None:
-        fields = probe_fields(self.service, caller_id=self._master.caller_id)
-        (await self._open(fields)).close()
-
-    async def _connect(self) -> _CallConnection:
-        return await self._open(self._request_fields)
 
     async def _open(self, fields: dict[str, str]) -> _CallConnection:
         def accept(answer: dict[str, str], transport: asyncio.Transport) -> _CallConnection:

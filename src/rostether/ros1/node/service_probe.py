@@ -6,11 +6,7 @@ import asyncio
 from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
-from rostether.errors import (
-    RostetherError,
-    ServiceUnavailableError,
-    UnknownNameError,
-)
+from rostether.errors import RostetherError, ServiceUnavailableError, UnknownNameError
 from rostether.mechanisms.text import did_you_mean, escape_line
 from rostether.ros1.environment import parse_rpc_uri
 from rostether.ros1.node.node_calls import TOOL_NAME

@@ -18,10 +18,7 @@ class ParameterWatches:
     """All watches of one node; the subscription exists while there are watches."""
 
     def __init__(
-        self,
-        own: OwnParameters,
-        graph: Graph,
-        fetch: Callable[[str], Awaitable[ParamValue]],
+        self, own: OwnParameters, graph: Graph, fetch: Callable[[str], Awaitable[ParamValue]]
     ) -> None:
         self._own = own
         self._graph = graph

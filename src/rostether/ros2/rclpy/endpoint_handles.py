@@ -54,20 +54,11 @@ class Endpoints:
             return PublisherHandle(publication, self._end_publication)
 
     async def subscribe(
-        self,
-        topic: str,
-        message_type: MessageType,
-        on_messages: OnMessages,
-        options: SubscribeOptions,
+        self, topic: str, message_type: MessageType, on_messages: OnMessages, options: SubscribeOptions
     ) -> RclpySubscriber:
         """Subscribe."""
         subscriber = RclpySubscriber(
-            self._own,
-            topic,
-            message_type,
-            on_messages,
-            options,
-            on_close=self._end_subscriber,
+            self._own, topic, message_type, on_messages, options, on_close=self._end_subscriber
         )
         await self._own.thread.run(subscriber.open)
         self._subscribers.add(subscriber)

@@ -64,12 +64,7 @@ class RclpyGraph(Ros2Membership):
         `advertise`.
         """
         self._check_open()
-        return await self._endpoints.subscribe(
-            self.resolve(topic),
-            message_type,
-            on_messages,
-            options,
-        )
+        return await self._endpoints.subscribe(self.resolve(topic), message_type, on_messages, options)
 
     async def advertise_service(
         self, service: str, service_type: ServiceType, handler: ServiceHandler

@@ -5,12 +5,7 @@ from __future__ import annotations
 import asyncio
 from typing import Any
 
-from rostether.errors import (
-    ServiceCallError,
-    ServiceTimeoutError,
-    ServiceUnavailableError,
-    TypeMismatchError,
-)
+from rostether.errors import ServiceCallError, ServiceTimeoutError, ServiceUnavailableError, TypeMismatchError
 from rostether.ros2.early_conversion import convert
 from rostether.ros2.rclpy.executor_thread import set_result
 from rostether.ros2.rclpy.failures import attempt

@@ -50,13 +50,7 @@ class ActionClient:
 
     def stop(self) -> None:
         """Leave the action's topics."""
-        for endpoint in (
-            self.pub_goal,
-            self.pub_cancel,
-            self.status_sub,
-            self.result_sub,
-            self.feedback_sub,
-        ):
+        for endpoint in (self.pub_goal, self.pub_cancel, self.status_sub, self.result_sub, self.feedback_sub):
             endpoint.unregister()
 
     def send_goal(

@@ -63,10 +63,7 @@ class SimpleActionClient:
         self.action_client.pub_goal.publish(self.gh.comm_state_machine.action_goal)
 
     def send_goal_and_wait(
-        self,
-        goal: Message,
-        execute_timeout: Any = 0.0,
-        preempt_timeout: Any = 0.0,
+        self, goal: Message, execute_timeout: Any = 0.0, preempt_timeout: Any = 0.0
     ) -> int:
         """Send a goal, wait for its end, and cancel it at the timeout. Returns its status."""
         self.send_goal(goal)

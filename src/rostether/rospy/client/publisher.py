@@ -33,10 +33,7 @@ class SubscribeListener:
     """Base class for callbacks about the subscribers of a topic."""
 
     def peer_subscribe(
-        self,
-        topic_name: str,
-        topic_publish: Callable[..., object],
-        peer_publish: Callable[..., object],
+        self, topic_name: str, topic_publish: Callable[..., object], peer_publish: Callable[..., object]
     ) -> None:
         """Handle a new subscriber; `peer_publish` publishes only to it."""
 

@@ -8,22 +8,13 @@ import traceback
 from collections.abc import Callable
 from typing import Any
 
-from rostether.errors import (
-    ConfigError,
-    RostetherError,
-    ServiceCallError,
-    ServiceUnavailableError,
-)
+from rostether.errors import ConfigError, RostetherError, ServiceCallError, ServiceUnavailableError
 from rostether.mechanisms.loop_thread import run_in_thread
 from rostether.msgdef.interface import ANY_MD5SUM, ANY_MESSAGE, ANY_TYPE, ServiceType
 from rostether.ros1.environment import parse_rpc_uri
 from rostether.ros1.node.service_client import ServiceClient
 from rostether.ros1.node.service_server import CALLER_FIELDS
-from rostether.rospy.client.exceptions import (
-    ROSException,
-    ROSInterruptException,
-    ServiceException,
-)
+from rostether.rospy.client.exceptions import ROSException, ROSInterruptException, ServiceException
 from rostether.rospy.client.logs import logerr
 from rostether.rospy.client.message import Message, message_bytes, read_message
 from rostether.rospy.client.message_types import ServiceClass, service_type_of
@@ -142,10 +133,7 @@ class ServiceProxy:
             raise TypeError(f"request object type [{request._type}] does not match service type")
         payload = message_bytes(request)
         client = self._client or ServiceClient(
-            self.resolved_name,
-            service_type_of(self.service_class),
-            node.master(),
-            persistent=self.persistent,
+            self.resolved_name, service_type_of(self.service_class), node.master(), persistent=self.persistent
         )
         if self.persistent:
             self._client = client

@@ -7,12 +7,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
-from rostether.errors import (
-    ExtrapolationError,
-    TransformError,
-    UnconnectedFramesError,
-    UnknownFrameError,
-)
+from rostether.errors import ExtrapolationError, TransformError, UnconnectedFramesError, UnknownFrameError
 from rostether.robot.tf_buffer import TransformBuffer
 from rostether.robot.tf_cache import DEFAULT_CACHE_NS
 from rostether.robot.transform import StampedTransform, transform_of

@@ -73,13 +73,7 @@ def projection_from_matrix(matrix: Any, pseudo: bool = False) -> tuple[Any, Any,
 
 
 def clip_matrix(
-    left: float,
-    right: float,
-    bottom: float,
-    top: float,
-    near: float,
-    far: float,
-    perspective: bool = False,
+    left: float, right: float, bottom: float, top: float, near: float, far: float, perspective: bool = False
 ) -> Any:
     """Return the matrix from camera space to normalized device coordinates. Raises ValueError."""
     if left >= right or bottom >= top or near >= far:

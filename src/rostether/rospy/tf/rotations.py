@@ -165,11 +165,7 @@ def quaternion_inverse(quaternion: Sequence[float]) -> Any:
 
 
 def quaternion_slerp(
-    quat0: Sequence[float],
-    quat1: Sequence[float],
-    fraction: float,
-    spin: int = 0,
-    shortestpath: bool = True,
+    quat0: Sequence[float], quat1: Sequence[float], fraction: float, spin: int = 0, shortestpath: bool = True
 ) -> Any:
     """Return the rotation at a fraction of the way from one to another, with `spin` additional half turns."""
     start, end = (_as_quaternion(unit_vector(each)) for each in (quat0, quat1))

@@ -24,13 +24,7 @@ from collections.abc import Callable
 from typing import Any, Final
 
 from rostether.errors import DefinitionError
-from rostether.serde.cdr.conversion_tree import (
-    DUMMY_NAME,
-    Node,
-    Record,
-    Side,
-    Translation,
-)
+from rostether.serde.cdr.conversion_tree import DUMMY_NAME, Node, Record, Side, Translation
 from rostether.serde.cdr.converting_body import ConvertingBody, row
 from rostether.serde.cdr.offset import Offset, narrow, widen
 from rostether.serde.generated_source import indented

@@ -55,11 +55,7 @@ class Air:
     """Carries packets between radios; `on_change(radio)` is called when a radio has bytes for its host."""
 
     def __init__(
-        self,
-        conditions: AirConditions,
-        on_change: Callable[[SimulatedRadio], None],
-        *,
-        seed: int = 0,
+        self, conditions: AirConditions, on_change: Callable[[SimulatedRadio], None], *, seed: int = 0
     ) -> None:
         self.conditions = conditions
         self.counts = AirCounts()

@@ -22,12 +22,7 @@ class CountingBoard:
     """Publishes a counter on `NAME/count` (std_msgs/UInt32); `NAME/led` (std_msgs/Bool) switches its LED."""
 
     def __init__(
-        self,
-        name: str,
-        transport: Transport,
-        *,
-        rate_hz: float,
-        store: TypeStore | None = None,
+        self, name: str, transport: Transport, *, rate_hz: float, store: TypeStore | None = None
     ) -> None:
         self.name = name
         self.published = 0

@@ -54,11 +54,7 @@ class Model(Struct, frozen=True):
 
 SERIES_1 = Model("series1", 0x1747, 0x10EC, MappingProxyType({**_COMMON, **_SHORT_ADDRESSES}), 100)
 SERIES_3 = Model(
-    "series3",
-    0x4102,
-    0x2014,
-    MappingProxyType({**_COMMON, **_SHORT_ADDRESSES, "NP": (0x74, None)}),
-    116,
+    "series3", 0x4102, 0x2014, MappingProxyType({**_COMMON, **_SHORT_ADDRESSES, "NP": (0x74, None)}), 116
 )
 DIGIMESH = Model(
     "digimesh",

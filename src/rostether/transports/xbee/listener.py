@@ -80,11 +80,7 @@ class XbeeListener(SmallWriter):
             quality_of=self._quality,
         )
         self.peers: PeerTable[int] = PeerTable(
-            medium,
-            on_transport,
-            max_peers=max_peers,
-            idle_limit_s=idle_limit_s,
-            on_forget=self._forget,
+            medium, on_transport, max_peers=max_peers, idle_limit_s=idle_limit_s, on_forget=self._forget
         )
 
     @classmethod

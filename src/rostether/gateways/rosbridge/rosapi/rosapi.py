@@ -131,10 +131,7 @@ class Rosapi:
 
 @asynccontextmanager
 async def offering_rosapi(
-    rosapi: Rosapi,
-    join: JoinGraph,
-    graph: Graph,
-    is_live: Callable[[str], Awaitable[bool]] | None = None,
+    rosapi: Rosapi, join: JoinGraph, graph: Graph, is_live: Callable[[str], Awaitable[bool]] | None = None
 ) -> AsyncIterator[bool]:
     """Run the node `/rosapi` within the block, unless `graph` already has one.
 

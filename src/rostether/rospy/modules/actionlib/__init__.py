@@ -5,12 +5,7 @@ from importlib import import_module as _import_module
 
 from rostether.rospy.actionlib.action_client import ActionClient
 from rostether.rospy.actionlib.action_server import ActionServer
-from rostether.rospy.actionlib.action_types import (
-    ActionException,
-    GoalID,
-    GoalStatus,
-    GoalStatusArray,
-)
+from rostether.rospy.actionlib.action_types import ActionException, GoalID, GoalStatus, GoalStatusArray
 from rostether.rospy.actionlib.action_types import name_of_state as get_name_of_constant
 from rostether.rospy.actionlib.client_goal import ClientGoalHandle
 from rostether.rospy.actionlib.comm_states import CommState, TerminalState

@@ -3,8 +3,4 @@
 # ruff: noqa: F401
 from rostether.rospy.bag.bag import Bag
 from rostether.rospy.bag.facts import Compression
-from rostether.rospy.bag.types import (
-    ROSBagException,
-    ROSBagFormatException,
-    ROSBagUnindexedException,
-)
+from rostether.rospy.bag.types import ROSBagException, ROSBagFormatException, ROSBagUnindexedException

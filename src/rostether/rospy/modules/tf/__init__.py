@@ -3,11 +3,7 @@
 # ruff: noqa: F401, A004
 from importlib import import_module as _import_module
 
-from rostether.rospy.tf.exceptions import (
-    ConnectivityException,
-    ExtrapolationException,
-    LookupException,
-)
+from rostether.rospy.tf.exceptions import ConnectivityException, ExtrapolationException, LookupException
 from rostether.rospy.tf.exceptions import TransformException as Exception
 from rostether.rospy.tf.transformer import (
     TransformBroadcaster,

@@ -11,11 +11,7 @@ from rostether.rospy.tf.buffer_interface import (
     TransformRegistration,
     convert,
 )
-from rostether.rospy.tf.endpoints import (
-    StaticTransformBroadcaster,
-    TransformBroadcaster,
-    TransformListener,
-)
+from rostether.rospy.tf.endpoints import StaticTransformBroadcaster, TransformBroadcaster, TransformListener
 from rostether.rospy.tf.exceptions import (
     ConnectivityException,
     ExtrapolationException,
