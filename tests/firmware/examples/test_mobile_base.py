@@ -5,17 +5,22 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import math
+import struct
 from collections.abc import AsyncIterator
 
 import pytest
 
 from firmware.examples.attitudes import yaw_of
-from firmware.examples.stage import PATIENCE_S, Stage, running
+from firmware.examples.stage import PATIENCE_S, Stage, build_example, running
+from firmware.robustness.scripted_host import ScriptedHost
 from rostether.graph.typed_handles import TypedPublisher
+from rostether.rosserial import topic_id
+from rostether.rosserial.packets import TopicInfo
 
 ODOM = "nav_msgs/Odometry"
 WHEEL_RADIUS, WHEEL_SEPARATION = 0.033, 0.16
 TRIES = 10
+TIME = struct.pack("<II", 1_700_000_000, 0)
 
 
 @contextlib.asynccontextmanager
@@ -119,15 +124,31 @@ async def test_it_obeys_the_motor_switch_and_makes_sounds(kind: str) -> None:
 
 
 async def test_it_loses_no_command_while_it_publishes(kind: str) -> None:
-    async with running("MobileBase", kind) as stage:
-        state = await stage.listen("/sensor_state", "turtlebot3_msgs/SensorState")
-        power = await stage.publisher("/motor_power", "std_msgs/Bool")
-        cmd_vel = await stage.publisher("/cmd_vel", "geometry_msgs/Twist")
-        for is_on in (False, True) * 8:
-            cmd_vel.publish(linear={"x": 0.1})
-            cmd_vel.publish(linear={"x": 0.1})
-            power.publish(data=is_on)
-            await state.next(lambda message, is_on=is_on: message.torque == is_on)  # type: ignore[misc]
+    built = await build_example("MobileBase", kind)
+    host = await ScriptedHost.start(built.elf, board=kind)
+    ids: dict[str, int] = {}
+
+    def answer(each: int, payload: bytes) -> None:
+        if each == topic_id.TIME:
+            host.send(topic_id.TIME, TIME)
+        elif each == topic_id.SUBSCRIBER:
+            info = TopicInfo.decode(payload)
+            assert info is not None
+            ids[info.topic_name] = info.topic_id
+
+    host.on_frame = answer
+    async with host.board:
+        host.send(topic_id.TOPIC_REQUEST)
+        assert await host.run(3000, lambda: "motor_power" in ids)
+        # Each burst comes at another time of the board's rounds of 100 ms. It is longer than the UART's
+        # buffer. While the board publishes, it has room for a burst and the answer to a time request.
+        for number in range(25):
+            is_on = number % 2
+            host.send(ids["cmd_vel"], struct.pack("<6d", 0.1, 0, 0, 0, 0, 0))
+            for each in (1 - is_on, 1 - is_on, is_on):
+                host.send(ids["motor_power"], bytes([each]))
+            await host.run(104)
+            assert await host.board.memory("has_power", 1) == bytes([is_on]), number
 
 
 async def test_it_senses(kind: str) -> None:

@@ -49,8 +49,9 @@ class ScriptedHost:
             while self._to_send:
                 await self.board.send(bytes(self._to_send[:256]))
                 del self._to_send[:256]
-            await self.board.run(f"{STEP_MS}ms")
-            self.now_ms += STEP_MS
+            step_ms = min(STEP_MS, end_ms - self.now_ms)
+            await self.board.run(f"{step_ms}ms")
+            self.now_ms += step_ms
             data = bytes(self.board.serial)
             self.board.serial.clear()
             for each in self._decoder.feed(data, self.now_ms / 1000):
