@@ -156,10 +156,17 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     items[:] = [item for part in parts for item in part]
 
 
+@pytest.hookimpl(tryfirst=True)
+def pytest_collection() -> None:
+    """Search for no garbage meanwhile: there is little, and the searches take a quarter of the time."""
+    gc.disable()
+
+
 def pytest_collection_finish(session: pytest.Session) -> None:
     """Keep the tests that were collected out of each search for garbage, which would take 0.2 s."""
     gc.collect()
     gc.freeze()
+    gc.enable()
     # Tests of the bridge, which freezes as well, end this state.
     session.config.stash[FROZEN_OBJECTS] = gc.get_freeze_count(), len(gc.get_objects())
 

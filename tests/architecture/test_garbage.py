@@ -1,6 +1,8 @@
-"""The tests that were collected do not slow down the garbage collector."""
+"""The tests that were collected do not slow down the garbage collector, which works during the tests."""
 
 from __future__ import annotations
+
+import gc
 
 import pytest
 
@@ -10,3 +12,4 @@ from frozen_objects import FROZEN_OBJECTS
 def test_collected_tests_are_frozen(pytestconfig: pytest.Config) -> None:
     frozen, others = pytestconfig.stash[FROZEN_OBJECTS]
     assert frozen > others
+    assert gc.isenabled()

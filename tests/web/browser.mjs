@@ -28,6 +28,11 @@ async function open({ url, width = 1280, height = 800, touch = false, script, ..
     isMobile: touch,
     ...options,
   });
+  await context.addInitScript(() => {
+    const next = globalThis.requestAnimationFrame.bind(globalThis);
+    globalThis.requestAnimationFrame = (draw) => setTimeout(() => next(draw), 60);
+    globalThis.cancelAnimationFrame = clearTimeout;
+  });
   if (script) await context.addInitScript(script);
   const page = await context.newPage();
   const hosts = new Set();

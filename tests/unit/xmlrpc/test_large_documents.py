@@ -8,6 +8,7 @@ import weakref
 import pytest
 
 from rostether.errors import RemoteProtocolError
+from rostether.xmlrpc import document_reader
 from rostether.xmlrpc.document_reader import (
     MAX_TAG_BYTES,
     MAX_VALUES,
@@ -56,14 +57,17 @@ def test_long_texts_are_not_long_tags() -> None:
         assert isinstance(value, str)
 
 
-@pytest.mark.parametrize("empty", [b"<value/>", b"<value><array><data/></array></value>"])
-def test_values_are_counted(empty: bytes) -> None:
-    most = MAX_VALUES - 1
+@pytest.mark.parametrize(
+    ("empty", "limit"), [(b"<value/>", MAX_VALUES), (b"<value><array><data/></array></value>", 1000)]
+)
+def test_values_are_counted(empty: bytes, limit: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(document_reader, "MAX_VALUES", limit)
+    most = limit - 1
     document = b"<param><value><array><data>%s</data></array></value></param>"
     _, (values,) = load_call(call(document % (empty * most)))
     assert isinstance(values, list)
     assert len(values) == most
-    with pytest.raises(RemoteProtocolError, match=f"at most {MAX_VALUES} values"):
+    with pytest.raises(RemoteProtocolError, match=f"at most {limit} values"):
         load_call(call(document % (empty * (most + 1))))
 
 
