@@ -75,6 +75,13 @@ class SlowLoop:
         if now_s >= self.booted_s:
             self._uart += data[: UART_BYTES - len(self._uart)]
 
+    def skip_idle_spins(self, until_s: float) -> None:
+        """Skip the calls of spinOnce before a time that find nothing and send nothing."""
+        if not (self._uart or self._inbox):
+            until_s = min(until_s, self._requested_s + SYNC_PERIOD_S)
+            while self.spin_s < until_s:
+                self.spin_s += self.loop_s
+
     def spin(self) -> bytes:
         """Call spinOnce; return what is sent."""
         now_s, self.spin_s = self.spin_s, self.spin_s + self.loop_s
@@ -153,10 +160,11 @@ def meet(
             message = None
         if data:
             on_line.append((now_s + LINE_S, data))
-        due = [board.spin_s, *resets[:1], *(at_s for at_s, _ in on_line[:1])]
+        due = [end_s, *resets[:1], *(at_s for at_s, _ in on_line[:1])]
         if (timer_s := link.get_timer()) is not None:
             due.append(timer_s)
-        now_s = max(now_s, min(due))
+        board.skip_idle_spins(min(due))
+        now_s = max(now_s, min(board.spin_s, *due))
         found: list[HostEvent] = []
         if resets and resets[0] <= now_s:
             board.boot(resets.pop(0))
