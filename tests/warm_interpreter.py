@@ -11,6 +11,7 @@ import builtins
 import ctypes
 import gc
 import importlib
+import importlib.machinery
 import io
 import json
 import os
@@ -79,9 +80,14 @@ class Ending:
 
     def _end_program(self, code: int) -> None:
         vars(sys.modules["__main__"]).clear()
+        extensions = tuple(importlib.machinery.EXTENSION_SUFFIXES)
+        has_extensions = False
         # The last of the dictionary first, so those of the program.
-        while sys.modules.popitem()[0] not in self.libraries:
-            pass
+        name, module = sys.modules.popitem()
+        while name not in self.libraries:
+            has_extensions |= str(getattr(module, "__file__", "")).endswith(extensions)
+            name, module = sys.modules.popitem()
+        del module
         gc.collect()
         try:
             sys.stdout.flush()
@@ -89,7 +95,12 @@ class Ending:
         except (AttributeError, OSError, ValueError):
             # Python reports it.
             return
-        ctypes.pythonapi.exit(code)
+        if has_extensions or len(os.listdir("/proc/self/task")) > 1:  # noqa: PTH208 - imports nothing
+            ctypes.pythonapi.exit(code)
+        # The exit handlers of the libraries, OpenSSL's for example, would only free memory. Threads are
+        # those of a library that may have more to do.
+        ctypes.pythonapi.fflush(None)
+        os._exit(code)
 
 
 def let_servers_end() -> None:

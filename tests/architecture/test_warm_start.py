@@ -113,6 +113,13 @@ def test_libraries_are_there_already(python: str) -> None:
             "",
         ),
         ("class A:\n def __del__(self): raise ValueError('lost')\na = A()", 0, "ValueError: lost\n"),
+        ("import ctypes; ctypes.CDLL(None).puts(b'buffered by C')", 0, ""),
+        # As an exit handler of the extension.
+        (
+            "import ctypes, lz4.block\nc = ctypes.CDLL(None)\nc.__cxa_atexit(c.abort, 0, 0)",
+            -signal.SIGABRT,
+            "",
+        ),
     ],
 )
 def test_how_a_program_ends(code: str, status: int, error: str, request: pytest.FixtureRequest) -> None:
