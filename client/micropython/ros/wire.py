@@ -4,7 +4,7 @@ from array import array
 from struct import pack_into, unpack_from
 
 # An element without bytes, as of std_msgs/Empty[], must not let four bytes on the line fill the memory.
-_MOST_EMPTY = 255
+_MAX_EMPTY = 255
 
 
 class MisfitError(ValueError):
@@ -128,7 +128,7 @@ class Reader:
 
     def _count(self, length, size):
         count = self.number("I") if length is None else length
-        if count * size > self.end - self.at or (size == 0 and count > _MOST_EMPTY):
+        if count * size > self.end - self.at or (size == 0 and count > _MAX_EMPTY):
             raise MisfitError("array too long")
         return count
 

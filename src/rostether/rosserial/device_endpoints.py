@@ -76,13 +76,13 @@ class DeviceEndpoints:
 
     def _add(self, kind: int, name: str, message_type: str, md5sum: str) -> int:
         if kind in ids.DEVICE_SENDS_ON:
-            declared, most, noun = self._senders, self._max_publishers, "publishers"
+            declared, limit, noun = self._senders, self._max_publishers, "publishers"
             first_id, buffer_bytes = ids.FIRST_USER_ID + self._max_subscribers, self._output_buffer_bytes
         else:
-            declared, most, noun = self._listeners, self._max_subscribers, "subscribers"
+            declared, limit, noun = self._listeners, self._max_subscribers, "subscribers"
             first_id, buffer_bytes = ids.FIRST_USER_ID, self._input_buffer_bytes
-        if len(declared) >= most:
-            raise LocalProtocolError(f"no room for {name}: all {most} {noun} are declared")
+        if len(declared) >= limit:
+            raise LocalProtocolError(f"no room for {name}: all {limit} {noun} are declared")
         info = TopicInfo(first_id + len(declared), name, message_type, md5sum, buffer_bytes)
         if TopicInfo.decode(info.encode()) != info:
             raise LocalProtocolError(

@@ -195,7 +195,7 @@ class DeviceLink:
         room = self._config.output_buffer_bytes - PUBLISHER_OVERHEAD_BYTES
         if largest > room:
             raise LocalProtocolError(
-                f"a message of {largest} bytes does not fit the output buffer, which has room for {room} "
+                f"a message of {largest} bytes does not fit in the output buffer, which has room for {room} "
                 "bytes; send smaller messages, or increase output_buffer_bytes"
             )
         if self._state is not State.CONFIGURED or self._outgoing_bytes > MAX_WAITING_BYTES:

@@ -159,7 +159,7 @@ class HostLink:
         """Return the frame to send.
 
         Raises LocalProtocolError if the device has not announced a subscriber with this id since its last
-        reset, or if the payload does not fit the device's buffer.
+        reset, or if the payload does not fit in the device's buffer.
         """
         return self._output.encode_messages(topic_id, (payload,))
 
@@ -177,7 +177,7 @@ class HostLink:
     def answer_parameter(
         self, ints: Sequence[int] = (), floats: Sequence[float] = (), strings: Sequence[str] = ()
     ) -> None:
-        """Answer ParameterRequested. Raises LocalProtocolError if it does not fit the device's buffer."""
+        """Answer ParameterRequested. Raises LocalProtocolError if it does not fit in the device's buffer."""
         self._output.queue_parameter(ParameterResponse(tuple(ints), tuple(floats), tuple(strings)))
 
     def service_call_started(self) -> None:

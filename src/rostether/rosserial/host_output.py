@@ -61,8 +61,8 @@ class HostOutput:
         largest = max(map(len, payloads), default=0)
         if largest > limit:
             raise LocalProtocolError(
-                f"a message of {largest} bytes does not fit the device's buffer of {limit} bytes on topic id"
-                f" {topic_id}; send smaller messages or build the sketch with a larger buffer"
+                f"a message of {largest} bytes does not fit in the device's buffer of {limit} bytes on topic "
+                f"id {topic_id}; send smaller messages or build the sketch with a larger buffer"
             )
         data = encode_frames(topic_id, payloads, self.version or 2)
         if self._unread.room_bytes is not None:

@@ -165,7 +165,7 @@ class ParameterResponse(NamedTuple):
             floats = struct.pack(f"<I{len(self.floats)}f", len(self.floats), *self.floats)
         except (struct.error, OverflowError) as error:
             raise LocalProtocolError(
-                f"a parameter value does not fit int32 or float32 ({error}); use smaller numbers"
+                f"a parameter value does not fit in int32 or float32 ({error}); use smaller numbers"
             ) from None
         return ints + floats + _COUNT.pack(len(self.strings)) + b"".join(map(_string, self.strings))
 

@@ -31,12 +31,12 @@ def allow_many_descriptors() -> None:
             return
 
 
-def boards_that_fit(most: int) -> int:
-    """Return how many boards the limit has room for, at most `most` and at least one."""
+def boards_that_fit(max_boards: int) -> int:
+    """Return how many boards the limit has room for, at most `max_boards` and at least one."""
     limit = _soft_limit()
     if limit is None:
-        return most
-    return max(1, min(most, (limit - _OTHER_DESCRIPTORS) // BOARD_DESCRIPTORS))
+        return max_boards
+    return max(1, min(max_boards, (limit - _OTHER_DESCRIPTORS) // BOARD_DESCRIPTORS))
 
 
 def shortage(boards: int) -> str | None:

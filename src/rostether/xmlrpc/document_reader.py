@@ -29,7 +29,7 @@ def _read_int(text: str) -> int:
     # A sign, ten digits, spaces and leading zeros fit; int() takes quadratic time for a longer text.
     value = int(text) if len(text) <= 64 else MAX_INT + 1
     if not MIN_INT <= value <= MAX_INT:
-        raise ValueError(f"{text:.40} does not fit 32 bits")
+        raise ValueError(f"{text:.40} does not fit in 32 bits")
     return value
 
 

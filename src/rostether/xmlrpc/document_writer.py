@@ -204,7 +204,7 @@ def _scalar(value: str | bool | int | float | bytes | bytearray) -> str:
     if isinstance(value, int):
         if not MIN_INT <= value <= MAX_INT:
             raise SerializationError(
-                f"{value} does not fit the 32 bits of an XML-RPC integer; send a float or a string"
+                f"{value} does not fit in the 32 bits of an XML-RPC integer; send a float or a string"
             )
         return f"<value><int>{value:d}</int></value>"
     if isinstance(value, float):

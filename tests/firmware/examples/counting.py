@@ -19,13 +19,13 @@ PATIENCE_S = 60.0
 class Operation:
     """What is counted; the established library's cycles, if known, and the part of them wanted at most.
 
-    `most` is the limit of the test, in cycles without a line: a few percent above what was counted last.
+    `max_cycles` is the limit of the test without a line: a few percent above what was counted last.
     """
 
     name: str
     established: int | None
     wanted_part: float
-    most: int
+    max_cycles: int
 
 
 OPERATIONS = (

@@ -14,12 +14,12 @@ SLACK_OF_NEWER_COMPILERS = 1.25
 async def test_no_operation_takes_longer_than_before(capsys: pytest.CaptureFixture[str]) -> None:
     cycles = await counting.count_async(neutral=True)
     with capsys.disabled():
-        print("\n" + "\n".join(f"{each.name:<40}{cycles[each]:>7}{each.most:>7}" for each in cycles))
+        print("\n" + "\n".join(f"{each.name:<40}{cycles[each]:>7}{each.max_cycles:>7}" for each in cycles))
     slack = 1 if has_measured_compiler() else SLACK_OF_NEWER_COMPILERS
-    assert {each.name: cycles[each] for each in cycles if cycles[each] > each.most * slack} == {}
+    assert {each.name: cycles[each] for each in cycles if cycles[each] > each.max_cycles * slack} == {}
 
 
 @pytest.mark.parametrize("operation", counting.OPERATIONS, ids=lambda each: each.name)
 def test_no_limit_is_above_the_established_library(operation: counting.Operation) -> None:
     if operation.established is not None:
-        assert operation.most <= operation.established * operation.wanted_part
+        assert operation.max_cycles <= operation.established * operation.wanted_part

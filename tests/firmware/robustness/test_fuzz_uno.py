@@ -17,7 +17,7 @@ SKETCH = Path(__file__).parent / "sketches" / "Target"
 # Frames for each baud; slow lines take their time.
 BAUDS = {9600: 80, 57600: 320, 115200: 400, 250000: 400, 500000: 400, 1000000: 400}
 BATCH = 40
-MOST = effort(2 * BATCH, thorough=10 * BATCH)
+MAX_BYTES = effort(2 * BATCH, thorough=10 * BATCH)
 # A gap in a frame lasts 0.2 s; each start left behind takes a spin, and callbacks wait for parameters.
 QUIET_MS = 500
 
@@ -36,7 +36,7 @@ async def test_any_frames_leave_the_board_alive(baud: int) -> None:
         await host.board.guard(f"{place['address']}..{place['address'] + 8}")
         await host.board.guard(f"{end - 8}..{end}")
         hostile = HostileFrames(baud)
-        for batch in range(min(BAUDS[baud], MOST) // BATCH):
+        for batch in range(min(BAUDS[baud], MAX_BYTES) // BATCH):
             frames = [hostile.next() for _ in range(BATCH)]
             host.send_bytes(b"".join(frames))
             await host.run(sum(map(len, frames)) * 10_000 // baud + QUIET_MS)

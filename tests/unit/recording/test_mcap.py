@@ -61,7 +61,7 @@ def test_a_file_cut_anywhere_gives_a_prefix_or_is_refused(tmp_path: Path) -> Non
     path = tmp_path / "a.mcap"
     _write(path)
     data = path.read_bytes()
-    most = 0
+    max_count = 0
     for size in range(8, len(data), 61):
         path.write_bytes(data[:size])
         try:
@@ -71,8 +71,8 @@ def test_a_file_cut_anywhere_gives_a_prefix_or_is_refused(tmp_path: Path) -> Non
         except RecordingError:
             continue
         assert found == list(range(len(found)))
-        most = max(most, len(found))
-    assert most == 40
+        max_count = max(max_count, len(found))
+    assert max_count == 40
 
 
 def test_md5sums_that_others_leave_out_are_computed(tmp_path: Path) -> None:

@@ -83,7 +83,7 @@ async def test_a_bug_is_a_fault_of_one_line_and_a_log(caplog: pytest.LogCaptureF
 
 async def test_a_value_that_cannot_be_sent_is_a_fault() -> None:
     async with serving({"big": lambda: 2**40}) as server, client_of(server) as client:
-        with pytest.raises(GraphError, match="does not fit the 32 bits"):
+        with pytest.raises(GraphError, match="does not fit in the 32 bits"):
             await client.call("big")
 
 

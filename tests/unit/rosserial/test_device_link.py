@@ -128,7 +128,7 @@ def test_what_cannot_be_published() -> None:
     link, publisher, subscriber = configured(output_buffer_bytes=280)
     assert link.publish(publisher, [bytes(272)])
     with pytest.raises(
-        LocalProtocolError, match="273 bytes does not fit the output buffer, which has room for 272"
+        LocalProtocolError, match="273 bytes does not fit in the output buffer, which has room for 272"
     ):
         link.publish(publisher, [bytes(273)])
     with pytest.raises(LocalProtocolError, match="does not send on topic id 100"):

@@ -54,7 +54,7 @@ class TestMessages:
         link, _ = settled_link()
         assert link.encode_message(100, bytes(150))
         with pytest.raises(
-            LocalProtocolError, match="151 bytes does not fit the device's buffer of 150 bytes"
+            LocalProtocolError, match="151 bytes does not fit in the device's buffer of 150 bytes"
         ):
             link.encode_messages(100, [b"", bytes(151)])
         for topic_id in (125, 101, 7, 0):

@@ -225,12 +225,12 @@ def settle_against(pause_s: float, count: int = 4, limit_s: float = 60.0) -> tup
 
 
 @pytest.mark.parametrize(
-    ("pause_s", "most_requests"), [(0.05, 2), (0.09, 2), (0.15, 3), (0.19, 3), (0.3, 8), (0.6, 8), (1.2, 30)]
+    ("pause_s", "max_requests"), [(0.05, 2), (0.09, 2), (0.15, 3), (0.19, 3), (0.3, 8), (0.6, 8), (1.2, 30)]
 )
-def test_pauses_between_announcements_are_learned(pause_s: float, most_requests: int) -> None:
+def test_pauses_between_announcements_are_learned(pause_s: float, max_requests: int) -> None:
     negotiation, _ = settle_against(pause_s)
     assert len(negotiation.endpoints) == 4
-    assert negotiation.requests <= most_requests
+    assert negotiation.requests <= max_requests
 
 
 def test_learned_pauses_serve_the_next_negotiation_and_are_forgotten_with_the_board() -> None:

@@ -148,13 +148,13 @@ function paddedRange(_: uPlot, low: number, high: number): uPlot.Range.MinMax {
   if (low === null || high === null || !Number.isFinite(low) || !Number.isFinite(high)) return [0, 1];
   const span = high - low;
   // A line of zeros has an axis of whole numbers.
-  const least = Math.max(Math.abs(high), Math.abs(low)) * 0.02 || 1;
-  const margin = span > least ? span * 0.08 : least;
+  const minMargin = Math.max(Math.abs(high), Math.abs(low)) * 0.02 || 1;
+  const margin = span > minMargin ? span * 0.08 : minMargin;
   return [low - margin, high + margin];
 }
 
 function axisWidth(values: string[] | null): number {
-  const longest = (values ?? []).reduce((most, each) => Math.max(most, each.length), 3);
+  const longest = (values ?? []).reduce((length, each) => Math.max(length, each.length), 3);
   return 14 + longest * 7;
 }
 

@@ -169,15 +169,15 @@ export class Robot {
     };
   }
 
-  /** Resolves when every topic that is received has had a message, at the latest after `mostMs`. */
-  firstValues(mostMs: number): Promise<void> {
+  /** Resolves when every topic that is received has had a message, at the latest after `maxMs`. */
+  firstValues(maxMs: number): Promise<void> {
     return new Promise((resolve) => {
       const end = () => {
         clearTimeout(timer);
         this.onNoneEmpty.delete(end);
         resolve();
       };
-      const timer = setTimeout(end, mostMs);
+      const timer = setTimeout(end, maxMs);
       if (this.empty.size === 0) end();
       else this.onNoneEmpty.add(end);
     });

@@ -58,8 +58,8 @@ export class Cursor {
   /** Reads the length of a variable array; `smallest` is the minimum size of an element. */
   count(smallest: number): number {
     const count = this.view.getUint32(this.skip(4), true);
-    const most = smallest > 0 ? (this.bytes.length - this.offset) / smallest : MAX_EMPTY_ELEMENTS;
-    if (count > most)
+    const maxCount = smallest > 0 ? (this.bytes.length - this.offset) / smallest : MAX_EMPTY_ELEMENTS;
+    if (count > maxCount)
       throw new DecodeError(`an array claims ${count} elements, more than the message can hold`);
     return count;
   }

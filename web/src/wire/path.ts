@@ -186,11 +186,11 @@ function arrayReader(
   };
 }
 
-/** Returns the numeric paths of a type, at most `most`; arrays of numbers as `name[:]`. */
-export function numericPaths(type: StructNode, most = 200): string[] {
+/** Returns the numeric paths of a type, at most `maxPaths`; arrays of numbers as `name[:]`. */
+export function numericPaths(type: StructNode, maxPaths = 200): string[] {
   const paths: string[] = [];
   const visit = (node: Node, path: string) => {
-    if (paths.length >= most) return;
+    if (paths.length >= maxPaths) return;
     if (node.kind === "primitive") paths.push(path);
     else if (node.kind === "struct") {
       for (const each of node.fields) {

@@ -61,16 +61,16 @@ class EndpointFindings:
             return []
         if seen.largest_bytes <= info.buffer_size:
             # A streaming board announces no buffer; the size of the type counts.
-            most = "more than this type or the limit of the frame length allows"
+            reason = "more than this type or the limit of the frame length allows"
             step = "generate the message headers of the sketch again, and publish nothing else on this topic"
         else:
-            most = f"and the board announced a buffer of {info.buffer_size}"
+            reason = f"and the board announced a buffer of {info.buffer_size}"
             step = f"{_LARGER}, or send smaller messages"
         return [
             error(
                 Code.MESSAGES_TOO_LONG,
                 f"messages of {info.topic_name} [{info.message_type}] have {seen.largest_bytes} bytes, "
-                f"{most}: they are rejected",
+                f"{reason}: they are rejected",
                 step,
                 info.topic_name,
             )

@@ -49,13 +49,13 @@ class LoopSpeed:
         self.has_own_library = False
         self._last_s: float | None = None
         self._asked = 0
-        self._least_count = MIN_COUNT_DATAGRAMS if may_lose else MIN_COUNT
+        self._min_count = MIN_COUNT_DATAGRAMS if may_lose else MIN_COUNT
         self._intervals_s: deque[float] = deque(maxlen=MAX_INTERVALS)
 
     @property
     def late_s(self) -> float | None:
         """The usual delay of the requests; None while unknown."""
-        if len(self._intervals_s) < self._least_count:
+        if len(self._intervals_s) < self._min_count:
             return None
         return max(0.0, median(self._intervals_s) - self._period_s)
 
@@ -72,8 +72,8 @@ class LoopSpeed:
         if last_s is None:
             return
         interval_s = now_s - last_s
-        least_s = REQUEST_PERIOD_S + OVERDUE_S if was_provoked else OUR_REQUEST_PERIOD_S - TOLERANCE_S
-        if least_s <= interval_s <= REQUEST_PERIOD_S + MAX_LATE_S:
+        min_s = REQUEST_PERIOD_S + OVERDUE_S if was_provoked else OUR_REQUEST_PERIOD_S - TOLERANCE_S
+        if min_s <= interval_s <= REQUEST_PERIOD_S + MAX_LATE_S:
             self._intervals_s.append(interval_s)
 
     def forget(self) -> None:
@@ -83,7 +83,7 @@ class LoopSpeed:
     def note_pause(self) -> None:
         """Record that a simulated board paused: its requests were late because of the simulator."""
         self._last_s = None
-        self._least_count = MIN_COUNT_SIMULATED
+        self._min_count = MIN_COUNT_SIMULATED
         self._intervals_s.clear()
 
     def find(self, *, is_listener: bool) -> Finding | None:

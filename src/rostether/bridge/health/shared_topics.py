@@ -15,7 +15,7 @@ from rostether.rosserial.events import TopicRole
 # Topics on which many nodes publish by convention.
 _COMMON: Final = frozenset({"/tf", "/tf_static", "/rosout", "/diagnostics", "/joint_states"})
 
-# More would not fit one line.
+# More would not fit on one line.
 _SHOWN: Final = 4
 
 # Boards choose the names: a hostile one must not fill the memory.

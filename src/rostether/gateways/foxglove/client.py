@@ -142,8 +142,8 @@ class Client:
             elif subscription_id in self._subscriptions or channel_id in self._by_channel:
                 self.report_error(f"channel {channel_id} or subscription {subscription_id} is already in use")
             elif len(self._subscriptions) >= self._context.limits.subscriptions:
-                most = self._context.limits.subscriptions
-                self.report_error(f"a client may have at most {most} subscriptions; unsubscribe some")
+                limit = self._context.limits.subscriptions
+                self.report_error(f"a client may have at most {limit} subscriptions; unsubscribe some")
             else:
                 subscription = Subscription(
                     subscription_id, channel, self.sender, self._context.channels, self._context.clock.now_ns
@@ -163,8 +163,8 @@ class Client:
             if channel.id in self._topics:
                 self.report_error(f"channel {channel.id} is already advertised")
             elif len(self._topics) >= self._context.limits.client_channels:
-                most = self._context.limits.client_channels
-                self.report_error(f"a client may publish at most {most} topics; unadvertise some")
+                limit = self._context.limits.client_channels
+                self.report_error(f"a client may publish at most {limit} topics; unadvertise some")
             elif not channel.topic.strip("/"):
                 self.report_error(f"channel {channel.id} has no topic")
             elif not self._may_publish(channel.topic):

@@ -44,8 +44,8 @@ class ClientServices:
         is_too_large = self._calls and self._call_bytes + request.size_bytes > MAX_QUEUED_BYTES
         if len(self._calls) >= MAX_CALLS or is_too_large:
             # Refused rather than delayed: the client's next message may stop a robot.
-            most = f"{self._call_bytes} bytes of" if is_too_large else MAX_CALLS
-            reason = f"this client has {most} pending calls; {service} is not called"
+            amount = f"{self._call_bytes} bytes of" if is_too_large else MAX_CALLS
+            reason = f"this client has {amount} pending calls; {service} is not called"
             self._send(_response(request, service) | {"values": reason, "result": False}, delivery)
             return
         task = asyncio.ensure_future(self._call(request, service, delivery, timeout_s))

@@ -84,9 +84,9 @@ class DriveCommands:
             raise SerializationError("a command must have finite values, not NaN or infinity")
         step_s = min(max(now_s - self._published_s, 0.0), _MAX_STEP_S)
         for index, (kind, paths) in enumerate(self._vectors):
-            most, acceleration = self.limits.limits_of(kind)
+            max_length, acceleration = self.limits.limits_of(kind)
             length = math.hypot(*wanted[index])
-            scale = most / length if length > most else 1.0
+            scale = max_length / length if length > max_length else 1.0
             before = self._published[index]
             after = [
                 _approach(old, value * scale, acceleration * step_s)

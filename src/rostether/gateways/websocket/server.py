@@ -200,10 +200,10 @@ class WebSocketServer:
 
     def _limit_reason(self, connection: Connection) -> str:
         hosts = [each.host for each in self._connections if each.is_open]
-        most = self.limits.clients
-        if len(hosts) >= most:
-            return f"the limit of clients ({most}) is reached"
-        share = max(1, round(most * _HOST_SHARE))
+        limit = self.limits.clients
+        if len(hosts) >= limit:
+            return f"the limit of clients ({limit}) is reached"
+        share = max(1, round(limit * _HOST_SHARE))
         if not connection.is_local and hosts.count(connection.host) >= share:
             return f"the limit of clients from one address ({share}) is reached"
         return ""

@@ -18,7 +18,7 @@ class MasterClient:
 
     The nodes of one event loop share their connections to a master: a thousand nodes that have their own, or
     call all at once, exceed what a master accepts.
-    All of them raise MasterUnreachableError when it does not answer, GraphError when it refuses.
+    All calls raise MasterUnreachableError if the master does not answer, GraphError if it refuses.
     """
 
     def __init__(self, uri: str, caller_id: str, *, max_body_bytes: int = MAX_BODY_BYTES) -> None:

@@ -118,11 +118,11 @@ class TcprosListener:
         self._served = {each: host for each, host in self._served.items() if not each.is_closing()}
         peer = transport.get_extra_info("peername")
         host = peer[0] if peer else ""
-        most, most_per_host = self._limits.tcpros_connections, self._limits.tcpros_connections_per_host
-        if len(self._served) >= most:
-            raise GraphError(f"this node already has {most} connections; close some of them")
-        if not is_loopback(host) and list(self._served.values()).count(host) >= most_per_host:
-            raise GraphError(f"{host} already has {most_per_host} connections; close some of them")
+        limit, limit_per_host = self._limits.tcpros_connections, self._limits.tcpros_connections_per_host
+        if len(self._served) >= limit:
+            raise GraphError(f"this node already has {limit} connections; close some of them")
+        if not is_loopback(host) and list(self._served.values()).count(host) >= limit_per_host:
+            raise GraphError(f"{host} already has {limit_per_host} connections; close some of them")
         if purpose_of(fields) is Purpose.SUBSCRIBE:
             successor = self._accept_subscriber(fields, transport)
         else:

@@ -75,11 +75,11 @@ class ROSTopicHz:
             if found is None:
                 print("no new messages")
                 continue
-            rate, least, most, deviation, count = found
+            rate, minimum, maximum, deviation, count = found
             if len(topics) > 1:
                 print(topic)
             print(
-                f"average rate: {rate:.3f}\n\tmin: {least:.3f}s max: {most:.3f}s "
+                f"average rate: {rate:.3f}\n\tmin: {minimum:.3f}s max: {maximum:.3f}s "
                 f"std dev: {deviation:.5f}s window: {count}"
             )
 
@@ -118,9 +118,9 @@ class ROSTopicDelay:
         if found is None:
             print("no new messages")
             return
-        mean, least, most, deviation, count = found
+        mean, minimum, maximum, deviation, count = found
         print(
-            f"average delay: {mean:.3f}\n\tmin: {least:.3f}s max: {most:.3f}s "
+            f"average delay: {mean:.3f}\n\tmin: {minimum:.3f}s max: {maximum:.3f}s "
             f"std dev: {deviation:.5f}s window: {count}"
         )
 
@@ -161,8 +161,8 @@ class ROSTopicBandwidth:
             for unit, divisor, limit in (("B", 1, 1e3), ("KB", 1e3, 1e6), ("MB", 1e6, math.inf))
             if per_second < limit
         )
-        rate, mean, least, most = (
+        rate, mean, minimum, maximum = (
             f"{value / divisor:.2f}{unit}"
             for value in (per_second, sum(sizes) / len(sizes), min(sizes), max(sizes))
         )
-        print(f"average: {rate}/s\n\tmean: {mean} min: {least} max: {most} window: {len(sizes)}")
+        print(f"average: {rate}/s\n\tmean: {mean} min: {minimum} max: {maximum} window: {len(sizes)}")

@@ -19,7 +19,7 @@ _ROS1_LEVELS = ((50, 16), (40, 8), (30, 4), (20, 2), (0, 1))
 
 
 def _levels(steps: tuple[tuple[int, int], ...]) -> bytes:
-    return bytes(next(to for least, to in steps if value >= least) for value in range(256))
+    return bytes(next(to for lowest, to in steps if value >= lowest) for value in range(256))
 
 
 # (ROS 1 message, field of one byte) to its new values: a severity between two becomes the lower one.

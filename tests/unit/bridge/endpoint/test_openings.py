@@ -127,12 +127,12 @@ async def test_what_is_announced_at_once_comes_in_turn_by_turn(world: World) -> 
     endpoints: list[Any] = [Endpoint(str(number), done) for number in range(50)]
     for number, endpoint in enumerate(endpoints):
         openings.open((TopicRole.PUBLISHER, str(number)), endpoint)
-    most, before = 0, 0
+    max_per_turn, before = 0, 0
     for _ in range(500):
         await asyncio.sleep(0)
-        most, before = max(most, len(done) - before), len(done)
+        max_per_turn, before = max(max_per_turn, len(done) - before), len(done)
     assert done == [f"{number} in" for number in range(50)]
-    assert most == 1
+    assert max_per_turn == 1
 
 
 async def test_an_endpoint_that_hangs_holds_up_no_other(world: World) -> None:

@@ -42,25 +42,25 @@ def line_rate(true_bytes_per_s: float, *, adapter_bytes: int = 0, seconds: float
     Returns bytes a second that left, and the most bytes that ever waited in port and adapter.
     """
     pacer, now_s = LinePacer(57600), 0.0
-    waiting, left, most = 0.0, 0.0, 0.0
+    waiting, left, max_waiting = 0.0, 0.0, 0.0
     while now_s < seconds:
         pacer.observe(int(max(0.0, waiting - adapter_bytes)), now_s)
         while pacer.room_bytes(now_s) > 0:
             pacer.written(64, now_s)
             waiting += 64
-        most = max(most, waiting)
+        max_waiting = max(max_waiting, waiting)
         wait_s = pacer.wait_s(now_s)
         gone = min(waiting, true_bytes_per_s * wait_s)
         waiting -= gone
         left += gone
         now_s += wait_s
-    return left / seconds, int(most)
+    return left / seconds, int(max_waiting)
 
 
 def test_a_line_of_its_baud_rate_is_kept_busy_with_little_on_its_way() -> None:
-    rate, most = line_rate(5760)
+    rate, max_waiting = line_rate(5760)
     assert rate > 0.95 * 5760
-    assert most < 300
+    assert max_waiting < 300
 
 
 def test_a_board_with_usb_of_its_own_is_not_held_at_a_baud_rate_that_it_ignores() -> None:
@@ -70,9 +70,9 @@ def test_a_board_with_usb_of_its_own_is_not_held_at_a_baud_rate_that_it_ignores(
 
 @pytest.mark.parametrize("adapter_bytes", [128, 576])
 def test_an_adapters_buffer_is_filled_and_little_more(adapter_bytes: int) -> None:
-    rate, most = line_rate(5760, adapter_bytes=adapter_bytes)
+    rate, max_waiting = line_rate(5760, adapter_bytes=adapter_bytes)
     assert rate > 0.95 * 5760
-    assert most < adapter_bytes * 3 + 300
+    assert max_waiting < adapter_bytes * 3 + 300
 
 
 def test_the_speed_is_bounded() -> None:

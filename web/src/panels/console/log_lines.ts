@@ -55,8 +55,8 @@ export class LogLines {
   }
 
   /** The lines of at least this level, from this node ("" for all) and with this text. */
-  filtered(least: Level, node: string, search: string): LogLine[] {
-    const from = LEVELS.indexOf(least);
+  filtered(minLevel: Level, node: string, search: string): LogLine[] {
+    const from = LEVELS.indexOf(minLevel);
     const wanted = search.toLowerCase();
     return this.lines.filter(
       (line) =>

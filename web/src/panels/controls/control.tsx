@@ -199,7 +199,7 @@ function Slider(props: {
     <input
       type="number"
       class="slider-limit"
-      aria-label={limit === "min" ? texts.controls.least : texts.controls.most}
+      aria-label={limit === "min" ? texts.controls.lowest : texts.controls.highest}
       value={range[limit]}
       onChange={(event) => setLimit(limit, event.currentTarget.value)}
     />

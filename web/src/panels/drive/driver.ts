@@ -51,7 +51,7 @@ export class Driver {
   }
 
   /** The type of the commands. */
-  get typeOf(): StructNode {
+  get commandType(): StructNode {
     return this.type;
   }
 

@@ -48,7 +48,7 @@ export function StickPad({ driver }: { driver: Driver }) {
 }
 
 function valueText(driver: Driver): string {
-  const command = commandOf(driver.typeOf, driver.stick.value, driver.limits) as {
+  const command = commandOf(driver.commandType, driver.stick.value, driver.limits) as {
     dir?: number;
     speed?: number;
     linear?: { x: number };
