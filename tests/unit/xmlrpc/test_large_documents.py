@@ -62,13 +62,13 @@ def test_long_texts_are_not_long_tags() -> None:
 )
 def test_values_are_counted(empty: bytes, limit: int, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(document_reader, "MAX_VALUES", limit)
-    limit = limit - 1
+    count = limit - 1
     document = b"<param><value><array><data>%s</data></array></value></param>"
-    _, (values,) = load_call(call(document % (empty * limit)))
+    _, (values,) = load_call(call(document % (empty * count)))
     assert isinstance(values, list)
-    assert len(values) == limit
+    assert len(values) == count
     with pytest.raises(RemoteProtocolError, match=f"at most {limit} values"):
-        load_call(call(document % (empty * (limit + 1))))
+        load_call(call(document % (empty * (count + 1))))
 
 
 def test_a_document_that_was_read_leaves_no_work_for_the_garbage_collector() -> None:
