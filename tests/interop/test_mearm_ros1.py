@@ -55,7 +55,7 @@ async def test_servos_and_model_do_what_the_services_are_asked(mearm: Ros1Peers)
 async def position_sets_that_do_not_fit_are_refused_by_name(mearm: Ros1Peers, launched: Peer) -> None:
     assert await servo_angles(mearm) == [(0, 0, 0, 0)]
     assert await mearm.run(*SELECT, "set_name: 'set2'") == "success: False"
-    await launched.wait_for("Position set set2 is refused: it has 3 values, the arm has 4 joints")
+    await launched.wait_for("Position set set2 is refused: it has 3 values, but the arm has 4 joints")
     assert await mearm.run(*SELECT, "set_name: 'wave'") == "success: False"
     await launched.wait_for("Position set wave not found; there are: set1, set2, set3")
     await mearm.run("rosparam", "set", "/position_sets/odd", "[0.1, .nan, 0.3, yes]")

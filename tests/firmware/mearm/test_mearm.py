@@ -164,7 +164,7 @@ async def test_named_positions_move_servos_and_model(tmp_path: Path, remapping: 
         await check_frames(graph)
 
         assert await select(terminal, "set2") == "success: False"
-        await launch.wait_for("Position set set2 is refused: it has 3 values, the arm has 4 joints")
+        await launch.wait_for("Position set set2 is refused: it has 3 values, but the arm has 4 joints")
         assert await terminal.type('rosservice call /set_servo_pose "position_id: 1"') == "success: True"
         await servos_stand(board, (45, 120, 60, 10))
         await hears(graph, "/servo_angles", (45, 120, 60, 10))

@@ -44,7 +44,7 @@ class JointMover:
         if not isinstance(positions, list):
             return "it is not a list"
         if len(positions) != len(JOINT_NAMES):
-            return f"it has {len(positions)} values, the arm has {len(JOINT_NAMES)} joints"
+            return f"it has {len(positions)} values, but the arm has {len(JOINT_NAMES)} joints"
         for value in positions:
             is_number = isinstance(value, (int, float)) and not isinstance(value, bool)
             if not is_number or not math.isfinite(value):

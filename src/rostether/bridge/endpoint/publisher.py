@@ -63,7 +63,7 @@ class PublisherEndpoint:
         self._held_bytes = 0
 
     @property
-    def slow_count(self) -> int:
+    def lost_count(self) -> int:
         """How many messages slow subscribers have lost; the graph reports which subscribers."""
         return self._publisher.dropped_count if self._publisher is not None else 0
 

@@ -58,7 +58,7 @@ def view_board(node: BoardNode, session: Session | None) -> BoardView:
             name, type_name, topic = info.name, info.type, info.request
         else:
             name, type_name, topic = info.topic_name, info.message_type, info
-        lost = endpoint.slow_count if isinstance(endpoint, PublisherEndpoint) else 0
+        lost = endpoint.lost_count if isinstance(endpoint, PublisherEndpoint) else 0
         endpoints.append(
             EndpointView(
                 role.value,

@@ -94,7 +94,7 @@ class Client:
         self._handlers[type(request)](request)
 
     def dropped(self, count: int) -> None:
-        """Report the lost messages to the client, at most once in a while."""
+        """Report the lost messages to the client, at a limited rate."""
         self._dropped.add(count)
 
     def closed(self) -> None:
