@@ -40,7 +40,7 @@ from rostether.transports.address_parser import parse_address
 from rostether.transports.opening import open_transport
 from rostether.transports.transport import Transport
 
-# Unlike a microcontroller, a program has memory for the largest message that fits a frame.
+# Unlike a microcontroller, a program has memory for the largest message that fits in a frame.
 PROGRAM_CONFIG = DeviceLinkConfig(
     max_subscribers=100,
     max_publishers=100,

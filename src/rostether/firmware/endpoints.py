@@ -1,4 +1,4 @@
-"""Finds the topics and services of a sketch, and whether their messages fit the input buffer.
+"""Finds the topics and services of a sketch, and whether their messages fit in the input buffer.
 
 It reads the program's variables first: an endpoint points to its topic and to a function whose name contains
 its type. If an endpoint is constructed only at run time, the sketch's text is searched instead.

@@ -1,4 +1,4 @@
-"""Makes text from peers, files and libraries safe for output: it controls no terminal, and fits its line."""
+"""Makes text from peers, files and libraries safe for output: it controls no terminal, and fits on its line."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The output to a device: messages that fit its buffer, and control frames at the right time."""
+"""The output to a device: messages that fit in its buffer, and control frames at the right time."""
 
 from __future__ import annotations
 

@@ -30,7 +30,7 @@ class Answers:
         if self.takes_nothing:
             raise LocalProtocolError("the answer needs 12 bytes, but the device's buffer has 11")
         if len(ints) > self.limit:
-            raise LocalProtocolError("412 bytes do not fit the board's buffer of 280")
+            raise LocalProtocolError("412 bytes do not fit in the board's buffer of 280")
         self.given.append(Answer(tuple(ints), tuple(floats), tuple(strings)))
 
     def send(self) -> None:

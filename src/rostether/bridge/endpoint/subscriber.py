@@ -1,4 +1,4 @@
-"""A topic that the board subscribes to: the graph's messages that fit the board's buffer."""
+"""A topic that the board subscribes to: the graph's messages that fit in the board's buffer."""
 
 from __future__ import annotations
 

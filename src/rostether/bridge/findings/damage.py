@@ -25,7 +25,7 @@ _CABLE_ADVICE = (
 )
 _ADVICE = {
     Medium.UDP: (
-        "the network loses datagrams: improve the Wi-Fi signal, send messages that fit a datagram (1400 "
+        "the network loses datagrams: improve the Wi-Fi signal, send messages that fit in a datagram (1400 "
         "bytes), or use TCP"
     ),
     Medium.RADIO: (

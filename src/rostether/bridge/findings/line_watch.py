@@ -44,7 +44,7 @@ UNKNOWN_S = 10.0
 # The checks are a second apart. A longer time means that this process was paused, and read requests late.
 PAUSED_S = 3.0
 
-# The log line of the established library for a message that does not fit its output buffer.
+# The log line of the established library for a message that does not fit in its output buffer.
 TOO_LARGE = "larger than buffer"
 
 # What to check if a board is silent, in addition to its power; on a serial line, the cable.
@@ -76,7 +76,7 @@ class LineWatch:
         self.loop_speed = LoopSpeed(may_lose=medium.may_lose)
         self.oversizes = Oversizes()
 
-        # When the board last logged that a message did not fit its buffer.
+        # When the board last logged that a message did not fit in its buffer.
         self.too_large_s = float("-inf")
         self._baud = baud
         self._resets = resets

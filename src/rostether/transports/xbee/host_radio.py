@@ -36,7 +36,7 @@ class HostRadio:
         return b"".join(encode_at(command, frame_id=_FRAME_ID) for command in _QUERIES)
 
     def signal_query(self, now_s: float, board_count: int) -> bytes:
-        """Return the frame that asks for the signal strength of the last packet, if it is time to."""
+        """Return the frame that asks for the signal strength of the last packet, if it is due."""
         if now_s - self._asked_signal_s < SIGNAL_PERIOD_S / max(1, board_count):
             return b""
         self._asked_signal_s = now_s
