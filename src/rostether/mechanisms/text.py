@@ -1,4 +1,4 @@
-"""Makes text from peers, files and libraries safe for output: it controls no terminal, and fits on its line."""
+"""Makes text from peers, files and libraries safe for output: it controls no terminal and fits on a line."""
 
 from __future__ import annotations
 

@@ -57,9 +57,9 @@ class ServerSettings(Struct, frozen=True):
     """The address and the access rules of a server.
 
     `host` is a name or address of this machine; `localhost` is both loopback addresses. Clients must send
-    `token` if it is not empty; clients with `view_token` may only view. `origins` are additional web pages that
-    may connect (`*`: all), and `allow` the networks. With `certificate` and `key` (files), connections are
-    encrypted (wss).
+    `token` if it is not empty; clients with `view_token` may only view. `origins` are additional web pages
+    that may connect (`*`: all), and `allow` the networks. With `certificate` and `key` (files), connections
+    are encrypted (wss).
     """
 
     host: str = DEFAULT_HOST
