@@ -39,12 +39,12 @@ def node_base_name(
     if given is not None:
         return given.strip("~/")
     if identity.own_serial_number is not None:
-        return _legal(f"board_{identity.own_serial_number}")
+        return legal_base_name(f"board_{identity.own_serial_number}")
     if isinstance(address, SerialAddress):
-        return _legal(re.split(r"[/\\]", address.path)[-1])
+        return legal_base_name(re.split(r"[/\\]", address.path)[-1])
     if isinstance(address, PtyAddress):
-        return _legal(address.link.rsplit("/", 1)[-1])
-    return _legal(peer if identity.address is None else f"{_protocol(address)}_{identity.address}")
+        return legal_base_name(address.link.rsplit("/", 1)[-1])
+    return legal_base_name(peer if identity.address is None else f"{_protocol(address)}_{identity.address}")
 
 
 def identify_peer(remote: str | None, proof: Proof = NO_PROOF) -> BoardIdentity:
@@ -68,6 +68,7 @@ def numbered(base_name: str, number: int) -> str:
     return base_name if number == 1 else f"{base_name}_{number}"
 
 
-def _legal(text: str) -> str:
+def legal_base_name(text: str) -> str:
+    """Return a legal node name without slashes that resembles a text."""
     name = _ILLEGAL.sub("_", text).strip("_")[:MAX_NAME_CHARACTERS]
     return name if name[:1].isalpha() else f"board_{name}".rstrip("_")

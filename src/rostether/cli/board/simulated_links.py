@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import asyncio
-import re
 from collections.abc import AsyncIterator, Awaitable, Callable, Sequence
 from contextlib import AsyncExitStack, asynccontextmanager
 from functools import partial
+from itertools import count
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from rostether.bridge.identity import legal_base_name, numbered
 from rostether.cli.access.ros1_access import type_store
 from rostether.cli.board.opencr import OPENCR, start_opencr
 from rostether.cli.board.qemu import start_in_qemu
@@ -168,12 +169,8 @@ async def _start_opencr(
 
 
 def _name(program: Path, taken: Sequence[str]) -> str:
-    stem = re.sub(r"\W", "_", program.resolve().stem, flags=re.ASCII)
-    name = stem if stem[:1].isalpha() else f"board_{stem}"
-    number = 2
-    while (numbered := name if number == 2 and name not in taken else f"{name}_{number}") in taken:
-        number += 1
-    return numbered
+    base_name = legal_base_name(program.resolve().stem)
+    return next(name for number in count(1) if (name := numbered(base_name, number)) not in taken)
 
 
 async def _report_end(board: QemuBoard | OpenCrBoard, link: SimAddress, reporter: Reporter) -> None:

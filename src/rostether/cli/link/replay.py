@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
-import re
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -74,11 +73,12 @@ def link_replay(
     The board's topics appear on the graph as if it were connected. Messages to the board are discarded. Like
     `serve`, this starts a ROS master if none answers.
     """
+    from rostether.bridge.identity import legal_base_name
     from rostether.names.graph_name import validate_name
     from rostether.transports.capture import Capture
 
     capture = Capture(file)
-    node_name = name if name is not None else _node_name(file)
+    node_name = name if name is not None else legal_base_name(file.stem)
     validate_name(node_name)
     run(
         _replay(
@@ -176,8 +176,3 @@ class _Settling:
             async with asyncio.timeout(LISTED_S):
                 await self._supervisor.wait_for_subscribers()
         return loop.time() - began_s
-
-
-def _node_name(file: Path) -> str:
-    name = re.sub(r"\W", "_", file.stem, flags=re.ASCII).strip("_")
-    return name if name[:1].isalpha() else f"board_{name}".rstrip("_")
