@@ -71,7 +71,8 @@ async def send_topic(
             reported = True
             report(
                 Level.ERROR,
-                f"a message of {len(newest)} bytes is not sent: a datagram can contain at most {limit_bytes}",
+                f"a message of {len(newest)} bytes is not sent: a datagram contains at most {limit_bytes}; "
+                "publish smaller messages",
             )
 
     subscriber = await graph.subscribe(settings.topic, ANY_MESSAGE, receive, on_connection=bridge.set_type)

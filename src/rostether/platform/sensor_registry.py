@@ -231,6 +231,8 @@ class SensorRegistry:
             return
         lost = [key for key, each in self._conditions.items() if each.state == "lost"]
         if not lost:
-            raise ServiceCallError(f"there are already {MAX_SENSORS} sensors, and none of them is lost")
+            raise ServiceCallError(
+                f"there are already {MAX_SENSORS} sensors, and none of them is lost; stop one of them first"
+            )
         oldest = min(lost, key=lambda key: self._conditions[key].since_s)
         del self._sensors[oldest], self._conditions[oldest]
