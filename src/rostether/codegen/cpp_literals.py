@@ -8,7 +8,7 @@ _INT16_MAX = (1 << 15) - 1
 _INT32_MAX = (1 << 31) - 1
 _UINT32_MAX = (1 << 32) - 1
 _INT64_MAX = (1 << 63) - 1
-# The range of AVR's four-byte double; its compiler warns about literals outside.
+# The range of AVR's four-byte double; its compiler warns about literals outside this range.
 _FLOAT_MAX = float.fromhex("0x1.fffffep+127")
 _FLOAT_MIN = float.fromhex("0x1p-149")
 # From these values on, rounding to a float gives infinity or zero.

@@ -157,7 +157,7 @@ class ElfFile:
             raise self._broken() from error
 
     def read_at(self, address: int, size: int) -> bytes:
-        """Return the bytes at an address; fewer if the section ends before."""
+        """Return the bytes at an address; fewer if the section ends earlier."""
         for section in self.sections:
             if self.is_in_memory(section) and section.address <= address < section.address + section.size:
                 start = address - section.address

@@ -35,7 +35,7 @@ class MemoryParameters:
             return None
 
     def set(self, name: str, value: ParamValue) -> None:
-        """Set a value; a mapping replaces the whole tree below."""
+        """Set a value; a mapping replaces the whole tree below the name."""
         value = copy.deepcopy(value)
         parts = _parts(name)
         if parts:

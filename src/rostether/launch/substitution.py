@@ -121,7 +121,7 @@ def package_folder(name: str, context: LaunchContext) -> str:
 
 
 def split_words(command: str) -> list[str]:
-    """Return the words of a command, split like a shell. Raises LaunchError."""
+    """Return the words of a command, split as a shell splits them. Raises LaunchError."""
     try:
         return shlex.split(command)
     except ValueError as error:

@@ -41,7 +41,7 @@ class Axis(Struct, frozen=True):
         return cls(max(low - margin, -_LARGEST), min(high + margin, _LARGEST))
 
     def part(self, value: float) -> float:
-        """Return the position of a value: 0 at the low end, 1 at the high end; it may be outside."""
+        """Return the position of a value: 0 at the low end, 1 at the high end; it may be outside the axis."""
         return (value / 2 - self.low / 2) / (self.high / 2 - self.low / 2)
 
     def ticks(self, count: int) -> list[tuple[float, str]]:

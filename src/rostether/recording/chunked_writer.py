@@ -95,7 +95,7 @@ class ChunkedWriter(ABC):
 
     @abstractmethod
     def flush(self) -> None:
-        """End the chunk and write it. Raises RecordingError; the file then ends with the chunk before."""
+        """End the chunk and write it. Raises RecordingError; the file then ends with the previous chunk."""
 
     def close(self) -> None:
         """Write the index and close the file. Idempotent. Raises RecordingError; the chunks are kept."""

@@ -43,7 +43,7 @@ PATIENT_DWELL_S = 0.9
 # A GPS receiver sends once a second.
 LISTEN_S = 1.2
 
-# For the same reason; a port sends text if two such periods at one rate have text.
+# Also longer than the period of a GPS receiver. A port sends text if two such periods at one rate have text.
 SURVEY_DWELL_S = 1.1
 
 # Bytes before this pause were a boot message.

@@ -133,10 +133,10 @@ class Completeness:
             return EMPTY_CONFIRMATIONS
         if self._announced == self._complete:
             return 0
-        return CLEAN_CONFIRMATIONS if _looks_whole(self._announced) else LOSSY_CONFIRMATIONS
+        return CLEAN_CONFIRMATIONS if _looks_complete(self._announced) else LOSSY_CONFIRMATIONS
 
 
-def _looks_whole(announced: dict[EndpointKey, Announcement]) -> bool:
+def _looks_complete(announced: dict[EndpointKey, Announcement]) -> bool:
     """Return whether the ids have no gaps in either direction, and each service has request and response."""
     for sends in (False, True):
         numbers = [key.topic_id for key in announced if key.sends is sends]

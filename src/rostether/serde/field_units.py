@@ -9,7 +9,7 @@ from rostether.errors import DefinitionError
 from rostether.msgdef.registry import Registry
 from rostether.serde.type_tree import Array, Node, Struct
 
-# By type and field; a field that is a message gives its unit to the numbers within.
+# By type and field; a field that is a message gives its unit to the numbers in it.
 UNITS: Final = {
     "geometry_msgs/Twist linear": "m/s",
     "geometry_msgs/Twist angular": "rad/s",

@@ -233,7 +233,7 @@ class HttpClientSide:
     def _finish(self) -> bytes:
         if self._status != 200:
             text = self._body[:200].decode("utf-8", "replace").strip().replace("\n", " ")
-            # A web page does not fit into one line.
+            # A web page does not fit on one line.
             reason = "" if not text or text.startswith("<") else f": {text}"
             raise HttpStatusError(f"HTTP status {self._status}{reason}")
         # Bytes after the answer were not requested, and would look like the next answer.

@@ -20,7 +20,7 @@ def typed_keys(on_typed: Callable[[bytes], None]) -> Iterator[bool]:
     """Call `on_typed` with the bytes of pressed keys until the block ends; then restore the terminal.
 
     Empty bytes mean that the terminal was closed. Yields False, and reads nothing, if standard input is not a
-    terminal, belongs to another job of the shell, or cannot be read by key (Windows).
+    terminal, belongs to another job of the shell, or cannot be read key by key (Windows).
     """
     try:
         import termios

@@ -75,7 +75,7 @@ class BagWriter(ChunkedWriter):
         return number
 
     def flush(self) -> None:
-        """End the chunk and write it. Raises RecordingError; the file then ends with the chunk before."""
+        """End the chunk and write it. Raises RecordingError; the file then ends with the previous chunk."""
         if self._start_ns is None:
             return
         plain = b"".join(self._parts)

@@ -106,7 +106,7 @@ class McapWriter(ChunkedWriter):
         super().write(number, min(max(time_ns, 0), _MAX_TIME_NS), payloads)
 
     def flush(self) -> None:
-        """End the chunk and write it. Raises RecordingError; the file then ends with the chunk before."""
+        """End the chunk and write it. Raises RecordingError; the file then ends with the previous chunk."""
         if self._start_ns is None:
             return
         plain = b"".join(self._parts)

@@ -131,7 +131,7 @@ class PublisherLink:
 
     @property
     def is_connected(self) -> bool:
-        """Whether a connection is open, and stays open."""
+        """Whether a connection is open, and this link was not closed."""
         return not self._is_closed and self.connection is not None and not self.connection.lost.is_set()
 
     async def drain(self) -> None:

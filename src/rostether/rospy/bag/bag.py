@@ -57,7 +57,7 @@ class Bag:
         options: Mapping[str, Any] | None = None,
         skip_index: bool = False,
     ) -> None:
-        # A stream is opened again by its name: recordings are read and written there, not through it.
+        # A stream is opened again by its name: recordings are read and written at its path.
         f = f if isinstance(f, str | Path) else getattr(f, "name", None)
         if not isinstance(f, str | Path):
             raise ValueError("this rosbag needs the path of a file, or a file that has a path")  # noqa: TRY004

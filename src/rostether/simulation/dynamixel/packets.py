@@ -127,5 +127,5 @@ class PacketReader:
 
     def _drop(self) -> None:
         self.damaged += 1
-        # A valid packet can begin inside.
+        # A valid packet can begin inside the damaged one.
         del self._buffer[0]
