@@ -96,12 +96,12 @@ class Export:
     def write(self, create: Callable[[ExportedTable], Table]) -> None:
         """Write all tables in the order of the messages. Raises RecordingError."""
         for start in range(0, len(self.tables), MAX_OPEN_TABLES):
-            self._write_some(self.tables[start : start + MAX_OPEN_TABLES], create)
+            self._write_tables(self.tables[start : start + MAX_OPEN_TABLES], create)
 
-    def _write_some(self, some: Iterable[ExportedTable], create: Callable[[ExportedTable], Table]) -> None:
+    def _write_tables(self, tables: Iterable[ExportedTable], create: Callable[[ExportedTable], Table]) -> None:
         with ExitStack() as opened:
             targets: dict[Connection, tuple[ExportedTable, Table]] = {}
-            for table in some:
+            for table in tables:
                 target = opened.enter_context(closing(create(table)))
                 targets |= dict.fromkeys(table.connections, (table, target))
             waiting_bytes = 0
