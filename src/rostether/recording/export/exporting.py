@@ -98,7 +98,9 @@ class Export:
         for start in range(0, len(self.tables), MAX_OPEN_TABLES):
             self._write_tables(self.tables[start : start + MAX_OPEN_TABLES], create)
 
-    def _write_tables(self, tables: Iterable[ExportedTable], create: Callable[[ExportedTable], Table]) -> None:
+    def _write_tables(
+        self, tables: Iterable[ExportedTable], create: Callable[[ExportedTable], Table]
+    ) -> None:
         with ExitStack() as opened:
             targets: dict[Connection, tuple[ExportedTable, Table]] = {}
             for table in tables:
