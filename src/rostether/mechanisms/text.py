@@ -59,6 +59,11 @@ def counted(number: int, noun: str) -> str:
     return f"{number} {noun}{'' if number == 1 else 's'}"
 
 
+def show_endpoint(host: str, port: int) -> str:
+    """Return a host and port as users write them, an IPv6 host in brackets."""
+    return f"[{host}]:{port}" if ":" in host else f"{host}:{port}"
+
+
 def misfit_text(number: int) -> str:
     """Return `1 message does not fit its type` or `2 messages do not fit their type`."""
     return f"{counted(number, 'message')} {'does not fit its' if number == 1 else 'do not fit their'} type"

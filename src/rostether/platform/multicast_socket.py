@@ -11,6 +11,7 @@ import sys
 from msgspec import Struct
 
 from rostether.errors import ConfigError
+from rostether.mechanisms.text import show_endpoint
 
 REFERENCE_GROUP = "224.0.1.1"
 REFERENCE_PORT = 12345
@@ -55,7 +56,7 @@ class GroupAddress(Struct, frozen=True):
 
     def __str__(self) -> str:
         """Return address and port as one text."""
-        return f"[{self.group}]:{self.port}" if ":" in self.group else f"{self.group}:{self.port}"
+        return show_endpoint(self.group, self.port)
 
 
 def open_sender(address: GroupAddress, interface: str) -> socket.socket:

@@ -16,6 +16,7 @@ from msgspec import Struct
 from msgspec.structs import replace
 
 from rostether.errors import ConfigError
+from rostether.mechanisms.text import show_endpoint
 from rostether.names.graph_name import canonical, is_global, is_legal_name, join
 from rostether.ros1.admission import ALLOW_ALL, Admission
 from rostether.ros1.graph_limits import DEFAULT_GRAPH_LIMITS, GraphLimits
@@ -58,8 +59,7 @@ def parse_rpc_uri(uri: str, *, scheme: str = "http") -> RpcUri:
 
 def format_uri(host: str, port: int, *, scheme: str = "http") -> str:
     """Return the URI under which a server is advertised; only http URIs end with a slash, as rospy's do."""
-    name = f"[{host}]" if ":" in host else host
-    return f"{scheme}://{name}:{port}" + ("/" if scheme == "http" else "")
+    return f"{scheme}://{show_endpoint(host, port)}" + ("/" if scheme == "http" else "")
 
 
 def is_loopback(host: str) -> bool:

@@ -9,6 +9,7 @@ from collections.abc import Callable, Mapping
 from typing import TypeAlias, cast
 
 from rostether.errors import RemoteProtocolError, RostetherError, TransportOpenError, TransportTimeoutError
+from rostether.mechanisms.text import show_endpoint
 from rostether.ros1.environment import connect_host
 from rostether.ros1.graph_limits import DEFAULT_GRAPH_LIMITS, GraphLimits
 from rostether.tcpros.header import HeaderDecoder, encode_header
@@ -148,10 +149,12 @@ async def connect(host: str, port: int, request: Mapping[str, str], accept: Acce
             )
             return await handshake.outcome
     except TimeoutError:
-        raise TransportTimeoutError(f"{host}:{port} gave no answer for {CONNECT_TIMEOUT_S:g} s") from None
+        raise TransportTimeoutError(
+            f"{show_endpoint(host, port)} gave no answer for {CONNECT_TIMEOUT_S:g} s"
+        ) from None
     except (OSError, UnicodeError, OverflowError) as error:
         reason = getattr(error, "strerror", None) or str(error)
-        raise TransportOpenError(f"{host}:{port} cannot be reached ({reason})") from error
+        raise TransportOpenError(f"{show_endpoint(host, port)} cannot be reached ({reason})") from error
     finally:
         if handshake is not None and not handshake.outcome.done():
             handshake.abort()

@@ -8,6 +8,7 @@ from collections.abc import Callable
 from typing import TypeAlias, cast
 
 from rostether.errors import GraphError, ProtocolError, RemoteProtocolError
+from rostether.mechanisms.text import show_endpoint
 from rostether.ros1.environment import connect_host, parse_rpc_uri
 from rostether.ros1.long_work import run_in_slices
 from rostether.xmlrpc.document_reader import DocumentReader
@@ -139,7 +140,7 @@ class XmlRpcClient:
                         raise
                     break
         loop = asyncio.get_running_loop()
-        host_header = f"{self._host}:{self._port}"
+        host_header = show_endpoint(self._host, self._port)
         _, connection = await loop.create_connection(
             lambda: _Connection(
                 HttpClientSide(host_header, path=self._path, max_body_bytes=self._max_body_bytes), self._lost

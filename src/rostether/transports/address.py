@@ -7,6 +7,7 @@ from typing import TypeAlias
 
 from msgspec import Struct
 
+from rostether.mechanisms.text import show_endpoint
 from rostether.transports.tls import TlsFiles
 
 # The baud rate of the established device library.
@@ -156,8 +157,3 @@ class WebAddress(_SharedAddress, frozen=True):
 Address: TypeAlias = (
     SerialAddress | TcpAddress | UdpAddress | PtyAddress | XbeeAddress | SimAddress | WebAddress
 )
-
-
-def show_endpoint(host: str, port: int) -> str:
-    """Return a host and port as users write them, an IPv6 host in brackets."""
-    return f"[{host}]:{port}" if ":" in host else f"{host}:{port}"

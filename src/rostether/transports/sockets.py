@@ -11,7 +11,8 @@ from collections.abc import AsyncIterator, Collection
 from weakref import WeakKeyDictionary
 
 from rostether.errors import TransportOpenError
-from rostether.transports.address import LOOPBACK, show_endpoint
+from rostether.mechanisms.text import show_endpoint
+from rostether.transports.address import LOOPBACK
 
 # A working name server answers within this time.
 RESOLVE_LIMIT_S = 5.0

@@ -12,7 +12,8 @@ from typing import TYPE_CHECKING
 from msgspec.structs import replace
 
 from rostether.errors import RostetherError, TransportOpenError, TransportTimeoutError
-from rostether.transports.address import TcpAddress, show_endpoint
+from rostether.mechanisms.text import show_endpoint
+from rostether.transports.address import TcpAddress
 from rostether.transports.allow_list import AllowList
 from rostether.transports.board_keys import NO_KEYS, BoardKeys
 from rostether.transports.read_turn import MIN_READ_BYTES, ReadTurn

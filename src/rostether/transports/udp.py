@@ -14,7 +14,8 @@ from collections.abc import Callable, Iterator
 from typing import Any, Protocol, TypeAlias, cast
 
 from rostether.errors import TransportTimeoutError
-from rostether.transports.address import UdpAddress, show_endpoint
+from rostether.mechanisms.text import show_endpoint
+from rostether.transports.address import UdpAddress
 from rostether.transports.allow_list import AllowList
 from rostether.transports.peers import IDLE_LIMIT_S, MAX_PEERS, Medium, PeerEntry, PeerTable, PeerTransport
 from rostether.transports.sockets import RESOLVE_LIMIT_S, explain_bind_error, explain_connect_error

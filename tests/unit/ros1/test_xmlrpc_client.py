@@ -9,6 +9,7 @@ from collections.abc import AsyncIterator, Awaitable, Callable
 import pytest
 
 from rostether.errors import ConfigError, GraphError, MasterUnreachableError, SerializationError
+from rostether.mechanisms.block_end import closed_at_end
 from rostether.ros1.xmlrpc_client import MAX_IDLE_CONNECTIONS, XmlRpcClient
 from rostether.ros1.xmlrpc_server import XmlRpcServer
 from rostether.transports.sockets import close_servers
@@ -327,3 +328,17 @@ async def test_what_to_do_about_somebody_else_there() -> None:
         ):
             await client.call("x")
         await client.close()
+
+
+async def test_the_host_header_has_ipv6_addresses_in_brackets(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("rostether.ros1.xmlrpc_client.connect_host", lambda _host: "127.0.0.1")
+    heads: list[bytes] = []
+
+    async def session(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        heads.append(await reader.readuntil(b"\r\n\r\n"))
+        writer.write(http_answer(1))
+
+    async with peer(session) as uri, closed_at_end(XmlRpcClient(uri.replace("127.0.0.1", "[::1]"))) as client:
+        assert await client.call("ask") == 1
+        port = uri.rpartition(":")[2].rstrip("/")
+        assert f"host: [::1]:{port}\r\n".encode() in heads[0].lower()

@@ -29,6 +29,7 @@ from rostether.dashboard.authority_page import PAGE_FILE, authority_files
 from rostether.errors import TransportOpenError
 from rostether.graph.ports import Level
 from rostether.mechanisms.block_end import closed_at_end
+from rostether.mechanisms.text import show_endpoint
 from rostether.ports.config_paths import recordings_folder
 from rostether.ros1.environment import LOOPBACK, is_loopback
 from rostether.transports.own_names import outward_address
@@ -187,7 +188,7 @@ def page_url(host: str, port: int, token: str = "", *, is_encrypted: bool = Fals
         host = outward_address() or socket.gethostname()
     fragment = f"#token={quote(token, safe='')}" if token else ""
     scheme = "https" if is_encrypted else "http"
-    return f"{scheme}://{f'[{host}]' if ':' in host else host}:{port}/{fragment}".removesuffix("/")
+    return f"{scheme}://{show_endpoint(host, port)}/{fragment}".removesuffix("/")
 
 
 def _map_metadata(tiles: MapTiles | None) -> dict[str, str]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 from collections.abc import Callable, Sequence
 
-from rostether.mechanisms.text import fold_line
+from rostether.mechanisms.text import fold_line, show_endpoint
 from rostether.transports.allow_list import AllowList
 
 # A page that may not connect retries every second; one log line in this time is enough.
@@ -79,6 +79,4 @@ class ConnectionLimiter:
 def peer_name(transport: asyncio.BaseTransport) -> str:
     """Return a peer's address as text."""
     address = transport.get_extra_info("peername")
-    if not address:
-        return "a client"
-    return f"[{address[0]}]:{address[1]}" if ":" in address[0] else f"{address[0]}:{address[1]}"
+    return show_endpoint(*address[:2]) if address else "a client"

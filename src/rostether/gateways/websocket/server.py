@@ -24,6 +24,7 @@ from rostether.gateways.websocket.settings import (
     ServerSettings,
 )
 from rostether.gateways.websocket.site import Site
+from rostether.mechanisms.text import show_endpoint
 from rostether.transports.own_names import OwnNames
 from rostether.transports.sockets import close_servers, lengthen_backlog, system_bind_errors
 from rostether.transports.tls import ListenerTls, TlsFiles
@@ -104,7 +105,7 @@ class WebSocketServer:
         """Return the URI for clients; `everywhere` replaces an address that means all addresses."""
         scheme = "wss" if self._settings.certificate else "ws"
         host = everywhere if self._settings.host in _EVERYWHERE else self._settings.host
-        return f"{scheme}://{f'[{host}]' if ':' in host else host}:{self.port}"
+        return f"{scheme}://{show_endpoint(host, self.port)}"
 
     async def start(self) -> None:
         """Listen. Raises TransportOpenError, and ConfigError for an invalid certificate."""
@@ -237,4 +238,4 @@ class WebSocketServer:
             return TransportOpenError(
                 f"{name}: {host} is not an address of this machine; 0.0.0.0:{port} listens on all of them"
             )
-        return TransportOpenError(f"{name}: cannot listen on {host}:{port}: {error.strerror}")
+        return TransportOpenError(f"{name}: cannot listen on {show_endpoint(host, port)}: {error.strerror}")
