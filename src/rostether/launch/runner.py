@@ -87,13 +87,13 @@ class _Launch:
         self._supervisors: dict[asyncio.Task[None], NodeProcess] = {}
 
     async def run(self, nodes: list[LaunchNode]) -> bool:
-        failed = False
+        has_failed = False
         for number, node in enumerate(nodes, 1):
             if not await self._start(node, number):
-                failed = True
+                has_failed = True
                 if node.required:
                     return False
-        if failed and not self._supervisors:
+        if has_failed and not self._supervisors:
             return False
         if not nodes:
             self._report(Level.INFO, "the parameters are set; there is no node to start")

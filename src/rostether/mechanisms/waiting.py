@@ -30,12 +30,12 @@ async def wait_for_master(
     other errors of `attempt`.
     """
     backoff = Backoff(first_s=min(FIRST_RETRY_S, max_retry_s), limit_s=max_retry_s)
-    reported = False
+    is_reported = False
     while True:
         try:
             return await attempt()
         except errors as error:
-            if not reported:
-                reported = True
+            if not is_reported:
+                is_reported = True
                 report(error)
         await asyncio.sleep(backoff.next_delay_s())

@@ -52,17 +52,17 @@ async def publish_joystick(
     """Publish `joy` until cancelled. Raises ConfigError, GraphError."""
     settings = settings.checked()
     publisher = await graph.publisher("joy", "sensor_msgs/Joy")
-    reported = False
+    is_reported = False
     while True:
         try:
             descriptor = os.open(settings.device, os.O_RDONLY | os.O_NONBLOCK)
         except OSError as error:
-            if not reported:
+            if not is_reported:
                 report(
                     Level.ERROR,
                     f"no joystick at {settings.device}: {error.strerror}; trying again every second",
                 )
-                reported = True
+                is_reported = True
             await asyncio.sleep(_RETRY_S)
             continue
         report(Level.INFO, f"Opened joystick: {settings.device}")
@@ -71,7 +71,7 @@ async def publish_joystick(
         finally:
             os.close(descriptor)
         report(Level.ERROR, f"the joystick at {settings.device} was disconnected; waiting for it")
-        reported = True
+        is_reported = True
         await asyncio.sleep(_RETRY_S)
 
 

@@ -37,13 +37,13 @@ async def publish_commands(
         raise ConfigError(f"~deadzone must be a finite number, not {settings.deadzone}")
     deadzone = abs(settings.deadzone)
     publisher = await graph.publisher("arduino_control", "arduino_control/ArduinoControl")
-    reported = False
+    is_reported = False
     async for message in graph.messages("joy", "sensor_msgs/Joy", queue_size=_QUEUE_MESSAGES):
         axes = message.axes
         fault = _fault(axes)
-        if fault and not reported:
+        if fault and not is_reported:
             report(Level.WARN, f"{fault} on {graph.resolve('joy')}; commands with speed 0 are sent meanwhile")
-        reported = bool(fault)
+        is_reported = bool(fault)
         command = formula(0.0, 0.0, deadzone) if fault else formula(axes[0], axes[1], deadzone)
         publisher.publish(dir=command.direction_deg, speed=command.speed)
 

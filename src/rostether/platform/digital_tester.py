@@ -30,15 +30,15 @@ async def publish_test_values(graph: TypedGraph, platform: str, report: Callable
 
 async def _register(graph: TypedGraph, platform: str, report: Callable[[Level, str], None]) -> str:
     request = {"platform_name": platform, "sensor_type": "DIGITAL"}
-    reported = False
+    is_reported = False
     while True:
         try:
             answer = await graph.call(
                 "sensors_register", "sensors/RegistrationService", request, timeout_s=_CALL_LIMIT_S
             )
         except (ServiceUnavailableError, ServiceTimeoutError):
-            if not reported:
-                reported = True
+            if not is_reported:
+                is_reported = True
                 report(Level.WARN, "no node offers sensors_register; waiting for the sensing manager")
             await asyncio.sleep(_RETRY_S)
         except ServiceCallError as error:

@@ -75,7 +75,7 @@ class FleetSender:
         self._has_commanded = True
         await self._start_later_epoch()
         began_s = time.monotonic()
-        end_s, reported = began_s + duration_s, False
+        end_s, is_reported = began_s + duration_s, False
         sent_s = _now_with_suspend_s()
         try:
             self._send(self._commands.command(payload, began_s))
@@ -89,13 +89,13 @@ class FleetSender:
                     )
                 self._send(self._commands.repeat(time.monotonic()))
                 self._check_refusals()
-                if not reported and not self.robots and now_s - began_s > _ANSWER_S:
-                    reported = True
+                if not is_reported and not self.robots and now_s - began_s > _ANSWER_S:
+                    is_reported = True
                     self._report(Level.WARN, silence_text(self._settings))
         finally:
             # Not `stop`: that would stop robots that another sender commands, and that refused this one.
             await self._repeat(self._commands.halt(time.monotonic()))
-        if not reported and not self.robots:
+        if not is_reported and not self.robots:
             self._report(Level.WARN, silence_text(self._settings))
 
     async def stop(self) -> list[Robot]:

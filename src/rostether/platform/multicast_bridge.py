@@ -60,15 +60,15 @@ async def send_topic(
         _FramedBridge(settings, settings.framed, report) if settings.framed else _Bridge(settings, report)
     )
     limit_bytes = MAX_PAYLOAD_BYTES if settings.framed else MAX_DATAGRAM_BYTES
-    reported = False
+    is_reported = False
 
     def receive(payloads: Sequence[bytes]) -> None:
-        nonlocal reported
+        nonlocal is_reported
         newest = payloads[-1]
         if len(newest) <= limit_bytes:
             bridge.replace_newest(newest)
-        elif not reported:
-            reported = True
+        elif not is_reported:
+            is_reported = True
             report(
                 Level.ERROR,
                 f"a message of {len(newest)} bytes is not sent: a datagram contains at most {limit_bytes}; "

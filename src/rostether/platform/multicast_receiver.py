@@ -131,17 +131,17 @@ class _Receiver:
         """Join, and repeat the join when due, until cancelled."""
         if not self._address.is_multicast:
             await asyncio.Event().wait()
-        failed = False
+        has_failed = False
         while True:
             joined_s = time.monotonic()
             failures = [self._join(each) for each in self._address.interfaces or ("",)]
-            if any(failures) and not failed:
+            if any(failures) and not has_failed:
                 self._report(Level.ERROR, next(filter(None, failures)))
-            failed = any(failures)
+            has_failed = any(failures)
             while True:
                 await asyncio.sleep(SILENCE_S)
                 now_s = time.monotonic()
-                if failed or now_s - self._last_s >= SILENCE_S or now_s - joined_s >= REJOIN_S:
+                if has_failed or now_s - self._last_s >= SILENCE_S or now_s - joined_s >= REJOIN_S:
                     break
 
     def _read(self, sock: socket.socket) -> None:

@@ -55,7 +55,7 @@ class SensingManager:
         self._publisher: TypedPublisher[...] | None = None
         self._snapshot = Snapshot()
         self._has_changes = asyncio.Event()
-        self._reported = False
+        self._is_reported = False
         self._is_unsaved = False
 
     async def run(self) -> None:
@@ -210,8 +210,8 @@ class SensingManager:
             # Runs in a thread, because the memory card of a small computer can be slow.
             await asyncio.to_thread(write_state, self._state_path, kept)
         except OSError as error:
-            if not self._reported:
-                self._reported = True
+            if not self._is_reported:
+                self._is_reported = True
                 self._report(
                     Level.ERROR,
                     f"cannot write {self._state_path}: {error.strerror or error}; make it writable, or the "

@@ -89,7 +89,7 @@ class WebTransport:
         self._written_bytes = 0
         self._is_writing_paused = False
         self._error: TransportError | None = None
-        self._loss_reported = False
+        self._is_loss_reported = False
         self._ended = asyncio.Event()
         self._received_at_s = self._loop.time()
         self._timer = self._loop.call_later(HELLO_LIMIT_S, self._refuse, "the page did not name its board")
@@ -261,6 +261,6 @@ class WebTransport:
             self._loop.call_soon(self._catch_up)
 
     def _report_loss(self) -> None:
-        if not self._loss_reported and self._receiver is not None:
-            self._loss_reported = True
+        if not self._is_loss_reported and self._receiver is not None:
+            self._is_loss_reported = True
             self._receiver.connection_lost(self._error)

@@ -81,7 +81,7 @@ class Announcements:
                         f"{name} [{event.message_type}] is not bridged: {reason or step}",
                         step if reason else "correct it in the sketch",
                         event.topic_name,
-                        reported=True,
+                        is_reported=True,
                     )
                 )
         return findings

@@ -99,7 +99,7 @@ class BoardHealth:
     def report(self, findings: list[Finding], now_s: float) -> None:
         """Report each finding once, in one line."""
         for finding in self._ledger.due(findings, now_s):
-            if not finding.reported:
+            if not finding.is_reported:
                 self._notices.report(_LEVELS[finding.severity], str(finding))
 
 

@@ -115,7 +115,7 @@ class EndpointFindings:
                     f"board's input buffer has only {info.buffer_size}: they are not sent",
                     f"{_LARGER}, or send smaller messages",
                     info.topic_name,
-                    reported=endpoint.largest_oversize_bytes > 0,
+                    is_reported=endpoint.largest_oversize_bytes > 0,
                 )
             )
         count, changed_s = self._losses.get(info.topic_name, (0, float("-inf")))
@@ -130,7 +130,7 @@ class EndpointFindings:
                     "its messages were dropped, the oldest first",
                     "publish it less often, or choose a higher baud rate",
                     info.topic_name,
-                    reported=True,
+                    is_reported=True,
                 )
             )
         return found
@@ -165,7 +165,7 @@ def _refusal(kind: type[RostetherError], text: str, topics: list[str]) -> Findin
             f"the sketch's message headers for {listed} are stale: {reason or text}",
             step if reason else "rebuild its message headers",
             subject,
-            reported=True,
+            is_reported=True,
         )
     if issubclass(kind, UnknownTypeError):
         return error(
@@ -173,18 +173,18 @@ def _refusal(kind: type[RostetherError], text: str, topics: list[str]) -> Findin
             f"{unbridged}: {reason or text}",
             step if reason else "give its package with --msg-path DIR",
             topics[0],
-            reported=True,
+            is_reported=True,
         )
     advice = step if reason else "correct it in the sketch"
     if issubclass(kind, DefinitionError):
         advice = step if reason else "correct the definition"
-    return error(Code.NOT_BRIDGED, f"{unbridged}: {reason or text}", advice, topics[0], reported=True)
+    return error(Code.NOT_BRIDGED, f"{unbridged}: {reason or text}", advice, topics[0], is_reported=True)
 
 
 def _unopened(name: str, text: str) -> Finding:
     reason, _, step = text.rpartition("; ")
     advice = step if reason else "look at the log of this program"
-    return error(Code.NOT_BRIDGED, f"{name} is not bridged: {reason or text}", advice, name, reported=True)
+    return error(Code.NOT_BRIDGED, f"{name} is not bridged: {reason or text}", advice, name, is_reported=True)
 
 
 def _too_large(silent: list[PublisherEndpoint]) -> Finding:

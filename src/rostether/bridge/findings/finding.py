@@ -51,7 +51,7 @@ class Code(StrEnum):
 class Finding(Struct, frozen=True):
     """One problem; `subject` distinguishes findings with the same code (a topic, a type), else it is empty.
 
-    `seen` and `next_step` are one line each, without a full stop. `reported`: it has already been reported.
+    `seen` and `next_step` are one line each, without a full stop. `is_reported`: it was already reported.
     """
 
     code: Code
@@ -59,7 +59,7 @@ class Finding(Struct, frozen=True):
     seen: str
     next_step: str
     subject: str = ""
-    reported: bool = False
+    is_reported: bool = False
 
     @property
     def key(self) -> tuple[Code, str]:
@@ -71,11 +71,13 @@ class Finding(Struct, frozen=True):
         return f"{self.seen}; {self.next_step}"
 
 
-def error(code: Code, seen: str, next_step: str, subject: str = "", *, reported: bool = False) -> Finding:
+def error(code: Code, seen: str, next_step: str, subject: str = "", *, is_reported: bool = False) -> Finding:
     """Return a finding that stops messages."""
-    return Finding(code, Severity.ERROR, seen, next_step, subject, reported)
+    return Finding(code, Severity.ERROR, seen, next_step, subject, is_reported)
 
 
-def warning(code: Code, seen: str, next_step: str, subject: str = "", *, reported: bool = False) -> Finding:
+def warning(
+    code: Code, seen: str, next_step: str, subject: str = "", *, is_reported: bool = False
+) -> Finding:
     """Return a finding that does not stop messages."""
-    return Finding(code, Severity.WARN, seen, next_step, subject, reported)
+    return Finding(code, Severity.WARN, seen, next_step, subject, is_reported)

@@ -38,7 +38,7 @@ from rostether.rosserial.link_statistics import LinkStatistics
 # By then a board that was reset when the port was opened has left its bootloader.
 NO_ANSWER_S = 5.0
 
-# A lost announcement is repeated within a second; a board that lacks one never sends it.
+# A lost announcement is repeated within a second; after this time, the board never sends it.
 UNKNOWN_S = 10.0
 
 # The checks are a second apart. A longer time means that this process was paused, and read requests late.

@@ -56,14 +56,14 @@ class Ros1Status(IntEnum):
 
 
 class GoalId(msgspec.Struct, frozen=True):
-    """A goal's id of ROS 1; a zero stamp and an empty text mean `now` and `any`."""
+    """The id of a ROS 1 goal; a zero stamp and an empty text mean `now` and `any`."""
 
     stamp: tuple[int, int]
     text: str
 
     @classmethod
     def read(cls, payload: bytes, position: int = 0) -> tuple[GoalId, int]:
-        """Read one; also returns the position after it."""
+        """Read an id; return it and the position after it."""
         text, end = _read_text(payload, position + _STAMP.size)
         return cls(_STAMP.unpack_from(payload, position), text), end
 

@@ -47,7 +47,7 @@ class Publication:
         self.handle_count = 0
         self._own = own
         self._latch = latch
-        self._reported = False
+        self._is_reported = False
         self._publisher: Any = None
         self._backlog: deque[bytes] = deque()
         self._sending: asyncio.Task[None] | None = None
@@ -162,8 +162,8 @@ class Publication:
 
     def _report_once(self, text: str) -> None:
         # Reported once: the next errors are probably the same.
-        if not self._reported:
-            self._reported = True
+        if not self._is_reported:
+            self._is_reported = True
             self._own.report(Level.WARN, text)
 
     def _explain_mismatch(self, event: Any) -> None:

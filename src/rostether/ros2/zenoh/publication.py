@@ -78,8 +78,8 @@ class Publication:
             node.session.put_threads,
             DEFAULT_QUEUE_BYTES if queue_bytes is None else queue_bytes,
         )
-        self._refusal_reported = False
-        self._loss_reported = False
+        self._is_refusal_reported = False
+        self._is_loss_reported = False
         self._is_closed = False
         self._subscribers: list[Token] = []
         self._declare()
@@ -164,8 +164,8 @@ class Publication:
     def _note(self, puts: BatchResult) -> None:
         self._queue.note_longest(puts.longest_ns)
         self._lost_count += puts.lost
-        if puts.lost and not self._loss_reported:
-            self._loss_reported = True
+        if puts.lost and not self._is_loss_reported:
+            self._is_loss_reported = True
             self._report(
                 Level.WARN,
                 f"{self.topic}: a subscriber hangs or is too slow, and messages are lost; find it with ros2"
@@ -229,6 +229,6 @@ class Publication:
 
     def _refuse(self, count: int, error: SerializationError) -> None:
         self._lost_count += count
-        if not self._refusal_reported:
-            self._refusal_reported = True
+        if not self._is_refusal_reported:
+            self._is_refusal_reported = True
             self._report(Level.WARN, f"{self.topic}: a message cannot be converted for ROS 2: {error}")

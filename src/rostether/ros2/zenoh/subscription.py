@@ -74,7 +74,7 @@ class Subscription:
         self._node_names: dict[bytes, str] = {}
         self._what = f"on_messages of {topic}"
         self._is_closed = False
-        self._reported = False
+        self._is_reported = False
         self._undecodable_count = 0
         self._publishers: set[Token] = set()
         self._is_paused = False
@@ -266,6 +266,6 @@ class Subscription:
 
     def _refuse(self, error: SerializationError) -> None:
         self._undecodable_count += 1
-        if not self._reported:
-            self._reported = True
+        if not self._is_reported:
+            self._is_reported = True
             self._receiver.report(Level.WARN, f"{self.topic}: a message that does not fit its type: {error}")

@@ -27,9 +27,9 @@ def do_transform_vector3(vector3: Any, transform: Any) -> Any:
 def do_transform_pose(pose: Any, transform: Any) -> Any:
     """Return a PoseStamped in the transform's parent frame."""
     result = _stamped("PoseStamped", transform)
-    by = transform_of(transform)
-    _set_xyz(result.pose.position, by.apply(_xyz(pose.pose.position)))
-    _set_xyzw(result.pose.orientation, multiply(by.rotation, _xyzw(pose.pose.orientation)))
+    rigid = transform_of(transform)
+    _set_xyz(result.pose.position, rigid.apply(_xyz(pose.pose.position)))
+    _set_xyzw(result.pose.orientation, multiply(rigid.rotation, _xyzw(pose.pose.orientation)))
     return result
 
 

@@ -13,7 +13,7 @@ from rostether.rospy.tf import rotations
 
 # Rounding in matrices that users compute.
 TOLERANCE = 1e-8
-ORTHOGONAL = 1e-6
+ORTHOGONAL_TOLERANCE = 1e-6
 
 
 def require_numpy() -> Any:
@@ -133,7 +133,7 @@ def shear_matrix(
 ) -> Any:
     """Return the shear along a direction of a plane: M = 1 + tan(angle) d n'. Raises ValueError."""
     d, n = unit3(direction), unit3(normal)
-    if abs(d @ n) > ORTHOGONAL:
+    if abs(d @ n) > ORTHOGONAL_TOLERANCE:
         raise ValueError("direction and normal are not orthogonal")
     change = math.tan(angle) * require_numpy().outer(d, n)
     return affine(require_numpy().identity(3) + change, -change @ vector3(point))
@@ -143,7 +143,7 @@ def shear_from_matrix(matrix: Any) -> tuple[float, Any, Any, Any]:
     """Return the arguments of `shear_matrix` for a matrix. Raises ValueError."""
     linear, translation = linear_and_translation(matrix)
     direction, size, normal = rank_one(linear - require_numpy().identity(3), "shear")
-    if abs(direction @ normal) > ORTHOGONAL:
+    if abs(direction @ normal) > ORTHOGONAL_TOLERANCE:
         raise ValueError("the matrix is not a shear")
     return math.atan(size), direction, homogeneous(-(translation @ direction) / size * normal), normal
 

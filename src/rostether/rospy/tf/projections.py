@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from rostether.rospy.tf.matrices import (
-    ORTHOGONAL,
+    ORTHOGONAL_TOLERANCE,
     TOLERANCE,
     affine,
     homogeneous,
@@ -54,7 +54,7 @@ def projection_from_matrix(matrix: Any, pseudo: bool = False) -> tuple[Any, Any,
         linear, translation = linear / matrix[3, 3], translation / matrix[3, 3]
         removed = np.identity(3) - linear
         direction, _, normal = rank_one(removed, "projection")
-        if abs(removed @ direction @ direction - 1.0) > ORTHOGONAL:
+        if abs(removed @ direction @ direction - 1.0) > ORTHOGONAL_TOLERANCE:
             raise ValueError("the matrix is not a projection")
         point = (translation @ direction) * (normal @ direction) * normal
         return homogeneous(point), normal, direction, None, False
@@ -67,7 +67,7 @@ def projection_from_matrix(matrix: Any, pseudo: bool = False) -> tuple[Any, Any,
     scale = float(np.trace(across @ linear @ across)) / 2.0
     e = scale * normal - linear @ normal
     eye = e - normal if pseudo else e
-    if abs(eye @ normal - w) > ORTHOGONAL * max(1.0, abs(w)):
+    if abs(eye @ normal - w) > ORTHOGONAL_TOLERANCE * max(1.0, abs(w)):
         raise ValueError("the matrix is not a projection")
     return homogeneous((w - scale) * normal), normal, None, eye, pseudo
 

@@ -59,7 +59,7 @@ def test_a_readable_name_that_is_wrong_is_the_sketch() -> None:
     assert finding.code is Code.NOT_BRIDGED
     assert finding.seen == "my topic [std_msgs/String] is not bridged: a name must start with a letter"
     assert finding.next_step == "write my_topic in the sketch"
-    assert finding.reported
+    assert finding.is_reported
 
 
 def test_a_damaged_name_is_reported_once() -> None:
