@@ -26,7 +26,9 @@ def pytest_runtest_protocol(item: pytest.Item, nextitem: pytest.Item | None) -> 
     """Run a test in a test process of pytest-xdist; if it fails, again."""
     if "PYTEST_XDIST_WORKER" not in os.environ:
         return None
-    item.ihook.pytest_runtest_logstart(nodeid=item.nodeid, location=item.location)
+    if item.config.get_verbosity() > 0:
+        # Shown by -v alone; a message to the controller costs as much as a short test.
+        item.ihook.pytest_runtest_logstart(nodeid=item.nodeid, location=item.location)
     reports = runtestprotocol(item, nextitem=nextitem, log=False)
     failed = [each for each in reports if each.failed]
     if failed:
