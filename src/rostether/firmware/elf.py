@@ -30,6 +30,7 @@ from rostether.firmware.debug_limits import (
     Budget,
     lines_are_bounded,
 )
+from rostether.mechanisms.text import read_failure
 
 # The kinds of symbols.
 DATA, FUNCTION = 1, 2
@@ -122,7 +123,7 @@ class ElfFile:
         try:
             return cls(path.read_bytes(), str(path))
         except OSError as error:
-            raise FirmwareError(f"cannot read {path}: {error.strerror}") from None
+            raise FirmwareError(read_failure(path, error)) from None
 
     def section(self, name: str) -> Section | None:
         """Return a section by name."""

@@ -21,7 +21,7 @@ from rostether.launch.launch_xml import MAX_FILE_BYTES
 from rostether.launch.scope import Scope
 from rostether.launch.values import convert
 from rostether.mechanisms.anonymous import anonymous_name
-from rostether.mechanisms.text import did_you_mean
+from rostether.mechanisms.text import did_you_mean, read_failure
 
 COMMANDS = ("find", "env", "optenv", "dirname", "anon", "arg")
 # The limit of one text after substitution. A robot description, the longest in use, is about 100 KB.
@@ -143,7 +143,7 @@ def _unreadable(file: str, error: OSError) -> LaunchError:
         return LaunchError(
             f"package {package} is not installed; its nodes are built in, but it has no files here"
         )
-    return LaunchError(f"cannot read {file!r}: {error.strerror or error}")
+    return LaunchError(read_failure(repr(file), error))
 
 
 def _replaced(text: str, found: str, scope: Scope, context: LaunchContext) -> str:

@@ -54,6 +54,18 @@ def write_failure(path: object, error: Exception) -> str:
     return f"cannot write {path}: {reason}; {step}"
 
 
+def read_failure(path: object, error: Exception) -> str:
+    """Return why a file cannot be read, and the next step."""
+    reason = getattr(error, "strerror", None) or fold_line(str(error))
+    number = getattr(error, "errno", None)
+    step = "check the path"
+    if number in (errno.EACCES, errno.EPERM):
+        step = "make it readable for this user"
+    elif number == errno.EIO:
+        step = "check its disk"
+    return f"cannot read {path}: {reason}; {step}"
+
+
 def counted(number: int, noun: str) -> str:
     """Return the number with its noun, such as `1 byte` and `2 bytes`."""
     return f"{number} {noun}{'' if number == 1 else 's'}"

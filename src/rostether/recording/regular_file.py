@@ -9,6 +9,7 @@ import stat
 from pathlib import Path
 
 from rostether.errors import RecordingError
+from rostether.mechanisms.text import read_failure
 
 SQLITE_MAGIC = b"SQLite format 3\0"
 
@@ -55,7 +56,7 @@ class MappedFile:
             finally:
                 os.close(descriptor)
         except OSError as error:
-            raise RecordingError(f"cannot read {path}: {error.strerror or error}") from None
+            raise RecordingError(read_failure(path, error)) from None
         self.view = memoryview(self._data)
 
     def close(self) -> None:

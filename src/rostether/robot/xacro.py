@@ -15,7 +15,7 @@ from rostether.bounded_yaml import MAX_TEXT_CHARS, load, safe_loader
 from rostether.errors import ConfigError, RobotModelError
 from rostether.expression.python_expression import PythonEvaluator
 from rostether.extras import install_command
-from rostether.mechanisms.text import did_you_mean, fold_line
+from rostether.mechanisms.text import did_you_mean, fold_line, read_failure
 from rostether.names.remap import ASSIGNMENT
 from rostether.robot.urdf import MAX_XML_BYTES, parse_robot_xml
 
@@ -57,7 +57,7 @@ def expand_xacro(file: Path, mappings: Mapping[str, str], *, packages: Mapping[s
     try:
         _check_file(file)
     except OSError as error:
-        raise RobotModelError(f"{file}: {error.strerror}") from error
+        raise RobotModelError(read_failure(file, error)) from error
     with _packages_found(xacro, packages), bounded(xacro, file):
         try:
             document = xacro.process_file(str(file), mappings=dict(mappings))

@@ -20,6 +20,7 @@ import msgspec
 from msgspec import Meta, Struct
 
 from rostether.errors import ConfigError
+from rostether.mechanisms.text import read_failure
 
 # A chunk has at most 64 KiB, thus 128 KiB of hex; a much longer line is not from a capture.
 MAX_LINE_BYTES = 4 << 20
@@ -123,9 +124,7 @@ class Capture:
                         )
                     yield number, line, is_whole
         except OSError as error:
-            raise ConfigError(
-                f"cannot read {self.path}: {error.strerror or error}; check the path"
-            ) from error
+            raise ConfigError(read_failure(self.path, error)) from error
 
 
 class _Line(Struct, rename={"time_s": "t", "sender": "from"}):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import errno
 import json
+import os
 import sqlite3
 
 import pytest
@@ -14,6 +15,7 @@ from rostether.mechanisms.text import (
     escape_text,
     fold_line,
     misfit_text,
+    read_failure,
     write_failure,
 )
 
@@ -50,6 +52,18 @@ def test_white_space_folds_into_one_space() -> None:
 )
 def test_a_file_that_cannot_be_written_has_a_next_step(error: Exception, text: str) -> None:
     assert write_failure("a.bag", error) == text
+
+
+@pytest.mark.parametrize(
+    ("number", "text"),
+    [
+        (errno.ENOENT, "cannot read a.bag: No such file or directory; check the path"),
+        (errno.EACCES, "cannot read a.bag: Permission denied; make it readable for this user"),
+        (errno.EIO, "cannot read a.bag: Input/output error; check its disk"),
+    ],
+)
+def test_an_error_of_reading_names_the_next_step(number: int, text: str) -> None:
+    assert read_failure("a.bag", OSError(number, os.strerror(number))) == text
 
 
 @pytest.mark.parametrize("hidden", ["\x00", "\u200b", "\u2066", "\ufeff", "\udc80", "\U000e0041"])

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import TextIO
 
 from rostether.errors import ConfigError
+from rostether.mechanisms.text import read_failure
 
 # Larger than any message or parameter; /dev/zero and pipes are endless.
 MAX_FILE_BYTES = 64 << 20
@@ -42,7 +43,7 @@ def read_bytes(file: Path) -> bytes:
     except IsADirectoryError:
         raise ConfigError(f"{file} is a folder; give a file in it") from None
     except (OSError, ValueError) as error:
-        raise ConfigError(f"cannot read {file}: {getattr(error, 'strerror', None) or error}") from None
+        raise ConfigError(read_failure(file, error)) from None
     if len(data) > MAX_FILE_BYTES:
         raise ConfigError(f"{file} is larger than {MAX_FILE_BYTES >> 20} MiB; split it into several files")
     return data

@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 
 from rostether.errors import RecordingError
-from rostether.mechanisms.text import first_line
+from rostether.mechanisms.text import first_line, read_failure
 from rostether.msgdef.full_text import MAX_FULL_TEXT_CHARACTERS
 from rostether.recording.recorded import (
     CompressionShare,
@@ -55,7 +55,7 @@ class Db3Reader:
                 if begin != SQLITE_MAGIC:
                     raise RecordingError(f"{path} is not a SQLite file, as a .db3 recording must be")
         except OSError as error:
-            raise RecordingError(f"cannot read {path}: {error.strerror or error}") from None
+            raise RecordingError(read_failure(path, error)) from None
         # If the recording was not closed, its last messages are in a log file, which SQLite merges on
         # reading.
         has_log = (

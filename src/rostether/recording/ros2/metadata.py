@@ -16,7 +16,7 @@ from msgspec import Struct
 
 from rostether.bounded_yaml import load
 from rostether.errors import RecordingError
-from rostether.mechanisms.text import first_line, write_failure
+from rostether.mechanisms.text import first_line, read_failure, write_failure
 from rostether.mechanisms.whole_file import write_whole
 from rostether.recording.recorded import Ros2Origin
 from rostether.recording.regular_file import require_regular_file
@@ -123,7 +123,7 @@ def read_metadata(folder: Path) -> Metadata:
         with path.open("rb") as file:
             data = file.read(MAX_BYTES + 1)
     except OSError as error:
-        raise RecordingError(f"cannot read {path}: {error.strerror or error}") from None
+        raise RecordingError(read_failure(path, error)) from None
     if len(data) > MAX_BYTES:
         raise RecordingError(f"{path} has more than {MAX_BYTES} bytes")
     try:

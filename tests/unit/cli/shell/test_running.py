@@ -63,7 +63,7 @@ def test_signals_while_python_exits_do_not_change_the_exit_code(graph: LiveGraph
 def test_python_says_nothing_about_an_expression(tmp_path: Path) -> None:
     with running("bag", "filter", "a.bag", "b.bag", "1if m else 0", cwd=tmp_path) as process:
         _, errors = process.communicate(timeout=60)
-    assert errors == "rostether: error: cannot read a.bag: No such file or directory\n"
+    assert errors == "rostether: error: cannot read a.bag: No such file or directory; check the path\n"
 
 
 def test_a_service_finishes_its_work_before_it_ends(graph: LiveGraph) -> None:
