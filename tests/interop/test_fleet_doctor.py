@@ -46,7 +46,7 @@ def test_faults_of_robots_and_of_their_network(tmp_path: Path) -> None:
         ("robot 1", True, "answers from 10.77.0.2; loss: "),
         ("robot 1", True, "answers from 10.77.0.5; loss: "),
         ("robot 2", False, "only 0.0 GB are free on its disk"),
-        ("robot 3", False, "unicast arrives, multicast does not"),
+        ("robot 3", False, "unicast arrives, but multicast does not"),
         ("unicast", False, "no robot answers at 10.77.0.99"),
         ("ids", False, "2 robots have the id 1: 10.77.0.2, 10.77.0.5"),
         ("robot to robot", False, "robot 2 does not reach robot 3; turn off client isolation"),

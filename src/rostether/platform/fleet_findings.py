@@ -68,7 +68,7 @@ def _robot_finding(key: RobotKey, robot: Robot, found: Examination) -> FleetFind
     by_unicast = found.by_unicast.get(key)
     if key not in found.by_multicast and found.asks_group:
         faults.append(
-            "unicast arrives, multicast does not; turn off multicast filtering (or IGMP snooping) in the "
+            "unicast arrives, but multicast does not; turn off multicast filtering (or IGMP snooping) in the "
             f"access point and the switches, or send to it by --unicast {host}"
         )
     elif robot.loss is not None and robot.loss > MAX_LOSS:

@@ -38,13 +38,13 @@ LED_HZ = 1.0
 COUNT_HZ = 1.0
 
 ULTRASOUND_FRAME = "ultrasound"
-ULTRASOUND_PLACE = Vector(0.1, 0.0, 0.05)
+ULTRASOUND_POSITION = Vector(0.1, 0.0, 0.05)
 ODOMETRY_FRAME = "odom"
 ROBOT_FRAME = "base_link"
 # Faster blinking is invisible, and would fill a slow line.
 MAX_BLINK_HZ = 50.0
 
-# An MPU-6050's noise at that rate.
+# An MPU-6050's noise at 40 Hz.
 _TURN_RATE_NOISE = 0.001
 _ACCELERATION_NOISE = 0.03
 _ORIENTATION_VARIANCE = 1e-4
@@ -96,7 +96,7 @@ class VirtualBoard:
         robot, sensor = self._tf_message.transforms
         robot.header.frame_id = ODOMETRY_FRAME
         sensor.child_frame_id = ULTRASOUND_FRAME
-        _set_vector(sensor.transform.translation, ULTRASOUND_PLACE)
+        _set_vector(sensor.transform.translation, ULTRASOUND_POSITION)
         sensor.transform.rotation.w = 1.0
         device.subscriber("toggle_led", "std_msgs/Empty", lambda _message: self._set_led(not self.led))
         device.service_server("set_led", "std_srvs/SetBool", self._serve_set_led)

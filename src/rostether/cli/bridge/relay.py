@@ -113,7 +113,7 @@ def relay(
     if not (choice.topics or choice.services or choice.actions):
         raise click.UsageError("give topics to relay, services with --service, or actions with --action")
     if graph.master is not None and options.master_port is not None:
-        raise ConfigError("--master joins a master, --master-port starts one; give only one of them")
+        raise ConfigError("--master joins a master, and --master-port starts one; give only one of them")
     environment = read_environment(graph, listen)
     # A relay always uses both: without --ros2 it uses the installed ROS 2.
     installed = Middleware.RCLPY if find_spec("rclpy") is not None else Middleware.ZENOH

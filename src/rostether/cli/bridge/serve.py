@@ -164,7 +164,7 @@ def serve(
     if twice is not None:
         raise click.UsageError(f"{twice} is given twice; give each address once")
     if graph.master is not None and options.master_port is not None:
-        raise ConfigError("--master joins a master, --master-port starts one; give only one of them")
+        raise ConfigError("--master joins a master, and --master-port starts one; give only one of them")
     environment = read_environment(graph, options.listen)
     settings, graph_limits = read_limits(options.limits)
     environment = environment.limited(graph_limits)

@@ -10,7 +10,7 @@ from rostether.recording.compression import Buffer
 from rostether.recording.mcap.records import (
     CHANNEL_AND_NUMBER,
     CHUNK_HEAD,
-    CHUNK_PLACE,
+    CHUNK_LOCATION,
     FOOTER,
     KINDS,
     RECORD_HEAD,
@@ -133,7 +133,7 @@ def decode_message_index(data: Buffer, start: int, end: int) -> tuple[int, Itera
 def decode_chunk_index(data: Buffer, start: int, end: int) -> ChunkIndex:
     """Return a chunk index."""
     fields = _Fields(data, start, end, "chunk index")
-    start_ns, end_ns, position, length = fields.unpack(CHUNK_PLACE)
+    start_ns, end_ns, position, length = fields.unpack(CHUNK_LOCATION)
     indexes = fields.numbers()
     indexes_bytes = fields.unpack(U64)[0]
     compression = fields.text()

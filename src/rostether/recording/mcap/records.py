@@ -50,7 +50,7 @@ STATISTICS = struct.Struct("<QHIIIIQQ")
 SUMMARY_OFFSET = struct.Struct("<BQQ")
 TIME_AND_OFFSET = struct.Struct("<QQ")
 CHANNEL_AND_NUMBER = struct.Struct("<HQ")
-CHUNK_PLACE = struct.Struct("<QQQQ")
+CHUNK_LOCATION = struct.Struct("<QQQQ")
 U16_PAIR = struct.Struct("<HH")
 U16 = struct.Struct("<H")
 U32 = struct.Struct("<I")
@@ -155,7 +155,7 @@ def encode_statistics(statistics: Statistics) -> bytes:
 def encode_chunk_index(index: ChunkIndex) -> bytes:
     """Return the record of a chunk's index."""
     parts = (
-        CHUNK_PLACE.pack(index.start_ns, index.end_ns, index.position, index.length),
+        CHUNK_LOCATION.pack(index.start_ns, index.end_ns, index.position, index.length),
         encode_numbers(index.indexes),
         U64.pack(index.indexes_bytes),
         encode_text(index.compression),

@@ -31,7 +31,7 @@ void setup() {
   address = Ethernet.localIP()[3];
   Ethernet.setRetransmissionTimeout(10);
   Ethernet.setRetransmissionCount(1);
-  udp.beginMulticast(IPAddress(239, 255, 82, 83), GROUPS_PLACE);
+  udp.beginMulticast(IPAddress(239, 255, 82, 83), GROUP_PORT);
 }
 void loop() {
   byte bytes[300];
@@ -39,7 +39,7 @@ void loop() {
   if (!size) return;
   size = udp.read(bytes, size < 300 ? size : 300);
   EthernetUDP answers;
-  answers.begin(GROUPS_PLACE);
+  answers.begin(GROUP_PORT);
   answers.beginPacket(bytes[0] == '!' ? IPAddress(192, 168, 7, 7) : udp.remoteIP(), udp.remotePort());
   answers.write(bytes, size);
   if (!answers.endPacket()) failures++;
@@ -56,10 +56,10 @@ byte group[] = {239, 255, 82, 83}, group_mac[] = {0x01, 0x00, 0x5E, 0x7F, 82, 83
 void setup() {
   while (!Ethernet.begin(mac)) {}
   W5100.writeSnDIPR(0, group);
-  W5100.writeSnDPORT(0, GROUPS_PLACE);
+  W5100.writeSnDPORT(0, GROUP_PORT);
   W5100.writeSnDHAR(0, group_mac);
   W5100.writeSnMR(0, SnMR::UDP | SnMR::MULTI);
-  W5100.writeSnPORT(0, GROUPS_PLACE);
+  W5100.writeSnPORT(0, GROUP_PORT);
   W5100.execCmdSn(0, Sock_OPEN);
 }
 void loop() {
@@ -76,7 +76,7 @@ def in_group(event: BoardEvent) -> bool:
 
 
 async def start(folder: Path, text: str, group: GroupAddress, *words: str) -> SimulatedBoard:
-    program = await build_text(folder, text.replace("GROUPS_PLACE", str(group.port)))
+    program = await build_text(folder, text.replace("GROUP_PORT", str(group.port)))
     board = await SimulatedBoard.start(program, link="none", commands=words)
     if not any(in_group(event) for event in named(board, "w5100")):
         await board.wait_for("w5100", in_group, timeout_s=PATIENCE_S)
