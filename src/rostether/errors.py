@@ -60,7 +60,7 @@ class ConfigError(RostetherError):
 
 
 class LaunchError(RostetherError):
-    """A launch file cannot be understood or started; `line` counts from 1, 0 is unknown."""
+    """A launch file cannot be understood or started; `line` counts from 1; 0 is unknown."""
 
     def __init__(self, message: str, *, file: str = "", line: int = 0) -> None:
         location = ":".join(str(part) for part in (file, line) if part)
@@ -94,7 +94,7 @@ class BoardError(RostetherError):
 
 
 class DefinitionError(RostetherError):
-    """A message or service definition cannot be read; `line` and `column` count from 1, 0 is unknown."""
+    """A message or service definition cannot be read; `line` and `column` count from 1; 0 is unknown."""
 
     def __init__(self, message: str, *, file: str = "", line: int = 0, column: int = 0) -> None:
         location = ":".join(str(part) for part in (file, line, column) if part)

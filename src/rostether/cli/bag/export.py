@@ -65,7 +65,7 @@ def export(options: ExportOptions) -> None:
 
     The first columns are the time of recording in seconds and in nanoseconds. Arrays of variable size are
     lists. In CSV, bytes are base64, and texts that a spreadsheet would treat as formulas get an apostrophe in
-    front. The format `pictures` writes compressed pictures as .jpg and .png files, a folder per topic.
+    front. The format `pictures` writes compressed pictures as .jpg and .png files, in one folder per topic.
     """
     from rostether.recording.export.exporting import Export
     from rostether.recording.export.picture_table import PICTURE_TYPE

@@ -194,7 +194,7 @@ class ZenohSession(SharedSession):
         if not faults and not self.is_linked():
             faults = dict.fromkeys(named, NO_SESSION)
         for endpoint, fault in faults.items():
-            _log.warning("no zenoh router answers at %s yet, still trying: %s", endpoint, fault)
+            _log.warning("no zenoh router answers at %s yet (still trying): %s", endpoint, fault)
 
     def _handle_token(self, sample: zenoh.Sample) -> None:
         keep_thread_state()
