@@ -26,7 +26,7 @@ class FileLock:
 
     def __init__(self, path: Path) -> None:
         self.path = path
-        self._created = not path.exists()
+        self._is_new = not path.exists()
         self._file = _locked(path)
 
     def release(self) -> None:
@@ -34,7 +34,7 @@ class FileLock:
         file, self._file = self._file, None
         if file is None:
             return
-        if self._created and not os.fstat(file).st_size:
+        if self._is_new and not os.fstat(file).st_size:
             self.path.unlink(missing_ok=True)
         os.close(file)
 

@@ -34,7 +34,7 @@ class ParameterType(IntEnum):
 
     @property
     def field(self) -> str:
-        """The field of a rcl_interfaces/ParameterValue with a value of this type."""
+        """The field of an rcl_interfaces/ParameterValue with a value of this type."""
         return f"{self.name.lower()}_value"
 
 
