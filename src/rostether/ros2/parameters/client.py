@@ -43,7 +43,7 @@ class ParameterClient:
         return found
 
     async def describe(self, node: str, names: Sequence[str]) -> list[Message]:
-        """Return a rcl_interfaces/ParameterDescriptor for each existing parameter."""
+        """Return an rcl_interfaces/ParameterDescriptor for each existing parameter."""
         answer = await self._call(node, "describe_parameters", "DescribeParameters", {"names": list(names)})
         return list(answer.descriptors)
 

@@ -66,7 +66,7 @@ class TypedValue(Struct, frozen=True):
         return self
 
     def to_fields(self) -> dict[str, Any]:
-        """Return the fields of a rcl_interfaces/ParameterValue."""
+        """Return the fields of an rcl_interfaces/ParameterValue."""
         fields: dict[str, Any] = {"type": int(self.type)}
         if isinstance(self.value, bytes):
             # In ROS 1, `byte` is a signed number.
@@ -97,7 +97,7 @@ def typed_value(name: str, value: ParamValue) -> TypedValue:
 
 
 def value_of_message(message: Message) -> TypedValue:
-    """Read a rcl_interfaces/ParameterValue. Raises SerializationError for a type that does not exist."""
+    """Read an rcl_interfaces/ParameterValue. Raises SerializationError for a type that does not exist."""
     try:
         kind = ParameterType(message.type)
     except ValueError:
