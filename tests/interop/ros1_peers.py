@@ -57,6 +57,12 @@ def missing_ros1() -> str:
     return "" if probe.returncode == 0 else "/usr/bin/python3 cannot import rospy and sensor_msgs"
 
 
+def debian_python_version() -> tuple[int, ...]:
+    """Return the version of the Python that Debian's ROS 1 uses, such as (3, 11)."""
+    asked = subprocess.run([DEBIAN_PYTHON, "-V"], capture_output=True, text=True, check=True)
+    return tuple(map(int, asked.stdout.split()[1].split(".")[:2]))
+
+
 def missing_roscpp() -> str:
     """Return why a roscpp node cannot be built here, or an empty string."""
     if shutil.which("g++") is None:

@@ -48,6 +48,8 @@ async def printed(peers: Ros1Peers, python: str, script: str, *arguments: str) -
     if python == DEBIAN_PYTHON and b"a goal handle that we're not tracking" in err:
         # Debian's action client receives a goal's status before it has stored the goal, and waits in vain.
         return await printed(peers, python, script, *arguments)
+    if python == DEBIAN_PYTHON and b"Unable to avoid copy while creating an array" in err:
+        pytest.skip("Debian's tf.transformations does not work with NumPy 2")
     assert process.returncode == 0, err.decode()
     lines = out.decode().splitlines()
     return [re.sub(r"\[\d+\.\d+\]", "[time]", line) for line in lines if not _is_left_out(line)]

@@ -7,8 +7,8 @@ import pytest
 from firmware.examples import counting
 from firmware.examples.established import has_measured_compiler
 
-# avr-gcc 16 needs up to 23 % more cycles than avr-gcc 5.4.
-SLACK_OF_NEWER_COMPILERS = 1.25
+# avr-gcc 14 and 16 need up to 27 % more cycles than avr-gcc 5.4.
+SLACK_OF_NEWER_COMPILERS = 1.3
 
 
 async def test_no_operation_takes_longer_than_before(capsys: pytest.CaptureFixture[str]) -> None:
