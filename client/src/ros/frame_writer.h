@@ -46,7 +46,7 @@ class FrameWriter : protected NodeState {
   ROS_APART void widen(const void* floats, size_t bytes) {
     const uint8_t* from = static_cast<const uint8_t*>(floats);
     for (const uint8_t* end = from + bytes; from != end; from += 4) {
-      if (room_ < 8 + LEAST_ROOM_BYTES) flush();
+      if (room_ < 8 + MIN_ROOM_BYTES) flush();
       uint8_t* to = to_;
       sum_ = static_cast<uint8_t>(sum_ + widenFloat(from, to));
       to_ = to + 8;
@@ -67,7 +67,7 @@ class FrameWriter : protected NodeState {
     to[3] = bytes[3];
     sum_ = static_cast<uint8_t>(sum_ + bytes[0] + bytes[1] + bytes[2] + bytes[3]);
     room_ = static_cast<chunk_length>(room_ - 4);
-    if (room_ < LEAST_ROOM_BYTES) flush();
+    if (room_ < MIN_ROOM_BYTES) flush();
   }
   ROS_APART void string(const char* text) {
     const size_t length = text ? strlen(text) : 0;
@@ -82,7 +82,7 @@ class FrameWriter : protected NodeState {
   ROS_APART void byte(uint8_t byte) {
     *to_++ = byte;
     sum_ = static_cast<uint8_t>(sum_ + byte);
-    if (--room_ < LEAST_ROOM_BYTES) flush();
+    if (--room_ < MIN_ROOM_BYTES) flush();
   }
 
   ROS_APART void word(uint16_t word) {
@@ -104,7 +104,7 @@ class FrameWriter : protected NodeState {
 
  private:
   // There is always room for a count: a flush before a count would need more instructions than one after it.
-  static const uint8_t LEAST_ROOM_BYTES = 4;
+  static const uint8_t MIN_ROOM_BYTES = 4;
 
   // A separate function, so that an AVR has the right register for `to`.
   static ROS_APART void writeHeader(uint8_t* to, uint16_t topic_id, uint16_t length) {
@@ -138,7 +138,7 @@ class FrameWriter : protected NodeState {
       } while (--part);
       sum_ = sum;
       to_ = to;
-      if (room_ < LEAST_ROOM_BYTES) flush();
+      if (room_ < MIN_ROOM_BYTES) flush();
     }
   }
   // Defined in node_handle_base.h: a table of virtual functions for this class would need RAM on an AVR.

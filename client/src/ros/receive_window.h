@@ -112,7 +112,7 @@ class ReceiveWindow {
   // can still be received. Returns 0 if there is too little, or if the last message may be there.
   uint16_t lend(uint16_t wanted) {
     uint16_t room = static_cast<uint16_t>(limit_ - end_) / 2;
-    if (room < LEAST_LENT_BYTES || held_) return 0;
+    if (room < MIN_LENT_BYTES || held_) return 0;
     if (room > wanted) room = wanted;
     limit_ -= room;
     return room;
@@ -162,7 +162,7 @@ class ReceiveWindow {
  private:
   // Sync and version.
   static const uint8_t FIRST_LOOK_BYTES = 2;
-  static const uint8_t LEAST_LENT_BYTES = 16;
+  static const uint8_t MIN_LENT_BYTES = 16;
 
   static uint16_t word(const uint8_t* bytes) { return static_cast<uint16_t>(bytes[0] | bytes[1] << 8); }
   uint16_t have() const { return static_cast<uint16_t>(end_ - begin_); }
@@ -189,12 +189,13 @@ class ReceiveWindow {
     return sum == 0xff ? whole : 0;
   }
 
+  // Moves the bytes to the front; `examine` then determines again how many are wanted.
   bool compact() {
     if (begin_ == base_) return false;
     const uint16_t kept = have();
     memmove(base_, begin_, kept);
     begin_ = base_;
-    end_ = base_ + kept;
+    goal_ = end_ = base_ + kept;
     return true;
   }
 

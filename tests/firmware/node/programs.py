@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import fcntl
 import hashlib
 import os
@@ -46,8 +47,10 @@ def built(compiler: str, name: str, library: Path, *flags: str) -> Path:
         fcntl.flock(lock, fcntl.LOCK_EX)
         if not program.exists():
             for old in folder.glob(f"{name}-????????????????"):
-                if old.stat().st_mtime < time.time() - KEPT_S:
-                    old.unlink()
+                # A process with another compiler may remove it too.
+                with contextlib.suppress(FileNotFoundError):
+                    if old.stat().st_mtime < time.time() - KEPT_S:
+                        old.unlink()
             with tempfile.TemporaryDirectory() as work:
                 _build([*command, f"-I{library}/src"], sources, Path(work), program)
     return program

@@ -95,6 +95,32 @@ TEST(transmit, frames_that_are_done_with_leave_their_room_to_what_comes_in) {
   EXPECT_EQUAL(board.line.take(chatter.id_).size(), 2u);
 }
 
+TEST(transmit, frames_that_fill_the_buffer_to_its_end_are_handled_at_once) {
+  Board<QueueingHardware, 280> board;
+  heard = 0;
+  std_msgs::String text;
+  ros::Publisher chatter("chatter", &text);
+  ros::Subscriber<std_msgs::Int16> numbers("numbers", hear);
+  board.node.advertise(chatter);
+  board.node.subscribe(numbers);
+  board.meet();
+  // A request and half of a message are read while the node publishes; the rest is read while it answers.
+  Bytes arriving;
+  for (int i = 0; i < 28; ++i) arriving = arriving + frame(numbers.id_, Payload().u16(1));
+  const Bytes first(arriving.begin(), arriving.begin() + 5), rest(arriving.begin() + 5, arriving.end());
+  board.line.send(frame(0) + first);
+  const std::string long_text(100, 'x');
+  text.data = long_text.c_str();
+  EXPECT(chatter.publish(&text) > 0);
+  EXPECT(board.line.arriving.empty());
+  board.line.on_frame = [&](const Frame& got) {
+    if (got.id == 0) board.line.send(rest);
+  };
+  EXPECT_EQUAL(board.node.spinOnce(), ros::SPIN_ERR);
+  board.node.spinOnce();
+  EXPECT_EQUAL(heard, 28);
+}
+
 TEST(transmit, a_transmitter_that_takes_nothing_is_given_up) {
   Sender<QueueingHardware> sender;
   sender.node.getHardware()->stuck = true;
