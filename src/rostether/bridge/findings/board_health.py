@@ -6,7 +6,7 @@ from collections import OrderedDict
 from collections.abc import Iterable
 
 from rostether.bridge.endpoint.table import EndpointTable
-from rostether.bridge.findings.endpoints import EndpointFindings
+from rostether.bridge.findings.endpoint_findings import EndpointFindings
 from rostether.bridge.findings.finding import Code, Finding, Severity, warning
 from rostether.bridge.findings.line_watch import LineWatch
 from rostether.bridge.findings.medium import Medium

@@ -25,8 +25,8 @@ if TYPE_CHECKING:
     from rostether.firmware.boards import Board
     from rostether.firmware.built_firmware import BuildOptions
     from rostether.firmware.elf import ElfFile
-    from rostether.firmware.endpoints import Endpoint
     from rostether.firmware.footprint import Footprint, Group, Item
+    from rostether.firmware.sketch_endpoints import Endpoint
     from rostether.firmware.stack import StackEstimate
 
 # Wider tables are not easier to read.
@@ -102,7 +102,7 @@ async def _endpoints(
     elf: ElfFile, sources: tuple[Path, ...], options: BuildOptions
 ) -> tuple[list[Endpoint], int]:
     from rostether.firmware.demangle import demangle
-    from rostether.firmware.endpoints import find_endpoints, input_buffer_bytes
+    from rostether.firmware.sketch_endpoints import find_endpoints, input_buffer_bytes
     from rostether.msgdef.registry import Registry
 
     readable = await demangle(each.name for each in elf.symbols)

@@ -10,7 +10,7 @@ from msgspec.structs import replace
 
 from rostether.bridge.endpoint.factory import EndpointFactory
 from rostether.bridge.endpoint.table import EndpointTable
-from rostether.bridge.findings.endpoints import EndpointFindings
+from rostether.bridge.findings.endpoint_findings import EndpointFindings
 from rostether.bridge.findings.finding import Code
 from rostether.bridge.findings.oversize import Oversizes
 from rostether.bridge.settings import DEFAULT_SETTINGS

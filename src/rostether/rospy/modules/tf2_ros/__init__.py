@@ -11,7 +11,6 @@ from rostether.rospy.tf.buffer_interface import (
     TransformRegistration,
     convert,
 )
-from rostether.rospy.tf.endpoints import StaticTransformBroadcaster, TransformBroadcaster, TransformListener
 from rostether.rospy.tf.exceptions import (
     ConnectivityException,
     ExtrapolationException,
@@ -21,4 +20,9 @@ from rostether.rospy.tf.exceptions import (
     TimeoutException,
     TransformException,
     TypeException,
+)
+from rostether.rospy.tf.listener_and_broadcasters import (
+    StaticTransformBroadcaster,
+    TransformBroadcaster,
+    TransformListener,
 )

@@ -7,7 +7,7 @@ import pytest
 from rostether.firmware.build import build_sketch
 from rostether.firmware.demangle import demangle
 from rostether.firmware.elf import ElfFile, Symbol
-from rostether.firmware.endpoints import Endpoint, find_endpoints, input_buffer_bytes
+from rostether.firmware.sketch_endpoints import Endpoint, find_endpoints, input_buffer_bytes
 from rostether.msgdef.registry import Registry
 from unit.firmware.sketches import uno, write_sketch
 
