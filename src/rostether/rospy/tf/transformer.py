@@ -8,8 +8,8 @@ from typing import Any
 
 from rostether.robot.transform import transform_of
 from rostether.rospy.client.message_types import all_types
-from rostether.rospy.tf import listener_and_broadcasters as tf2_ros
 from rostether.rospy.tf import geometry as tf_geometry
+from rostether.rospy.tf import listener_and_broadcasters as tf2_ros
 from rostether.rospy.tf import rotations as tf_rotations
 from rostether.rospy.tf.buffer import Buffer
 from rostether.rospy.tf.exceptions import TransformException
