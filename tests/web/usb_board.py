@@ -10,6 +10,7 @@ from typing import Any, Self
 from websockets.asyncio.server import Server, ServerConnection, serve
 
 from rostether.device.device import Device
+from rostether.mechanisms.tasks import start_task
 from rostether.transports.memory import memory_pair
 
 SCRIPT = Path(__file__).parent / "fake_serial.js"
@@ -55,9 +56,7 @@ class UsbBoard:
     def data_received(self, data: bytes) -> None:
         """Pass bytes of the board on; a port that is not open loses them."""
         if self._browser is not None:
-            task = asyncio.ensure_future(self._browser.send(data))
-            self._sending.add(task)
-            task.add_done_callback(self._sending.discard)
+            start_task(self._sending, self._browser.send(data))
 
     def connection_lost(self, _: object) -> None:
         """The test ends."""

@@ -13,6 +13,7 @@ from rostether.bridge.reporter import reason_of
 from rostether.bridge.session import Session
 from rostether.errors import SessionError
 from rostether.graph.ports import Level
+from rostether.mechanisms.tasks import start_task
 
 # Leaving the graph must not hang on a master that does not answer.
 NODE_CLOSE_LIMIT_S = 0.8
@@ -153,9 +154,8 @@ class BoardRegistry:
             board.leaving = asyncio.get_running_loop().create_task(self._close_node(board, board.node))
 
     async def _close_node(self, board: Board, node: BoardNode) -> None:
-        closing = asyncio.get_running_loop().create_task(self._close_and_report(node))
-        self._closing.add(closing)
-        closing.add_done_callback(self._has_closed)
+        closing = start_task(self._closing, self._close_and_report(node))
+        closing.add_done_callback(lambda _closing: self._on_left())
         await asyncio.wait([closing], timeout=NODE_CLOSE_LIMIT_S)
         # A node's name is free again while the node is still leaving.
         self._boards.pop(board.name, None)
@@ -165,7 +165,3 @@ class BoardRegistry:
             await node.close()
         except Exception as error:  # noqa: BLE001 - whatever a graph raises, the other boards continue
             node.notices.report(Level.WARN, f"the node may still be listed: {reason_of(error)}")
-
-    def _has_closed(self, closing: asyncio.Task[None]) -> None:
-        self._closing.discard(closing)
-        self._on_left()

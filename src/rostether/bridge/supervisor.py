@@ -30,6 +30,7 @@ from rostether.bridge.settings import DEFAULT_NODES, DEFAULT_SETTINGS, BoardNode
 from rostether.errors import NodeEndedError, RostetherError, SessionError, TransportError, TransportOpenError
 from rostether.graph.ports import NAME_TAKEN, Graph, JoinGraph, Level
 from rostether.mechanisms.backoff import Backoff
+from rostether.mechanisms.tasks import cancel_all, start_task
 from rostether.mechanisms.waiting import wait_for_master
 from rostether.names.graph_name import join as join_names
 from rostether.names.graph_name import validate_name
@@ -189,10 +190,7 @@ class Supervisor:
             _, late = await asyncio.wait(stops, timeout=STOP_LIMIT_S)
             for stop in late:
                 stop.cancel()
-        for task in self._tasks:
-            task.cancel()
-        if self._tasks:
-            await asyncio.wait(list(self._tasks))
+        await cancel_all(*self._tasks)
         await asyncio.gather(self._boards.close(), *(listener.close() for listener in self._listeners))
         self._objects.close()
         self._done.set()
@@ -338,13 +336,11 @@ class Supervisor:
         )
 
     def _run(self, work: Awaitable[object]) -> asyncio.Task[None]:
-        task = asyncio.get_running_loop().create_task(self._guard(work))
-        self._tasks.add(task)
+        task = start_task(self._tasks, self._guard(work))
         task.add_done_callback(self._ended)
         return task
 
-    def _ended(self, task: asyncio.Task[None]) -> None:
-        self._tasks.discard(task)
+    def _ended(self, _task: asyncio.Task[None]) -> None:
         if not self._tasks and not self._listeners:
             self._done.set()
 

@@ -15,13 +15,13 @@ All names begin with `conformance/`. Cases that need a missing part are skipped.
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Coroutine
 from enum import Enum, IntEnum
 from typing import NamedTuple
 
 from rostether.device.device import Device
 from rostether.errors import GraphError, TransportError
 from rostether.graph.ports import Level
+from rostether.mechanisms.tasks import start_task
 from rostether.rosserial import topic_id as ids
 from rostether.serde.values import Message
 
@@ -96,13 +96,13 @@ class ConformanceProgram:
                 for level in Level:
                     self._device.log(level, level.name.lower())
             case Command.CALL:
-                self._start(self._call())
+                start_task(self._tasks, self._call())
             case Command.GET_INTS:
-                self._start(self._send_numbers(INT_PARAMETER))
+                start_task(self._tasks, self._send_numbers(INT_PARAMETER))
             case Command.GET_FLOAT:
-                self._start(self._send_numbers(FLOAT_PARAMETER))
+                start_task(self._tasks, self._send_numbers(FLOAT_PARAMETER))
             case Command.GET_TEXT:
-                self._start(self._send_text())
+                start_task(self._tasks, self._send_text())
 
     async def _call(self) -> None:
         try:
@@ -127,8 +127,3 @@ class ConformanceProgram:
         except (GraphError, TransportError):
             value = NONE_TEXT
         self._text.publish(data=value)
-
-    def _start(self, work: Coroutine[None, None, None]) -> None:
-        task = asyncio.get_running_loop().create_task(work)
-        self._tasks.add(task)
-        task.add_done_callback(self._tasks.discard)

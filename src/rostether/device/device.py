@@ -17,7 +17,8 @@ from rostether.device.parameters import DeviceParam, ParameterRequests
 from rostether.errors import ConfigError, TransportError, TransportTimeoutError, UnknownNameError
 from rostether.graph.ports import Level
 from rostether.mechanisms.backoff import Backoff
-from rostether.mechanisms.block_end import BlockClosable, cancel_all
+from rostether.mechanisms.block_end import BlockClosable
+from rostether.mechanisms.tasks import cancel_all
 from rostether.msgdef.registry import Registry
 from rostether.msgdef.search_waiting import definitions_searched
 from rostether.rosserial.device_link import PUBLISHER_OVERHEAD_BYTES, DeviceLink, DeviceLinkConfig

@@ -7,7 +7,7 @@ and parameters. A graph that fails does not disturb the others; one that joins l
 from __future__ import annotations
 
 import asyncio
-from collections.abc import AsyncGenerator, AsyncIterator, Awaitable, Callable, Container, Sequence
+from collections.abc import AsyncGenerator, AsyncIterator, Awaitable, Callable, Container, Coroutine, Sequence
 from typing import Any, TypeVar, Unpack
 
 from rostether.errors import (
@@ -37,7 +37,7 @@ from rostether.graph.ports import (
     Snapshot,
     SubscribeOptions,
 )
-from rostether.mechanisms.block_end import cancel_all
+from rostether.mechanisms.tasks import cancel_all, start_task
 from rostether.msgdef.interface import MessageType, ServiceType
 from rostether.rostime import Time
 
@@ -73,11 +73,9 @@ class JointGraph:
         """The current graphs of the node."""
         return tuple(self._graphs)
 
-    def run_until_closed(self, work: Callable[[], Awaitable[None]]) -> None:
+    def run_until_closed(self, work: Coroutine[Any, Any, None]) -> None:
         """Run something until the node leaves the graphs."""
-        task = asyncio.ensure_future(work())
-        self._background.add(task)
-        task.add_done_callback(self._background.discard)
+        start_task(self._background, work)
 
     async def add(self, graph: Graph, position: int) -> None:
         """Join another graph, with all publishers, subscribers, services and watches."""

@@ -9,14 +9,15 @@ from __future__ import annotations
 import asyncio
 import logging
 from abc import ABC, abstractmethod
-from collections.abc import Coroutine, Sequence
+from collections.abc import Sequence
 from functools import partial
-from typing import Generic, TypeAlias, TypeVar
+from typing import Any, Generic, TypeAlias, TypeVar
 
 from rostether.errors import AccessDeniedError, GraphError, RostetherError, TypeMismatchError
 from rostether.graph.ports import Graph
 from rostether.mechanisms.backoff import Backoff
 from rostether.mechanisms.block_end import Closable
+from rostether.mechanisms.tasks import start_task
 
 FIRST_RETRY_S = 0.2
 # A graph that is unreachable returns within seconds, or much later: then this rate is sufficient.
@@ -29,7 +30,6 @@ _log = logging.getLogger("rostether.graph")
 
 
 PartT = TypeVar("PartT", bound=Closable)
-ResultT = TypeVar("ResultT")
 _Trial: TypeAlias = "asyncio.Task[RostetherError | None]"
 
 
@@ -40,7 +40,7 @@ class JointHandle(ABC, Generic[PartT]):
         self.parts: dict[Graph, PartT] = {}
         self.is_closed = False
         self._what = what
-        self._tasks: set[asyncio.Task[None] | _Trial] = set()
+        self._tasks: set[asyncio.Task[Any]] = set()
 
     @abstractmethod
     async def _open(self, graph: Graph) -> PartT:
@@ -48,7 +48,7 @@ class JointHandle(ABC, Generic[PartT]):
 
     async def open(self, graphs: Sequence[Graph]) -> None:
         """Open the handle in every graph that accepts it. Raises the graphs' errors if none does."""
-        trials = {self._run(self._try(graph)): graph for graph in graphs}
+        trials = {start_task(self._tasks, self._try(graph)): graph for graph in graphs}
         try:
             await self._wait(trials)
         except BaseException:
@@ -65,7 +65,7 @@ class JointHandle(ABC, Generic[PartT]):
 
     async def add(self, graph: Graph) -> None:
         """Open the handle in another graph."""
-        trial = self._run(self._try(graph))
+        trial = start_task(self._tasks, self._try(graph))
         trial.add_done_callback(partial(self._note, graph))
         await asyncio.wait((trial,))
 
@@ -113,7 +113,7 @@ class JointHandle(ABC, Generic[PartT]):
         if fault is not None:
             self._warn(graph, fault)
             if _is_temporary(fault):
-                self._run(self._keep_trying(graph))
+                start_task(self._tasks, self._keep_trying(graph))
 
     async def _keep_trying(self, graph: Graph) -> None:
         backoff = retry_backoff()
@@ -129,13 +129,6 @@ class JointHandle(ABC, Generic[PartT]):
     def _warn(self, graph: Graph, fault: RostetherError) -> None:
         yet = " yet" if _is_temporary(fault) else ""
         _log.warning("%s: %s is not in every graph%s: %s", graph.node_name, self._what, yet, fault)
-
-    def _run(self, work: Coroutine[object, object, ResultT]) -> asyncio.Task[ResultT]:
-        task = asyncio.get_running_loop().create_task(work)
-        tasks: set[asyncio.Task[ResultT]] = self._tasks  # type: ignore[assignment]
-        tasks.add(task)
-        task.add_done_callback(tasks.discard)
-        return task
 
 
 def retry_backoff() -> Backoff:

@@ -8,7 +8,6 @@ import logging
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from contextlib import aclosing
-from functools import partial
 
 from rostether.errors import GraphError, RostetherError
 from rostether.graph.joint_graph import JointGraph
@@ -55,8 +54,8 @@ class JointJoin:
             await asyncio.gather(*(graph.close() for graph in graphs))
             raise (serious or wrong)[0]
         joint = JointGraph(graphs, self._joint_nodes, self._relays)
-        joint.run_until_closed(partial(self._list_node, joint.node_name))
-        joint.run_until_closed(partial(self._poll, joint))
+        joint.run_until_closed(self._list_node(joint.node_name))
+        joint.run_until_closed(self._poll(joint))
         for position, result in enumerate(results):
             if isinstance(result, GraphError):
                 _log.warning("%s is not in every graph yet: %s", joint.node_name, result)
@@ -114,4 +113,4 @@ class JointJoin:
                     break
             await joint.add(graph, position)
 
-        joint.run_until_closed(keep_trying)
+        joint.run_until_closed(keep_trying())

@@ -8,7 +8,7 @@ from contextlib import aclosing
 
 from rostether.errors import GraphError
 from rostether.graph.ports import Graph, ServiceEntry, Snapshot, TopicEntry
-from rostether.mechanisms.block_end import cancel_all
+from rostether.mechanisms.tasks import cancel_all
 from rostether.msgdef.interface import ANY_TYPE
 
 

@@ -14,6 +14,7 @@ from rostether.errors import (
 )
 from rostether.graph.callbacks import report_error
 from rostether.graph.ports import ServiceHandler
+from rostether.mechanisms.tasks import start_task
 from rostether.msgdef.interface import ANY_MD5SUM, ServiceType
 
 
@@ -43,9 +44,9 @@ class MemoryServiceServer:
                 f"service {self.service} has type {self.type.name} (md5sum {self.type.md5sum}), "
                 f"not {service_type.name} (md5sum {service_type.md5sum}); make both ends use one definition"
             )
-        task = asyncio.ensure_future(self._answer(request))
-        self._calls.add(task)
-        task.add_done_callback(self._ended)
+        task = start_task(self._calls, self._answer(request))
+        # If the caller has given up, an error of the handler is ignored.
+        task.add_done_callback(lambda ended: ended.cancelled() or ended.exception())
         done, _ = await asyncio.wait((task,), timeout=timeout_s)
         if not done:
             raise ServiceTimeoutError(f"service {self.service} did not answer within {timeout_s:g} s")
@@ -60,12 +61,6 @@ class MemoryServiceServer:
             for task in self._calls:
                 task.cancel()
             self._on_close(self)
-
-    def _ended(self, task: asyncio.Task[bytes]) -> None:
-        self._calls.discard(task)
-        if not task.cancelled():
-            # The caller has given up, so an error of the handler is ignored.
-            task.exception()
 
     async def _answer(self, request: bytes) -> bytes:
         try:

@@ -16,6 +16,7 @@ from rostether.launch.command_line import Locate, Replaced, command_of, log_fold
 from rostether.launch.node_process import NodeProcess, StopLimits, adopt_orphans
 from rostether.launch.plan import DeleteParameters, DumpParameters, LaunchNode, LaunchPlan, Output
 from rostether.mechanisms.block_end import closed_at_end
+from rostether.mechanisms.tasks import cancel_all
 from rostether.mechanisms.text import write_failure
 from rostether.names.graph_name import SEPARATOR, canonical
 from rostether.param_yaml import dump
@@ -136,10 +137,7 @@ class _Launch:
 
     async def stop(self) -> None:
         """End all running processes at the same time."""
-        for task in self._supervisors:
-            task.cancel()
-        if self._supervisors:
-            await asyncio.wait(self._supervisors)
+        await cancel_all(*self._supervisors)
         await asyncio.gather(*(process.stop() for process in self._processes))
 
 

@@ -9,6 +9,8 @@ from contextlib import asynccontextmanager
 from types import TracebackType
 from typing import Any, Protocol, Self, TypeVar
 
+from rostether.mechanisms.tasks import cancel_all
+
 
 class Closable(Protocol):
     """Something with an asynchronous `close`."""
@@ -53,10 +55,3 @@ async def task_beside(work: Coroutine[Any, Any, object]) -> AsyncIterator[asynci
         yield task
     finally:
         await cancel_all(task)
-
-
-async def cancel_all(*tasks: asyncio.Future[Any]) -> None:
-    """Cancel tasks and wait for their end. Their errors are ignored."""
-    for task in tasks:
-        task.cancel()
-    await asyncio.gather(*tasks, return_exceptions=True)

@@ -11,6 +11,7 @@ from collections.abc import Callable, Coroutine
 from typing import Any, TypeVar
 
 from rostether.errors import GraphError, RostetherError
+from rostether.mechanisms.tasks import start_task
 
 _T = TypeVar("_T")
 
@@ -93,7 +94,7 @@ class LoopThread:
 
     def start(self, coroutine: Coroutine[Any, Any, object]) -> None:
         """Start a coroutine in the loop, without waiting for its result."""
-        self.post(self._begin, coroutine)
+        self.post(start_task, self._tasks, coroutine)
 
     def interrupt(self) -> None:
         """Wake every thread that waits in `call`."""
@@ -101,11 +102,6 @@ class LoopThread:
             waiting = list(self._waiting)
         for future in waiting:
             future.cancel()
-
-    def _begin(self, coroutine: Coroutine[Any, Any, object]) -> None:
-        task = asyncio.ensure_future(coroutine)
-        self._tasks.add(task)
-        task.add_done_callback(self._tasks.discard)
 
     def _run(self, loop: asyncio.AbstractEventLoop) -> None:
         asyncio.set_event_loop(loop)

@@ -25,7 +25,7 @@ from rostether.graph.joint_marks import (
     replace_names,
 )
 from rostether.graph.ports import Level, Publisher, Snapshot
-from rostether.mechanisms.block_end import cancel_all
+from rostether.mechanisms.tasks import cancel_all
 from rostether.relay.action_relay import ActionRelay, action_entries
 from rostether.relay.item import Kind, RelayItem
 from rostether.relay.relay_filter import Direction, RelayFilter

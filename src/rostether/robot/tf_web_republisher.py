@@ -16,7 +16,8 @@ from msgspec import Struct, field
 from rostether.errors import ConfigError, GraphError, TransformError
 from rostether.graph.typed_graph import TypedGraph
 from rostether.graph.typed_handles import TypedPublisher
-from rostether.mechanisms.block_end import cancel_all, closed_at_end
+from rostether.mechanisms.block_end import closed_at_end
+from rostether.mechanisms.tasks import cancel_all, start_task
 from rostether.robot.tf_buffer import TransformBuffer
 from rostether.robot.tf_listener import tf_listener
 from rostether.robot.tf_messages import to_message
@@ -132,7 +133,7 @@ class _Republisher:
         self._count += 1
         publisher = await self._graph.publisher(f"tf_repub_{self._count}", f"{PACKAGE}/TFArray")
         timeout_s = message.timeout.to_ns() / 1e9
-        self._start(self._serve_topic(publisher, request, timeout_s if timeout_s > 0 else IDLE_S))
+        start_task(self._tasks, self._serve_topic(publisher, request, timeout_s if timeout_s > 0 else IDLE_S))
         return {"topic_name": publisher.topic}
 
     async def _serve_topic(self, publisher: TypedPublisher[...], request: Request, timeout_s: float) -> None:
@@ -160,7 +161,7 @@ class _Republisher:
             self._feedback.publish(header=self._header(), status=status, feedback=fields)
 
         self._goal_ids[goal_id.id] = goal_id
-        self._goals[goal_id.id] = self._start(self._serve_goal(goal_id.id, request, send))
+        self._goals[goal_id.id] = start_task(self._tasks, self._serve_goal(goal_id.id, request, send))
 
     async def _serve_goal(
         self, name: str, request: Request, send: Callable[[dict[str, Any]], object]
@@ -214,9 +215,3 @@ class _Republisher:
 
     def _header(self) -> dict[str, Any]:
         return {"stamp": self._graph.now()}
-
-    def _start(self, work: Any) -> asyncio.Task[None]:
-        task: asyncio.Task[None] = asyncio.get_running_loop().create_task(work)
-        self._tasks.add(task)
-        task.add_done_callback(self._tasks.discard)
-        return task

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 from msgspec.structs import replace
 
 from rostether.errors import RostetherError, TransportOpenError, TransportTimeoutError
+from rostether.mechanisms.tasks import start_task
 from rostether.mechanisms.text import show_endpoint
 from rostether.transports.address import TcpAddress
 from rostether.transports.allow_list import AllowList
@@ -210,9 +211,7 @@ class TcpListener:
             return
         self._make_room(transport.host)
         self._unproven[transport] = None
-        task = asyncio.get_running_loop().create_task(self._check_greeting(transport, self._greeting))
-        self._greetings.add(task)
-        task.add_done_callback(self._greetings.discard)
+        start_task(self._greetings, self._check_greeting(transport, self._greeting))
 
     def _make_room(self, host: str) -> None:
         """End the oldest unproven connection of the address, or of all, if there are too many."""

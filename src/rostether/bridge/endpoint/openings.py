@@ -19,6 +19,7 @@ from rostether.bridge.reporter import Notices, reason_of
 from rostether.errors import DefinitionError, GraphError, InvalidNameError, TypeMismatchError
 from rostether.graph.ports import Level
 from rostether.mechanisms.backoff import Backoff
+from rostether.mechanisms.tasks import cancel_all, start_task
 from rostether.rosserial.events import ServiceAnnounced, ServiceRole, TopicRole
 
 _LOG = logging.getLogger(__name__)
@@ -59,12 +60,14 @@ class EndpointOpenings:
     def open(self, slot: Slot, endpoint: Endpoint) -> None:
         """Open an endpoint in the graph after the earlier endpoints of its slot have left it."""
         self._log(endpoint, "opening")
-        self._opening[endpoint] = self._run(self._open(endpoint, endpoint.open, self._closing.get(slot)))
+        self._opening[endpoint] = start_task(
+            self._tasks, self._open(endpoint, endpoint.open, self._closing.get(slot))
+        )
 
     def renew(self, endpoint: SubscriberEndpoint) -> None:
         """Subscribe again, unless the endpoint is still being opened."""
         if endpoint not in self._opening:
-            self._opening[endpoint] = self._run(self._open(endpoint, endpoint.renew, None))
+            self._opening[endpoint] = start_task(self._tasks, self._open(endpoint, endpoint.renew, None))
 
     def close(self, slot: Slot, endpoint: Endpoint) -> None:
         """Remove an endpoint from the graph."""
@@ -72,7 +75,7 @@ class EndpointOpenings:
         self._unwanted.add(endpoint)
         self._refused.discard(endpoint)
         self.reasons.pop(endpoint, None)
-        self._closing[slot] = self._run(self._close(slot, endpoint, self._closing.get(slot)))
+        self._closing[slot] = start_task(self._tasks, self._close(slot, endpoint, self._closing.get(slot)))
 
     async def finish(self) -> None:
         """Cancel the openings and finish the closings, within a second."""
@@ -80,19 +83,10 @@ class EndpointOpenings:
             task.cancel()
         if self._tasks:
             _, late = await asyncio.wait(list(self._tasks), timeout=CLOSE_LIMIT_S)
-            for task in late:
-                task.cancel()
-            if late:
-                await asyncio.wait(late)
+            await cancel_all(*late)
 
     def _log(self, endpoint: Endpoint, state: str) -> None:
         _LOG.debug("%s: %r: %s", self._notices.node, endpoint, state)
-
-    def _run(self, work: Coroutine[object, object, None]) -> asyncio.Task[None]:
-        task = asyncio.get_running_loop().create_task(work)
-        self._tasks.add(task)
-        task.add_done_callback(self._tasks.discard)
-        return task
 
     async def _yield_to_loop(self) -> None:
         """Yield to the event loop: many announcements at once must not delay the messages of others."""
@@ -173,7 +167,7 @@ class EndpointOpenings:
         """Retry refused endpoints after one has left the graph: it may have been the reason."""
         refused, self._refused = self._refused, set()
         for endpoint in refused:
-            self._opening[endpoint] = self._run(self._open_again(endpoint))
+            self._opening[endpoint] = start_task(self._tasks, self._open_again(endpoint))
 
     async def _open_again(self, endpoint: Endpoint) -> None:
         await self._open(endpoint, endpoint.open, None)

@@ -18,7 +18,7 @@ from rostether.bridge.health.shared_topics import SharedTopics
 from rostether.bridge.reporter import Reporter, reason_of
 from rostether.errors import GraphError
 from rostether.graph.ports import Level, Publisher
-from rostether.mechanisms.block_end import cancel_all
+from rostether.mechanisms.tasks import cancel_all
 from rostether.serde.store import TypeStore
 
 # The interval that diagnostic tools expect.

@@ -16,7 +16,8 @@ from rostether.cli.board.opencr import OPENCR, start_opencr
 from rostether.cli.board.qemu import start_in_qemu
 from rostether.errors import GraphError
 from rostether.graph.ports import Graph, JoinGraph, Level
-from rostether.mechanisms.block_end import cancel_all, closed_at_end
+from rostether.mechanisms.block_end import closed_at_end
+from rostether.mechanisms.tasks import cancel_all
 from rostether.simulation.qemu import MACHINES
 from rostether.transports.address import Address, ProgramSize, SerialAddress, SimAddress, SimulationPauses
 

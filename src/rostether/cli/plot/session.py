@@ -19,7 +19,7 @@ from rostether.cli.shell.option_group import FILE, POSITIVE, flag, option, share
 from rostether.cli.shell.output import warn, write_line
 from rostether.cli.shell.picture_files import encode, picture_format, save
 from rostether.errors import ConfigError, GraphError, SerializationError, first_error
-from rostether.mechanisms.block_end import cancel_all
+from rostether.mechanisms.tasks import cancel_all
 from rostether.mechanisms.text import counted
 from rostether.msgdef.registry import Registry
 from rostether.serde.field_units import unit_of

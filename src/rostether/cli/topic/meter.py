@@ -15,7 +15,7 @@ from rostether.cli.topic.misfit_notice import shown_messages
 from rostether.cli.topic.ros1_chosen_topic import wait_for_topic
 from rostether.errors import ConfigError, UnknownTypeError
 from rostether.graph.typed_graph import TypedGraph
-from rostether.mechanisms.block_end import cancel_all
+from rostether.mechanisms.tasks import cancel_all
 from rostether.msgdef.interface import ANY_MESSAGE
 
 REPORT_PERIOD_S = 1.0

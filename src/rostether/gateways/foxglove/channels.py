@@ -19,7 +19,7 @@ from rostether.gateways.shared_subscriptions import (
 )
 from rostether.gateways.type_names import short_type
 from rostether.graph.ports import Snapshot, TopicEntry
-from rostether.mechanisms.block_end import cancel_all
+from rostether.mechanisms.tasks import cancel_all
 from rostether.msgdef.interface import ANY_MD5SUM, ANY_TYPE, MessageType
 from rostether.msgdef.registry import Registry
 from rostether.serde.store import TypeStore

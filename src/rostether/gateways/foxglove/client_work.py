@@ -9,6 +9,7 @@ from typing import Any
 
 from rostether.errors import RostetherError
 from rostether.graph.callbacks import report_error
+from rostether.mechanisms.tasks import start_task
 
 
 class ClientWork:
@@ -20,9 +21,8 @@ class ClientWork:
 
     def start(self, work: Coroutine[Any, Any, None]) -> asyncio.Task[None]:
         """Run a coroutine as a task; its errors are reported."""
-        task = asyncio.ensure_future(work)
-        self._tasks.add(task)
-        task.add_done_callback(self._finish)
+        task = start_task(self._tasks, work)
+        task.add_done_callback(_report_failure)
         return task
 
     def ask(
@@ -54,7 +54,7 @@ class ClientWork:
         for task in self._tasks:
             task.cancel()
 
-    def _finish(self, task: asyncio.Task[Any]) -> None:
-        self._tasks.discard(task)
-        if not task.cancelled() and (error := task.exception()) is not None:
-            report_error("a Foxglove client's request", error)
+
+def _report_failure(task: asyncio.Task[Any]) -> None:
+    if not task.cancelled() and (error := task.exception()) is not None:
+        report_error("a Foxglove client's request", error)

@@ -20,6 +20,7 @@ from rostether.gateways.foxglove.sim_clock import SimClock
 from rostether.gateways.shared_subscriptions import SharedSubscriptions
 from rostether.gateways.teleop.teleop import Teleop
 from rostether.graph.ports import Graph
+from rostether.mechanisms.tasks import start_task
 from rostether.serde.store import TypeStore
 
 
@@ -47,9 +48,7 @@ class GatewayContext(Struct, frozen=True, kw_only=True):
 
     def run(self, work: Coroutine[Any, Any, None]) -> None:
         """Run the cleanup after a client or a channel; errors of the graph are ignored."""
-        task = asyncio.ensure_future(_contained(work))
-        self._work.add(task)
-        task.add_done_callback(self._work.discard)
+        start_task(self._work, _contained(work))
 
     async def close(self) -> None:
         """End everything on the graph."""

@@ -13,7 +13,7 @@ from rostether.gateways.foxglove.server_messages import JSON_ENCODING, ROS1_ENCO
 from rostether.gateways.foxglove.settings import NameFilter
 from rostether.gateways.type_names import short_type
 from rostether.graph.ports import Graph, Snapshot
-from rostether.mechanisms.block_end import cancel_all
+from rostether.mechanisms.tasks import cancel_all
 from rostether.msgdef.interface import ANY_TYPE
 from rostether.serde.store import TypeStore
 

@@ -12,6 +12,7 @@ from rostether.errors import RostetherError
 from rostether.gateways.rosbridge.settings import RosbridgeSettings
 from rostether.gateways.shared_subscriptions import SharedSubscriptions
 from rostether.graph.ports import Graph, Level
+from rostether.mechanisms.tasks import start_task
 from rostether.serde.store import TypeStore
 
 if TYPE_CHECKING:
@@ -71,9 +72,7 @@ class GatewayContext(Struct, eq=False):
 
     def _end(self, publication: Publication) -> None:
         self._lingering.pop(publication, None)
-        task = asyncio.ensure_future(_close(publication))
-        self._ending.add(task)
-        task.add_done_callback(self._ending.discard)
+        start_task(self._ending, _close(publication))
 
 
 async def _close(publication: Publication) -> None:

@@ -16,6 +16,7 @@ from msgspec import Struct, field
 
 from rostether.errors import ConfigError, GraphError, SerializationError
 from rostether.mechanisms.backoff import Backoff
+from rostether.mechanisms.tasks import cancel_all
 from rostether.ros1.xmlrpc_client import XmlRpcClient
 from rostether.xmlrpc.values import XmlRpcValue
 
@@ -99,13 +100,10 @@ class NodeCallQueue:
     async def close(self) -> None:
         """Drop all calls. Idempotent."""
         self._is_closed = True
-        tasks = [outbox.task for outbox in self._outboxes.values() if outbox.task is not None]
-        for task in tasks:
-            task.cancel()
+        await cancel_all(*(outbox.task for outbox in self._outboxes.values() if outbox.task is not None))
         for outbox in self._outboxes.values():
             await outbox.client.close()
         self._outboxes.clear()
-        await asyncio.gather(*tasks, return_exceptions=True)
 
     def _queue(self, api: str, what: tuple[str, str], arguments: tuple[XmlRpcValue, ...]) -> None:
         if self._is_closed:

@@ -7,6 +7,7 @@ import logging
 import os
 from collections.abc import Iterable, Iterator, Sequence
 
+from rostether.mechanisms.tasks import cancel_all, start_task
 from rostether.ros1.admission import ALLOW_ALL, Admission
 from rostether.ros1.environment import DEFAULT_MASTER_PORT, LOOPBACK
 from rostether.ros1.graph_limits import DEFAULT_GRAPH_LIMITS, GraphLimits
@@ -86,8 +87,7 @@ class MasterServer:
         if self._ping_timer is not None:
             self._ping_timer.cancel()
             self._ping_timer = None
-        for task in self._long_work:
-            task.cancel()
+        await cancel_all(*self._long_work)
         await self._server.close()
         await self._node_calls.close()
         self._stopped.set()
@@ -109,9 +109,7 @@ class MasterServer:
         self._closing = asyncio.get_running_loop().create_task(self.close())
 
     def _work_later(self, steps: Iterator[None]) -> None:
-        task = asyncio.get_running_loop().create_task(run_in_slices(steps))
-        self._long_work.add(task)
-        task.add_done_callback(self._long_work.discard)
+        start_task(self._long_work, run_in_slices(steps))
 
     def _ping_later(self) -> None:
         self._ping_timer = asyncio.get_running_loop().call_later(PING_INTERVAL_S, self._ping_all)

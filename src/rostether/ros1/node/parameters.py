@@ -9,6 +9,7 @@ from collections.abc import Callable
 from rostether.errors import GraphError, UnknownNameError
 from rostether.graph.callbacks import call_safely
 from rostether.graph.ports import ParamValue
+from rostether.mechanisms.tasks import cancel_all, start_task
 from rostether.ros1.node.master_client import MasterClient
 from rostether.xmlrpc.values import XmlRpcValue
 
@@ -54,9 +55,7 @@ class ParameterWatches:
     def _fetch_soon(self, concerns: Callable[[str], bool]) -> bool:
         names = [name for name in self._watches if concerns(name)]
         for name in names:
-            task = asyncio.ensure_future(self._fetch(name))
-            self._fetches.add(task)
-            task.add_done_callback(self._fetches.discard)
+            start_task(self._fetches, self._fetch(name))
         return bool(names)
 
     async def subscribe_again(self) -> None:
@@ -76,8 +75,7 @@ class ParameterWatches:
 
     async def close(self) -> None:
         """End all watches. Idempotent."""
-        for task in self._fetches:
-            task.cancel()
+        await cancel_all(*self._fetches)
         watches = [watch for named in self._watches.values() for watch in named]
         await asyncio.gather(*(watch.close() for watch in watches))
 

@@ -14,7 +14,7 @@ from typing import Final
 
 from rostether.errors import RostetherError, ServiceCallError
 from rostether.graph.ports import Graph, Publisher
-from rostether.mechanisms.block_end import cancel_all
+from rostether.mechanisms.tasks import cancel_all, start_task
 from rostether.msgdef.interface import MessageType
 from rostether.msgdef.registry import Registry
 from rostether.ros2.actions.ros1_form import (
@@ -192,9 +192,7 @@ class Ros1ActionServer:
         goal.is_canceled = True
         if goal.status is Ros1Status.ACTIVE:
             goal.status = Ros1Status.PREEMPTING
-            task = asyncio.create_task(self._ask_to_cancel(goal))
-            self._canceling.add(task)
-            task.add_done_callback(self._canceling.discard)
+            start_task(self._canceling, self._ask_to_cancel(goal))
 
     async def _ask_to_cancel(self, goal: _Goal) -> None:
         try:

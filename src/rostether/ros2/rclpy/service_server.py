@@ -9,7 +9,7 @@ from typing import Any
 from rostether.errors import RostetherError
 from rostether.graph.callbacks import report_error
 from rostether.graph.ports import Level, ServiceHandler
-from rostether.mechanisms.block_end import cancel_all
+from rostether.mechanisms.tasks import cancel_all, start_task
 from rostether.ros2.early_conversion import convert
 from rostether.ros2.rclpy.executor_thread import NoAnswerError
 from rostether.ros2.rclpy.installation import interface_class, load_rclpy
@@ -88,9 +88,7 @@ class RclpyServiceServer:
         if self._is_closed:
             self._finish(answer, None)
             return
-        call = asyncio.ensure_future(self._serve(request, answer))
-        self._calls.add(call)
-        call.add_done_callback(self._calls.discard)
+        start_task(self._calls, self._serve(request, answer))
 
     async def _serve(self, request: bytes, answer: Any) -> None:
         cdr: bytes | None = None

@@ -14,7 +14,7 @@ import zenoh
 from rostether.errors import RostetherError
 from rostether.graph.callbacks import report_error
 from rostether.graph.ports import ServiceHandler
-from rostether.mechanisms.block_end import cancel_all
+from rostether.mechanisms.tasks import cancel_all, start_task
 from rostether.ros2.early_conversion import convert
 from rostether.ros2.handover import Handover
 from rostether.ros2.naming import dds_name
@@ -87,9 +87,7 @@ class ServiceServer:
             if len(self._calls) >= MAX_CALLS + MAX_REFUSALS:
                 query.drop()
                 continue
-            task = asyncio.ensure_future(self._answer(query, is_refused=len(self._calls) >= MAX_CALLS))
-            self._calls.add(task)
-            task.add_done_callback(self._calls.discard)
+            start_task(self._calls, self._answer(query, is_refused=len(self._calls) >= MAX_CALLS))
 
     async def _answer(self, query: zenoh.Query, *, is_refused: bool) -> None:
         busy = f"service {self.service} is busy with {MAX_CALLS} calls; try again later"

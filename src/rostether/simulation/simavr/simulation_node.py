@@ -14,7 +14,7 @@ from typing import Any, Protocol
 
 from rostether.errors import BoardError
 from rostether.graph.typed_graph import TypedGraph
-from rostether.mechanisms.block_end import cancel_all
+from rostether.mechanisms.tasks import cancel_all
 from rostether.mechanisms.text import escape_line
 from rostether.simulation.simavr.board_events import BoardEvent
 

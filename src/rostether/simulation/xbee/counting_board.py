@@ -7,7 +7,7 @@ from types import TracebackType
 from typing import Any, Self
 
 from rostether.device.device import Device
-from rostether.mechanisms.block_end import cancel_all
+from rostether.mechanisms.tasks import cancel_all
 from rostether.rosserial.device_link import DeviceLinkConfig
 from rostether.serde.store import TypeStore
 from rostether.transports.transport import Transport

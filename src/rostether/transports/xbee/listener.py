@@ -18,7 +18,7 @@ from typing import TypeAlias
 
 from rostether.errors import TransportError
 from rostether.mechanisms.backoff import Backoff
-from rostether.mechanisms.block_end import cancel_all
+from rostether.mechanisms.tasks import cancel_all
 from rostether.transports.address import SerialAddress, XbeeAddress
 from rostether.transports.link_quality import LinkQuality
 from rostether.transports.peers import IDLE_LIMIT_S, MAX_PEERS, Medium, PeerTable

@@ -1,0 +1,34 @@
+from __future__ import annotations
+
+import asyncio
+from typing import Any
+
+from rostether.mechanisms.tasks import cancel_all, start_task
+
+
+async def test_a_task_is_kept_until_it_ends() -> None:
+    tasks: set[asyncio.Task[Any]] = set()
+    end = asyncio.Event()
+    task = start_task(tasks, end.wait())
+    await asyncio.sleep(0)
+    assert tasks == {task}
+    end.set()
+    assert await task
+    await asyncio.sleep(0)
+    assert not tasks
+
+
+async def test_all_cancelled_tasks_have_ended_and_their_errors_are_ignored() -> None:
+    tasks: set[asyncio.Task[Any]] = set()
+
+    async def fail_at_the_end() -> None:
+        try:
+            await asyncio.Event().wait()
+        finally:
+            raise ValueError("at the end")
+
+    started = [start_task(tasks, fail_at_the_end()), start_task(tasks, asyncio.sleep(60))]
+    await asyncio.sleep(0)
+    await cancel_all(*tasks)
+    assert all(task.done() for task in started)
+    assert not tasks
