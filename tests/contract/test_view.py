@@ -10,11 +10,10 @@ from contract.capabilities import Capabilities
 from contract.graphs import SET_BOOL, STRING, Inbox, answer, snapshot_when, string
 from rostether.graph.log_message import LOG_TYPE, ROSOUT
 from rostether.graph.ports import JoinGraph, Level, Snapshot
-from rostether.msgdef.interface import ANY_MESSAGE, MessageType
+from rostether.graph.ros_clock import CLOCK_TOPIC, CLOCK_TYPE
+from rostether.msgdef.interface import ANY_MESSAGE
 from rostether.rostime import Time
 from waiting import until
-
-CLOCK_TYPE = MessageType("rosgraph_msgs/Clock", "a9c97c1d230cfc112e270351a944ee47", "time clock\n")
 
 
 async def no_answer(_: bytes) -> bytes:
@@ -94,7 +93,7 @@ async def test_time_is_the_wall_clock(join: JoinGraph) -> None:
 async def test_time_is_that_of_clock_where_it_is_simulated(join: JoinGraph, can: Capabilities) -> None:
     can.require("simulates_time")
     simulator = await join("/simulator")
-    publisher = await simulator.advertise("/clock", CLOCK_TYPE)
+    publisher = await simulator.advertise(CLOCK_TOPIC, CLOCK_TYPE)
     if can.global_parameters:
         await simulator.set_param("/use_sim_time", True)
         node = await join("/node")

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import asyncio
-import time
 from collections import deque
 from collections.abc import Callable
 
@@ -14,6 +13,7 @@ from rostether.graph.memory_services import MemoryServiceServer
 from rostether.graph.memory_topics import MemoryPublisher, MemorySubscriber
 from rostether.graph.node_membership import NodeMembership
 from rostether.graph.ports import ServiceEntry, Snapshot, TopicEntry
+from rostether.graph.ros_clock import wall_time
 from rostether.msgdef.interface import ANY_TYPE
 from rostether.rostime import Time
 
@@ -24,7 +24,7 @@ MAX_LOGS = 1000
 class MemoryState:
     """The shared state; `logs` keeps the latest logs."""
 
-    def __init__(self, now: Callable[[], Time] = lambda: Time.from_ns(time.time_ns())) -> None:
+    def __init__(self, now: Callable[[], Time] = wall_time) -> None:
         self.now = now
         self.logs: deque[LogRecord] = deque(maxlen=MAX_LOGS)
         self.parameters = MemoryParameters()

@@ -14,11 +14,10 @@ from msgspec import Struct, field
 
 from rostether.errors import RecordingError
 from rostether.graph.ports import Graph, Publisher
+from rostether.graph.ros_clock import CLOCK_TOPIC, CLOCK_TYPE, encode_clock
 from rostether.msgdef.interface import ANY_MESSAGE, MessageType
 from rostether.recording.recorded import Connection, RecordingReader, merged
 from rostether.rostime import NS_PER_S, Time
-
-CLOCK_TYPE = MessageType("rosgraph_msgs/Clock", "a9c97c1d230cfc112e270351a944ee47", "time clock\n")
 
 # How long a slow subscriber delays the others; then it loses its oldest messages.
 DRAIN_S = 0.5
@@ -145,7 +144,7 @@ class Player:
                 topic, message_type, latch=is_latching, queue_bytes=queue_bytes
             )
         if self._settings.clock_hz is not None:
-            self._clock = await self._graph.advertise("/clock", CLOCK_TYPE)
+            self._clock = await self._graph.advertise(CLOCK_TOPIC, CLOCK_TYPE)
         if control := self._settings.rate_control_topic:
             self._controlled_s = asyncio.get_running_loop().time()
             await self._graph.subscribe(control, ANY_MESSAGE, self._handle_control)
@@ -259,5 +258,4 @@ class Player:
         if now_s >= self._next_clock_s:
             self._next_clock_s = now_s + 1 / self._settings.clock_hz
             time_ns = self.time_ns if self._settings.is_immediate else self._now_ns()
-            time = Time.from_ns(time_ns)
-            self._clock.publish_raw([time.secs.to_bytes(4, "little") + time.nsecs.to_bytes(4, "little")])
+            self._clock.publish_raw([encode_clock(Time.from_ns(time_ns))])

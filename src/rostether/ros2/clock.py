@@ -4,32 +4,22 @@ from __future__ import annotations
 
 import asyncio
 import logging
-import struct
-import time
 from collections.abc import Callable, Sequence
 
 from rostether.errors import GraphError
 from rostether.graph.ports import Graph, Subscriber
-from rostether.msgdef.interface import MessageType
+from rostether.graph.ros_clock import CLOCK_TOPIC, CLOCK_TYPE, decode_clock, wall_time
 from rostether.ros2.parameters.store import USE_SIM_TIME, Changes, ParameterStore
 from rostether.rostime import Time
 
-CLOCK_TOPIC = "/clock"
-CLOCK_TYPE = MessageType("rosgraph_msgs/Clock", "a9c97c1d230cfc112e270351a944ee47", "time clock\n")
-
-_CLOCK = struct.Struct("<II")
 _log = logging.getLogger("rostether.ros2")
-
-
-def _wall_time() -> Time:
-    return Time.from_ns(time.time_ns())
 
 
 class NodeClock:
     """Returns the time of one node; use_sim_time may change at any time, as in rclcpp."""
 
     def __init__(
-        self, store: ParameterStore, graph: Graph, wall_time: Callable[[], Time] = _wall_time
+        self, store: ParameterStore, graph: Graph, wall_time: Callable[[], Time] = wall_time
     ) -> None:
         self._store = store
         self._graph = graph
@@ -88,5 +78,5 @@ class NodeClock:
                 await subscriber.close()
 
     def _handle_clock(self, payloads: Sequence[bytes]) -> None:
-        if self._simulated is not None and len(payloads[-1]) == _CLOCK.size:
-            self._simulated = Time(*_CLOCK.unpack(payloads[-1]))
+        if self._simulated is not None:
+            self._simulated = decode_clock(payloads[-1]) or self._simulated

@@ -13,7 +13,8 @@ from rostether.errors import GraphError
 from rostether.graph.memory_graph import MemoryGraph
 from rostether.graph.memory_network import MemoryNetwork
 from rostether.graph.ports import Publisher
-from rostether.ros2.clock import CLOCK_TOPIC, CLOCK_TYPE, NodeClock
+from rostether.graph.ros_clock import CLOCK_TOPIC, CLOCK_TYPE
+from rostether.ros2.clock import NodeClock
 from rostether.ros2.parameters.store import ParameterStore
 from rostether.ros2.parameters.typed_value import typed_value
 from rostether.rostime import Time

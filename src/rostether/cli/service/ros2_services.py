@@ -15,6 +15,7 @@ from rostether.cli.service.services import CallOptions, ServiceListing
 from rostether.cli.shell.output import write_json, write_line, write_result
 from rostether.cli.shell.running import run
 from rostether.errors import ServiceUnavailableError, UnknownNameError
+from rostether.graph.ros_clock import wall_time
 from rostether.mechanisms.text import did_you_mean, escape_line
 from rostether.names.graph_name import is_in_namespace
 from rostether.ros2.endpoint_info import EndpointKind
@@ -22,7 +23,6 @@ from rostether.ros2.graph_view import SERVICE_KINDS, GraphView, one_or_all
 from rostether.ros2.types.message_text import MessageText, TextStyle
 from rostether.ros2.types.native_registry import short_name
 from rostether.ros2.types.value_form import ValueForm
-from rostether.rostime import Time
 
 _TYPE_NAME = re.compile(r"[A-Za-z]\w*(/srv)?/[A-Za-z]\w*")
 POLL_S = 0.1
@@ -150,7 +150,7 @@ async def call(graph: GraphOptions, service: str, arguments: tuple[str, ...], op
         await tool.learn_type(view, name, EndpointKind.SERVER)
         definition = tool.registry.ros2_service(chosen)
         codec = tool.graph.store.codec(tool.registry.service_type(chosen).request.name)
-        form = ValueForm(tool.registry.ros2_message, lambda: Time.from_ns(time.time_ns()))
+        form = ValueForm(tool.registry.ros2_message, wall_time)
         text = MessageText(tool.registry.ros2_message, TextStyle(truncate_length=None))
         request = form.fill(codec, definition.request, values)
         while True:

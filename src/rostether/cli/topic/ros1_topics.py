@@ -21,6 +21,7 @@ from rostether.cli.shell.running import run
 from rostether.cli.topic.options import EchoOptions, PubOptions, with_field
 from rostether.cli.topic.ros1_listing import Ros1TopicListing
 from rostether.errors import ConfigError, DefinitionError, TypeMismatchError
+from rostether.graph.ros_clock import wall_time
 from rostether.mechanisms.text import did_you_mean
 from rostether.msgdef.interface import ANY_TYPE
 from rostether.rostime import Time
@@ -92,13 +93,13 @@ async def _publish(
     is_typed = bool(given) or not codec.message_class._fields
     # Errors are reported before anything is advertised.
     if is_typed:
-        fill_message(codec, values, now=_wall_time)
+        fill_message(codec, values, now=wall_time)
     elif text is None and sys.stdin.isatty():
         fields = " ".join(field for field, _ in codec.message_class._fields)
         raise click.UsageError(f"{type_name} needs values: {fields}")
     async with joined(graph_options, store=store, purpose="rostopic") as graph:
         await _check_type(graph, name, codec)
-        now = graph.now if options.use_rostime else _wall_time
+        now = graph.now if options.use_rostime else wall_time
         is_latched = options.rate_hz is None or options.latch
         publisher = await graph.publisher(name, type_name, latch=is_latched)
         output = _Output(publisher, graph.raw.wait_closed, options)
@@ -201,10 +202,6 @@ def _shown(message: Message) -> str:
     from rostether.serde.yaml_print import format_message
 
     return format_message(message)
-
-
-def _wall_time() -> Time:
-    return Time.from_ns(time.time_ns())
 
 
 async def _documents(codec: Codec, text: str | None, now: Callable[[], Time]) -> AsyncIterator[Message]:

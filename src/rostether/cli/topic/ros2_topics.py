@@ -22,10 +22,10 @@ from rostether.cli.topic.options import EchoOptions, PubOptions
 from rostether.cli.topic.ros2_chosen_topic import ChosenRos2Topic, choose_ros2_topic
 from rostether.cli.topic.ros2_listing import Ros2TopicListing
 from rostether.errors import GraphError
+from rostether.graph.ros_clock import wall_time
 from rostether.ros2.types.message_text import DEFAULT_TRUNCATE_LENGTH, MessageText, TextStyle
 from rostether.ros2.types.native_registry import short_name
 from rostether.ros2.types.value_form import ValueForm
-from rostether.rostime import Time
 
 if TYPE_CHECKING:
     from rostether.cli.access.ros2_tool_node import ToolNode
@@ -78,7 +78,7 @@ async def _publish(
         values = list(load_documents(read_text(options.file)))
     name = short_name(type_name)
     async with tool_node(graph, options.msg_paths) as tool:
-        form = ValueForm(tool.registry.ros2_message, lambda: Time.from_ns(time.time_ns()))
+        form = ValueForm(tool.registry.ros2_message, wall_time)
         codec, definition = tool.graph.store.codec(name), tool.registry.ros2_message(name)
         messages = [form.fill(codec, definition, each) for each in values]
         support = tool.types.by_name(definition.full_name)

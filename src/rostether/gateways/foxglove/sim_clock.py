@@ -4,18 +4,15 @@ from __future__ import annotations
 
 import asyncio
 import logging
-import struct
 import time
 from collections.abc import Callable
 
 from rostether.errors import RostetherError
 from rostether.gateways.shared_subscriptions import Batch, SharedSubscription, SharedSubscriptions
 from rostether.graph.ports import Graph, ParamValue, Watch
-from rostether.rostime import NS_PER_S
+from rostether.graph.ros_clock import CLOCK_TOPIC, decode_clock
 
-_CLOCK_TOPIC = "/clock"
 _USE_SIM_TIME = "/use_sim_time"
-_STAMP = struct.Struct("<II")
 _log = logging.getLogger("rostether.gateways")
 
 
@@ -83,16 +80,15 @@ class SimClock:
         """Subscribe to /clock while it is used."""
         if self.is_simulated and self._share is None:
             try:
-                self._share = await self._shared.subscribe(_CLOCK_TOPIC, self._handle_clock)
+                self._share = await self._shared.subscribe(CLOCK_TOPIC, self._handle_clock)
             except RostetherError as error:
-                _log.warning("cannot subscribe to %s: %s", _CLOCK_TOPIC, error)
+                _log.warning("cannot subscribe to %s: %s", CLOCK_TOPIC, error)
         elif not self.is_simulated and self._share is not None:
             share, self._share = self._share, None
             await share.close()
 
     def _handle_clock(self, batch: Batch) -> None:
-        payload = batch.payloads[-1]
-        if self.is_simulated and len(payload) == _STAMP.size:
-            seconds, nanoseconds = _STAMP.unpack(payload)
-            self._time_ns = seconds * NS_PER_S + nanoseconds
+        now = decode_clock(batch.payloads[-1])
+        if self.is_simulated and now is not None:
+            self._time_ns = now.to_ns()
             self._on_time(self._time_ns)

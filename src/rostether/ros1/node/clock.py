@@ -2,24 +2,16 @@
 
 from __future__ import annotations
 
-import struct
-import time
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
+from rostether.graph.ros_clock import decode_clock, wall_time
 from rostether.rostime import Time
-
-_CLOCK = struct.Struct("<II")
-
-
-def _wall_time() -> Time:
-    return Time.from_ns(time.time_ns())
 
 
 class Clock:
     """Returns ROS time; whether it is simulated is decided once, when the node joins, as in rospy."""
 
-    def __init__(self, wall_time: Callable[[], Time] = _wall_time) -> None:
-        self._wall_time = wall_time
+    def __init__(self) -> None:
         self._simulated: Time | None = None
 
     def simulate(self) -> None:
@@ -33,9 +25,8 @@ class Clock:
 
     def now(self) -> Time:
         """Return the time."""
-        return self._wall_time() if self._simulated is None else self._simulated
+        return wall_time() if self._simulated is None else self._simulated
 
     def handle_messages(self, payloads: Sequence[bytes]) -> None:
         """Handle serialized rosgraph_msgs/Clock messages; a malformed one is ignored."""
-        if len(payloads[-1]) == _CLOCK.size:
-            self._simulated = Time(*_CLOCK.unpack(payloads[-1]))
+        self._simulated = decode_clock(payloads[-1]) or self._simulated

@@ -10,6 +10,7 @@ from rostether.errors import UnknownNameError
 from rostether.graph.log_message import LOG_TYPE, ROSOUT, encode_log
 from rostether.graph.node_membership import NodeMembership
 from rostether.graph.ports import Level, OnMessages, ParamValue, ServiceHandler, Snapshot, SubscribeOptions
+from rostether.graph.ros_clock import CLOCK_TOPIC, CLOCK_TYPE
 from rostether.msgdef.interface import MessageType, ServiceType
 from rostether.names.graph_name import join, validate_name
 from rostether.ros1.environment import RosEnvironment
@@ -27,8 +28,6 @@ from rostether.rostime import Time
 
 _log = logging.getLogger("rostether.ros1")
 
-CLOCK_TOPIC = "/clock"
-CLOCK_TYPE = MessageType("rosgraph_msgs/Clock", "a9c97c1d230cfc112e270351a944ee47", "time clock\n")
 USE_SIM_TIME = "/use_sim_time"
 
 
