@@ -17,7 +17,7 @@ from rostether.ros2.actions.ros1_form import CANCEL, FEEDBACK, GOAL, RESULT, STA
 from rostether.ros2.actions.ros1_server import Ros1ActionServer
 from rostether.ros2.actions.types import SEND_GOAL_SERVICE
 
-# The suffix of the node that offers and calls actions in ROS 2, after the relay's name.
+# Follows the relay's name in the name of its node in ROS 2 that offers and calls actions.
 NODE_SUFFIX = "_actions"
 
 # How often the ROS 1 server is checked; a client notices its end after this time.
@@ -61,7 +61,11 @@ def _of_ros2(snapshot: Snapshot) -> Iterator[tuple[str, ActionEntry]]:
 
 
 class ActionRelay:
-    """Offers an action of one graph in the other one until it is closed; `ros1` is the node in ROS 1."""
+    """Offers an action of one graph in the other one, from `open` to `close`.
+
+    `type_name` is `package/Name`, and `ros1` the relay's node in ROS 1. With `to_ros2`, the server is in ROS
+    1.
+    """
 
     def __init__(self, name: str, type_name: str, ros1: Graph, join: BoardJoin, *, to_ros2: bool) -> None:
         self.type_name = type_name
@@ -72,7 +76,7 @@ class ActionRelay:
         self._stack = AsyncExitStack()
 
     async def open(self) -> None:
-        """Wait for the server, and offer its action. Raises RostetherError."""
+        """Offer the action; wait for a server in ROS 1 first. Raises RostetherError."""
         session = await self._join.session()
         native = await session.join(self._ros1.node_name + NODE_SUFFIX)
         self._stack.push_async_callback(native.close)
@@ -91,14 +95,14 @@ class ActionRelay:
         self._stack.push_async_callback(action.close)
 
     async def wait_for_new_type(self) -> None:
-        """Wait until the server has ended. Raises ServiceUnavailableError."""
+        """Wait until a server in ROS 1 has ended; then raise ServiceUnavailableError."""
         # The port does not report connections, and polling is cheap.
         while not self._to_ros2 or self._is_served():  # noqa: ASYNC110
             await asyncio.sleep(CHECK_S)
         raise ServiceUnavailableError(f"its server in ROS 1 has ended; waiting for {self._name}")
 
     async def close(self) -> None:
-        """Stop, and cancel or abort the active goals. Idempotent. Raises GraphError."""
+        """Stop, and cancel or abort the active goals. Raises GraphError."""
         await self._stack.aclose()
 
     async def _connect(self, action: BoardAction) -> None:

@@ -43,7 +43,7 @@ DISCOVERY_S = 2.0
 # How long a relay waits for each older one: until the graphs show what the older one relays.
 OLDER_RELAY_WAIT_S = 1.5
 
-# How often other relays are checked. Until then, the offers of a killed relay are missing.
+# How often the relay checks whether others still run: what a killed relay offered is missing for this time.
 CHECK_S = 3.0
 
 # How often a new relay checks for its first snapshot of a graph.
@@ -53,9 +53,9 @@ Report = Callable[[Level, str], None]
 
 
 class Relay:
-    """Relays the chosen topics and services; `report` gets a line for each start, end and error.
+    """Relays what `relay_filter` chooses; `report` gets a line for each start, end and error.
 
-    With `actions`, `first` is ROS 1 and `second` is ROS 2.
+    `actions` is needed to relay actions; then `first` is ROS 1 and `second` is ROS 2.
     """
 
     def __init__(
@@ -80,8 +80,6 @@ class Relay:
         self._has_changed = asyncio.Event()
         self._relaying: dict[RelayItem, asyncio.Task[None]] = {}
         self._ending: dict[RelayItem, asyncio.Task[None]] = {}
-        # The running relays, and those that wait for a publisher.
-        self.relays: dict[RelayItem, TopicRelay | ServiceRelay | ActionRelay] = {}
 
     async def run(self) -> None:
         """Relay until cancelled. Raises GraphError when a graph shuts down the relay's node."""
@@ -180,7 +178,7 @@ class Relay:
         self._has_changed.set()
 
     def _items(self, left_out: dict[str, str]) -> Iterator[RelayItem]:
-        """Yield the items to relay; `left_out` gets those of another relay, with the reason."""
+        """Yield the items to relay; `left_out` gets those that another relay relays, with the reason."""
         first, second = self._sides
         for item, there in (
             *self._topics(first, second, Direction.FIRST_TO_SECOND),
@@ -251,11 +249,11 @@ class Relay:
     async def _relay_item(self, item: RelayItem) -> None:
         reported = ""
         while True:
-            # Older relays have priority; this task is cancelled if one of them relays the topic.
+            # Older relays have priority; this task is cancelled if one of them relays the item.
             await asyncio.sleep(
                 OLDER_RELAY_WAIT_S * sum(mark < self._mark for mark in self._marked.relays.values())
             )
-            relay = self.relays[item] = self._new_relay(item)
+            relay = self._new_relay(item)
             is_open = False
             try:
                 await relay.open()
@@ -268,7 +266,6 @@ class Relay:
                     reported = str(error)
                     self._report(Level.ERROR, f"cannot relay {item.text}: {error}")
             finally:
-                del self.relays[item]
                 await self._end(relay, item, was_open=is_open)
             await asyncio.sleep(RETRY_S)
 

@@ -10,7 +10,7 @@ from msgspec import Struct
 # Each graph has its own topics with these names: they are relayed only if given without `*`.
 PRIVATE_TOPICS = frozenset({"/rosout", "/rosout_agg", "/parameter_events", "/clock"})
 
-# Services that every node of a graph offers about itself; they are not relayed.
+# Every node of a graph offers these services about itself: they are relayed only if given without `*`.
 PRIVATE_SERVICES = (
     "*/get_loggers",
     "*/set_logger_level",
@@ -24,7 +24,7 @@ PRIVATE_SERVICES = (
     "*/_action/*",
 )
 
-# The parts of an action: in ROS 1 topics, in ROS 2 topics and services, all below `_action`.
+# The topics of an action in ROS 1. In ROS 2, its topics and services are below `_action`.
 ACTION_TOPICS = ("goal", "cancel", "feedback", "result", "status")
 
 

@@ -5,47 +5,37 @@ from __future__ import annotations
 import asyncio
 
 from rostether.graph.ports import ServiceServer
-from rostether.msgdef.interface import ANY_TYPE, ServiceType
+from rostether.msgdef.interface import ANY_TYPE
 from rostether.relay.side import Side
 
 
 class ServiceRelay:
-    """Forwards calls until it is closed."""
+    """Forwards calls from `open` to `close`; `chosen_type` is the type that the user gave, or empty."""
 
     def __init__(self, service: str, source: Side, target: Side, chosen_type: str) -> None:
-        self.service = service
-        self.source = source
-        self.target = target
-        self.type: ServiceType | None = None
+        # `*` before the type is known.
+        self.type_name = ANY_TYPE
+        self._service = service
+        self._source = source
+        self._target = target
         self._chosen_type = chosen_type
         self._server: ServiceServer | None = None
-        self._is_closed = False
-
-    @property
-    def type_name(self) -> str:
-        """The name of the type, `*` before it is known."""
-        return ANY_TYPE if self.type is None else self.type.name
 
     async def open(self) -> None:
         """Offer the service. Raises RostetherError."""
-        self.type = service_type = await self.source.find_service_type(self.service, self._chosen_type)
+        service_type = await self._source.find_service_type(self._service, self._chosen_type)
+        self.type_name = service_type.name
 
         async def call(request: bytes) -> bytes:
-            return await self.source.graph.call_service(self.service, service_type, request)
+            return await self._source.graph.call_service(self._service, service_type, request)
 
-        server = await self.target.graph.advertise_service(self.service, service_type, call)
-        if self._is_closed:
-            await server.close()
-            return
-        self._server = server
+        self._server = await self._target.graph.advertise_service(self._service, service_type, call)
 
     async def wait_for_new_type(self) -> None:
         """Wait until cancelled: a service keeps its type."""
         await asyncio.Event().wait()
 
     async def close(self) -> None:
-        """Withdraw the service. Idempotent. Raises GraphError."""
-        self._is_closed = True
-        server, self._server = self._server, None
-        if server is not None:
-            await server.close()
+        """Withdraw the service. Raises GraphError."""
+        if self._server is not None:
+            await self._server.close()

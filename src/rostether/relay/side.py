@@ -10,15 +10,16 @@ from rostether.errors import DefinitionError
 from rostether.graph.ports import Graph
 from rostether.msgdef.interface import ANY_TYPE, ServiceType
 
-# Takes a service and the name of its type, `*` if it is unknown. Raises RostetherError.
+# Finds the type of a service by the names of the service and of its type, `*` if that is unknown. Raises
+# RostetherError.
 FindServiceType = Callable[[str, str], Awaitable[ServiceType]]
 
-# Takes a node's name; if the node was killed, removes its registrations and returns True.
+# Returns whether the node with a name was killed; if so, removes its registrations. Raises RostetherError.
 ForgetNode = Callable[[str], Awaitable[bool]]
 
 
 class Side(Struct, frozen=True):
-    """A graph, its name for users, and a function that finds the type of a service.
+    """A graph, its name for users, and a function that finds the types of services.
 
     `forget_if_gone` is for a graph that keeps the registrations of nodes that were killed: ROS 1.
     """

@@ -7,7 +7,7 @@ import struct
 from collections.abc import Container, Mapping, Sequence
 
 from rostether.graph.ports import Publisher, Subscriber
-from rostether.msgdef.interface import ANY_MESSAGE, ANY_TYPE, MessageType
+from rostether.msgdef.interface import ANY_MESSAGE, MessageType
 from rostether.relay.side import Side
 
 # How long a slow subscriber on the other side may delay the others, as in the bridge to boards.
@@ -29,24 +29,23 @@ MAX_FRAMES = 10_000
 
 _TRANSFORM_TYPES = frozenset({"tf2_msgs/TFMessage", "tf/tfMessage"})
 _COUNT = struct.Struct("<I")
-# The fields of a TransformStamped before its two strings, and after them.
+# The sizes of the fields of geometry_msgs/TransformStamped before its two strings, and after them.
 _BEFORE_BYTES = 12
 _AFTER_BYTES = 56
 
 
 class TopicRelay:
-    """Relays a topic until it is closed; messages of `skip_nodes` are omitted.
+    """Relays a topic from `open` to `close`; messages of `skip_nodes` are omitted.
 
     Messages that arrive before the subscribers on the other side are connected wait here, and then, because
     the subscription pauses, in the source graph's queues.
     """
 
     def __init__(self, topic: str, source: Side, target: Side, skip_nodes: Container[str] = ()) -> None:
-        self.topic = topic
-        self.source = source
-        self.target = target
-        self.type: MessageType | None = None
-        self.message_count = 0
+        self._topic = topic
+        self._source = source
+        self._target = target
+        self._type = ANY_MESSAGE
         self._skip_nodes = skip_nodes
         self._is_latched = False
         self._transforms: StaticTransforms | None = None
@@ -56,17 +55,16 @@ class TopicRelay:
         self._is_ready = False
         self._subscriber: Subscriber | None = None
         self._pausing: asyncio.Task[None] | None = None
-        self._is_closed = False
 
     @property
     def type_name(self) -> str:
         """The name of the type, `*` before it is known."""
-        return ANY_TYPE if self.type is None else self.type.name
+        return self._type.name
 
     async def open(self) -> None:
         """Wait for a publisher, then relay its type and messages. Raises RostetherError."""
-        subscriber = await self.source.graph.subscribe(
-            self.topic,
+        self._subscriber = await self._source.graph.subscribe(
+            self._topic,
             ANY_MESSAGE,
             self._publish_or_hold,
             on_connection=self._handle_connection,
@@ -74,25 +72,18 @@ class TopicRelay:
             skip_nodes=self._skip_nodes,
             one_type=True,
         )
-        if self._is_closed:
-            await subscriber.close()
-            return
-        self._subscriber = subscriber
         await self.wait_for_new_type()
 
     async def wait_for_new_type(self) -> None:
         """Wait for a publisher of a new type, and relay this type. Raises RostetherError."""
         await self._type_changed.wait()
         self._type_changed.clear()
-        assert self.type is not None
         old, self._publisher = self._publisher, None
         if old is not None:
             await old.close()
-        publisher = await self.target.graph.advertise(self.topic, self.type, latch=self._is_latched)
-        if self._is_closed:
-            await publisher.close()
-            return
-        self._publisher = publisher
+        self._publisher = publisher = await self._target.graph.advertise(
+            self._topic, self._type, latch=self._is_latched
+        )
         await self._subscribers_connected(publisher)
         self._is_ready = not self._type_changed.is_set()
         if self._is_ready:
@@ -102,38 +93,35 @@ class TopicRelay:
             self._subscriber.resume()
 
     async def close(self) -> None:
-        """Stop. Idempotent. Raises GraphError."""
-        self._is_closed = True
+        """Stop. Raises GraphError."""
         self._is_ready = False
         if self._pausing is not None:
             self._pausing.cancel()
-        subscriber, self._subscriber = self._subscriber, None
-        publisher, self._publisher = self._publisher, None
         try:
-            if subscriber is not None:
-                await subscriber.close()
+            if self._subscriber is not None:
+                await self._subscriber.close()
         finally:
-            if publisher is not None:
-                await publisher.close()
+            if self._publisher is not None:
+                await self._publisher.close()
 
     def _handle_connection(self, fields: Mapping[str, str]) -> None:
         if fields.get("callerid", "") in self._skip_nodes:
             return
         found = MessageType(fields["type"], fields["md5sum"], fields.get("message_definition", ""))
         is_latched = fields.get("latching") == "1"
-        if self.type is None or (found.name, found.md5sum) != (self.type.name, self.type.md5sum):
+        if (found.name, found.md5sum) != (self._type.name, self._type.md5sum):
             # Messages of the old type can no longer be published.
             self._waiting.clear()
         elif self._is_latched or not is_latched:
             return
-        self.type, self._is_latched = found, is_latched
+        self._type, self._is_latched = found, is_latched
         self._transforms = StaticTransforms() if is_latched and found.name in _TRANSFORM_TYPES else None
         self._is_ready = False
         self._type_changed.set()
 
     async def _subscribers_connected(self, publisher: Publisher) -> None:
         """Wait until the subscribers that the other graph lists are connected, at most `CONNECT_S`."""
-        graph = self.target.graph
+        graph = self._target.graph
         topic = (await graph.snapshot()).topics.get(publisher.topic)
         listed = set() if topic is None else set(topic.subscribers)
         others = listed - {graph.node_name}
@@ -150,7 +138,7 @@ class TopicRelay:
     def _publish_or_hold(self, payloads: Sequence[bytes]) -> None:
         if self._is_ready:
             self._publish(payloads)
-        elif not self._is_closed:
+        else:
             self._waiting += payloads
             if self._subscriber is not None:
                 self._subscriber.pause()
@@ -158,7 +146,6 @@ class TopicRelay:
     def _publish(self, payloads: Sequence[bytes]) -> None:
         if self._publisher is None:
             return
-        self.message_count += len(payloads)
         if self._transforms is not None:
             payloads = [self._transforms.merge(each) for each in payloads]
         if not self._publisher.publish_raw(payloads) and self._pausing is None:
@@ -179,15 +166,15 @@ class TopicRelay:
 class StaticTransforms:
     """All transforms of a topic so far, the latest one for each child frame.
 
-    A latched topic has one last message for each publisher: a subscriber that comes later receives the
-    transforms of all. A relay is one publisher, so its last message must have all transforms.
+    A latched topic keeps the last message of each publisher, so that a later subscriber receives all
+    transforms. A relay is one publisher, so its last message must have all transforms.
     """
 
     def __init__(self) -> None:
         self._transforms: dict[bytes, bytes] = {}
 
     def merge(self, payload: bytes) -> bytes:
-        """Return the message with all transforms; a message that has another layout stays as it is."""
+        """Return the message with all transforms, unchanged if it has another layout or too many frames."""
         try:
             found = _read(payload)
         except struct.error:

@@ -34,7 +34,6 @@ class World:
     def __init__(self) -> None:
         self.networks = MemoryNetwork(), MemoryNetwork()
         self.lines: list[str] = []
-        self.relay: Relay | None = None
 
     async def join(self) -> None:
         self.one, self.two = [await network.join("/node") for network in self.networks]
@@ -44,10 +43,21 @@ class World:
         topic = self.networks[graph].snapshot().topics.get(name)
         return topic is not None and "/relay" in topic.publishers
 
+    @property
+    def relayed(self) -> set[str]:
+        """The items that the relay reports as relayed and not yet as ended."""
+        relayed: set[str] = set()
+        for line in self.lines:
+            if line.startswith("no longer relaying "):
+                relayed.discard(line.removeprefix("no longer relaying "))
+            elif line.startswith("relaying "):
+                relayed.add(line.removeprefix("relaying ").partition(" (")[0])
+        return relayed
+
     @asynccontextmanager
     async def relaying(
         self, *topics: Topics, services: tuple[Services, ...] = (), forget_if_gone: ForgetNode | None = None
-    ) -> AsyncIterator[Relay]:
+    ) -> AsyncIterator[None]:
         sides = [
             Side("one", self.relays[0], service_type, forget_if_gone),
             Side("two", self.relays[1], service_type),
@@ -59,8 +69,8 @@ class World:
         relay = Relay(sides[0], sides[1], RelayFilter(topics, services), report)
         running = asyncio.ensure_future(relay.run())
         try:
-            yield relay
+            yield
         finally:
             running.cancel()
             await asyncio.gather(running, return_exceptions=True)
-            assert not relay.relays
+            assert not self.relayed

@@ -40,11 +40,11 @@ async def test_a_board_in_both_graphs_is_skipped(world: World) -> None:
     mine = [await board.advertise("/chat", STRING) for board in boards]
     inbox = Inbox()
     await world.two.subscribe("/chat", STRING, inbox.take)
-    async with world.relaying(Topics("/*"), services=(Services("/*"),)) as relay:
+    async with world.relaying(Topics("/*"), services=(Services("/*"),)):
         await until(lambda: world.lines)
         assert world.lines == ["/board is a node of both graphs: its messages are not relayed"]
         await asyncio.sleep(0.05)
-        assert not relay.relays
+        assert not world.relayed
         # What others publish there goes on, without the board's.
         talker = await world.one.advertise("/chat", STRING)
         await until(lambda: world.carries("/chat", 1) and talker.subscriber_count)
@@ -68,16 +68,16 @@ async def test_what_another_relay_carries_is_left_to_it(world: World) -> None:
     theirs = await others[1].advertise("/chat", STRING)
     await world.one.advertise_service("/switch", SET_BOOL, agreeing)
     served = await others[1].advertise_service("/switch", SET_BOOL, agreeing)
-    async with world.relaying(Topics("/*"), services=(Services("/*"),)) as relay:
+    async with world.relaying(Topics("/*"), services=(Services("/*"),)):
         for what in ("/chat", "service /switch"):
             reason = "the relay /other_relay already relays it"
             line = f"not relaying {what} from one to two: {reason}"
             await until(lambda: line in world.lines)  # noqa: B023 - awaited at once
-        assert not relay.relays
+        assert not world.relayed
         await theirs.close()
         await served.close()
         await until(lambda: world.carries("/chat", 1))
-        await until(lambda: len(relay.relays) == 2)
+        await until(lambda: len(world.relayed) == 2)
 
 
 async def test_of_two_active_relays_the_younger_one_stops(world: World) -> None:
@@ -97,15 +97,15 @@ async def test_of_two_active_relays_the_younger_one_stops(world: World) -> None:
 async def test_a_younger_relay_waits_for_older_ones(world: World, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(relay_module, "OLDER_RELAY_WAIT_S", 0.5)
     others = await marked(world, "/older", new_relay_mark())
-    async with world.relaying(Topics("/*")) as relay:
+    async with world.relaying(Topics("/*")):
         await until(lambda: any("/older" in line for line in world.lines))
         await world.one.advertise("/chat", STRING)
         await asyncio.sleep(0.01)
-        assert not relay.relays
+        assert not world.relayed
         await others[1].advertise("/chat", STRING)
         await until(lambda: any("/older already relays it" in line for line in world.lines))
         await asyncio.sleep(0.6)
-        assert not relay.relays
+        assert not world.relayed
         # One that the older relay does not choose.
         await world.one.advertise("/more", STRING)
         await until(lambda: world.carries("/more", 1))
@@ -122,13 +122,13 @@ async def test_a_killed_relay_is_forgotten(world: World) -> None:
         asked.append(name)
         return is_gone
 
-    async with world.relaying(services=(Services("/*"),), forget_if_gone=forget) as relay:
+    async with world.relaying(services=(Services("/*"),), forget_if_gone=forget):
         await until(lambda: any("relays it" in line for line in world.lines))
-        assert not relay.relays
+        assert not world.relayed
         is_gone = True
         # Its registrations in both graphs are still listed.
         await until(lambda: "the relay /killed was killed: removed its registrations" in world.lines)
-        await until(lambda: any(each.type_name != "*" for each in relay.relays.values()))
+        await until(lambda: world.relayed)
         assert world.networks[0].snapshot().services["/switch"].providers == ("/relay",)
     assert set(asked) == {"/killed"}
 
