@@ -19,7 +19,11 @@ LIST_SERVICE = "list_parameters"
 
 
 class ParameterClient:
-    """Asks other nodes. Raises GraphError if a node does not answer or refuses."""
+    """Asks other nodes.
+
+    All methods raise GraphError if a node does not answer or refuses, and SerializationError if its answer is
+    invalid.
+    """
 
     def __init__(self, graph: Graph, timeout_s: float = CALL_TIMEOUT_S) -> None:
         self._graph = graph
@@ -50,8 +54,8 @@ class ParameterClient:
     async def set(self, node: str, values: Mapping[str, TypedValue]) -> None:
         """Set parameters; `NOT_SET` deletes.
 
-        Whole numbers and empty lists get the type that the parameter has: texts, YAML and JSON often do not
-        distinguish 2 and 2.0. Raises GraphError with the reason for the first refusal.
+        Whole numbers and empty lists get the type that the parameter has, because texts, YAML and JSON often
+        do not distinguish 2 and 2.0. A GraphError has the reason for the first refusal.
         """
         types = await self._types(node, [name for name, value in values.items() if value.may_have_other_type])
         fitting = {name: value.as_type(types.get(name)) for name, value in values.items()}

@@ -25,9 +25,9 @@ class GraphParameters:
         self._watches = ParameterWatches(own, graph, self._value_or_none)
 
     async def get(self, name: str) -> ParamValue:
-        """Return a value or tree; on our own node, an unset parameter is declared.
+        """Return a value or tree; an unset parameter of this node is declared.
 
-        Raises UnknownNameError.
+        Raises UnknownNameError, and the errors of `ParameterClient`.
         """
         parameter = await self._locate(name)
         values = await self._values(parameter)
@@ -63,7 +63,7 @@ class GraphParameters:
         return bool(await self._values(await self._locate(name)))
 
     async def search(self, name: str, resolve: Callable[[str], str]) -> str | None:
-        """Find a parameter; a relative name is searched only on our own node.
+        """Find a parameter; a relative name is searched only on this node.
 
         As in ROS 1, only the first part of the name must exist.
         """
@@ -92,7 +92,7 @@ class GraphParameters:
         await self._watches.close()
 
     async def _locate(self, name: str) -> ParameterPath:
-        # A name below our own node may be below another node with a longer name.
+        # A name below this node may be below another node with a longer name.
         return locate(name, (await self._graph.snapshot()).nodes, self._node)
 
     async def _value_or_none(self, name: str) -> ParamValue:
@@ -119,7 +119,7 @@ class GraphParameters:
             names = await self._client.names(node)
             values = await self._client.get(node, names) if names else {}
         except (GraphError, SerializationError):
-            # The node has left, hangs, or has no parameters: the parameters of other nodes are still valid.
+            # This node has left, hangs, or has no parameters; the parameters of the other nodes are listed.
             return []
         return [full_name(node, name) for name in values]
 

@@ -24,6 +24,7 @@ from msgspec import Struct
 from rostether.bounded_yaml import YamlError, has_alias, load, safe_loader
 from rostether.errors import ConfigError, SerializationError
 from rostether.graph.ports import ParamValue
+from rostether.mechanisms.text import read_failure
 from rostether.ros2.parameters.typed_value import NOT_SET, TypedValue, flatten
 
 PARAMETERS_KEY = "ros__parameters"
@@ -62,10 +63,12 @@ def read_parameter_files(paths: Iterable[Path]) -> ParameterRules:
             with path.open("rb") as file:
                 data = file.read(MAX_FILE_BYTES + 1)
             if len(data) > MAX_FILE_BYTES:
-                raise ConfigError(f"parameter file {path} is longer than {MAX_FILE_BYTES} bytes")
+                raise ConfigError(f"parameter file {path} has more than {MAX_FILE_BYTES} bytes; split it")
             text = data.decode()
-        except (OSError, UnicodeDecodeError) as error:
-            raise ConfigError(f"parameter file {path} cannot be read: {error}") from None
+        except OSError as error:
+            raise ConfigError(read_failure(f"parameter file {path}", error)) from None
+        except UnicodeDecodeError:
+            raise ConfigError(f"parameter file {path} is not text in UTF-8; save it in UTF-8") from None
         entries += parse_parameters(text, str(path)).entries
     return ParameterRules(tuple(entries))
 
@@ -75,7 +78,10 @@ def parse_parameters(text: str, source: str) -> ParameterRules:
     entries: list[_Entry] = []
     try:
         if has_alias(text):
-            raise ConfigError(f"parameter file {source} has an alias (*name), which ROS 2 does not support")
+            raise ConfigError(
+                f"parameter file {source} has an alias (*name), which ROS 2 does not support; "
+                "repeat the value"
+            )
         document = load(text, _loader())
         if document is not None:
             _collect("", document, entries)
@@ -90,7 +96,8 @@ def parse_parameters(text: str, source: str) -> ParameterRules:
 
 def _collect(node: str, content: Any, entries: list[_Entry]) -> None:
     if not isinstance(content, dict):
-        what = f"{node} holds {content!r:.60}" if node else "it has no mapping"
+        value = "nothing" if content is None else f"{content!r:.60}"
+        what = f"{node} holds {value}" if node else "it has no mapping"
         raise SerializationError(
             f"{what}; write node names, `{PARAMETERS_KEY}:` below each, and the parameters below that"
         )
@@ -109,7 +116,7 @@ def _values(node: str, content: Any) -> dict[str, TypedValue]:
     values = flatten("", content)
     for name, value in values.items():
         if value == NOT_SET:
-            raise SerializationError(f"{node}: parameter {name} has no value")
+            raise SerializationError(f"{node}: parameter {name} has no value; add one, or remove its line")
     return values
 
 

@@ -1,4 +1,4 @@
-"""Names of parameters: full names in the graph port (`/ns/node/a/b`), node and name in ROS 2 (`a.b`)."""
+"""Names of parameters: `/ns/node/a/b` in the graph port is `a.b` of the node `/ns/node` in ROS 2."""
 
 from __future__ import annotations
 

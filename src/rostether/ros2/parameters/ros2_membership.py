@@ -32,7 +32,7 @@ class Ros2Membership(NodeMembership):
         return await self._parameters.has(self.resolve(name))
 
     async def search_param(self, name: str) -> str | None:
-        """Find a parameter of this node by a relative name."""
+        """Find a parameter; a relative name is searched only on this node."""
         return await self._parameters.search(name, self.resolve)
 
     async def list_params(self) -> list[str]:

@@ -1,4 +1,4 @@
-"""A node's parameters on the graph: six services, and its changes on /parameter_events."""
+"""A node's parameters on the graph: six services, and their changes on /parameter_events."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ Answer = Callable[[ParameterStore, Message], Mapping[str, Any]]
 
 
 class ParameterServices:
-    """Offers a store on the graph, from `open` to `close`."""
+    """Offers the parameters of a store on the graph, from `open` to `close`."""
 
     def __init__(self, store: ParameterStore, graph: Graph) -> None:
         self._store = store
@@ -93,7 +93,10 @@ def _list(store: ParameterStore, request: Message) -> Mapping[str, Any]:
 
 
 def _is_listed(name: str, prefixes: list[str], depth: int) -> bool:
-    """Return whether a name is at most `depth` deep (0: any depth) at or below a prefix (none: the root)."""
+    """Return whether a name is at or below a prefix, at most `depth` parts deeper (0: any number).
+
+    Without prefixes, the depth counts from the root.
+    """
     if not prefixes:
         return depth == 0 or name.count(DOT) < depth
     return any(

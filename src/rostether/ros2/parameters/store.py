@@ -1,8 +1,8 @@
-"""The parameters of one node: their values, constraints and listeners. Without I/O."""
+"""The parameters of one node: their values, constraints and listeners. It does no I/O."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Protocol, TypeAlias
 
 from msgspec import Struct, field
@@ -17,7 +17,7 @@ USE_SIM_TIME = "use_sim_time"
 # Any node on the graph can set parameters; the largest nodes (navigation) have about a thousand.
 MAX_PARAMETERS = 4096
 
-# The limit of names that were requested but not set; line noise can produce any number of names.
+# The limit of names that were requested but are not set; line noise can produce any number of names.
 MAX_ASKED_NAMES = 256
 
 # Real names have fewer than 100 characters.
@@ -32,7 +32,7 @@ class Changes(Struct, frozen=True):
 
     new: Mapping[str, TypedValue] = field(default_factory=dict)
     changed: Mapping[str, TypedValue] = field(default_factory=dict)
-    deleted: Mapping[str, TypedValue] = field(default_factory=dict)
+    deleted: Sequence[str] = ()
 
     @property
     def names(self) -> list[str]:
@@ -44,7 +44,7 @@ OnChanges: TypeAlias = Callable[[Changes], None]
 
 
 class OwnParameters(Protocol):
-    """The parameters of our own node; `ParameterStore` is one."""
+    """The parameters of this program's node; `ParameterStore` implements it."""
 
     def get(self, name: str) -> TypedValue:
         """Return a value, or `NOT_SET`."""
@@ -103,7 +103,7 @@ class ParameterStore:
         changes = Changes(
             {n: v for n, v in values.items() if v != NOT_SET and n not in self._values},
             {n: v for n, v in values.items() if v != NOT_SET and n in self._values},
-            {n: self._values[n] for n, v in values.items() if v == NOT_SET and n in self._values},
+            [n for n, v in values.items() if v == NOT_SET and n in self._values],
         )
         for name in changes.deleted:
             del self._values[name]

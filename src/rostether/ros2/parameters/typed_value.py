@@ -39,7 +39,7 @@ class ParameterType(IntEnum):
 
 
 class TypedValue(Struct, frozen=True):
-    """A parameter's value with its type, which an empty list also has."""
+    """A parameter's value and its type; even an empty list has a type."""
 
     type: ParameterType
     value: ParamValue
@@ -51,7 +51,7 @@ class TypedValue(Struct, frozen=True):
         return is_whole or (self.type is ParameterType.STRING_ARRAY and not self.value)
 
     def as_type(self, wanted: int | None) -> TypedValue:
-        """Return the value with this type if it may have it, else unchanged."""
+        """Return the value converted to this type if that loses nothing, else unchanged."""
         value: Any = self.value
         if self.type is ParameterType.INTEGER and wanted == ParameterType.DOUBLE:
             return TypedValue(ParameterType.DOUBLE, float(value))

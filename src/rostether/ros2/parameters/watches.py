@@ -15,7 +15,10 @@ from rostether.ros2.rcl_interfaces import rcl_interfaces
 
 
 class ParameterWatches:
-    """All watches of one node; the subscription exists while there are watches."""
+    """All watches of one node; it subscribes to the events as long as there are watches.
+
+    `fetch` returns the value of a parameter, None if it is unset.
+    """
 
     def __init__(
         self, own: OwnParameters, graph: Graph, fetch: Callable[[str], Awaitable[ParamValue]]
@@ -29,7 +32,7 @@ class ParameterWatches:
         self._lock = asyncio.Lock()
 
     async def add(self, name: str, on_change: Callable[[ParamValue], None]) -> ParameterWatch:
-        """Call back with the value now and after every change."""
+        """Call back with the value now and after every change. Raises GraphError."""
         async with self._lock:
             if self._subscriber is None:
                 self._subscriber = await self._graph.subscribe(

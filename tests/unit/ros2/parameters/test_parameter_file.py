@@ -85,6 +85,7 @@ def test_values(text: str, value: object) -> None:
         ("{", "is not YAML"),
         ("7", "has no mapping"),
         ("/board: 7", "/board holds 7"),
+        ("/board:", "/board holds nothing; write node names"),
         ("/board: {gain: 7}", "/board/gain holds 7"),
         ("/board: {ros__parameters: 7}", "names with values"),
         ("/board: {ros__parameters: {a: }}", "a has no value"),
@@ -107,7 +108,7 @@ def test_a_long_file_is_refused_for_its_length(tmp_path: Path, monkeypatch: pyte
     monkeypatch.setattr("rostether.ros2.parameters.parameter_file.MAX_FILE_BYTES", 2)
     path = tmp_path / "long.yaml"
     path.write_text("abé", encoding="utf-8")
-    with pytest.raises(ConfigError, match=r"long\.yaml is longer than 2 bytes"):
+    with pytest.raises(ConfigError, match=r"long\.yaml has more than 2 bytes; split it"):
         read_parameter_files([path])
 
 
@@ -117,8 +118,10 @@ def test_files_are_read_in_their_order(tmp_path: Path) -> None:
     second.write_text("n: {ros__parameters: {b: 2}}")
     empty.write_text("")
     assert read_parameter_files([first, second, empty]).for_node("/n") == {"a": 1, "b": 2}
-    with pytest.raises(ConfigError, match=r"4\.yaml cannot be read"):
+    with pytest.raises(
+        ConfigError, match=r"cannot read parameter file .*4\.yaml: No such file or directory; check the path"
+    ):
         read_parameter_files([tmp_path / "4.yaml"])
     second.write_bytes(b"\xff")
-    with pytest.raises(ConfigError, match=r"2\.yaml cannot be read"):
+    with pytest.raises(ConfigError, match=r"2\.yaml is not text in UTF-8; save it in UTF-8"):
         read_parameter_files([second])
