@@ -1,4 +1,4 @@
-"""Converts large CDR outside of the event loop: texts and big-endian numbers take 0.25 s per MB."""
+"""Converts large CDR outside the event loop: texts and big-endian numbers take 0.25 s per MB."""
 
 from __future__ import annotations
 

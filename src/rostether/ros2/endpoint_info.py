@@ -66,7 +66,7 @@ class Ros2Graph(Graph, Protocol):
 def connection_fields(
     topic: str, message_type: MessageType, node_name: str, *, is_latching: bool, reliability: str
 ) -> dict[str, str]:
-    """Return the fields of ROS 1's connection header for a publisher, and its reliability."""
+    """Return the fields of ROS 1's connection header for a publisher, and its reliability in lower case."""
     return {
         "callerid": node_name,
         "topic": topic,
@@ -79,6 +79,6 @@ def connection_fields(
 
 
 async def find_distribution(graph: Graph, environ: Mapping[str, str]) -> str:
-    """Return the distribution of a ROS 2 graph: ROS_DISTRO, else the graph's, else the default."""
+    """Return the distribution of a ROS 2 graph: ROS_DISTRO, else the graph's, else `BUNDLED_DISTRO`."""
     shown = await graph.distribution() if isinstance(graph, Ros2Graph) else ""
     return named_distro(environ) or shown or BUNDLED_DISTRO

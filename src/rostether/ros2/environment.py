@@ -34,7 +34,7 @@ class Ros2Environment(Struct, frozen=True):
 
     @classmethod
     def read(cls, environ: Mapping[str, str] | None = None) -> Ros2Environment:
-        """Read the variables, of os.environ by default. Raises ConfigError."""
+        """Read the variables, those of os.environ by default. Raises ConfigError."""
         values = os.environ if environ is None else environ
         _check_discovery_range(values.get("ROS_AUTOMATIC_DISCOVERY_RANGE", ""))
         return cls(

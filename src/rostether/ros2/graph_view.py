@@ -44,7 +44,7 @@ class GraphView(Struct, frozen=True):
         return sorted({end.type for kind in kinds for end in self.of(kind, name)})
 
     def shown_type(self, kinds: Iterable[EndpointKind], name: str) -> str | list[str]:
-        """Return the type of a topic or service as `ros2` shows it; a list if it does not have one type."""
+        """Return the only type of a topic or service, or the list of its types."""
         return one_or_all(self.types(kinds, name))
 
     def of_node(self, kind: EndpointKind, node: str) -> Iterator[tuple[str, list[str]]]:
@@ -58,7 +58,7 @@ class GraphView(Struct, frozen=True):
 
 
 def one_or_all(types: list[str]) -> str | list[str]:
-    """Return the only type, or the list."""
+    """Return the only type, or the list if there is none or more than one."""
     return types[0] if len(types) == 1 else types
 
 

@@ -10,9 +10,9 @@ from typing import Generic, TypeVar
 
 _Item = TypeVar("_Item")
 
-# Passed on in one turn of the event loop: with 10 us each, a flood holds it for 10 ms.
+# The items passed on in one turn of the event loop: with 10 us each, a flood blocks it for 10 ms.
 MAX_BATCH = 1000
-# Several images or maps in one turn would hold it for 100 ms.
+# Several images or maps in one turn would block it for 100 ms.
 MAX_BATCH_BYTES = 1 << 20
 
 
@@ -54,7 +54,7 @@ class Handover(Generic[_Item]):
                 self._is_closed = True  # The loop has ended before the middleware.
 
     def pause(self) -> None:
-        """Keep new items."""
+        """Keep new items until `resume`."""
         with self._lock:
             self._is_paused = True
 

@@ -6,7 +6,7 @@ from collections.abc import Awaitable, Callable
 
 
 class ListedClient:
-    """Implements `graph.ports.ServiceClient`; `withdraw` is called once."""
+    """Implements `graph.ports.ServiceClient`; `close` calls `withdraw` once."""
 
     def __init__(self, withdraw: Callable[[], Awaitable[None]]) -> None:
         self._withdraw = withdraw

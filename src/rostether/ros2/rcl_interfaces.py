@@ -67,7 +67,7 @@ _SERVICES = {
 
 
 class RclInterfaces:
-    """Types and codecs by their short names; requests and responses are `NameRequest` and `NameResponse`."""
+    """Types and codecs by their short names; those of a service have the suffix `Request` or `Response`."""
 
     def __init__(self) -> None:
         self._registry = Registry(bundled=False)

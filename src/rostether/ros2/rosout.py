@@ -14,7 +14,7 @@ from rostether.rostime import Time
 
 
 class RosoutLog:
-    """Makes the messages of one node."""
+    """Encodes the log messages of one node."""
 
     def __init__(self, node_name: str, now: Callable[[], Time]) -> None:
         self._logger = logger_name(node_name)

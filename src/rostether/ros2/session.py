@@ -21,9 +21,10 @@ if TYPE_CHECKING:
 async def open_ros2(
     middleware: str, types: Ros2Types, environ: Mapping[str, str] | None = None
 ) -> AsyncIterator[JoinGraph]:
-    """Yield a factory of nodes for the block; `middleware` is zenoh or rclpy.
+    """Yield a function that joins nodes during the block; `middleware` is zenoh or rclpy.
 
-    Raises ConfigError with the command to install it, GraphError if the graph cannot be joined.
+    `environ` is os.environ by default. Raises ConfigError if the middleware is unknown or not installed,
+    GraphError if the graph cannot be joined.
     """
     environment = Ros2Environment.read(environ)
     if middleware == "rclpy":

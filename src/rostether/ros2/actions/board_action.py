@@ -2,8 +2,8 @@
 
     ROS 2 action client  --  ActionServer  --  goal, cancel, feedback, result, status  --  the board
 
-A goal's id of 16 bytes is a string of 32 digits in ROS 1. The messages there have the form of ROS 1; goal,
-result and feedback are converted to the form of ROS 2 and back.
+A goal's id of 16 bytes is a string of 32 digits in ROS 1. The board's messages have the form of ROS 1; goals,
+results and feedback are converted between this form and that of ROS 2.
 """
 
 from __future__ import annotations
@@ -40,9 +40,10 @@ _FINAL: Final[dict[int, GoalStatus]] = {
 
 
 class BoardAction:
-    """One action, `action_type` as `package/Name`; the callbacks receive messages for the board.
+    """One action, of type `action_type` as `package/Name`.
 
-    `types` are the types of the boards' graph.
+    `on_goals` and `on_cancels` receive the messages for the board. `types` has the types of the boards'
+    graph.
     """
 
     def __init__(self, action: str, action_type: str, types: Ros2Types) -> None:

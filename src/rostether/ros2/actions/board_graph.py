@@ -1,7 +1,7 @@
 """Nodes of boards on a ROS 2 graph, where the five topics of an action become one ROS 2 action.
 
-A board that subscribes to `count/goal` [package/CountActionGoal] serves the action `count`. These topics are
-not in the ROS 2 graph, whose nodes do not use them; everything else goes to the node itself.
+A board that subscribes to `count/goal` [package/CountActionGoal] serves the action `count`. Its topics are
+not in the ROS 2 graph, whose nodes do not use them. All other calls go to the board's node.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from rostether.ros2.types.type_support import Ros2Types
 
 
 class NativeSession(Struct, frozen=True):
-    """A session on the boards' graph, with native ROS 2 types."""
+    """A session on the boards' graph that uses native ROS 2 types."""
 
     join: JoinGraph
     types: NativeTypes
@@ -81,7 +81,7 @@ class _Topics(Struct):
 
 
 class _BoardGraph:
-    """A board's node; only topics of actions are handled here, everything else by the node itself."""
+    """A board's node; handles only the topics of actions, and passes all other calls to the node."""
 
     def __init__(self, graph: Graph, join: BoardJoin) -> None:
         self._graph = graph
@@ -89,7 +89,7 @@ class _BoardGraph:
         self._actions: dict[str, _Topics] = {}
 
     def __getattr__(self, name: str) -> Any:
-        """Return a member of the node."""
+        """Return a member of the wrapped node."""
         return getattr(self._graph, name)
 
     async def advertise(

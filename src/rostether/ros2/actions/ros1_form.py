@@ -56,7 +56,11 @@ class Ros1Status(IntEnum):
 
 
 class GoalId(msgspec.Struct, frozen=True):
-    """The id of a ROS 1 goal; a zero stamp and an empty text mean `now` and `any`."""
+    """The id of a ROS 1 goal.
+
+    In a goal, a zero stamp means now, and an empty text a new id. In a cancel request, both together mean all
+    goals; a stamp means all goals up to this time.
+    """
 
     stamp: tuple[int, int]
     text: str
@@ -68,11 +72,11 @@ class GoalId(msgspec.Struct, frozen=True):
         return cls(_STAMP.unpack_from(payload, position), text), end
 
     def write(self) -> bytes:
-        """Return its bytes."""
+        """Return the serialized id."""
         return _STAMP.pack(*self.stamp) + write_text(self.text)
 
     def status(self, status: int, text: str = "") -> bytes:
-        """Return a GoalStatus of this goal."""
+        """Return a serialized GoalStatus of this goal."""
         return self.write() + bytes([status]) + write_text(text)
 
 
@@ -84,7 +88,7 @@ def type_of_part(part: tuple[str, str], action_type: str) -> str:
 class ActionForms:
     """Converts an action, `action_type` as `package/Name`, between ROS 1 and the native form of ROS 2.
 
-    `ros1` are the types of ROS 1, and `types` and `registry` the native ones. Raises DefinitionError.
+    `ros1` has the types of ROS 1; `types` and `registry` have the native ones. Raises DefinitionError.
     """
 
     def __init__(
@@ -113,7 +117,7 @@ class ActionForms:
 
 
 def write_header(now: Time) -> bytes:
-    """Return a std_msgs/Header without a frame."""
+    """Return a serialized std_msgs/Header without a frame."""
     return _HEADER.pack(0, now.secs, now.nsecs) + _COUNT.pack(0)
 
 
@@ -141,12 +145,12 @@ def read_statuses(payload: bytes) -> set[str]:
 
 
 def write_statuses(now: Time, statuses: list[bytes]) -> bytes:
-    """Return a GoalStatusArray."""
+    """Return a serialized GoalStatusArray."""
     return write_header(now) + _COUNT.pack(len(statuses)) + b"".join(statuses)
 
 
 def write_text(text: str) -> bytes:
-    """Return a string of ROS 1."""
+    """Return a serialized string of ROS 1."""
     encoded = text.encode()
     return _COUNT.pack(len(encoded)) + encoded
 

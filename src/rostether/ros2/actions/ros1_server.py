@@ -34,7 +34,7 @@ from rostether.ros2.actions.ros1_form import (
 from rostether.ros2.actions.server import MAX_GOALS
 from rostether.ros2.actions.types import GoalCall, GoalStatus
 
-# The rate of actionlib's servers, and how long they list a goal that has ended.
+# How often actionlib's servers publish the status, and how long they list a goal that has ended.
 STATUS_INTERVAL_S: Final = 0.2
 LISTED_S: Final = 5.0
 
@@ -60,14 +60,15 @@ class _Goal:
         self.running: asyncio.Task[None] | None = None
 
     def status_bytes(self) -> bytes:
-        """Return its GoalStatus."""
+        """Return the goal's serialized GoalStatus."""
         return self.id.status(self.status, self.text)
 
 
 class Ros1ActionServer:
-    """One action; `ros1` is a node of ROS 1, and `native` one with ROS 2's own types.
+    """One action, of type `action_type` as `package/Name`.
 
-    `registry` has the types of ROS 1, and `action_type` is `package/Name`.
+    `ros1` is a node of ROS 1, and `native` a node that uses native ROS 2 types. `registry` has the types of
+    ROS 1.
     """
 
     def __init__(

@@ -29,7 +29,7 @@ from rostether.ros2.actions.types import (
 # The limit of active goals and of results kept for late callers; a robot has a few.
 MAX_GOALS: Final = 200
 
-# Iterations of the event loop until an answer is sent to its caller.
+# The number of iterations of the event loop until an answer is sent to its caller.
 _TURNS_TO_ANSWER: Final = 4
 
 _NO_ID = bytes(ID_BYTES)
@@ -45,10 +45,10 @@ class _Goal(msgspec.Struct):
 
 
 class ActionServer:
-    """One action; `on_goal` gets the id and the payload of each goal, `on_cancel` the id of a goal.
+    """One action; `on_goal` gets the id and the payload of each goal, `on_cancel` the id of a goal to cancel.
 
-    Every goal is accepted below the limit. A goal being canceled stays active until `finish`. `empty_result`
-    is the payload of a default result, for unknown goals.
+    Every goal is accepted as long as there are fewer than `MAX_GOALS`. A goal being canceled stays active
+    until `finish`. `empty_result` is the payload of a default result.
     """
 
     def __init__(

@@ -1,6 +1,7 @@
 """The types and names of an action on a ROS 2 graph; `msgdef.ros2.action_parts` has the table.
 
-A goal's id is 16 bytes, in front of goals and feedback. Payloads are those of the graph port.
+A goal's id has 16 bytes, which precede the payloads of goals and feedback. Payloads have the form of the
+graph port.
 """
 
 from __future__ import annotations
@@ -95,7 +96,7 @@ class ActionTypes(msgspec.Struct, frozen=True):
 
 
 class GoalCall:
-    """One goal; `action` is the action's full name."""
+    """A client's call of one goal; `action` is the action's full name."""
 
     def __init__(self, graph: Graph, action: str, types: ActionTypes) -> None:
         self.goal_id = uuid.uuid4().bytes
@@ -111,7 +112,8 @@ class GoalCall:
     ) -> tuple[GoalStatus, bytes]:
         """Send the goal and return its final status and its result.
 
-        Raises ServiceCallError if the server rejects it, and the errors of `Graph.call_service`.
+        `on_accepted` is called when the server has accepted the goal, `on_feedback` with each feedback.
+        Raises ServiceCallError if the server rejects the goal, and the errors of `Graph.call_service`.
         """
         if on_feedback is None:
             return await self._run(goal, on_accepted)
