@@ -5,13 +5,24 @@ from __future__ import annotations
 from collections.abc import Mapping
 from pathlib import Path
 
-from rostether.gateways.websocket.site import Downloads, Site, Tiles
+from rostether.errors import ConfigError
+from rostether.gateways.websocket.site import INDEX, Downloads, Site, Tiles
 
 PAGE = Path(__file__).parent / "page"
 
 
 def load_page(
-    more: Mapping[str, bytes] | None = None, downloads: Downloads | None = None, tiles: Tiles | None = None
+    more: Mapping[str, bytes], downloads: Downloads | None = None, tiles: Tiles | None = None
 ) -> Site:
     """Return the page, and more files; reads and compresses all of them. Raises ConfigError."""
-    return Site.of_folder(PAGE, more, downloads, tiles)
+    try:
+        files = {
+            file.relative_to(PAGE).as_posix(): file.read_bytes() for file in PAGE.rglob("*") if file.is_file()
+        }
+    except OSError as error:
+        raise ConfigError(
+            f"the page in {PAGE} cannot be read: {error.strerror}; install rostether again"
+        ) from None
+    if INDEX not in files:
+        raise ConfigError(f"the page in {PAGE} is incomplete: {INDEX} is missing; install rostether again")
+    return Site(files | dict(more), downloads, tiles)

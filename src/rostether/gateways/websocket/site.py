@@ -1,6 +1,6 @@
 """Files that a gateway serves by plain GET, such as the dashboard page.
 
-All files are read and compressed once, when the site is loaded. A request only looks up its path in a table,
+All files are compressed once, when the site is made. A request only looks up its path in a table,
 so no path leads out of the folder.
 """
 
@@ -12,7 +12,7 @@ import io
 import mimetypes
 import os
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from http import HTTPStatus
 from pathlib import Path
 from typing import BinaryIO, Protocol
@@ -21,16 +21,10 @@ from urllib.parse import quote, unquote
 from msgspec import Struct
 from websockets.datastructures import Headers
 
-from rostether.errors import ConfigError
-
 INDEX = "index.html"
 DOWNLOADS = "/recordings/"
 TILES = "/tiles/"
 _TILE = re.compile(r"/tiles/(\d{1,2})/(\d{1,9})/(\d{1,9})")
-
-# The dashboard has about ten files with one megabyte; a folder beyond these limits is the wrong one.
-MAX_FILES = 1000
-MAX_BYTES = 64 << 20
 
 # Only scripts, styles and images of this page; only connections to this server; no embedding in frames.
 POLICY = (
@@ -63,7 +57,10 @@ _TYPES = {
 
 
 class Reply(Struct, frozen=True):
-    """The response to a plain request; `length` is the size of the body, which a response to HEAD lacks."""
+    """The response to a plain request.
+
+    `length` is the size of the whole body. A response to HEAD has no body, and a download sends it later.
+    """
 
     status: HTTPStatus
     headers: tuple[tuple[str, str], ...]
@@ -122,34 +119,18 @@ class Site:
         if index := self._files.get(f"/{INDEX}"):
             self._files["/"] = index
 
-    @classmethod
-    def of_folder(
-        cls,
-        folder: Path,
-        more: Mapping[str, bytes] | None = None,
-        downloads: Downloads | None = None,
-        tiles: Tiles | None = None,
-    ) -> Site:
-        """Read all files of a folder, and add more; takes a while. Raises ConfigError."""
-        try:
-            files = dict(_read_files(folder))
-        except OSError as error:
-            raise ConfigError(f"the page in {folder} cannot be read: {error.strerror}") from None
-        if INDEX not in files:
-            raise ConfigError(
-                f"the page in {folder} is incomplete: {INDEX} is missing; install rostether again"
-            )
-        return cls(files | dict(more or {}), downloads, tiles)
-
     def is_download(self, method: str, path: str) -> bool:
-        """Return whether a request is one for `open_download`."""
+        """Return whether `open_download` answers a request."""
         if method != "GET":
             return False
         is_tile = self._tiles is not None and path.startswith(TILES)
         return is_tile or (self._downloads is not None and path.startswith(DOWNLOADS))
 
     def open_download(self, path: str) -> tuple[Reply, BinaryIO | None]:
-        """Return the header of the response and the open file that follows it; reads the disk."""
+        """Return the header of the response, and the open file that follows it if there is one.
+
+        Reads the disk.
+        """
         if path.startswith(TILES):
             return self._open_tile(path)
         assert self._downloads is not None
@@ -160,7 +141,7 @@ class Site:
         except OSError:
             opened = None
         if opened is None:
-            return refusal(HTTPStatus.NOT_FOUND, "there is no such recording"), None
+            return refusal(HTTPStatus.NOT_FOUND, "there is no such recording; reload the list"), None
         size = os.fstat(opened.fileno()).st_size
         headers = (
             *_ALWAYS,
@@ -204,19 +185,6 @@ def refusal(status: HTTPStatus, text: str, *more: tuple[str, str], is_head: bool
     body = f"{text}\n".encode("utf-8", "replace")
     headers = (*_ALWAYS, ("Content-Type", "text/plain; charset=utf-8"), *more)
     return Reply(status, headers, b"" if is_head else body, len(body))
-
-
-def _read_files(folder: Path) -> Iterator[tuple[str, bytes]]:
-    count = size = 0
-    for file in sorted(folder.rglob("*")):
-        if not file.is_file():
-            continue
-        count, size = count + 1, size + file.stat().st_size
-        if count > MAX_FILES or size > MAX_BYTES:
-            raise ConfigError(
-                f"{folder} has more than {MAX_FILES} files or {MAX_BYTES >> 20} MB: it is not a page"
-            )
-        yield file.relative_to(folder).as_posix(), file.read_bytes()
 
 
 def _content_type(name: str) -> str:

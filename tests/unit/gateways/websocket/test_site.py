@@ -2,13 +2,10 @@ from __future__ import annotations
 
 import gzip
 from http import HTTPStatus
-from pathlib import Path
 
 import pytest
 from websockets.datastructures import Headers
 
-from rostether.errors import ConfigError
-from rostether.gateways.websocket import site as site_module
 from rostether.gateways.websocket.site import POLICY, Reply, Site
 
 SCRIPT = b"console.log('robot');\n" * 200
@@ -110,23 +107,3 @@ def test_other_methods_are_not_allowed(site: Site, method: str) -> None:
     reply = asked(site, "/", method=method)
     assert reply.status == HTTPStatus.METHOD_NOT_ALLOWED
     assert header(reply, "Allow") == "GET, HEAD"
-
-
-def test_a_folder_is_read_with_its_folders(tmp_path: Path) -> None:
-    (tmp_path / "parts").mkdir()
-    (tmp_path / "index.html").write_bytes(b"index")
-    (tmp_path / "parts" / "map.js").write_bytes(b"map")
-    assert asked(Site.of_folder(tmp_path), "/parts/map.js").body == b"map"
-
-
-def test_a_folder_without_an_index_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(ConfigError, match=r"index\.html is missing"):
-        Site.of_folder(tmp_path)
-
-
-def test_a_folder_that_is_too_large_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(site_module, "MAX_FILES", 1)
-    for name in ("index.html", "app.js"):
-        (tmp_path / name).write_bytes(b"x")
-    with pytest.raises(ConfigError, match="it is not a page"):
-        Site.of_folder(tmp_path)
