@@ -17,11 +17,11 @@ from pathlib import Path
 from fuzz.grammar import near
 from fuzz.lowering import lowered
 from rostether.gateways.foxglove import client as client_module
-from rostether.gateways.foxglove.client import Client
 from rostether.gateways.foxglove.dashboard_parts import DashboardParts
 from rostether.gateways.foxglove.gateway import FoxgloveGateway
 from rostether.gateways.foxglove.server_messages import StatusLevel
 from rostether.gateways.foxglove.settings import FoxgloveLimits, FoxgloveSettings
+from rostether.gateways.websocket.access_rules import Rights
 from rostether.graph.memory_network import MemoryNetwork
 from rostether.graph.ports import Graph, Level
 from rostether.graph.typed_graph import TypedGraph
@@ -235,12 +235,11 @@ async def _converse(lines: list[str]) -> None:
     gateway.context.services.update(snapshot)
     gateway.context.connections.update(snapshot)
     sender = _Sender()
-    client = Client(gateway.context, sender, gateway.forget)  # type: ignore[arg-type]
     failed = _Failures()
     logger = logging.getLogger("rostether.graph")
     logger.addHandler(failed)
     try:
-        gateway.add_client(client)
+        client = gateway.add_client(sender, Rights.FULL)  # type: ignore[arg-type]
         for each in (*lines, LAST_QUESTION):
             client.received(_message(each))
             await asyncio.sleep(0)

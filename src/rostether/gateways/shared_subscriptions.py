@@ -70,11 +70,6 @@ class SharedSubscription:
         self._on_connection = on_connection
         self._is_closed = False
 
-    @property
-    def publisher_count(self) -> int:
-        """How many publishers are connected now."""
-        return self._source.publisher_count
-
     async def close(self) -> None:
         """Unsubscribe; the last one ends the subscription on the graph. Idempotent."""
         if not self._is_closed:
@@ -99,11 +94,6 @@ class SharedSubscriptions:
         self.types = LearnedTypes(store)
         self._graph = graph
         self._sources: dict[str, _Source] = {}
-
-    @property
-    def topics(self) -> Sequence[str]:
-        """The subscribed topics."""
-        return tuple(self._sources)
 
     async def subscribe(
         self, topic: str, on_batch: OnBatch, on_connection: OnConnection | None = None
@@ -148,14 +138,9 @@ class _Source:
         self._latched: dict[str, Batch] = {}
         self._last: PublisherConnection | None = None
         self._opening = asyncio.ensure_future(self._open())
-        # The waiting subscribers, if there are any left, get the error.
+        # Subscribers that still wait get the error. Without any, asyncio would log it.
         self._opening.add_done_callback(lambda task: task.cancelled() or task.exception())
         self._has_ended = False
-
-    @property
-    def publisher_count(self) -> int:
-        is_open = self._opening.done() and not self._opening.cancelled() and not self._opening.exception()
-        return self._opening.result().publisher_count if is_open else 0
 
     async def add(self, share: SharedSubscription) -> None:
         connections, latched = list(self._connections.values()), list(self._latched.values())

@@ -12,6 +12,7 @@ from pathlib import Path
 from urllib.parse import unquote, urlsplit
 
 from rostether.errors import ConfigError
+from rostether.mechanisms.text import read_failure
 
 # Maps the packages' names to their folders.
 FindPackages = Callable[[], Mapping[str, Path]]
@@ -36,7 +37,7 @@ class Assets:
     async def reading(self, uri: str, head: bytes = b"") -> AsyncIterator[bytes]:
         """Yield `head` and a file's bytes; other clients wait if several large files are in use.
 
-        Raises ConfigError with the reason if it cannot.
+        Raises ConfigError with the reason.
         """
         async with self._lock:
             # Runs in a thread, because packages are searched on disk.
@@ -49,7 +50,7 @@ class Assets:
         try:
             size = path.stat().st_size
         except OSError as error:
-            raise _unreadable(uri, error) from None
+            raise ConfigError(read_failure(uri[:200], error)) from None
         self._check_size(uri, size)
         return path, size
 
@@ -58,23 +59,27 @@ class Assets:
             with path.open("rb") as file:
                 data = file.read(self._max_bytes + 1)
         except OSError as error:
-            raise _unreadable(uri, error) from None
+            raise ConfigError(read_failure(uri[:200], error)) from None
         self._check_size(uri, len(data))
         return head + data
 
     def _check_size(self, uri: str, size: int) -> None:
         if size > self._max_bytes:
-            raise ConfigError(f"{uri[:200]} is larger than {self._max_bytes >> 20} MB")
+            raise ConfigError(
+                f"{uri[:200]} is larger than {self._max_bytes >> 20} MB; use a mesh or picture of less detail"
+            )
 
     def _locate(self, uri: str) -> Path:
         try:
             parts = urlsplit(uri)
         except ValueError:
-            raise ConfigError(f"{uri[:200]!r} is not the address of a file") from None
+            raise ConfigError(
+                f"{uri[:200]!r} is not the address of a file; write package://NAME/PATH"
+            ) from None
         # Text after ? and # belongs to the name of a file.
         rest = unquote(uri.partition("://")[2])
         if "\0" in rest:
-            raise ConfigError("the address of a file cannot contain a zero byte")
+            raise ConfigError("the address of a file cannot contain a zero byte; write package://NAME/PATH")
         if parts.scheme == "package":
             name, _, below = rest.partition("/")
             return self._in_package(uri, name, below)
@@ -94,7 +99,9 @@ class Assets:
             )
         path = _inside(folder, folder / below)
         if path is None:
-            raise ConfigError(f"{uri[:200]} is not a file of the package {name}")
+            raise ConfigError(
+                f"{uri[:200]} is not a visible file of the package {name}; check its path in {folder}"
+            )
         return path
 
     def _in_any_package(self, uri: str, rest: str) -> Path:
@@ -105,7 +112,10 @@ class Assets:
             for folder in self._folders.values():
                 if (path := _inside(folder, Path(text))) is not None:
                     return path
-        raise ConfigError(f"{uri[:200]} is not a file of any known package")
+        raise ConfigError(
+            f"{uri[:200]} is not a visible file of any known package; give the folder of its package "
+            "with --msg-path or ROS_PACKAGE_PATH"
+        )
 
     def _folder(self, name: str) -> Path | None:
         folder = self._folders.get(name)
@@ -113,10 +123,6 @@ class Assets:
             self._folders = self._find_packages()
             folder = self._folders.get(name)
         return folder
-
-
-def _unreadable(uri: str, error: OSError) -> ConfigError:
-    return ConfigError(f"{uri[:200]} cannot be read: {error.strerror or error}")
 
 
 def _inside(folder: Path, path: Path) -> Path | None:

@@ -19,7 +19,7 @@ from rostether.gateways.foxglove.driven_topic import DrivenTopic
 from rostether.gateways.foxglove.gateway_context import GatewayContext
 from rostether.gateways.foxglove.server_messages import Channel, StatusLevel
 from rostether.gateways.foxglove.subscription import DroppedReport, Subscription
-from rostether.gateways.websocket.admission import Rights
+from rostether.gateways.websocket.access_rules import Rights
 
 # The limit of statuses about a client's errors; more statuses would only flood the client.
 MAX_REPORTED_ERRORS = 100
@@ -36,10 +36,10 @@ class Client:
         context: GatewayContext,
         sender: ClientSender,
         on_closed: Callable[[Client], None],
-        rights: Rights = Rights.FULL,
+        rights: Rights,
     ) -> None:
         self.sender = sender
-        self.rights = rights
+        self._rights = rights
         self.wants_connection_graph = False
         self._context = context
         self._on_closed = on_closed
@@ -49,7 +49,7 @@ class Client:
         self._work = ClientWork()
         self._parameters = ClientParameters(context, self._work, sender.send, self.report_error)
         self._recordings = ClientRecordings(context, self._work, sender.send, self.report_error)
-        self._fetching = asyncio.Semaphore(1)
+        self._fetching = asyncio.Lock()
         self._error_count = 0
         self._dropped = DroppedReport(sender.send)
         self._waiting_publishers = 0
@@ -88,7 +88,7 @@ class Client:
         if request.capability and request.capability not in self._context.settings.capabilities:
             self.report_error(f"this gateway does not offer {request.capability}")
             return
-        if self.rights is Rights.VIEW and isinstance(request, requests.Action):
+        if self._rights is Rights.VIEW and isinstance(request, requests.Action):
             self._refuse(request)
             return
         self._handlers[type(request)](request)
@@ -247,7 +247,7 @@ class Client:
 
     def _fetch(self, request: requests.FetchAsset) -> None:
         async def fetch() -> None:
-            # One at a time: each may be large, and the client reads it before the next is read.
+            # One at a time, because each may be large: the client receives it before the next file is read.
             head = replies.asset_head(request.request_id)
             async with self._fetching, self._context.assets.reading(request.uri, head) as message:
                 await self.sender.send_large(message)

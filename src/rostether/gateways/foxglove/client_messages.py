@@ -29,7 +29,7 @@ _Texts: TypeAlias = Annotated[tuple[_Text, ...], _Few]
 class ClientMessage(Struct, frozen=True, rename="camel"):
     """A message of a client."""
 
-    # The capability of the gateway that it needs; empty: none.
+    # The capability that the gateway must have for it; empty if it needs none.
     capability: ClassVar[str] = ""
 
 
@@ -109,7 +109,7 @@ class ServiceRequest(Action, frozen=True):
 
 
 class GetParameters(ClientMessage, frozen=True):
-    """Requests values; no names means all."""
+    """Requests the values of parameters; without names, of all of them."""
 
     capability = "parameters"
 
@@ -118,7 +118,7 @@ class GetParameters(ClientMessage, frozen=True):
 
 
 class GivenParameter(Struct, frozen=True):
-    """One value to set, in JSON; None unsets it."""
+    """One parameter and its new value, in JSON; None unsets it."""
 
     name: _Text
     value: Any = None
@@ -126,7 +126,7 @@ class GivenParameter(Struct, frozen=True):
 
 
 class SetParameters(Action, frozen=True):
-    """Sets values."""
+    """Sets parameters."""
 
     capability = "parameters"
 
@@ -135,7 +135,7 @@ class SetParameters(Action, frozen=True):
 
 
 class SubscribeParameters(ClientMessage, frozen=True):
-    """Subscribes to changes of values."""
+    """Subscribes to changes of parameters; without names, of all of them."""
 
     capability = "parametersSubscribe"
 
@@ -143,7 +143,7 @@ class SubscribeParameters(ClientMessage, frozen=True):
 
 
 class UnsubscribeParameters(ClientMessage, frozen=True):
-    """Unsubscribes from changes of values."""
+    """Unsubscribes from changes of parameters; without names, of all of them."""
 
     parameter_names: _Texts
 
@@ -172,7 +172,7 @@ class ListRecordings(ClientMessage, frozen=True):
 
 
 class StartRecording(Action, frozen=True):
-    """Starts a recording; no topics means all. An op of this gateway."""
+    """Starts a recording; without topics, of all of them. An op of this gateway."""
 
     topics: _Texts = ()
     format: _Text = "bag"

@@ -52,7 +52,7 @@ class ClientParameters:
         self._ask(set_values, "parameters cannot be set")
 
     def watch(self, request: requests.SubscribeParameters) -> None:
-        """Report changes from now on; no names means all parameters."""
+        """Report changes from now on; without names, of all parameters."""
         if request.parameter_names:
             self._watch_each(request.parameter_names)
             return
@@ -63,7 +63,7 @@ class ClientParameters:
         self._ask(watch_all, "parameters cannot be watched")
 
     def unwatch(self, request: requests.UnsubscribeParameters) -> None:
-        """Stop reporting changes; no names means all parameters."""
+        """Stop reporting changes; without names, of all parameters."""
         self._unwatch_each(request.parameter_names or tuple(self._watched))
 
     def close(self) -> None:

@@ -24,7 +24,10 @@ MAX_REQUESTS = 4
 
 
 class ClientRecordings:
-    """The recordings for one client; `send` sends a message, `report_error` reports a line."""
+    """Handles one client's requests about recordings.
+
+    `send` sends a message to the client, and `report_error` reports an error.
+    """
 
     def __init__(
         self,
@@ -79,7 +82,7 @@ class ClientRecordings:
             self._refuse()
             return
         if self._changes >= MAX_REQUESTS:
-            self._report_error(f"more than {MAX_REQUESTS} changes of the recording at once")
+            self._report_error(f"more than {MAX_REQUESTS} requests about recordings at once; wait")
             return
         self._changes += 1
 

@@ -22,13 +22,13 @@ class SenderUser(Protocol):
     """Receives the events of one connection."""
 
     def received(self, message: str | bytes) -> None:
-        """A complete message arrived."""
+        """Handle a complete message."""
 
     def dropped(self, count: int) -> None:
-        """`count` more messages were lost because the client reads slowly."""
+        """Handle the loss of `count` messages of topics, because the client reads slowly."""
 
     def closed(self) -> None:
-        """The connection has ended."""
+        """Handle the end of the connection."""
 
 
 class ClientSender:

@@ -18,9 +18,8 @@ from rostether.msgdef.registry import Registry
 from rostether.serde.codec import Codec
 from rostether.serde.store import TypeStore
 
-MAX_EARLY_MESSAGES = 10_000
-
 # Messages that a client sends before its topic is advertised: a second of a flood, or two large images.
+MAX_EARLY_MESSAGES = 10_000
 MAX_EARLY_BYTES = 32 << 20
 
 # The limit of different errors per topic; each is reported once.
@@ -44,7 +43,7 @@ class ClientTopic:
         self._opening = asyncio.ensure_future(self._open(graph, store))
 
     def publish(self, payload: bytes) -> Awaitable[object] | None:
-        """Publish a message; return what the client must wait for before it may send more, if anything."""
+        """Publish a message; return what the client must await before its next message, None if nothing."""
         if self._opening is not None and not self._opening.done():
             self._keep(payload)
             # The task is shared: only the wait for it may be cancelled.

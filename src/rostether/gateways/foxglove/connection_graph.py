@@ -1,8 +1,8 @@
-"""The publishers, subscribers and servers, as changes since the last update.
+"""The publishers, subscribers and servers of a graph, as changes since the last update.
 
-A topic that has subscribers and no publisher is not a channel, so its type comes here, in the fields
-`schemaName` and `schema` of its entry: with them a page can publish what a board waits for. The protocol has
-no such fields; other clients ignore them.
+A topic that has subscribers but no publisher is not a channel. The fields `schemaName` and `schema` of its
+entry contain its type, so that a page can publish commands for a board. The protocol does not define these
+fields; other clients ignore them.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ class ConnectionGraph:
         self._offered: Table = {}
 
     def update(self, snapshot: Snapshot) -> dict[str, Any] | None:
-        """Return the difference to the last update, or None."""
+        """Return the changes since the last update, None if there are none."""
         published = {each.name: each.publishers for each in snapshot.topics.values() if each.publishers}
         subscribed = {each.name: each.subscribers for each in snapshot.topics.values() if each.subscribers}
         offered = {each.name: each.providers for each in snapshot.services.values() if each.providers}

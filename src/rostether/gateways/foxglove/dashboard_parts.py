@@ -7,17 +7,17 @@ from collections.abc import Awaitable, Callable
 from msgspec import Struct
 
 from rostether.gateways.foxglove.recording_control import RecordingControl
-from rostether.gateways.websocket.admission import Rights
+from rostether.gateways.websocket.access_rules import Rights
 from rostether.gateways.websocket.site import Site
 from rostether.graph.ports import Graph
 from rostether.transports.web_boards import WebBoards
 
 
 class DashboardParts(Struct, frozen=True):
-    """All parts are optional.
+    """The optional parts of a gateway.
 
-    `site` has the files to serve, `join_teleop` makes the node of clients that drive, `recordings` records
-    for clients, `boards` are boards on serial ports of the devices that show the page.
+    `site` has the files to serve. `join_teleop` makes the node of clients that drive. `recordings` records
+    for clients. `boards` are boards on serial ports of the devices that show the page.
     """
 
     site: Site | None = None

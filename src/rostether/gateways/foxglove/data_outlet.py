@@ -32,7 +32,10 @@ _DRAIN_BYTES = 64 << 10
 
 
 class DataOutlet:
-    """`write` sends bytes; `dropped` is called with the number of newly lost messages."""
+    """The messages of topics on their way to one client.
+
+    `write` sends bytes; `dropped` is called with the number of messages that were lost since its last call.
+    """
 
     def __init__(
         self, waiting_bytes: int, write: Callable[[bytes], None], dropped: Callable[[int], None]
@@ -119,7 +122,10 @@ class DataOutlet:
 def add_data_frames(
     pieces: list[bytes], subscription_id: int, time_ns: int, payloads: Sequence[bytes]
 ) -> int:
-    """Append the frames of payloads to a list of pieces to write; return their size."""
+    """Append the WebSocket frames of payloads to the pieces to write; return their size in bytes.
+
+    Source: RFC 6455, 5.2; the opcode "Message Data" of Foxglove's protocol.
+    """
     size = 0
     for payload in payloads:
         length = len(payload) + _HEADER_BYTES

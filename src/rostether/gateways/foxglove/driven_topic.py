@@ -8,7 +8,7 @@ from contextlib import suppress
 from functools import partial
 from typing import Any
 
-from rostether.errors import InvalidNameError, RostetherError
+from rostether.errors import RostetherError
 from rostether.gateways.foxglove.client_messages import ClientChannel
 from rostether.gateways.foxglove.client_topics import channel_encoder, report_once, types_of
 from rostether.gateways.teleop.teleop import CommandTopic, Teleop
@@ -16,6 +16,7 @@ from rostether.graph.ports import Graph
 from rostether.mechanisms.text import fold_line
 from rostether.serde.store import TypeStore
 
+# A display name that fits in a line of the page.
 _MAX_NAME_CHARACTERS = 60
 
 # A command is a Twist or a few values. Longer messages may need a long check; a command must not wait.
@@ -46,7 +47,7 @@ class DrivenTopic:
         self._reported: tuple[str, str] | None = None
         # The last command that arrived before the topic was open.
         self._early: bytes | None = None
-        # Opens the topic; called again after its node was shut down.
+        # Opens the topic; called again after the topic's node was shut down.
         self._start: Callable[[], Coroutine[Any, Any, None]] | None = None
         self._has_ended = False
 
@@ -56,7 +57,10 @@ class DrivenTopic:
         self._opening = asyncio.ensure_future(self._start())
 
     def publish(self, payload: bytes) -> Awaitable[object] | None:
-        """Publish a command, unless another client drives. Before the topic is open, only a stop is kept."""
+        """Publish a command, unless another client drives; the client need not wait for anything.
+
+        Of the commands that arrive before the topic is open, only the last one counts, if it is a stop.
+        """
         if len(payload) > _MAX_COMMAND_BYTES:
             self._warn_once(
                 f"a command on {self.channel.topic[:200]} has more than {_MAX_COMMAND_BYTES} bytes"
@@ -109,14 +113,14 @@ class DrivenTopic:
             encode = channel_encoder(self.channel, codec).encode
             topic = graph.resolve(self.channel.topic)
             commands = await self._teleop.enter(self, topic, message_type, codec)
-        except (RostetherError, InvalidNameError) as error:
+        except RostetherError as error:
             self._warn_once(f"{self.channel.topic[:200]} cannot be driven: {error}")
             self._has_ended = self._topic != ""
             return
         self._topic, self._commands, self._encode = topic, commands, encode
         self.lease_changed(commands.holder)
         early, self._early = self._early, None
-        # A robot that another client drives must stop, however long this took. It must not start late.
+        # A stop still counts after a long opening. An old command must not start the robot.
         with suppress(RostetherError):
             if early is not None and commands.is_stop(encode(early)):
                 self.publish(early)

@@ -33,12 +33,12 @@ from rostether.gateways.foxglove.settings import FoxgloveSettings
 from rostether.gateways.foxglove.sim_clock import SimClock
 from rostether.gateways.shared_subscriptions import SharedSubscriptions
 from rostether.gateways.teleop.teleop import Teleop
-from rostether.gateways.websocket.admission import Rights
+from rostether.gateways.websocket.access_rules import Rights
 from rostether.gateways.websocket.connection import Connection
 from rostether.gateways.websocket.server import WebSocketServer
 from rostether.gateways.websocket.settings import ServedProtocol
 from rostether.graph.ports import Graph, Level
-from rostether.mechanisms.block_end import BlockClosable
+from rostether.mechanisms.block_end import BlockClosable, cancel_all
 from rostether.msgdef.search_waiting import definitions_searched
 from rostether.serde.store import TypeStore
 
@@ -54,6 +54,7 @@ _MAX_SHOWN_STATUSES = 50
 
 # The delay after the graph could not be read.
 _RETRY_S = 1.0
+
 # Pages of Foxglove's web application may always connect.
 FOXGLOVE_SITE = "foxglove.dev"
 
@@ -65,7 +66,7 @@ _SERVICE_RESTART = 1012
 
 
 class FoxgloveGateway(BlockClosable):
-    """One gateway on a graph, which the caller closes."""
+    """One gateway on a graph; the caller closes the graph."""
 
     def __init__(
         self,
@@ -121,18 +122,13 @@ class FoxgloveGateway(BlockClosable):
 
     @property
     def port(self) -> int:
-        """The port it listens on; zero before the start."""
+        """The port that it listens on; zero before the start."""
         return self._server.port
 
     @property
     def url(self) -> str:
-        """The URL for Foxglove's dialog."""
+        """The URL to enter in Foxglove."""
         return self._server.url(everywhere=socket.gethostname())
-
-    @property
-    def connection_count(self) -> int:
-        """How many connections are open, including those that are not clients."""
-        return self._server.connection_count
 
     async def start(self) -> None:
         """Listen, and follow the graph. Raises TransportOpenError, ConfigError."""
@@ -150,45 +146,41 @@ class FoxgloveGateway(BlockClosable):
         """Close all connections, and end everything on the graph."""
         self._is_closing = True
         await self._server.close()
-        for task in (self._following, self._leaving):
-            if task is not None:
-                task.cancel()
-                await asyncio.wait([task])
+        await cancel_all(*(task for task in (self._following, self._leaving) if task is not None))
         await self._server.close_connections()
         await self.context.close()
 
     async def wait_ended(self) -> None:
-        """Wait until the gateway's node has left the graph; from then on no client is served."""
+        """Wait until the gateway's node has left the graph; after that, no client is served."""
         await self._ended.wait()
 
     async def __aenter__(self) -> Self:
         await self.start()
         return self
 
-    # Calls from clients.
-
-    def add_client(self, client: Client) -> None:
-        """Send the current state to a new client."""
+    def add_client(self, sender: ClientSender, rights: Rights) -> Client:
+        """Return a new client, after sending it the current state."""
+        client = sender.user = Client(self.context, sender, self._clients.pop, rights)
         self._clients[client] = None
         context, settings = self.context, self.context.settings
         capabilities = [
             each
             for each in settings.capabilities
-            if client.rights is Rights.FULL or each not in _CAPABILITIES_TO_ACT
+            if rights is Rights.FULL or each not in _CAPABILITIES_TO_ACT
         ]
         if context.clock.is_simulated:
             capabilities.append(_TIME_CAPABILITY)
-        send = client.sender.send
+        send = sender.send
         send(
             replies.server_info(
                 name=settings.name,
                 capabilities=capabilities,
-                # A client that reconnects can reuse its ids: they stay valid during this run.
+                # A client that reconnects can reuse its ids while the session id is the same.
                 session_id=self._session_id,
                 metadata={
                     "ROS_DISTRO": "noetic",
                     "node": context.graph.node_name,
-                    **self._parts.metadata(client.rights),
+                    **self._parts.metadata(rights),
                     **settings.metadata,
                 },
             )
@@ -201,10 +193,7 @@ class FoxgloveGateway(BlockClosable):
             send(text)
         if self._problem:
             send(self._problem_status())
-
-    def forget(self, client: Client) -> None:
-        """Remove a client that has disconnected."""
-        self._clients.pop(client, None)
+        return client
 
     # Internal methods.
 
@@ -213,9 +202,8 @@ class FoxgloveGateway(BlockClosable):
 
     def _open_client(self, connection: Connection) -> ClientSender:
         sender = ClientSender(connection, self.context.limits)
-        rights = self._server.admission.rights(connection.path, connection.headers)
-        client = sender.user = Client(self.context, sender, self.forget, rights)
-        self.add_client(client)
+        rights = self._server.access.rights(connection.path, connection.headers)
+        self.add_client(sender, rights)
         return sender
 
     async def _follow(self) -> None:
@@ -288,7 +276,7 @@ class FoxgloveGateway(BlockClosable):
         self._broadcast(replies.time(time_ns))
 
     def _restart_clients(self) -> None:
-        # Each connection gets the clock only once.
+        # A client learns only at the start of its connection whether the clock is simulated.
         self._session_id = str(time.time_ns())
         for client in list(self._clients):
             client.sender.close(_SERVICE_RESTART, "the clock has changed")

@@ -23,6 +23,7 @@ from rostether.serde.plain_form import base64_text, plain_value
 # The limit in one response; a large robot has a few thousand parameters.
 MAX_PARAMETERS = 20_000
 
+# On ROS 2 each parameter costs a request to its node: some in parallel are fast, and do not flood the node.
 _ASKED_AT_ONCE = 16
 
 # The limit of nested mappings and lists: deeper than real ones, and far below Python's recursion limit.
@@ -189,15 +190,15 @@ def describe(name: str, value: ParamValue) -> dict[str, Any]:
     described: dict[str, Any] = {"name": name, "value": plain_value(value, base64_text)}
     if isinstance(value, bytes):
         described["type"] = _BYTES
-    elif isinstance(value, float) and math.isfinite(value):
+    elif _is_finite_float(value):
         described["type"] = _FLOAT
-    elif (
-        isinstance(value, list)
-        and value
-        and all(isinstance(each, float) and math.isfinite(each) for each in value)
-    ):
+    elif isinstance(value, list) and value and all(map(_is_finite_float, value)):
         described["type"] = _FLOATS
     return described
+
+
+def _is_finite_float(value: ParamValue) -> bool:
+    return isinstance(value, float) and math.isfinite(value)
 
 
 def given_value(given: GivenParameter, before: ParamValue) -> ParamValue:
@@ -241,4 +242,4 @@ def _native(name: str, value: Any, depth: int = 0) -> ParamValue:
         return [_native(name, each, depth + 1) for each in value]
     if isinstance(value, bool | int | float | str | bytes):
         return value
-    raise ConfigError(f"parameter {name} cannot contain null inside a value")
+    raise ConfigError(f"parameter {name} cannot contain null inside a value; remove it")

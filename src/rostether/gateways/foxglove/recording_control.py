@@ -52,7 +52,7 @@ class RecordingReports:
         self._task: asyncio.Task[None] | None = None
 
     def follow(self, report: Callable[[Mapping[str, Any]], None]) -> None:
-        """Start to report to a client."""
+        """Start reporting to a client."""
         self._followers[report] = None
 
     def unfollow(self, report: Callable[[Mapping[str, Any]], None]) -> None:

@@ -23,6 +23,7 @@ FindServiceType: TypeAlias = Callable[[str], Awaitable[str]]
 # More than any graph has: a ROS 1 node of roscpp has two, one of ROS 2 seven.
 MAX_SERVICES = 20_000
 
+# Each request opens a connection to the server of a service.
 _ASKED_AT_ONCE = 8
 
 # A longer response may take longer than 10 ms to convert to JSON.
@@ -52,7 +53,7 @@ class Services:
         self._on_offer = on_offer
         self._on_end = on_end
         self._by_name: dict[str, OfferedService] = {}
-        # The providers of each service: a restarted server may have another type.
+        # The providers and the listed type of each service: a restarted server may have another type.
         self._providers: dict[str, tuple[tuple[str, ...], str]] = {}
         self._asking: dict[str, asyncio.Task[None]] = {}
         self._asked_at_once = asyncio.Semaphore(_ASKED_AT_ONCE)

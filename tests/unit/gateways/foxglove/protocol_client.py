@@ -118,6 +118,11 @@ class Stage:
     robot: MemoryGraph
     reported: list[str]
 
+    @property
+    def connection_count(self) -> int:
+        """How many connections are open, including plain requests."""
+        return len(self.gateway._server._connections)
+
     @asynccontextmanager
     async def client(
         self, protocol: str = "foxglove.sdk.v1", **options: Any

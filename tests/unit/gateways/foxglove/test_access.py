@@ -33,7 +33,7 @@ async def test_no_more_clients_than_allowed_and_a_free_place_is_taken() -> None:
                 async with there.client():
                     pass
             assert "the limit of clients (1) is reached" in there.reported[-1]
-        await until(lambda: there.gateway.connection_count == 0)
+        await until(lambda: there.connection_count == 0)
         async with there.client() as client:
             await client.wait("serverInfo")
 

@@ -161,7 +161,7 @@ async def test_a_recording_is_downloaded_whole(tmp_path: Path) -> None:
         assert (await fetched(there, "/recordings/none.bag")).startswith(b"HTTP/1.1 404 ")
         assert (await fetched(there, "/recordings/..%2Findex.html")).startswith(b"HTTP/1.1 404 ")
         assert (await fetched(there, "/recordings/../index.html")).startswith(b"HTTP/1.1 404 ")
-        await until(lambda: there.gateway.connection_count == 0)
+        await until(lambda: there.connection_count == 0)
 
 
 @pytest.mark.parametrize(
@@ -201,7 +201,7 @@ async def test_a_recording_is_downloaded_over_tls(tmp_path: Path) -> None:
             reply = await asyncio.wait_for(reader.read(-1), LIMIT_S)
             assert reply.partition(b"\r\n\r\n")[2] == content
             writer.close()
-        await until(lambda: there.gateway.connection_count == 0)
+        await until(lambda: there.connection_count == 0)
 
 
 async def test_a_client_that_half_closes_gets_its_recording(tmp_path: Path) -> None:
@@ -223,4 +223,4 @@ async def test_a_client_that_goes_away_in_the_middle_leaves_nothing(tmp_path: Pa
         writer.write(b"GET /recordings/drive.bag HTTP/1.1\r\nHost: localhost\r\n\r\n")
         await reader.readexactly(1000)
         writer.transport.abort()
-        await until(lambda: there.gateway.connection_count == 0)
+        await until(lambda: there.connection_count == 0)

@@ -34,7 +34,7 @@ async def test_a_late_client_gets_what_was_latched_and_the_first_does_not_again(
         async with there.client() as second:
             await second.say("subscribe", subscriptions=[{"id": 9, "channelId": channel["id"]}])
             assert (await second.wait("messageData"))["id"] == 9
-        await until(lambda: there.gateway.connection_count == 1)
+        await until(lambda: there.connection_count == 1)
         assert publisher.subscriber_count == 1
         assert len(first.of("messageData")) == 1
 
@@ -47,11 +47,11 @@ async def test_a_topic_that_ends_is_removed_with_its_subscriptions() -> None:
         await until(lambda: publisher.subscriber_count)
         await publisher.close()
         await client.wait("unadvertise", lambda message: message["channelIds"] == [channel["id"]])
-        await until(lambda: not there.gateway.context.shared.topics)
+        await until(lambda: not there.gateway.context.shared._sources)
         await there.robot.advertise("/chatter", string_type(there))
         again = await client.channel("/chatter", after=channel["id"])
         await client.say("subscribe", subscriptions=[{"id": 1, "channelId": again["id"]}])
-        await until(lambda: there.gateway.context.shared.topics)
+        await until(lambda: there.gateway.context.shared._sources)
 
 
 async def test_a_type_that_is_not_known_is_learned_from_its_publisher() -> None:

@@ -226,7 +226,7 @@ async def test_who_does_not_answer_pings_is_given_up() -> None:
     async with stage(settings) as there:
         reader, writer = await shaken(there.gateway.port)
         assert b"\x89\x00" in await ended(reader)
-        await until(lambda: there.gateway.connection_count == 0)
+        await until(lambda: there.connection_count == 0)
         writer.close()
 
 
@@ -235,10 +235,10 @@ async def test_who_does_not_read_answers_is_given_up() -> None:
     async with stage(FoxgloveSettings(port=0, limits=limits)) as there:
         await there.robot.set_param("/large", "x" * 200_000)
         _, writer = await shaken(there.gateway.port)
-        await until(lambda: there.gateway.connection_count == 1)
+        await until(lambda: there.connection_count == 1)
         request = frame(1, b'{"op": "getParameters", "parameterNames": ["/large"], "id": "1"}')
         writer.write(request * 100)
-        await until(lambda: there.gateway.connection_count == 0)
+        await until(lambda: there.connection_count == 0)
         writer.close()
 
 
@@ -266,7 +266,7 @@ async def test_random_bytes_after_the_handshake_leave_the_gateway_up() -> None:
             writer.close()
         await other.say("getParameters", parameterNames=[], id="here")
         await other.wait("parameterValues")
-        await until(lambda: there.gateway.connection_count == 1)
+        await until(lambda: there.connection_count == 1)
 
 
 def _certificate(folder: Path) -> tuple[str, str]:

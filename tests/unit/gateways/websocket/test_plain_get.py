@@ -120,7 +120,7 @@ async def test_requests_for_files_take_no_place_of_a_client() -> None:
     limits = FoxgloveLimits(clients=1, others=2)
     async with stage(replace(FREE, limits=limits), site=SITE) as there:
         silent = [await asyncio.open_connection("127.0.0.1", there.gateway.port) for _ in range(2)]
-        await until(lambda: there.gateway.connection_count == 2)
+        await until(lambda: there.connection_count == 2)
         async with there.client() as viewer:
             await viewer.wait("serverInfo")
         for _, writer in silent:
@@ -147,5 +147,5 @@ async def test_thousands_of_requests_leave_nothing_behind() -> None:
             await viewer.wait("parameterValues")
             viewer.received.clear()
         assert used_kb - memory_kb < 5_000
-        await until(lambda: there.gateway.connection_count == 1)
+        await until(lambda: there.connection_count == 1)
         assert len(asyncio.all_tasks()) <= tasks
