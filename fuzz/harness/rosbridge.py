@@ -30,7 +30,7 @@ from rostether.gateways.rosbridge.session import Session
 from rostether.gateways.rosbridge.settings import RosbridgeSettings
 from rostether.gateways.rosbridge.values import Style
 from rostether.gateways.shared_subscriptions import SharedSubscriptions
-from rostether.gateways.websocket.admission import Token
+from rostether.gateways.websocket.access_rules import Token
 from rostether.graph.memory_network import MemoryNetwork
 from rostether.graph.ports import Level
 from rostether.graph.typed_graph import TypedGraph

@@ -38,7 +38,8 @@ from rostether.gateways.websocket.connection import Connection
 from rostether.gateways.websocket.server import WebSocketServer
 from rostether.gateways.websocket.settings import ServedProtocol
 from rostether.graph.ports import Graph, Level
-from rostether.mechanisms.block_end import BlockClosable, cancel_all
+from rostether.mechanisms.block_end import BlockClosable
+from rostether.mechanisms.tasks import cancel_all
 from rostether.msgdef.search_waiting import definitions_searched
 from rostether.serde.store import TypeStore
 

@@ -13,7 +13,7 @@ from rostether.msgdef.interface import MessageType
 MAX_FIRST_BYTES = 4 << 20
 
 
-class Publication:
+class ClientPublication:
     """A publisher that keeps a client's first messages until the subscribers of the topic are connected.
 
     Web pages publish immediately after they advertise, and would lose their first message.
@@ -29,7 +29,9 @@ class Publication:
         self._opening: asyncio.Task[None] | None = None
 
     @classmethod
-    async def open(cls, graph: Graph, topic: str, message_type: MessageType, *, latch: bool) -> Publication:
+    async def open(
+        cls, graph: Graph, topic: str, message_type: MessageType, *, latch: bool
+    ) -> ClientPublication:
         """Advertise. Raises InvalidNameError, GraphError."""
         publication = cls(await graph.advertise(topic, message_type, latch=latch), is_latching=latch)
         publication._opening = asyncio.ensure_future(publication._open(graph))

@@ -7,10 +7,10 @@ from collections.abc import Callable
 from typing import Any
 
 from rostether.errors import AccessDeniedError, RemoteProtocolError, TypeMismatchError, UnknownNameError
+from rostether.gateways.rosbridge.client_publication import ClientPublication
 from rostether.gateways.rosbridge.client_subscription import ClientSubscription, Delivery
 from rostether.gateways.rosbridge.gateway_context import GatewayContext
 from rostether.gateways.rosbridge.outbox import Outbox
-from rostether.gateways.rosbridge.publication import Publication
 from rostether.gateways.rosbridge.request import Request
 from rostether.gateways.rosbridge.settings import MAX_PUBLICATIONS, MAX_SUBSCRIPTIONS, matches
 from rostether.gateways.type_names import short_type
@@ -28,7 +28,7 @@ class ClientTopics:
         self._context = context
         self._outbox = outbox
         self._report_error = report_error
-        self._publications: dict[str, Publication] = {}
+        self._publications: dict[str, ClientPublication] = {}
         self._subscriptions: dict[str, ClientSubscription] = {}
 
     async def advertise(self, request: Request) -> None:
@@ -101,7 +101,7 @@ class ClientTopics:
         self._subscriptions.clear()
         await asyncio.gather(*(each.close() for each in subscriptions))
 
-    async def _advertise(self, topic: str, message_type: MessageType, *, latch: bool) -> Publication:
+    async def _advertise(self, topic: str, message_type: MessageType, *, latch: bool) -> ClientPublication:
         self._check_glob(topic)
         if len(self._publications) >= MAX_PUBLICATIONS and topic not in self._publications:
             raise RemoteProtocolError(
@@ -113,12 +113,12 @@ class ClientTopics:
         graph = self._context.graph
         await self._check_type(topic, message_type)
         try:
-            publication = await Publication.open(graph, topic, message_type, latch=latch)
+            publication = await ClientPublication.open(graph, topic, message_type, latch=latch)
         except TypeMismatchError:
             # A reloaded page may choose another type.
             if not await self._context.end_lingering(graph.resolve(topic)):
                 raise
-            publication = await Publication.open(graph, topic, message_type, latch=latch)
+            publication = await ClientPublication.open(graph, topic, message_type, latch=latch)
         self._publications[topic] = publication
         return publication
 

@@ -16,9 +16,9 @@ from rostether.mechanisms.tasks import start_task
 from rostether.serde.store import TypeStore
 
 if TYPE_CHECKING:
+    from rostether.gateways.rosbridge.client_publication import ClientPublication
     from rostether.gateways.rosbridge.message_forms import MessageForms
     from rostether.gateways.rosbridge.offered_services import OfferedServices
-    from rostether.gateways.rosbridge.publication import Publication
     from rostether.gateways.rosbridge.rosapi.rosapi import Rosapi
     from rostether.gateways.rosbridge.service_types import ServiceTypes
 
@@ -43,10 +43,10 @@ class GatewayContext(Struct, eq=False):
     offered: OfferedServices
     local_services: Rosapi | None
     report: Report
-    _lingering: dict[Publication, asyncio.TimerHandle] = field(default_factory=dict)
+    _lingering: dict[ClientPublication, asyncio.TimerHandle] = field(default_factory=dict)
     _ending: set[asyncio.Task[None]] = field(default_factory=set)
 
-    def linger(self, publication: Publication) -> None:
+    def linger(self, publication: ClientPublication) -> None:
         """End a publication after `LINGER_S`."""
         while len(self._lingering) >= MAX_LINGERING:
             oldest = next(iter(self._lingering))
@@ -70,12 +70,12 @@ class GatewayContext(Struct, eq=False):
             self._end(publication)
         await asyncio.gather(*self._ending, return_exceptions=True)
 
-    def _end(self, publication: Publication) -> None:
+    def _end(self, publication: ClientPublication) -> None:
         self._lingering.pop(publication, None)
         start_task(self._ending, _close(publication))
 
 
-async def _close(publication: Publication) -> None:
+async def _close(publication: ClientPublication) -> None:
     try:
         await publication.close()
     except RostetherError:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 from typing import Any
 
-from rostether.gateways.websocket.admission import Token, is_same_secret
+from rostether.gateways.websocket.access_rules import Token, is_same_secret
 
 # The maximum age of a MAC, as in rosauth: an intercepted MAC cannot be used later.
 MAX_CLOCK_OFFSET_S = 5.0

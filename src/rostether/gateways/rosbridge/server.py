@@ -27,9 +27,9 @@ from rostether.gateways.rosbridge.settings import (
 from rostether.gateways.rosbridge.values import Style
 from rostether.gateways.shared_subscriptions import SharedSubscriptions
 from rostether.gateways.websocket.connection import Connection
-from rostether.gateways.websocket.message_stream import MessageStream
 from rostether.gateways.websocket.server import WebSocketServer
 from rostether.gateways.websocket.settings import ConnectionLimits, ServedProtocol
+from rostether.gateways.websocket.websocket_stream import WebSocketStream
 from rostether.graph.callbacks import report_error
 from rostether.graph.ports import Graph, Level, Publisher
 from rostether.mechanisms.text import counted
@@ -139,10 +139,10 @@ class RosbridgeServer:
             self._count_publisher = None
         self._ended.set()
 
-    def _open_session(self, connection: Connection) -> MessageStream:
-        stream = MessageStream(connection)
-        session = Session(stream, self._context, self._server.admission.token, connection.peer)
-        is_authenticated = not self._server.admission.token.is_required or self._server.admission.has_token(
+    def _open_session(self, connection: Connection) -> WebSocketStream:
+        stream = WebSocketStream(connection)
+        session = Session(stream, self._context, self._server.access.token, connection.peer)
+        is_authenticated = not self._server.access.token.is_required or self._server.access.has_token(
             connection.path, connection.headers
         )
         self._clients[session] = asyncio.ensure_future(

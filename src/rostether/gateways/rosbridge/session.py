@@ -29,8 +29,8 @@ from rostether.gateways.rosbridge.settings import (
 from rostether.gateways.rosbridge.status import DEFAULT_LEVEL, StatusLevel, status_message
 from rostether.gateways.rosbridge.values import JsonText, write_json
 from rostether.gateways.shown_values import show
-from rostether.gateways.websocket.admission import Token
-from rostether.gateways.websocket.message_stream import MessageStream
+from rostether.gateways.websocket.access_rules import Token
+from rostether.gateways.websocket.websocket_stream import WebSocketStream
 from rostether.graph.callbacks import report_error
 from rostether.graph.ports import Level
 from rostether.mechanisms.text import counted, fold_line
@@ -57,7 +57,7 @@ CLOSE_POLICY = 1008
 class Session:
     """One connection from its authentication to its end."""
 
-    def __init__(self, connection: MessageStream, context: GatewayContext, token: Token, name: str) -> None:
+    def __init__(self, connection: WebSocketStream, context: GatewayContext, token: Token, name: str) -> None:
         self._level = DEFAULT_LEVEL
         self.name = name
         self._connection = connection

@@ -15,6 +15,7 @@ from urllib.parse import SplitResult, parse_qs, urlsplit
 from msgspec import Struct, field
 from websockets.datastructures import Headers
 
+from rostether.gateways.websocket.settings import ServedProtocol, ServerSettings
 from rostether.transports.own_names import OwnNames
 
 ANY_PAGE = "*"
@@ -27,7 +28,7 @@ _BEARER = "bearer"
 class PageRule(Struct, frozen=True):
     """The pages that may connect: pages of this machine to this machine, and pages of the same address.
 
-    `origins` are pages that the user allows, such as `https://panel.example` (`*`: all), `own_names` the
+    `origins` are pages that the user allows, such as `https://panel.example` (`*`: all). `own_names` are the
     names of this machine. `viewer_site` is the web site of a viewer: its pages may connect, and so may a copy
     of the viewer on the user's own machine.
     """
@@ -137,26 +138,16 @@ class Rights(Enum):
     VIEW = "view"
 
 
-class Admission:
-    """The rules of one server; see `WebSocketServer` for the arguments."""
+class AccessRules:
+    """The rules of one server; `own_names` are the names of this machine."""
 
-    def __init__(
-        self,
-        origins: Sequence[str] = (),
-        token: str = "",
-        own_names: OwnNames | None = None,
-        *,
-        view_token: str = "",
-        viewer_site: str = "",
-        path: str = "",
-        wants_token_first: bool = True,
-    ) -> None:
-        self.token = Token(token)
-        self._view_token = Token(view_token)
-        self._pages = PageRule(origins, own_names or OwnNames(), viewer_site)
-        self._own_pages = PageRule(origins, own_names or OwnNames())
-        self._path = path.strip("/")
-        self._wants_token_first = wants_token_first
+    def __init__(self, settings: ServerSettings, protocol: ServedProtocol, own_names: OwnNames) -> None:
+        self.token = Token(settings.token)
+        self._view_token = Token(settings.view_token)
+        self._pages = PageRule(settings.origins, own_names, protocol.viewer_site)
+        self._own_pages = PageRule(settings.origins, own_names)
+        self._path = protocol.path.strip("/")
+        self._wants_token_first = protocol.wants_token_first
 
     def has_token(self, path: str, headers: Headers) -> bool:
         """Return whether a request has the token; False if the server has none."""
@@ -174,7 +165,7 @@ class Admission:
         return self._refusal(path, headers, self._pages)
 
     def own_refusal(self, path: str, headers: Headers) -> tuple[HTTPStatus, str] | None:
-        """Return why a WebSocket is refused, if it requires the full token and excludes a viewer's pages."""
+        """Like `refusal`, for a WebSocket that needs the full token and is not for a viewer's pages."""
         if (refused := self._refusal(path, headers, self._own_pages)) is not None:
             return refused
         if self.token.is_required and not self.has_token(path, headers):
@@ -193,7 +184,7 @@ class Admission:
             reason = "the token is missing or wrong; connect to ws://HOST:PORT/?token=TOKEN"
             return HTTPStatus.FORBIDDEN, reason
         if self._path and path.partition("?")[0].strip("/") != self._path:
-            return HTTPStatus.NOT_FOUND, f"nothing is served at {path!r:.200}"
+            return HTTPStatus.NOT_FOUND, f"nothing is served at {path!r:.200}; connect to /{self._path}"
         return None
 
     def page_refusal(self, headers: Headers) -> str | None:
@@ -212,7 +203,7 @@ class Admission:
         if (reason := self.page_refusal(headers)) is not None:
             return reason
         if single_header(headers, "Sec-Fetch-Site") in ("cross-site", "same-site"):
-            return "pages of other sites may not download recordings"
+            return "pages of other sites may not download recordings; open this address in a new tab"
         is_known = self.has_token(path, headers) or self._has_view_token(path, headers)
         if self.token.is_required and not is_known:
             return "the token is missing or wrong; add ?token=TOKEN to the address"

@@ -103,7 +103,7 @@ class Connection(asyncio.BufferedProtocol):
     def __init__(self, server: ConnectionServer) -> None:
         self.path = "/"
         self.headers = Headers()
-        # The client's address, and whether it is one of this machine.
+        # The client's address, and whether it is an address of this machine.
         self.host = ""
         self.is_local = False
 
@@ -125,7 +125,7 @@ class Connection(asyncio.BufferedProtocol):
         self._turn = ReadTurn(_MAX_READ_BYTES)
         self._assembler = MessageAssembler()
         self._is_reading = True
-        # Bytes received before TLS starts, or between its handshake and the encrypted transport; then None.
+        # Bytes received before TLS starts, or after its handshake until `_encrypt` continues; else None.
         self._early: bytearray | None = None
         self._encrypting: asyncio.Task[None] | None = None
         self._is_established = False
@@ -321,11 +321,12 @@ class Connection(asyncio.BufferedProtocol):
         if self._websocket.handshake_exc is not None and self.is_in_handshake:
             self._refuse_malformed()
         if self._answer is not None:
-            # The library would parse the body as WebSocket frames.
+            # The library may take the request's body for WebSocket frames, and must not answer it.
             return
         self._write_protocol()
         if self._websocket.close_expected() and not self._is_ending:
-            # The client gets the reason (RFC 6455, 7.4), then one side closes; data does not extend the time.
+            # After the close frames, one side closes the connection (RFC 6455, 7.1.1). Further data does not
+            # extend the time.
             self._is_ending = True
             self._set_timer(_CLOSE_S, self.abort)
 

@@ -70,9 +70,9 @@ class ConnectionLimiter:
         if not peer or not own:
             return "it has disconnected"
         if not self._allow.allows_connection(peer[0], own[0]):
-            return f"{peer[0]} is not in the networks of --allow"
+            return f"{peer[0]} is not in the networks of --allow; add it there"
         if self.open_count >= self._max_connections and not self._make_room():
-            return f"the limit of open connections ({self._max_connections}) is reached"
+            return f"the limit of open connections ({self._max_connections}) is reached; close another one"
         return ""
 
 

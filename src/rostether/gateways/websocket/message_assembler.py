@@ -9,7 +9,7 @@ class MessageAssembler:
     """Collects the data frames of one connection; the library has checked their order and total size."""
 
     def __init__(self) -> None:
-        # Not a list: a client may send a message in frames of one byte, or of none.
+        # Not a list: a client may send a message in frames of one byte, or in empty ones.
         self.incomplete: bytes | bytearray = b""
         self._is_text = False
 

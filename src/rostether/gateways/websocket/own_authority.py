@@ -27,12 +27,15 @@ if TYPE_CHECKING:
 
 _Address: TypeAlias = ipaddress.IPv4Address | ipaddress.IPv6Address
 
+# Ten years, longer than a robot is in use: a new authority must be installed on each device again.
 _AUTHORITY_DAYS = 3650
 # Browsers refuse certificates of servers that are valid for more than 398 days.
 _SERVER_DAYS = 390
+# A machine that is off for some weeks still has a valid certificate when it starts.
 _RENEW_DAYS = 30
 # Two programs of one robot that start together may each replace the files of the other.
 _ATTEMPTS = 10
+# RFC 1918 (private), 6598 (carriers), 1122 (loopback), 3927 (link-local), 4291 and 4193 (IPv6).
 _LOCAL_NETWORKS = (
     "10.0.0.0/8",
     "100.64.0.0/10",
@@ -61,7 +64,7 @@ def own_certificate(folder: Path, names: Iterable[str] = ()) -> OwnCertificate:
         folder: Also contains the authority; only this user can read the keys.
         names: Names and addresses of the page, in addition to those that are found.
 
-    Raises ConfigError with the package to install, or the file that cannot be written.
+    Raises ConfigError if a package is missing, a name is invalid, or the files are damaged or not writable.
     """
     if find_spec("cryptography") is None:
         raise ConfigError(f"--tls auto needs another package; run: {install_command('tls')}")
@@ -75,7 +78,10 @@ def own_certificate(folder: Path, names: Iterable[str] = ()) -> OwnCertificate:
                 return made
             _make_server_certificate(made, authority, key, wanted_names, addresses)
     except OSError as error:
-        raise ConfigError(f"the certificate cannot be written to {folder}: {error.strerror}") from None
+        raise ConfigError(
+            f"the certificate in {folder} cannot be made: {error.strerror or error}; make the folder "
+            "writable for this user, or use --tls with your own certificate"
+        ) from None
     except ValueError:
         raise ConfigError(
             f"authority.pem or authority.key in {folder} is damaged; delete both to make a new authority, "

@@ -14,7 +14,7 @@ from http import HTTPStatus
 from websockets.http11 import Request
 
 from rostether.errors import TransportOpenError
-from rostether.gateways.websocket.admission import Admission
+from rostether.gateways.websocket.access_rules import AccessRules
 from rostether.gateways.websocket.connection import Connection, ConnectionUser
 from rostether.gateways.websocket.connection_limiter import ConnectionLimiter
 from rostether.gateways.websocket.settings import (
@@ -26,7 +26,12 @@ from rostether.gateways.websocket.settings import (
 from rostether.gateways.websocket.site import Site
 from rostether.mechanisms.text import show_endpoint
 from rostether.transports.own_names import OwnNames
-from rostether.transports.sockets import close_servers, lengthen_backlog, system_bind_errors
+from rostether.transports.sockets import (
+    close_servers,
+    explain_reason,
+    lengthen_backlog,
+    system_bind_errors,
+)
 from rostether.transports.tls import ListenerTls, TlsFiles
 
 _LOOPBACK_HOSTS = ("127.0.0.1", "::1")
@@ -50,8 +55,8 @@ class WebSocketServer:
         open_user: Creates the user of a WebSocket after its handshake.
         report_refused: Gets a line, at a limited rate, when a connection is refused.
         site: Files that are served by plain GET.
-        routes: Functions that create users for other paths; only for this server's pages and programs with
-        the full token. None: not offered.
+        routes: Functions that create the users of other paths, for this server's pages and programs with the
+            full token. None refuses a path.
     """
 
     def __init__(
@@ -72,15 +77,7 @@ class WebSocketServer:
         self._open_user = open_user
         self._routes = routes or {}
         own_names = OwnNames((settings.host, os.environ.get("ROS_HOSTNAME", "")))
-        self.admission = Admission(
-            settings.origins,
-            settings.token,
-            own_names,
-            view_token=settings.view_token,
-            viewer_site=protocol.viewer_site,
-            path=protocol.path,
-            wants_token_first=protocol.wants_token_first,
-        )
+        self.access = AccessRules(settings, protocol, own_names)
         self._settings = settings
         self._limiter = ConnectionLimiter(
             settings.allow, limits.clients + limits.others, report_refused, self._make_room
@@ -95,11 +92,6 @@ class WebSocketServer:
         """The listening port; zero before the start."""
         sockets = self._servers[0].sockets if self._servers else ()
         return int(sockets[0].getsockname()[1]) if sockets else 0
-
-    @property
-    def connection_count(self) -> int:
-        """How many connections are open, including plain requests."""
-        return len(self._connections)
 
     def url(self, everywhere: str = DEFAULT_HOST) -> str:
         """Return the URI for clients; `everywhere` replaces an address that means all addresses."""
@@ -186,11 +178,11 @@ class WebSocketServer:
         """Return the status and reason with which a WebSocket is refused, None if it is admitted."""
         route = request.path.partition("?")[0]
         if route not in self._routes:
-            refused = self.admission.refusal(request.path, request.headers)
+            refused = self.access.refusal(request.path, request.headers)
         elif self._routes[route] is None:
             refused = HTTPStatus.NOT_FOUND, f"{route} is not offered here"
         else:
-            refused = self.admission.own_refusal(request.path, request.headers)
+            refused = self.access.own_refusal(request.path, request.headers)
         if refused is None and (reason := self._limit_reason(connection)):
             refused = HTTPStatus.SERVICE_UNAVAILABLE, reason
         if refused is None:
@@ -203,10 +195,10 @@ class WebSocketServer:
         hosts = [each.host for each in self._connections if each.is_open]
         limit = self.limits.clients
         if len(hosts) >= limit:
-            return f"the limit of clients ({limit}) is reached"
+            return f"the limit of clients ({limit}) is reached; disconnect another client"
         share = max(1, round(limit * _HOST_SHARE))
         if not connection.is_local and hosts.count(connection.host) >= share:
-            return f"the limit of clients from one address ({share}) is reached"
+            return f"the limit of clients from one address ({share}) is reached; disconnect another client"
         return ""
 
     def open_user(self, connection: Connection) -> ConnectionUser:
@@ -217,9 +209,9 @@ class WebSocketServer:
     def plain_refusal(self, connection: Connection, request: Request, *, is_download: bool) -> str | None:
         """Return why a plain request for a file or a download is refused, None if it is allowed."""
         if is_download:
-            reason = self.admission.download_refusal(request.path, request.headers)
+            reason = self.access.download_refusal(request.path, request.headers)
         else:
-            reason = self.admission.page_refusal(request.headers)
+            reason = self.access.page_refusal(request.headers)
         if reason is not None:
             self._report_refused(connection, reason)
         return reason
@@ -238,4 +230,9 @@ class WebSocketServer:
             return TransportOpenError(
                 f"{name}: {host} is not an address of this machine; 0.0.0.0:{port} listens on all of them"
             )
-        return TransportOpenError(f"{name}: cannot listen on {show_endpoint(host, port)}: {error.strerror}")
+        if error.errno == errno.EACCES:
+            return TransportOpenError(
+                f"{name}: port {port} is reserved for the system; choose a port above 1023"
+            )
+        address, reason = show_endpoint(host, port), explain_reason(error)
+        return TransportOpenError(f"{name}: cannot listen on {address}: {reason}; check the address")

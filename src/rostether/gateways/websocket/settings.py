@@ -25,6 +25,7 @@ class ConnectionLimits(Struct, frozen=True):
     # The time for a connection to send its request.
     handshake_s: float = 10.0
 
+    # The time between pings; a client that has disappeared occupies a connection for two of these periods.
     ping_period_s: float = 20.0
 
     # A client that leaves this number of pings unanswered, and reads nothing, has disconnected.
@@ -49,7 +50,7 @@ class ServedProtocol(Struct, frozen=True):
     # The web site of a viewer; its pages, and a copy of it on this machine, may connect.
     viewer_site: str = ""
 
-    # Whether a handshake without the token is refused; otherwise the user checks it.
+    # Whether a handshake without the token is refused; otherwise the user of the connection checks the token.
     wants_token_first: bool = True
 
 
@@ -58,8 +59,8 @@ class ServerSettings(Struct, frozen=True):
 
     `host` is a name or address of this machine; `localhost` is both loopback addresses. Clients must send
     `token` if it is not empty; clients with `view_token` may only view. `origins` are additional web pages
-    that may connect (`*`: all), and `allow` the networks. With `certificate` and `key` (files), connections
-    are encrypted (wss).
+    that may connect (`*`: all). `allow` are the networks that may connect (none: all). With the files
+    `certificate` and `key`, connections are encrypted (wss).
     """
 
     host: str = DEFAULT_HOST

@@ -58,7 +58,7 @@ async def _start(
     context: ssl.SSLContext,
     limit_s: float,
 ) -> asyncio.Transport | None:
-    # The connection was displaced before this started. asyncio would wait for its handshake until the limit,
+    # The server has ended the connection to make room. asyncio would wait for its handshake until the limit,
     # with a buffer of 256 KiB.
     if transport.is_closing():
         return None

@@ -1,4 +1,4 @@
-"""The messages of one connection, for a protocol that handles one at a time."""
+"""One WebSocket for a protocol that handles one message at a time."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ from rostether.gateways.websocket.connection import Connection
 MAX_WAITING = 16
 
 
-class MessageStream:
-    """An asynchronous iterator over received messages; it ends with the connection."""
+class WebSocketStream:
+    """The user of a connection: an asynchronous iterator over received messages, and a sender that waits."""
 
     def __init__(self, connection: Connection) -> None:
         self._connection = connection

@@ -6,7 +6,7 @@ from typing import Any
 import pytest
 
 from rostether.gateways.rosbridge.rosauth import authenticates
-from rostether.gateways.websocket.admission import Token
+from rostether.gateways.websocket.access_rules import Token
 
 NOW_S = 1_700_000_000.0
 

@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from rostether.gateways.rosbridge import publication
+from rostether.gateways.rosbridge import client_publication
 from rostether.gateways.rosbridge.png_packing import unpack_png
 from unit.gateways.rosbridge.web_client import World, world
 from unit.gateways.websocket.test_connection import frame, open_connection
@@ -241,4 +241,4 @@ async def test_a_page_that_was_loaded_again_may_publish_another_type(there: Worl
 
 
 def test_first_words_are_bounded() -> None:
-    assert publication.MAX_FIRST_BYTES <= 16 << 20
+    assert client_publication.MAX_FIRST_BYTES <= 16 << 20

@@ -7,16 +7,26 @@ from http import HTTPStatus
 import pytest
 from websockets.datastructures import Headers
 
-from rostether.gateways.websocket.admission import Admission
+from rostether.gateways.websocket.access_rules import AccessRules
+from rostether.gateways.websocket.settings import ServedProtocol, ServerSettings
 from rostether.transports.own_names import OwnNames
 
 
-def admission(origins: Sequence[str] = (), token: str = "", own_names: Sequence[str] = ()) -> Admission:
+def foxglove_rules(
+    origins: Sequence[str] = (), token: str = "", own_names: Sequence[str] = ()
+) -> AccessRules:
     """The rules of a gateway for Foxglove."""
-    return Admission(origins, token, OwnNames(own_names), viewer_site="foxglove.dev")
+    settings = ServerSettings(origins=tuple(origins), token=token)
+    return AccessRules(settings, ServedProtocol("foxglove", viewer_site="foxglove.dev"), OwnNames(own_names))
 
 
-def reason(rules: Admission, path: str, headers: Headers) -> str | None:
+def rosbridge_rules(token: str = "", *, path: str = "", wants_token_first: bool = True) -> AccessRules:
+    """The rules of a rosbridge server."""
+    protocol = ServedProtocol("rosbridge", path=path, wants_token_first=wants_token_first)
+    return AccessRules(ServerSettings(token=token), protocol, OwnNames())
+
+
+def reason(rules: AccessRules, path: str, headers: Headers) -> str | None:
     refused = rules.refusal(path, headers)
     return None if refused is None else refused[1]
 
@@ -35,7 +45,7 @@ def reason(rules: Admission, path: str, headers: Headers) -> str | None:
 )
 def test_viewers_may_connect(origin: str | None) -> None:
     headers = Headers({"Host": "10.0.0.7:8765"} | ({"Origin": origin} if origin is not None else {}))
-    assert reason(admission(), "/", headers) is None
+    assert reason(foxglove_rules(), "/", headers) is None
 
 
 @pytest.mark.parametrize(
@@ -57,43 +67,43 @@ def test_viewers_may_connect(origin: str | None) -> None:
     ],
 )
 def test_other_pages_may_not(origin: str) -> None:
-    refusal = reason(admission(), "/", Headers({"Origin": origin, "Host": "rebound.example:8765"}))
+    refusal = reason(foxglove_rules(), "/", Headers({"Origin": origin, "Host": "rebound.example:8765"}))
     assert refusal is not None
     assert f"--origin {origin}" in refusal
 
 
 def test_the_user_may_allow_pages() -> None:
     headers = Headers({"Origin": "https://panel.example"})
-    assert reason(admission(origins=["https://panel.example/"]), "/", headers) is None
-    assert reason(admission(origins=["*"]), "/", Headers({"Origin": "null"})) is None
-    assert reason(admission(origins=["https://other.example"]), "/", headers) is not None
+    assert reason(foxglove_rules(origins=["https://panel.example/"]), "/", headers) is None
+    assert reason(foxglove_rules(origins=["*"]), "/", Headers({"Origin": "null"})) is None
+    assert reason(foxglove_rules(origins=["https://other.example"]), "/", headers) is not None
 
 
 @pytest.mark.parametrize("origin", ["file://", "chrome-extension://abcdef"])
 def test_programs_and_extensions_need_the_token_or_to_be_named(origin: str) -> None:
     headers = Headers({"Origin": origin, "Host": "localhost:8765"})
-    assert reason(admission(), "/?token=", headers) is not None
-    assert reason(admission(token="s3cret"), "/", headers) is not None
-    assert reason(admission(token="s3cret"), "/?token=s3cret", headers) is None
-    assert reason(admission(origins=[origin]), "/", headers) is None
+    assert reason(foxglove_rules(), "/?token=", headers) is not None
+    assert reason(foxglove_rules(token="s3cret"), "/", headers) is not None
+    assert reason(foxglove_rules(token="s3cret"), "/?token=s3cret", headers) is None
+    assert reason(foxglove_rules(origins=[origin]), "/", headers) is None
 
 
 def test_a_page_needs_more_than_the_token() -> None:
     headers = Headers({"Origin": "https://evil.example", "Host": "localhost:8765"})
-    assert reason(admission(token="s3cret"), "/?token=s3cret", headers) is not None
+    assert reason(foxglove_rules(token="s3cret"), "/?token=s3cret", headers) is not None
 
 
 def test_another_machines_name_is_refused() -> None:
     headers = Headers({"Host": "rebound.example:8765"})
-    refusal = reason(admission(), "/?token=", headers)
+    refusal = reason(foxglove_rules(), "/?token=", headers)
     assert refusal is not None
     assert "'rebound.example:8765' is not a name of this machine" in refusal
-    assert reason(admission(own_names=["rebound.example"]), "/", headers) is None
-    assert reason(admission(token="s3cret"), "/?token=s3cret", headers) is None
+    assert reason(foxglove_rules(own_names=["rebound.example"]), "/", headers) is None
+    assert reason(foxglove_rules(token="s3cret"), "/?token=s3cret", headers) is None
 
 
 def test_the_token_is_asked_for() -> None:
-    rules = Admission(token="s3cret")
+    rules = rosbridge_rules("s3cret")
     assert reason(rules, "/?token=s3cret", Headers()) is None
     assert reason(rules, "/", Headers({"Authorization": "Bearer s3cret"})) is None
     refused: list[tuple[str, dict[str, str]]] = [
@@ -134,7 +144,7 @@ def test_the_token_is_asked_for() -> None:
 )
 def test_pages_of_this_machine_alone_may_connect(origin: str | None, host: str, is_let_in: bool) -> None:
     headers = Headers({"Host": host} | ({} if origin is None else {"Origin": origin}))
-    assert (Admission().refusal("/", headers) is None) is is_let_in
+    assert (rosbridge_rules().refusal("/", headers) is None) is is_let_in
 
 
 @pytest.mark.parametrize(
@@ -156,14 +166,14 @@ def test_pages_of_this_machine_alone_may_connect(origin: str | None, host: str, 
 )
 def test_the_token_is_in_the_query_or_a_header(path: str, authorization: str, is_known: bool) -> None:
     headers = Headers({"Authorization": authorization} if authorization else {})
-    assert Admission(token="abc").has_token(path, headers) is is_known
-    assert (Admission(token="abc").refusal(path, headers) is None) is is_known
-    assert Admission(token="abc", wants_token_first=False).refusal(path, headers) is None
+    assert rosbridge_rules("abc").has_token(path, headers) is is_known
+    assert (rosbridge_rules("abc").refusal(path, headers) is None) is is_known
+    assert rosbridge_rules("abc", wants_token_first=False).refusal(path, headers) is None
 
 
 def test_a_path_that_was_named_is_the_only_one() -> None:
-    assert Admission().refusal("/anything?token=1", Headers()) is None
-    rules = Admission(path="/ros")
+    assert rosbridge_rules().refusal("/anything?token=1", Headers()) is None
+    rules = rosbridge_rules(path="/ros")
     assert rules.refusal("/ros?token=1", Headers()) is None
     assert rules.refusal("/ros/", Headers()) is None
     refused = rules.refusal("/", Headers())

@@ -19,7 +19,7 @@ async def test_networks_that_were_named_may_connect_and_this_machine() -> None:
     assert gate.admit(Accepted("192.168.1.7", "192.168.1.2"))
     assert gate.admit(Accepted())
     assert not gate.admit(Accepted("10.0.0.1", "192.168.1.2"))
-    assert reported == ["refused 10.0.0.1:5000: 10.0.0.1 is not in the networks of --allow"]
+    assert reported == ["refused 10.0.0.1:5000: 10.0.0.1 is not in the networks of --allow; add it there"]
     assert gate.open_count == 2
 
 
@@ -28,7 +28,7 @@ async def test_a_place_that_was_left_is_free() -> None:
     gate = ConnectionLimiter((), 1, reported.append)
     assert gate.admit(Accepted())
     assert not gate.admit(Accepted("::1", "::1"))
-    assert reported == ["refused [::1]:5000: the limit of open connections (1) is reached"]
+    assert reported == ["refused [::1]:5000: the limit of open connections (1) is reached; close another one"]
     gate.release()
     assert gate.admit(Accepted())
 

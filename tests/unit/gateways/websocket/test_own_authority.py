@@ -140,7 +140,7 @@ def test_a_damaged_certificate_is_made_again_but_not_its_authority(tmp_path: Pat
 
 def test_a_folder_that_cannot_be_made_is_named(tmp_path: Path) -> None:
     (tmp_path / "file").write_text("")
-    with pytest.raises(ConfigError, match="the certificate cannot be written to"):
+    with pytest.raises(ConfigError, match="cannot be made: Not a directory; make the folder writable"):
         own_certificate(tmp_path / "file" / "tls")
 
 

@@ -3,7 +3,7 @@ from __future__ import annotations
 import pytest
 from websockets.datastructures import Headers
 
-from rostether.gateways.websocket.admission import PageRule, Token, single_header
+from rostether.gateways.websocket.access_rules import PageRule, Token, single_header
 from rostether.transports.own_names import OwnNames
 
 REBOUND = "stranger.example"

@@ -4,7 +4,7 @@ import asyncio
 from typing import cast
 
 from rostether.gateways.websocket.connection import Connection
-from rostether.gateways.websocket.message_stream import MAX_WAITING, MessageStream
+from rostether.gateways.websocket.websocket_stream import MAX_WAITING, WebSocketStream
 
 
 class FakeConnection:
@@ -24,9 +24,9 @@ class FakeConnection:
         self.calls.append(messages)
 
 
-def stream() -> tuple[FakeConnection, MessageStream]:
+def stream() -> tuple[FakeConnection, WebSocketStream]:
     connection = FakeConnection()
-    return connection, MessageStream(cast("Connection", connection))
+    return connection, WebSocketStream(cast("Connection", connection))
 
 
 async def test_messages_come_in_their_order_up_to_the_end() -> None:
@@ -40,7 +40,7 @@ async def test_messages_come_in_their_order_up_to_the_end() -> None:
     assert await messages.receive() is None
 
 
-async def anext_all(messages: MessageStream) -> list[str | bytes]:
+async def anext_all(messages: WebSocketStream) -> list[str | bytes]:
     return [each async for each in messages]
 
 
