@@ -16,8 +16,7 @@ from rostether.cli.board.opencr import OPENCR, start_opencr
 from rostether.cli.board.qemu import start_in_qemu
 from rostether.errors import GraphError
 from rostether.graph.ports import Graph, JoinGraph, Level
-from rostether.mechanisms.block_end import closed_at_end
-from rostether.mechanisms.tasks import cancel_all
+from rostether.mechanisms.block_end import closed_at_end, task_beside
 from rostether.simulation.qemu import MACHINES
 from rostether.transports.address import Address, ProgramSize, SerialAddress, SimAddress, SimulationPauses
 
@@ -29,9 +28,11 @@ if TYPE_CHECKING:
     from rostether.simulation.simavr.simulated_board import SimulatedBoard
     from rostether.simulation.simavr.simulation_node import NodeBoard
 
+# Events of every start; another line already reports the start.
 _START_EVENTS = ("ready", "reset")
 # Events that the board's node requests; they are not reported.
 _REQUESTED_BY_NODE = frozenset(("pins", "servo"))
+# Events that show a fault of the sketch, or a simulation that is too slow.
 _WARNINGS = (
     "asleep",
     "bad_opcode",
@@ -64,7 +65,6 @@ async def simulated(
     async with AsyncExitStack() as stack:
         names: list[str] = []
         opened: list[Address] = []
-        reports: list[asyncio.Task[None]] = []
         for link in links:
             if not isinstance(link, SimAddress):
                 opened.append(link)
@@ -87,11 +87,10 @@ async def simulated(
                 shown, pauses = board, board.pauses
             if join is not None and shown is not None:
                 joining = partial(join, f"{name}_simulation", namespace=f"/{(link.ns or '').strip('/')}")
-                reports.append(asyncio.create_task(_run_node(shown, link, joining, reporter)))
-            reports.append(asyncio.get_running_loop().create_task(report))
+                await stack.enter_async_context(task_beside(_run_node(shown, link, joining, reporter)))
+            # It ends before its board: a board that is ended on purpose has nothing to report.
+            await stack.enter_async_context(task_beside(report))
             opened.append(SerialAddress(address, name=name, ns=link.ns, program=size, pauses=pauses))
-        # The reports end first: a board that is ended on purpose has nothing to report.
-        stack.push_async_callback(cancel_all, *reports)
         yield opened
 
 

@@ -161,6 +161,17 @@ async def test_mistakes_are_reported_before_anything_is_served() -> None:
             pass
 
 
+async def test_boards_that_end_because_another_cannot_start_are_not_reported() -> None:
+    lines = Lines()
+    links = [parse_address(f"sim:{build('tick')}"), parse_address("sim:nowhere.ino")]
+    with pytest.raises(BoardError, match="does not exist"):
+        async with simulated(links, lines):
+            pass
+    # The report of an end would follow in the next steps of the loop.
+    await asyncio.sleep(0.05)
+    assert not any("has ended" in text for _, text in lines.lines)
+
+
 async def test_a_warning_that_repeats_is_one_line() -> None:
     class Board:
         recent = ()
