@@ -1,8 +1,8 @@
 """The built-in nodes of launch files and rosrun: maps (package, type) to a rostether command.
 
-A row has the words after `rostether`. The command accepts all arguments of ROS nodes: `__name:=`, `__ns:=`,
-`_parameter:=value`, `from:=to`. `_WINDOWS` has the programs with windows: the installed program is used if
-there is one, otherwise a panel of the dashboard replaces it.
+`_NODES` has the words after `rostether`. The command accepts all arguments of ROS nodes: `__name:=`,
+`__ns:=`, `_parameter:=value`, `from:=to`. `_WINDOWS` has the programs with windows: a panel of the
+dashboard replaces a program that is not installed.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from rostether.packages.executables import library_folders
 
 _SERIAL = ("serial-node",)
 
-BUILTIN_NODES: dict[tuple[str, str], tuple[str, ...]] = {
+_NODES: dict[tuple[str, str], tuple[str, ...]] = {
     ("rosserial_python", "serial_node.py"): _SERIAL,
     ("rosserial_python", "serial_node"): _SERIAL,
     ("rosserial_arduino", "serial_node.py"): _SERIAL,
@@ -118,7 +118,7 @@ _PROGRAMS = {("xacro", "xacro"): ("xacro",)}
 
 def builtin_nodes() -> dict[tuple[str, str], list[str]]:
     """Map (package, type) of the built-in nodes to whole command lines, without the node's arguments."""
-    return {node: own_command(*words) for node, words in BUILTIN_NODES.items() if _is_command(words)}
+    return {node: own_command(*words) for node, words in _NODES.items()}
 
 
 def replacement_line(package: str, environ: Mapping[str, str], *, in_terminal: bool = False) -> str | None:
@@ -180,13 +180,6 @@ def window_program(package: str, name: str, environ: Mapping[str, str]) -> Path 
         if found is not None and not is_shim(Path(found)):
             return Path(found)
     return None
-
-
-def _is_command(words: tuple[str, ...]) -> bool:
-    from rostether.cli.role.group import ROLES
-    from rostether.cli.verb_table import VERBS
-
-    return words[1] in ROLES if words[0] == "role" else words[0] in VERBS
 
 
 def builtin_programs() -> dict[tuple[str, str], list[str]]:

@@ -48,7 +48,7 @@ def node_command(
         if window is not None and package == program:
             return [str(window)]
         if not any((each / program).is_file() for each in library_folders(package, None, environ)):
-            raise ConfigError(explain_unknown_package(package, program, packages))
+            raise ConfigError(_explain_unknown_package(package, program, packages))
     found = find_program(package, program, folder, environ)
     if not is_python(found):
         return [str(found)]
@@ -58,13 +58,13 @@ def node_command(
     return [*python, str(found)]
 
 
-def explain_unknown_package(package: str, program: str, packages: Mapping[str, Path]) -> str:
-    """Return the line about an unknown package: similar names, or the folders that were searched."""
-    ours = sorted(kind for role, kind in builtin_nodes() if role == package)
-    if ours:
-        return f"package {package} has no program {program}; the built-in ones are {', '.join(ours)}"
-    there = {*packages, *(role for role, _ in builtin_nodes())}
-    if hint := did_you_mean(package, there):
+def _explain_unknown_package(package: str, program: str, packages: Mapping[str, Path]) -> str:
+    """Return the error about a package without a folder: its built-in programs, or similar names."""
+    built_in = sorted(each for owner, each in builtin_nodes() if owner == package)
+    if built_in:
+        return f"package {package} has no program {program}; the built-in ones are {', '.join(built_in)}"
+    known = {*packages, *(owner for owner, _ in builtin_nodes())}
+    if hint := did_you_mean(package, known):
         return f"no package {package}; {hint}"
     return (
         f"no package {package} on ROS_PACKAGE_PATH, in the workspace around this folder or below it; "

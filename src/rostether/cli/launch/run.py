@@ -65,5 +65,5 @@ def replace_process(words: Sequence[str], environ: Mapping[str, str]) -> None:
         os.execvpe(words[0], list(words), environ)  # noqa: S606
     except OSError as error:
         raise ConfigError(
-            f"{words[0]} cannot be run: {error.strerror}; its first line may name a program that is missing"
+            f"{words[0]} cannot be run: {error.strerror}; check the path and the first line of the program"
         ) from error

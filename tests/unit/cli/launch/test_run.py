@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from programs import OURS, read_until, running
-from rostether.cli.launch.builtin_nodes import BUILTIN_NODES, builtin_nodes, replacement_line, view_command
+from rostether.cli.launch.builtin_nodes import builtin_nodes, replacement_line, view_command
 from rostether.cli.launch.node_command import PYTHON_VARIABLE, node_command, python_for
 from rostether.cli.launch.shims import SHIM_MARK
 from rostether.errors import ConfigError
@@ -77,7 +77,7 @@ def test_a_program_that_cannot_start(arm: Path) -> None:
     assert done.returncode == 1
     assert done.stderr.startswith("rostether: error: ")
     assert (
-        "cannot be run: No such file or directory; its first line may name a program that is missing"
+        "cannot be run: No such file or directory; check the path and the first line of the program"
         in done.stderr
     )
 
@@ -101,7 +101,6 @@ def test_nodes_that_are_ours_by_role(arm: Path) -> None:
         node_command("rosserial_python", "serial_node.py", packages={"rosserial_python": arm}, environ={})
         == found
     )
-    assert builtin_nodes().keys() <= BUILTIN_NODES.keys()
 
 
 @pytest.mark.parametrize("node", sorted(builtin_nodes()))
