@@ -51,6 +51,8 @@ def write_failure(path: object, error: Exception) -> str:
         step = "free some space on its disk"
     elif number == errno.EFBIG:
         step = "choose a disk that accepts larger files"
+    elif number == errno.EISDIR:
+        step = "give a file in this folder"
     return f"cannot write {path}: {reason}; {step}"
 
 

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from rostether.cli.shell.picture_files import save
+from rostether.cli.shell.output import write_file
 from rostether.errors import ConfigError
 from rostether.mechanisms.whole_file import write_whole
 
@@ -29,13 +29,13 @@ def full_disk() -> Iterator[None]:
 def test_a_full_disk_leaves_no_part_of_a_file(tmp_path: Path) -> None:
     path = tmp_path / "graph.svg"
     with pytest.raises(ConfigError, match=r"cannot write .*/graph.svg: File too large"):
-        save(path, "x" * 2000)
+        write_file(path, "x" * 2000)
     assert list(tmp_path.iterdir()) == []
     with pytest.raises(OSError, match=re.escape(f"'{path}'")):
         write_whole(path, b"x" * 2000)
-    save(path, "old")
+    write_file(path, "old")
     with pytest.raises(ConfigError):
-        save(path, "x" * 2000)
+        write_file(path, "x" * 2000)
     assert path.read_text() == "old"
     assert list(tmp_path.iterdir()) == [path]
 

@@ -133,7 +133,7 @@ _TOOL_ALLOW = "Accept connections to this node from these addresses only (if ROS
 _SERVED_ALLOW = "Accept network connections from these addresses only, e.g. 192.168.1.0/24; may be repeated."
 
 # Options of the tools of ROS 2 that scripts pass; they have no effect here.
-_IGNORED_DAEMON_OPTIONS = ignored_options("--spin-time", no_daemon="--no-daemon")
+_IGNORED_DAEMON_OPTIONS = ignored_options("--spin-time", flags=["--no-daemon"])
 
 _ROS1_HELP = "Use the ROS 1 graph even if ROS 2 is sourced"
 

@@ -109,7 +109,7 @@ class PlayOptions:
 )
 @option_group("options", PlayOptions)
 @click.argument("files", nargs=-1, required=True, metavar="FILE... [FROM:=TO]...")
-@ignored_options(try_future_version="--try-future-version")
+@ignored_options(flags=["--try-future-version"])
 @graph_options(allow=True, zenoh=True)
 def bag_play(options: PlayOptions, files: tuple[str, ...], graph: GraphOptions) -> None:
     """Publish the messages of recordings at their recorded times. Space pauses, s steps, q quits.

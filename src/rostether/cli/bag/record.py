@@ -131,7 +131,7 @@ class RecordOptions:
 )
 @option_group("options", RecordOptions)
 @click.argument("topics", nargs=-1, metavar="[TOPIC]...", shell_complete=complete_topics)
-@ignored_options(tcpnodelay="--tcpnodelay", udp="--udp")
+@ignored_options(flags=["--tcpnodelay", "--udp"])
 @graph_options(allow=True, zenoh=True)
 def bag_record(options: RecordOptions, topics: tuple[str, ...], graph: GraphOptions) -> None:
     """Record topics, as raw bytes, until Ctrl-C, a limit, or a full disk.

@@ -37,7 +37,7 @@ _roscore_options = ignored_options(
     "--master-logger-level",
     "--sigint-timeout",
     "--sigterm-timeout",
-    verbose="-v",
+    flags=["-v"],
 )
 
 

@@ -19,7 +19,7 @@ from rostether.cli.gateway.options import (
     viewer_access_options,
 )
 from rostether.cli.shell.option_group import FILE, PORT, POSITIVE, flag, ignored_options, option, option_group
-from rostether.cli.shell.output import write_line
+from rostether.cli.shell.output import write_file, write_line
 from rostether.cli.shell.verbs import verb
 
 if TYPE_CHECKING:
@@ -33,10 +33,7 @@ roslaunch_options = ignored_options(
     "-w --numworkers",
     "-t --timeout",
     "--master-logger-level",
-    local="--local",
-    log_check="--skip-log-check",
-    title="--disable-title",
-    verbose="-v --verbose",
+    flags=["--local", "--skip-log-check", "--disable-title", "-v --verbose"],
 )
 
 
@@ -91,7 +88,7 @@ class LaunchOptions:
 
     @property
     def runs_commands(self) -> bool:
-        """Whether to run the programs that compute parameters; only some listings need them."""
+        """Whether to run the programs that compute parameters; most listings do not show parameters."""
         only_lists = self.lists_nodes or self.lists_arguments or self.lists_files
         return not (only_lists or self.args_of is not None or self.file_of is not None)
 
@@ -210,7 +207,7 @@ def _written_pid(file: Path | None) -> Iterator[None]:
     if file is None:
         yield
         return
-    file.write_text(f"{os.getpid()}\n")
+    write_file(file, f"{os.getpid()}\n")
     try:
         yield
     finally:

@@ -50,7 +50,7 @@ class SetOptions:
 class Params(Protocol):
     """The parameters of one graph. Each method is a whole command and raises RostetherError, UsageError.
 
-    A parameter of ROS 2 is typed as a node and a name, or as both in one full name.
+    A parameter of ROS 2 is given as a node and a name, or as both in one full name.
     """
 
     def list_params(self, wanted: ParamListing) -> None:
@@ -69,7 +69,7 @@ class Params(Protocol):
         """Print type, limits and description of a node's parameters."""
 
     def dump(self, file: Path | None, namespace: str, /, *, verbose: bool) -> None:
-        """Write parameters as YAML; ROS 2 takes the node instead of the file."""
+        """Write parameters as YAML; with ROS 2, `file` is the node."""
 
     def load(self, file: Path, namespace: str, /, *, verbose: bool) -> None:
-        """Set the parameters of a YAML file; ROS 2 takes the node and the file."""
+        """Set the parameters of a YAML file; with ROS 2, `file` is the node and `namespace` the file."""

@@ -12,7 +12,7 @@ from rostether.cli.access.options import refuse_ros2_only
 from rostether.cli.access.ros1_access import master_client, read_environment, resolve
 from rostether.cli.param.params import GetOptions, ParamListing, SetOptions
 from rostether.cli.shell.input import read_bytes, read_text
-from rostether.cli.shell.output import warn, write_json, write_line, write_result
+from rostether.cli.shell.output import warn, write_file, write_json, write_line, write_result
 from rostether.cli.shell.running import run
 from rostether.errors import ConfigError, InvalidNameError, UnknownNameError
 from rostether.mechanisms.text import did_you_mean, escape_line
@@ -97,7 +97,6 @@ class Ros1Params:
 
     def dump(self, file: Path | None, namespace: str, /, *, verbose: bool) -> None:
         """Write parameters to a YAML file; without a file, or with -, to stdout."""
-        from rostether.mechanisms.whole_file import write_whole
         from rostether.param_yaml import dump
 
         if verbose:
@@ -106,7 +105,7 @@ class Ros1Params:
         if file is None or str(file) == "-":
             write_line(text.removesuffix("\n"))
         else:
-            write_whole(file, text.encode())
+            write_file(file, text)
 
     def load(self, file: Path, namespace: str, /, *, verbose: bool) -> None:
         """Set the parameters of a YAML file (- is stdin), in a namespace if one is given."""
@@ -153,7 +152,7 @@ async def _store(environment: RosEnvironment, values: list[tuple[str, Any]], *, 
         full_name = param_name(name, environment)
         if full_name == "/" and not isinstance(value, dict):
             raise ConfigError("/ can only be set to a mapping of names to values")
-        # Read them all before the first is set: a file with an error sets nothing.
+        # All are checked before the first is set: a file with an error sets nothing.
         settings += leaves(full_name, value)
     _warn_of_illegal([name for name, _ in settings])
     async with master_client(environment) as client:
@@ -187,7 +186,7 @@ def param_name(name: str, environment: RosEnvironment) -> str:
 
 
 async def not_set(client: MasterClient, name: str) -> UnknownNameError:
-    """Return the error for a parameter that is not set, with the nearest one that is."""
+    """Return the error for a parameter that is not set, with the most similar name of those that are set."""
     known = _with_namespaces(await client.param_names())
     hint = did_you_mean(name, known) or "`rostether param list` lists those that are set"
     return UnknownNameError(f"parameter {name} is not set; {hint}")

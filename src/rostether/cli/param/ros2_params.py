@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import re
 from array import array
-from collections.abc import Awaitable, Callable, Iterable
+from collections.abc import Awaitable, Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -43,7 +43,9 @@ async def _find_node(tool: ToolNode, node: str) -> None:
     if node in _nodes_with_parameters(view):
         return
     if node in view.nodes:
-        raise UnknownNameError(f"node {node} does not give access to its parameters")
+        raise UnknownNameError(
+            f"node {node} does not give access to its parameters; `rostether param list` shows which do"
+        )
     hint = did_you_mean(node, view.nodes) or "`rostether node list` shows all nodes"
     raise UnknownNameError(f"Node not found: {node}; {hint}")
 
@@ -64,7 +66,7 @@ def _asked_of(graph: GraphOptions, node: str, question: Callable[[ParameterClien
 
 
 def _located(graph: GraphOptions, name: str, parameter: str | None) -> tuple[str, str]:
-    """Return the node and the parameter that were typed, as two words or one. Raises UnknownNameError."""
+    """Return the node and the parameter that are given as two words or one. Raises UnknownNameError."""
     if parameter is not None:
         return full_node_name(name), parameter
     full_name = full_node_name(name)
@@ -226,7 +228,8 @@ class Ros2Params:
                 part, _, below = key.partition(".")
                 space = branch.setdefault(part, {})
                 if not isinstance(space, dict):
-                    break  # A node may have both `a` and `a.b`: the key keeps its dot.
+                    # A node may have both `a` and `a.b`: the key keeps its dot.
+                    break
                 branch, key = space, below
             branch[key] = list(value.value) if isinstance(value.value, bytes) else value.value
         write_line(yaml.safe_dump({owner: {"ros__parameters": tree}}, default_flow_style=False))
@@ -268,12 +271,11 @@ async def _types(client: ParameterClient, node: str, names: list[str]) -> dict[s
 
 
 def _type_word(number: int) -> str:
-    return _TYPE_WORDS.get(ParameterType(number) if number in list(ParameterType) else NOT_SET.type, "")
+    return _TYPE_WORDS[ParameterType(number) if number in list(ParameterType) else NOT_SET.type]
 
 
-def _is_below(name: str, prefixes: Iterable[str]) -> bool:
-    wanted = list(prefixes)
-    return not wanted or any(name == each or name.startswith(f"{each}.") for each in wanted)
+def _is_below(name: str, prefixes: Sequence[str]) -> bool:
+    return not prefixes or any(name == each or name.startswith(f"{each}.") for each in prefixes)
 
 
 def _shown(value: TypedValue) -> str:

@@ -18,7 +18,7 @@ MAX_CURVES = 28
 # Points of all curves: 10 minutes of seven curves at 50 Hz; the oldest are dropped first.
 MAX_POINTS = 200_000
 
-# A count and a stamp: in a plot of a whole message, their values hide all others.
+# In a plot of a whole message, the large numbers of its count and stamp would hide all others.
 _LEFT_OUT = "header"
 
 
@@ -40,7 +40,7 @@ def expand(argument: str) -> list[str]:
 
 
 def numbers(name: str, value: Any) -> Iterator[tuple[str, float]]:
-    """Yield the numbers in a value with their paths: of a message's fields, of an array's elements."""
+    """Yield each number in a value with its path, such as `/imu/rate/x` or `/scan/ranges[3]`."""
     if isinstance(value, bool | int | float):
         yield name, float(value)
     elif isinstance(value, Time | Duration):
@@ -55,7 +55,7 @@ def numbers(name: str, value: Any) -> Iterator[tuple[str, float]]:
 
 
 class Curves:
-    """The values received so far; `curves` shows them, in the order in which their fields were named."""
+    """The values received so far, in the order in which their fields were announced."""
 
     def __init__(self) -> None:
         self._points: dict[str, dict[str, deque[tuple[float, float]]]] = {}
@@ -64,7 +64,7 @@ class Curves:
 
     @property
     def names(self) -> list[str]:
-        """The current curves."""
+        """The names of the current curves."""
         return [name for group in self._points.values() for name in group]
 
     def expect(self, *names: str) -> None:

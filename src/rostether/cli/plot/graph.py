@@ -10,8 +10,8 @@ import click
 from rostether.cli.access.graph_options import GraphOptions, graph_options
 from rostether.cli.access.options import refuse_ros1_only
 from rostether.cli.shell.option_group import FILE, add_flag, add_option
-from rostether.cli.shell.output import json_option, write_json, write_line
-from rostether.cli.shell.picture_files import SUFFIXES, picture_format, save
+from rostether.cli.shell.output import json_option, write_file, write_json, write_line
+from rostether.cli.shell.picture_files import SUFFIXES, encode, picture_format
 from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import verb
 from rostether.graph.shown_graph import ShownGraph, as_digraph, as_records, as_text, choose
@@ -74,7 +74,7 @@ def show_graph(
         for record in as_records(shown):
             write_json(record)
     elif file is not None:
-        save(file, _content(shown, kind, nodes_only=nodes_only))
+        write_file(file, _content(shown, kind, nodes_only=nodes_only))
         write_line(f"{file}: {counted(len(shown.nodes), 'node')}, {counted(len(shown.topics), 'topic')}")
     else:
         write_line(str(_content(shown, kind, nodes_only=nodes_only)).rstrip("\n"))
@@ -88,8 +88,6 @@ def _content(shown: ShownGraph, kind: str, *, nodes_only: bool) -> str | bytes:
     digraph = as_digraph(shown, nodes_only=nodes_only)
     if kind == "dot":
         return dot(digraph)
-    from rostether.cli.shell.picture_files import encode
-
     return encode(draw(digraph), kind)
 
 

@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 # More curves cannot be distinguished.
 MAX_FIELDS = 8
 _NUMBERS = frozenset(INTEGER_RANGES) | {"float32", "float64", "bool"}
+# Topics of the system, whose numbers are rarely of interest.
 _NOT_PLOTTED = ("/rosout", "/rosout_agg", "/clock", "/diagnostics", "/tf", "/tf_static")
 
 

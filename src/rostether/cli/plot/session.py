@@ -16,8 +16,8 @@ from msgspec.structs import replace
 from rostether.cli.access.options import msg_path_option
 from rostether.cli.plot.curves import Curves, expand
 from rostether.cli.shell.option_group import FILE, POSITIVE, flag, option, shared
-from rostether.cli.shell.output import warn, write_line
-from rostether.cli.shell.picture_files import encode, picture_format, save
+from rostether.cli.shell.output import warn, write_file, write_line
+from rostether.cli.shell.picture_files import encode, picture_format
 from rostether.errors import ConfigError, GraphError, SerializationError, first_error
 from rostether.mechanisms.tasks import cancel_all
 from rostether.mechanisms.text import counted
@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from rostether.pictures.plot import Curve
     from rostether.serde.codec import Codec
 
+# Ten pictures a second: movements look smooth, also over a slow SSH connection.
 REFRESH_S = 0.1
 DEFAULT_WINDOW_S = 10.0
 
@@ -79,7 +80,7 @@ class PlotSession:
         self._problems: set[str] = set()
 
     def add_type(self, topic: str, registry: Registry, codec: Codec) -> None:
-        """Set the type of a topic, from which the units of its fields are known."""
+        """Set the type of a topic, which has the units of its fields."""
         self._types[topic] = registry, codec
 
     def add_message(self, name: str, message: Any, path: Any) -> None:
@@ -130,7 +131,7 @@ class PlotSession:
             since_s = self._last_s - self._options.window_s if self._options.window_s else 0.0
             curves = self._with_scales(self._curves.curves(since_s))
             labels = Labels(self._options.title or "", self._begin_unix_s, self._options.shows_time_of_day)
-            save(file, encode(draw_plot(curves, labels), picture_format(file)))
+            write_file(file, encode(draw_plot(curves, labels), picture_format(file)))
             write_line(
                 f"{file}: {counted(len(curves), 'curve')}, "
                 f"{counted(sum(len(each.points) for each in curves), 'value')}"
@@ -142,7 +143,7 @@ class PlotSession:
                 write_line(line)
 
     def _with_scales(self, curves: Sequence[Curve]) -> list[Curve]:
-        """Return the curves with their units, each on the requested scale, or on that of its unit."""
+        """Return the curves with their units, each on the requested scale or the scale of its unit."""
         with_units = [replace(each, unit=self._unit(each.name)) for each in curves]
         first = next((each.unit for each in with_units if each.unit), "")
         return [

@@ -28,6 +28,10 @@ if TYPE_CHECKING:
 
 # Faster than a person can read; a script that needs every message echoes /tf.
 MAX_RATE_HZ = 1_000.0
+# Transforms of a running robot arrive sooner; until then, nothing is reported.
+_SILENT_S = 1.0
+# How often the time limit is checked while nothing arrives.
+_POLL_S = 0.2
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,12 +89,12 @@ async def _echo(options: EchoOptions, graph: GraphOptions) -> int:
                     if not shown_count and timeout_s is not None and waited_s >= timeout_s:
                         warn(escape_line(problem))
                         return EXIT_FAILED
-                    if problem != reported and waited_s >= 1.0:
+                    if problem != reported and waited_s >= _SILENT_S:
                         reported = problem
                         warn(f"waiting: {escape_line(problem)}")
                     listener.arrived.clear()
                     with contextlib.suppress(TimeoutError):
-                        async with asyncio.timeout(0.2):
+                        async with asyncio.timeout(_POLL_S):
                             await listener.arrived.wait()
                     continue
                 _show(stamped, options.as_json)

@@ -11,7 +11,7 @@ import click
 
 from rostether.cli.access.graph_options import GraphOptions, graph_options
 from rostether.cli.shell.option_group import COUNT, add_option
-from rostether.cli.shell.output import json_option, write_json, write_line
+from rostether.cli.shell.output import json_option, write_json, write_line, write_result
 from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import verb
 from rostether.mechanisms.run_until import run_until
@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from rostether.robot.tf_buffer import TransformBuffer
     from rostether.robot.tf_statistics import TfStatistics
 
+# The period of tf_monitor.
 REPORT_PERIOD_S = 1.0
 
 
@@ -78,7 +79,7 @@ def _report(
             chain = buffer.chain(frames[0], frames[1])
         except TransformError as error:
             problem = escape_line(str(error).strip().splitlines()[0])
-            write_json({"problem": problem}) if as_json else write_line(f"waiting: {problem}")
+            write_result({"problem": problem}, f"waiting: {problem}", as_json=as_json)
             return
     rows = {name: row for name, row in sorted(statistics.frames.items()) if not frames or name in chain}
     if as_json:

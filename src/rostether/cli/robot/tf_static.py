@@ -41,7 +41,7 @@ def static(words: tuple[str, ...], ros2: str | None) -> None:
     The units are meters, and radians or a quaternion. With a number of milliseconds at the end, it publishes
     repeatedly on /tf, like tf's node. PARAMETER contains a geometry_msgs/TransformStamped.
     """
-    _run(words, f"static_transform_publisher_{os.getpid()}", ros2)
+    _run(words, ros2)
 
 
 @verb(
@@ -55,23 +55,21 @@ def static(words: tuple[str, ...], ros2: str | None) -> None:
 @_arguments
 def static_transform_publisher(words: tuple[str, ...]) -> None:
     """Publish a static transform, like static_transform_publisher of tf2_ros and tf."""
-    _run(words, f"static_transform_publisher_{os.getpid()}")
+    _run(words)
 
 
-def _run(words: tuple[str, ...], default_name: str, ros2: str | None = None) -> None:
+def _run(words: tuple[str, ...], ros2: str | None = None) -> None:
     arguments = node_arguments(words)
     if len(arguments.rest) == 1:
         transform = None
         validate_name(arguments.rest[0])
     else:
         transform = parse_static_transform(arguments.rest)
-    run(_publish(arguments, transform, default_name, ros2), is_service=True)
+    run(_publish(arguments, transform, ros2), is_service=True)
 
 
-async def _publish(
-    arguments: Arguments, transform: StaticTransform | None, default_name: str, ros2: str | None
-) -> None:
-    async with role_node(arguments, default_name, ros2) as graph:
+async def _publish(arguments: Arguments, transform: StaticTransform | None, ros2: str | None) -> None:
+    async with role_node(arguments, f"static_transform_publisher_{os.getpid()}", ros2) as graph:
         if transform is None:
             name = arguments.rest[0]
             transform = static_transform_of(await graph.get_param(name), name)

@@ -16,6 +16,8 @@ from rostether.mechanisms.text import escape_line
 
 # Long enough for transforms at 1 Hz, and to measure a rate.
 DEFAULT_LISTENING_S = 2.0
+# More lines would push the tree off the screen.
+_MAX_REFUSALS = 20
 
 
 @verb(
@@ -52,7 +54,7 @@ async def _tree(listening_s: float, dot: bool, as_json: bool, graph: GraphOption
     def note(refusal: str) -> None:
         # The same refusal comes with every message; the text before the frame is its kind.
         kind = refusal.split(" for frame ")[0]
-        if len(refusals) < 20:
+        if len(refusals) < _MAX_REFUSALS:
             refusals.setdefault(kind)
 
     async with (

@@ -12,9 +12,10 @@ import click
 
 from rostether.cli.shell.input import read_bytes
 from rostether.cli.shell.option_group import EXISTING_FILE, PATH, add_flag, add_option, ignored_options
-from rostether.cli.shell.output import json_option, warn, write_json, write_line
+from rostether.cli.shell.output import json_option, warn, write_file, write_json, write_line
 from rostether.cli.shell.verbs import LazyGroup, verb, verb_entries
-from rostether.mechanisms.text import escape_line
+from rostether.errors import ConfigError
+from rostether.mechanisms.text import escape_line, write_failure
 from rostether.pictures.tree import MAX_INDENTED, branch
 
 if TYPE_CHECKING:
@@ -150,11 +151,9 @@ def _record(joint: Joint) -> dict[str, object]:
 @_mappings
 @add_option("-o --output FILE", "Write the URDF to this file.", type=PATH)
 @add_flag("--deps", "Print the included files instead.")
-@ignored_options(inorder="--inorder -i", quiet="-q")
+@ignored_options(flags=["--inorder -i", "-q"])
 def xacro(file: Path, mappings: tuple[str, ...], output: Path | None, deps: bool) -> None:
     """Expand FILE and print the URDF."""
-    from rostether.errors import ConfigError
-    from rostether.mechanisms.whole_file import write_whole
     from rostether.packages.locate import package_folders
     from rostether.robot.xacro import expand_xacro, parse_mappings, xacro_dependencies
 
@@ -169,6 +168,6 @@ def xacro(file: Path, mappings: tuple[str, ...], output: Path | None, deps: bool
         return
     try:
         output.parent.mkdir(parents=True, exist_ok=True)
-        write_whole(output, text.encode())
     except OSError as error:
-        raise ConfigError(f"{output}: {error.strerror}; choose another file") from error
+        raise ConfigError(write_failure(output.parent, error)) from None
+    write_file(output, text)

@@ -1,4 +1,4 @@
-"""`rostether completion`: prints the shell code that completes our commands."""
+"""`rostether completion`: prints the shell code that completes rostether's commands."""
 
 from __future__ import annotations
 
@@ -15,7 +15,9 @@ from rostether.cli.shell.verbs import verb
 SHELLS = ("bash", "zsh", "fish")
 
 _PROGRAM = "rostether"
+# The shell code asks rostether for completions with this variable; its name follows click's rule.
 _VARIABLE = "_ROSTETHER_COMPLETE"
+# Characters that no shell replaces; at the beginning, `~` is the home folder, and in zsh `=` a command.
 _PLAIN = re.compile(r"[\w/.:@%+,-][\w/.:@%+,=~-]*")
 
 
@@ -37,17 +39,17 @@ def completion(shell: str | None) -> None:
     name = shell or Path(os.environ.get("SHELL", "")).name
     if name not in SHELLS:
         raise click.UsageError(f"give a shell: {', '.join(SHELLS)}")
-    found = get_completion_class(name)
-    assert found is not None
-    writer = found(click.Command(_PROGRAM), {}, _PROGRAM, _VARIABLE)
-    # `source` first checks the version of bash, which takes as long as starting it.
-    write_line((writer.source_template % writer.source_vars()).strip())
+    completion_class = get_completion_class(name)
+    assert completion_class is not None
+    shell_code = completion_class(click.Command(_PROGRAM), {}, _PROGRAM, _VARIABLE)
+    # Its method `source` would also start bash to check its version, which is slow.
+    write_line((shell_code.source_template % shell_code.source_vars()).strip())
 
 
 def is_plain(word: str) -> bool:
     """Return whether a word means itself in every shell.
 
-    Shells insert a completed word as it is, and any node or file can be called `$(command)`: only plain words
-    may be offered.
+    Shells insert a completed word unchanged. A peer may name its node `$(command)`, so only plain words are
+    offered.
     """
     return _PLAIN.fullmatch(word) is not None

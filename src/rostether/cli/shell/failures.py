@@ -84,7 +84,7 @@ def _report_usage(error: click.ClickException) -> int:
 
 
 def usage_text(error: click.ClickException) -> str:
-    """Return the text of an error in a command line as one line."""
+    """Return the text of a usage error as one line, with similar options or the command for help."""
     context = getattr(error, "ctx", None)
     text = fold_line(error.format_message()).rstrip(".")
     if similar := _SIMILAR.fullmatch(text):

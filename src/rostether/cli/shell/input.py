@@ -1,4 +1,4 @@
-"""Reads files of the command line, and lines and YAML documents of standard input, within limits."""
+"""Reads files that the user names, and lines and YAML documents of standard input, within limits."""
 
 from __future__ import annotations
 
@@ -20,10 +20,14 @@ STDIN = Path("-")
 
 # Commands are short; a longer line is not a command.
 MAX_LINE_BYTES = 1 << 16
+# What a pipe holds on Linux.
 _READ_BYTES = 1 << 16
+# How often a background job checks whether the user has brought it to the foreground (`fg`).
 _BACKGROUND_S = 1.0
+# The pause between two reads of a file, in which other tasks run.
 _FILE_PAUSE_S = 0.01
 
+# Ends a YAML document.
 SEPARATOR = "---"
 
 # Larger than any usual message as text; without a limit a pipe could fill memory.
@@ -61,7 +65,7 @@ def read_text(file: Path) -> str:
 
 
 async def input_lines() -> AsyncIterator[str]:
-    """Yield the lines of standard input until its end; none where there is no input."""
+    """Yield the lines of standard input until its end; none if it is closed."""
     if sys.stdin is None or sys.stdin.closed:
         return
     descriptor = sys.stdin.fileno()
@@ -76,7 +80,10 @@ async def input_lines() -> AsyncIterator[str]:
 
 
 async def _read(descriptor: int) -> bytes:
-    """Wait for input and read it; a file, or /dev/null, is always ready and cannot be watched."""
+    """Wait for input and return it; nothing at its end.
+
+    A file, or /dev/null, is always ready and cannot be watched.
+    """
     loop = asyncio.get_running_loop()
     while True:
         ready = asyncio.Event()

@@ -11,7 +11,7 @@ from contextlib import contextmanager
 
 from rostether.cli.shell.input import is_background_job
 
-# A held key repeats thirty times a second, three bytes each.
+# A held key repeats thirty times a second, with three bytes each time.
 _READ_BYTES = 1024
 
 

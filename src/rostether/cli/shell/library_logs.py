@@ -1,4 +1,4 @@
-"""Shows the log records of our packages and of asyncio as one line each, never as a traceback."""
+"""Shows the log records of rostether and of asyncio as one line each, never as a traceback."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ class _Lines(logging.Handler):
         self.show = show
         # asyncio logs the same message for each connection that it cannot accept.
         self._asyncio_lines = RepeatLimiter()
-        # A budget for each message (there are about fifty), because peers decide how often it is logged.
+        # One for each of about fifty messages, because peers decide how often a message is logged.
         self._budgets: dict[str, LineBudget] = {}
 
     def emit(self, record: logging.LogRecord) -> None:
@@ -69,7 +69,7 @@ def show_library_logs(show: Callable[[Level, str], None] | None = None) -> None:
 
 
 def show_debug_records() -> None:
-    """Also show our packages' debug records, such as each change of the state of a board."""
+    """Also show rostether's debug records, such as each change of the state of a board."""
     _ROSTETHER.setLevel(logging.DEBUG)
 
 

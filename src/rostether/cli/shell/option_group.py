@@ -55,7 +55,7 @@ DEFAULT_HEADING: Final = "Options"
 
 
 class HeadedOption(click.Option):
-    """An option with the heading that it has in the help."""
+    """An option with its heading in the help."""
 
     def __init__(self, *args: Any, heading: str = DEFAULT_HEADING, **kwargs: Any) -> None:
         super().__init__(*args, **kwargs)
@@ -67,7 +67,7 @@ def add_option(spellings: str, text: str, **settings: Any) -> Decorator:
 
     Args:
         spellings: `"-o --output folder DIR"`: the option; the name of the verb's parameter, if it differs;
-            and the word in capitals that stands for the value.
+            and the name of the value, in capitals.
         text: The line in the help.
         settings: More arguments of `click.option`.
     """
@@ -132,9 +132,9 @@ def option_group(
 ) -> Callable[[Function], Function]:
     """Return a decorator that adds click options to a verb; the help shows them under the heading.
 
-    The verb gets one argument `name`, which is what `build` returns. The parameters of `build` have the names
-    of the options; a parameter whose option the verb does not have keeps its default, and a `partial` has no
-    option for the arguments that it sets. A settings class has its options itself.
+    The verb gets one argument `name`, the value that `build` returns. The parameters of `build` have the
+    names of the options. A parameter without an option keeps its default, and the arguments that a `partial`
+    sets have no option. A settings class declares its own options.
     """
     parameters = inspect.signature(build).parameters.keys() - getattr(build, "keywords", {}).keys()
     if dataclasses.is_dataclass(build):
@@ -164,27 +164,26 @@ def option_sections(command: click.Command, context: click.Context) -> dict[str,
     sections: dict[str, list[tuple[str, str]]] = {DEFAULT_HEADING: []}
     for parameter in command.get_params(context):
         record = parameter.get_help_record(context)
-        # Some versions of click have one for an argument as well, without a text.
+        # In some versions of click, arguments have a record too, without a text.
         if record is not None and record[1]:
             heading = parameter.heading if isinstance(parameter, HeadedOption) else DEFAULT_HEADING
             sections.setdefault(heading, []).append(record)
     return {heading: records for heading, records in sections.items() if records}
 
 
-def ignored_options(*names: str, **flags: str) -> Callable[[Function], Function]:
+def ignored_options(*names: str, flags: Sequence[str] = ()) -> Callable[[Function], Function]:
     """Return a decorator that accepts options of other programs and ignores them.
 
     Args:
-        names: Options with a value, such as `"--spin-time"`; spellings of one option are separated by spaces.
-        flags: Options without a value, `long="-l --long"`.
+        names: Options with a value, such as `"--spin-time"`; spaces separate spellings of one option.
+        flags: Options without a value, such as `"-l --long"`.
     """
 
     def decorate(function: Function) -> Function:
         decorated: Any = function
-        for spellings in names:
-            decorated = click.option(*spellings.split(), expose_value=False, hidden=True)(decorated)
-        for spellings in flags.values():
-            decorated = click.option(*spellings.split(), is_flag=True, expose_value=False, hidden=True)(
+        for spellings in (*names, *flags):
+            is_flag = spellings in flags
+            decorated = click.option(*spellings.split(), is_flag=is_flag, expose_value=False, hidden=True)(
                 decorated
             )
         return decorated  # type: ignore[no-any-return]

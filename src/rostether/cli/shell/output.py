@@ -7,13 +7,16 @@ import os
 import re
 import sys
 from collections.abc import Callable, Mapping
+from pathlib import Path
 from typing import Any, Final, TextIO, TypeAlias
 
 import click
 
 from rostether.cli.shell.failures import EXIT_DONE
 from rostether.cli.shell.option_group import add_flag
-from rostether.mechanisms.text import escape_text
+from rostether.errors import ConfigError
+from rostether.mechanisms.text import escape_text, write_failure
+from rostether.mechanisms.whole_file import write_whole
 
 json_option: Callable[[Any], Any] = add_flag("--json as_json", "Print one JSON object per line.")
 
@@ -22,7 +25,9 @@ Paint: TypeAlias = Callable[[str], str]
 
 # A field or a label at the beginning of a line.
 _KEY: Final = re.compile(r"^([ \t]*(?:- )?)([A-Za-z_][\w ]*:)(?= |$)", re.MULTILINE)
+# The separator of messages.
 _BETWEEN: Final = re.compile(r"^---$", re.MULTILINE)
+# The branches of the tree, the name of the frame, and its facts.
 _FRAME: Final = re.compile(r"^([\s│├└─]*)([^\s(]\S*)(.*)$")
 
 # The first word of a line of a diagnosis.
@@ -38,7 +43,7 @@ _FINDING: Final = re.compile(rf"^(\s*)({'|'.join(_FINDINGS)})\b")
 
 
 def write_line(text: str = "", paint: Paint | None = None) -> None:
-    """Write a line to stdout, colored by `paint` on a terminal; the reader of a pipe gets it now.
+    """Write a line to stdout, colored by `paint` on a terminal, and flush it.
 
     Unprintable characters are escaped: names, values and errors from peers must not control the terminal.
     When the reader closes the pipe (`| head`), the command ends here with exit code 0.
@@ -69,8 +74,16 @@ def warn(text: str) -> None:
 
 
 def write_json(record: Mapping[str, object]) -> None:
-    """Write one object as one line of JSON; messages come as `serde.plain_form` makes them."""
+    """Write one object as one line of JSON; `serde.plain_form` makes such objects of messages."""
     write_line(json.dumps(record, ensure_ascii=False, allow_nan=False))
+
+
+def write_file(file: Path, content: str | bytes) -> None:
+    """Create or replace a file; text becomes UTF-8. Raises ConfigError if that fails."""
+    try:
+        write_whole(file, content.encode(errors="replace") if isinstance(content, str) else content)
+    except OSError as error:
+        raise ConfigError(write_failure(file, error)) from None
 
 
 def write_result(record: Mapping[str, object], text: str, *, as_json: bool) -> None:

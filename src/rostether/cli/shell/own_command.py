@@ -1,4 +1,4 @@
-"""The command line of this program, to start a verb of it as another process."""
+"""The command lines that start rostether's verbs in other processes, and the tool that the user has typed."""
 
 from __future__ import annotations
 

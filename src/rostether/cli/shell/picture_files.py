@@ -1,4 +1,4 @@
-"""Writes pictures to files, in the format that the file name gives."""
+"""Formats of pictures: the one that a file name gives, and pictures in it."""
 
 from __future__ import annotations
 
@@ -7,10 +7,6 @@ from typing import TYPE_CHECKING
 
 import click
 
-from rostether.errors import ConfigError
-from rostether.mechanisms.text import write_failure
-from rostether.mechanisms.whole_file import write_whole
-
 if TYPE_CHECKING:
     from rostether.pictures.scene import Scene
 
@@ -18,7 +14,7 @@ SUFFIXES = {".svg": "svg", ".png": "png", ".dot": "dot", ".txt": "text"}
 
 
 def picture_format(file: Path, known: tuple[str, ...] = tuple(SUFFIXES)) -> str:
-    """Return the format that a file's name gives. Raises UsageError for an unknown suffix."""
+    """Return the format that a file's name gives. Raises UsageError for a suffix that is not in `known`."""
     suffix = file.suffix.lower()
     if suffix not in known:
         raise click.UsageError(
@@ -28,7 +24,7 @@ def picture_format(file: Path, known: tuple[str, ...] = tuple(SUFFIXES)) -> str:
 
 
 def encode(scene: Scene, kind: str) -> str | bytes:
-    """Return a scene as `svg` or `png`. Raises ConfigError when it is too large for that."""
+    """Return a scene as `svg` or `png`. Raises ConfigError if a PNG cannot be drawn, see `png`."""
     if kind == "svg":
         from rostether.pictures.png import svg
 
@@ -36,12 +32,3 @@ def encode(scene: Scene, kind: str) -> str | bytes:
     from rostether.pictures.png import png
 
     return png(scene)
-
-
-def save(file: Path, content: str | bytes) -> None:
-    """Write a file. Raises ConfigError if that fails."""
-    data = content.encode(errors="replace") if isinstance(content, str) else content
-    try:
-        write_whole(file, data)
-    except OSError as error:
-        raise ConfigError(write_failure(file, error)) from None

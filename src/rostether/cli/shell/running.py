@@ -40,9 +40,10 @@ EXIT_TERMINATED = 143
 
 
 def run(main: Coroutine[Any, Any, T], *, is_service: bool = False, uvloop: bool | None = False) -> T:
-    """Run a command. Ctrl-C exits with 130, SIGTERM with 143, or with 0 for a service that was asked to end.
+    """Run a command and return its result. `uvloop`: True requires it, None uses it when it is installed.
 
-    `uvloop`: True requires it, None uses it when it is installed.
+    Ctrl-C raises click's Exit with 130, and SIGTERM with 143, or with 0 if `is_service`. Raises ConfigError
+    if uvloop is required and not installed.
     """
     show_library_logs()
     if is_service:
@@ -64,7 +65,7 @@ def run(main: Coroutine[Any, Any, T], *, is_service: bool = False, uvloop: bool 
         ) from None
     else:
         if ending.exit_code is not None:
-            # Too late to end this part of a command, so it ends the next one.
+            # The signal came too late to end this part of the command, so it ends the next part.
             note_interrupt()
         return result
     finally:

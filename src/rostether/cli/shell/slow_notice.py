@@ -14,7 +14,7 @@ LONG_S = 1.5
 def reported_when_long(
     report: Callable[[str], None], text: str, *, after_s: float = LONG_S
 ) -> Iterator[None]:
-    """Show the text once if the block takes longer than `after_s`. Needs a running event loop."""
+    """Report the text once if the block takes longer than `after_s`. Needs a running event loop."""
     reporting = asyncio.get_running_loop().call_later(after_s, report, text)
     try:
         yield

@@ -1,4 +1,4 @@
-"""Our click commands: verbs are imported only when used, and help shows examples."""
+"""The classes of rostether's click commands: verbs are imported only when used, and help shows examples."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ _MIN_HELP_WIDTH = 20
 _WIDTH_FOR_COLUMNS = 60
 
 _LONG_DASHES = ("\u2013", "\u2014", "\u2212")
-# The module of the groups, which imports no verb.
+# The module of the groups: importing it imports no verb.
 _GROUPS = "rostether.cli.groups:"
 # click's names of the types of numbers.
 _CLICK_TYPES = re.compile(r"(?:INTEGER|FLOAT)(?: RANGE)?")
@@ -204,7 +204,7 @@ class LazyGroup(_CommandWithExamples, click.Group):
         name = args[0]
         if name == "help" and name not in self.verbs:
             if ctx.resilient_parsing:
-                # The shell completes the verb after it.
+                # The shell completes the verb after `help`.
                 return name, self, args[1:]
             if not args[1:]:
                 click.echo(ctx.get_help())
@@ -223,7 +223,7 @@ class LazyGroup(_CommandWithExamples, click.Group):
         whole += [f"`{ctx.find_root().command_path} {words}`" for words in self.suggest(name)]
         if whole:
             return f"did you mean {' or '.join(whole[:3])}?"
-        # Two letters the wrong way round make short words less similar.
+        # For difflib, swapped letters make short words too different.
         swapped = [each for each in self.verbs if sorted(each) == sorted(name)]
         if near := swapped or get_close_matches(name, self.verbs, cutoff=_MIN_SIMILARITY):
             return f"did you mean {' or '.join(near)}?"

@@ -67,7 +67,7 @@ class MeterOptions:
 )
 @add_flag("--wall-time", "Use this machine's clock, even in a simulation.")
 @option_group("options", MeterOptions)
-@ignored_options(tcpnodelay="--tcpnodelay")
+@ignored_options(flags=["--tcpnodelay"])
 @graph_options(allow=True)
 def hz(
     topics: tuple[str, ...],
@@ -174,7 +174,7 @@ def bw(topic: str, window: int, count: int | None, as_json: bool, graph: GraphOp
 @verb("delay", "rostether topic delay /imu_data")
 @click.argument("topic", shell_complete=complete_topics)
 @option_group("options", MeterOptions)
-@ignored_options(tcpnodelay="--tcpnodelay")
+@ignored_options(flags=["--tcpnodelay"])
 @graph_options(allow=True)
 def delay(topic: str, options: MeterOptions, graph: GraphOptions) -> None:
     """Measure the age of messages on arrival, from the stamp in their header."""

@@ -86,4 +86,4 @@ def test_xacro_as_typed_for_xacro(wheels: str, tmp_path: Path, shell: Shell) -> 
     assert shell.output("xacro", wheels, "-o", str(output)) == ""
     assert '<link name="a"/>' in output.read_text()
     assert shell.output("xacro", "--deps", wheels) == "\n"
-    assert "choose another file" in shell.failure("xacro", wheels, "-o", str(tmp_path))
+    assert "give a file in this folder" in shell.failure("xacro", wheels, "-o", str(tmp_path))
