@@ -35,7 +35,7 @@ async def handling_commands(execute: Callable[[str], Awaitable[None]]) -> AsyncI
 def show_start(
     title: str, kind: str, program: Path, address: str, link_path: Path | None, note: str = ""
 ) -> None:
-    """Print what runs where; `title` is empty for `--json`, which gets an event with the board's kind."""
+    """Print which program a board runs, and its serial port; as a JSON event if `title` is empty."""
     if not title:
         write_json({"event": "ready", "board": kind, "link": address})
         return

@@ -25,10 +25,10 @@ async def start_opencr(
     *,
     has_other_options: bool,
 ) -> OpenCrBoard:
-    """Build a sketch and start it. The board gets `commands` at its start.
+    """Build a sketch and start it; the board gets `commands` at its start, and `link_path` leads to its port.
 
-    Raises ConfigError for commands that the board does not have, FirmwareError for a sketch that cannot be
-    built, BoardError.
+    Raises ConfigError for commands and options that the board does not have, FirmwareError if the sketch
+    cannot be built, BoardError if it cannot be started.
     """
     from rostether.firmware.opencr_build import build_for_linux
     from rostether.mechanisms.own_loop import in_own_loop

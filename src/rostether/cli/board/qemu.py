@@ -23,7 +23,10 @@ _PROGRAM_SUFFIXES = (".elf", ".hex")
 async def start_in_qemu(
     program: Path, machine: str, link_path: Path | None = None, *, has_other_options: bool
 ) -> QemuBoard:
-    """Start an ELF file. Raises ConfigError for other files and for options of other boards, BoardError."""
+    """Start a board with an ELF file as its program; `link_path` leads to its port.
+
+    Raises ConfigError for other files and for options of other boards, BoardError if it cannot be started.
+    """
     from rostether.simulation.qemu import QemuBoard
 
     if has_other_options:
@@ -61,7 +64,10 @@ async def run_in_qemu(
 
 
 async def find_program(path: Path, board: str, msg_paths: Sequence[Path] = ()) -> Path:
-    """Return the program for a board. Raises BoardError if there is no such file, and build errors."""
+    """Return the program for a board; a sketch is built first.
+
+    Raises BoardError if there is no such file, FirmwareError if the sketch cannot be built.
+    """
     if path.suffix.lower() in _PROGRAM_SUFFIXES:
         _refuse_missing(path)
         return path

@@ -20,6 +20,7 @@ from rostether.cli.shell.verbs import verb
 from rostether.errors import BoardError
 from rostether.simulation.qemu import MACHINES
 
+# `board run` and `firmware sim` still accept them.
 OLD_OPTIONS = {"--for": "--duration"}
 # Options that are commands of the simulator under the same name.
 _REPEATED = ("adc", "pin", "servo", "watch", "guard")

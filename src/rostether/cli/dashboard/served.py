@@ -47,12 +47,13 @@ TELEOP_NODE = "web_teleop"
 
 # A second and third dashboard keep addresses that people can remember.
 _NEXT_PORTS = 20
+# Programs that start at the same time may choose the same port.
 _PORT_TRIES = 5
 _EVERYWHERE = ("", "0.0.0.0", "::")  # noqa: S104 - what was typed
 
 
 class Dashboard(Struct, frozen=True):
-    """A running dashboard; `url` is its address, with the token if there is one."""
+    """A running dashboard; `url` and the `view_urls` of its panels contain the token if there is one."""
 
     gateway: FoxgloveGateway
     url: str
@@ -67,7 +68,11 @@ class Dashboard(Struct, frozen=True):
 async def served_dashboard(
     settings: DashboardSettings, graphs: ServedGraphs, msg_paths: Sequence[Path], report: Report
 ) -> AsyncIterator[Dashboard]:
-    """Serve the dashboard until the end of the block. Raises ConfigError, GraphError."""
+    """Serve the dashboard until the end of the block.
+
+    Raises ConfigError, TransportOpenError if a given port is not free, GraphError if another node has the
+    name.
+    """
     from rostether.gateways.foxglove.settings import DEFAULT_PORT
 
     host, port = read_listen_address(settings.address, 0)
@@ -82,7 +87,7 @@ async def served_dashboard(
                 )
                 break
             except TransportOpenError:
-                # Another program may have taken the port since it was free.
+                # Another program has opened the port since the check.
                 if not tries_left:
                     raise
         yield dashboard
@@ -140,7 +145,7 @@ async def _served_at(
         gateway_graph, settings.node, settings.node.name_for(NODE, port, DEFAULT_PORT), report
     )
     teleop = NodeNaming().name_for(TELEOP_NODE, port, DEFAULT_PORT)
-    # By its name, pages know which commands are their own.
+    # Pages recognize their own commands by this name.
     teleop_node = f"{graph.node_name.rpartition('/')[0]}/{teleop}"
     served = replace(served, metadata={**served.metadata, "teleop_node": teleop_node})
 
@@ -219,7 +224,7 @@ def _free_port(host: str, wanted: int) -> int:
                 return port
         except OSError as error:
             if error.errno != errno.EADDRINUSE:
-                # The gateway reports the error in the address.
+                # The gateway reports the error of the address.
                 return wanted
     return 0
 

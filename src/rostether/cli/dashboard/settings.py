@@ -21,8 +21,8 @@ class DashboardSettings(Struct, frozen=True):
 
     `address` is [HOST:]PORT; without a port, the next free one from 8765 is used. Without `has_page` only the
     gateway is served. `views` are panels whose addresses are printed too. `remote_option` is the option or
-    command, with {port}, that admits other machines. `boards` are serial ports of the devices that show the
-    page.
+    command that admits other machines; `{port}` in it becomes the port. `boards` are serial ports of the
+    devices that show the page.
     """
 
     address: str = DEFAULT_ADDRESS

@@ -79,5 +79,5 @@ def read_view(panel: str, shown: Sequence[str]) -> View:
 def _read_rviz(path: Path) -> View:
     content = read_bytes(path)
     if len(content) > _MAX_RVIZ_BYTES:
-        raise ConfigError(f"{path} is larger than {_MAX_RVIZ_BYTES >> 20} MB; give an .rviz file")
+        raise ConfigError(f"{path} is larger than {_MAX_RVIZ_BYTES >> 20} MiB; give an .rviz file")
     return View("scene", {"rviz": "view.rviz"}, {"view.rviz": content})

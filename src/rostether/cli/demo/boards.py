@@ -47,7 +47,7 @@ PlugIn = Callable[[Supervisor, JoinGraph], AbstractAsyncContextManager[None]]
 
 
 class DemoBoard(Struct, frozen=True):
-    """A running board: its description, link and topics, and its other node on the graph."""
+    """A running board: its description, link and topics (name: type), and what runs beside the bridge."""
 
     title: str
     link: Address
@@ -59,7 +59,9 @@ class DemoBoard(Struct, frozen=True):
 async def demo_board(
     kind: str | None, name: str, obstacle: Obstacle, reporter: Reporter
 ) -> AsyncIterator[DemoBoard]:
-    """Run the board of this kind until the end of the block; None is a simulated Uno if one can run here.
+    """Run the board of this kind until the end of the block.
+
+    None is a simulated Uno if one can run here, otherwise a Python program.
 
     Raises BoardError and FirmwareError if an Uno is requested and cannot run.
     """

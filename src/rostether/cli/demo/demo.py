@@ -44,9 +44,13 @@ from rostether.transports.address import WebAddress
 from rostether.transports.opening import listen
 from rostether.transports.web_boards import WebBoards
 
+# Often enough to follow the obstacle, and slow enough to read the values.
 REFRESH_S = 0.25
+# A log needs fewer lines than a screen.
 PLAIN_LINE_S = 1.0
+# How far a key moves the obstacle.
 STEP_M = 0.1
+# The arrow keys, as terminals send them in their two modes.
 FARTHER = (b"\033[A", b"\033OA", b"\033[C", b"\033OC")
 NEARER = (b"\033[B", b"\033OB", b"\033[D", b"\033OD")
 
@@ -192,7 +196,7 @@ class Controls:
         self.send_toggles()
 
     def send_toggles(self) -> None:
-        """Publish the presses of the LED's key, if the board subscribes already."""
+        """Publish the presses of the LED's key, once the board has subscribed."""
         if not self._waiting_toggles or self.advertise is None:
             return
         if self._advertising is None:

@@ -57,7 +57,7 @@ async def demo_master(
 
 
 async def demo_ros2(stack: AsyncExitStack, reporter: Reporter, *, joins: bool) -> JoinGraph | None:
-    """Return the factory of ROS 2 nodes over zenoh; None, with a line about the reason, if not possible."""
+    """Return the factory of ROS 2 nodes over zenoh, or report why there is none and return None."""
     if find_spec("zenoh") is None:
         reporter.report(Level.INFO, f"Not on ROS 2; to add it, run: {install_command('zenoh')}")
         return None

@@ -34,7 +34,7 @@ _CACHES = {".cache", "Caches", "Cache"}
 MAX_LINES = 100
 
 KEYS = "Keys: l LED, arrows obstacle, q quit"
-# Columns that a narrower terminal omits, in characters; the curve stays in all of them.
+# The width of the terminal, in characters, from which a column is shown.
 _TYPE_FROM_WIDTH = 100
 _RATE_FROM_WIDTH = 50
 _COUNT_FROM_WIDTH = 76

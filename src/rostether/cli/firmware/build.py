@@ -77,7 +77,7 @@ async def refuse_too_large(built: BuiltFirmware, elf: ElfFile) -> None:
     from rostether.firmware.footprint import measure_built
 
     footprint = await measure_built(built)
-    raise FirmwareError(f"{footprint.refusals()[0]}; see rostether firmware size")
+    raise FirmwareError(f"{footprint.refusals()[0]}; see `rostether firmware size`")
 
 
 def describe_sizes(built: BuiltFirmware, elf: ElfFile) -> str:

@@ -106,8 +106,8 @@ def _other_libraries(directory: Path) -> Iterator[Path]:
 def _summary(written: WrittenLibrary) -> str:
     types = written.library.types
     packages = {name.partition("/")[0] for name in types}
-    verb = "replaced" if written.replaced else "wrote"
-    return f"{verb} {written.path}: {counted(len(types), 'type')} of {counted(len(packages), 'package')}"
+    action = "replaced" if written.replaced else "wrote"
+    return f"{action} {written.path}: {counted(len(types), 'type')} of {counted(len(packages), 'package')}"
 
 
 def _record(written: WrittenLibrary) -> dict[str, object]:

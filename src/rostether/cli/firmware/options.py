@@ -68,7 +68,7 @@ async def build(sketch: Path, board_name: str, options: BuildOptions) -> BuiltFi
 
 
 def _show_wait(text: str) -> None:
-    # Only a person needs a notice; scripts get the result alone.
+    # Only a person needs a notice; scripts get only the result.
     if sys.stderr.isatty():
         warn(text)
 

@@ -22,7 +22,6 @@ from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import verb
 
 if TYPE_CHECKING:
-    from rostether.firmware.boards import Board
     from rostether.firmware.built_firmware import BuildOptions
     from rostether.firmware.elf import ElfFile
     from rostether.firmware.footprint import Footprint, Group, Item
@@ -31,9 +30,11 @@ if TYPE_CHECKING:
 
 # Wider tables are not easier to read.
 MAX_COLUMNS = 100
+# They fit beside the numbers.
 SHOWN_ITEMS = 3
 _BAR_CELLS = 20
 _TEMPLATE = re.compile(r"<[^<>]*>")
+# Longer chains of calls fill several lines.
 _MAX_SHOWN_CALLS = 6
 
 
@@ -66,7 +67,7 @@ async def _size(sketch: Path, board_name: str, options: BuildOptions, as_json: b
         f"{each.topic or each.name}: {each.type_name} takes {each.incoming_bytes} bytes and "
         f"{each.note(buffer_bytes)}; give ros::NodeHandle_ a larger input buffer"
         for each in endpoints
-        if each.incoming_bytes is not None and buffer_bytes and each.incoming_bytes > buffer_bytes
+        if each.incoming_bytes is not None and each.incoming_bytes > buffer_bytes
     ]
     if as_json:
         write_json(_record(title, footprint, endpoints, buffer_bytes, problems))
@@ -86,9 +87,8 @@ async def _measure(
     from rostether.firmware.footprint import measure, measure_built
 
     if sketch.suffix == ".elf":
-        board: Board = find_board(board_name)
         elf = ElfFile.read(sketch)
-        return sketch.stem, await measure(elf, board), *await _endpoints(elf, (), options)
+        return sketch.stem, await measure(elf, find_board(board_name)), *await _endpoints(elf, (), options)
     built = await build(sketch, board_name, options)
     elf = ElfFile.read(built.elf)
     return (
@@ -223,7 +223,7 @@ def _describe_stack(stack: StackEstimate) -> str:
 
 
 def _short(name: str) -> str:
-    """Return a name without template arguments and our namespace."""
+    """Return a name without template arguments, the namespace `ros` and empty parentheses."""
     while (plain := _TEMPLATE.sub("", name)) != name:
         name = plain
     return name.replace("ros::", "").replace("()", "")

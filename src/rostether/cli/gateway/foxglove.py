@@ -151,7 +151,7 @@ def read_settings(address: str, options: GatewayOptions) -> FoxgloveSettings:
 
 
 def settings_of_parameters(parameters: Mapping[str, Any], token: str = "") -> FoxgloveSettings:
-    """Return the settings from a foxglove_bridge's parameters. Raises ConfigError naming the parameter."""
+    """Return the settings from the node's parameters. Raises ConfigError naming the parameter."""
     from rostether.gateways.foxglove.settings import (
         CAPABILITIES,
         DEFAULT_PORT,
@@ -249,7 +249,7 @@ def gateway_on(
         gateway_graph.store,
         settings,
         find_service_type=gateway_graph.ask_service_type,
-        find_packages=partial(_packages, gateway_graph.msg_paths),
+        find_packages=partial(_package_folders, gateway_graph.msg_paths),
         report=report,
         dashboard=dashboard,
     )
@@ -266,8 +266,8 @@ def _filter(parameters: Mapping[str, Any], name: str) -> NameFilter:
     return NameFilter() if ".*" in given else NameFilter.of(given, f"~{name}")
 
 
-def _packages(msg_paths: Sequence[Path]) -> Mapping[str, Path]:
-    """Return the folders of all packages by name; those of --msg-path come first."""
+def _package_folders(msg_paths: Sequence[Path]) -> Mapping[str, Path]:
+    """Return the folders of all packages by name; those of --msg-path take precedence."""
     from rostether.msgdef.ros2.definition_files import install_prefixes
     from rostether.packages.installed import installed_packages
     from rostether.packages.locate import package_folders

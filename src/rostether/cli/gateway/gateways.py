@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import AsyncIterator, Awaitable, Callable, Mapping, Sequence
+from collections.abc import AsyncIterator, Awaitable, Callable, Sequence
 from contextlib import AbstractAsyncContextManager, asynccontextmanager
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Protocol, TypeAlias
 
@@ -46,7 +45,7 @@ class GatewayGraph(Struct, frozen=True):
     ask_service_type: AskService | None = None
     ask_service_host: AskService | None = None
     is_live: IsLive | None = None
-    # Searched for packages first, before those of the environment.
+    # Searched for packages before the folders of the environment.
     msg_paths: Sequence[Path] = ()
 
 
@@ -54,7 +53,7 @@ class GatewayGraph(Struct, frozen=True):
 async def open_gateway_graph(
     graphs: ServedGraphs, options: GraphOptions, msg_paths: Sequence[Path] = ()
 ) -> AsyncIterator[GatewayGraph]:
-    """Provide the gateways' own view of the graphs that boards are bridged into.
+    """Yield how gateways join the graphs of the boards.
 
     On ROS 1, or both, messages have ROS 1 types, as boards send them; on ROS 2 alone, ROS 2 types.
     """
@@ -94,27 +93,17 @@ def role_gateway_graph(arguments: Arguments, store: TypeStore) -> GatewayGraph:
 async def joined_as(gateway_graph: GatewayGraph, naming: NodeNaming, name: str, report: Report) -> Graph:
     """Join as soon as there is a master. Raises GraphError if another node has the name."""
 
-    async def join(
-        node_name: str, *, namespace: str = "/", remappings: Mapping[str, str] | None = None
-    ) -> Graph:
-        await check_free(node_name, namespace, gateway_graph.is_live)
-        return await gateway_graph.join(node_name, namespace=namespace, remappings=remappings)
+    async def join() -> Graph:
+        await check_free(name, naming.namespace, gateway_graph.is_live)
+        return await gateway_graph.join(name, namespace=naming.namespace, remappings=naming.remappings)
 
-    in_its_namespace = partial(join, namespace=naming.namespace, remappings=naming.remappings)
-    return await join_with_retries(in_its_namespace, name, report)
-
-
-async def join_with_retries(join: JoinGraph, name: str, report: Report) -> Graph:
-    """Join as soon as there is a master. Raises GraphError."""
-    return await wait_for_master(
-        lambda: join(name), lambda error: report(Level.WARN, f"{name} waits: {error}")
-    )
+    return await wait_for_master(join, lambda error: report(Level.WARN, f"{name} waits: {error}"))
 
 
 def report_reach(gateway: str, host: str, port: int, token: str, remote_option: str, report: Report) -> None:
     """Report who can reach a gateway.
 
-    `remote_option` is the option or command, with {port}, that admits other machines.
+    `remote_option` is the option or command that admits other machines; `{port}` in it becomes the port.
     """
     if is_loopback(host):
         report(

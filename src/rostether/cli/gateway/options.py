@@ -67,7 +67,7 @@ def read_listen_address(text: str, default_port: int) -> tuple[str, int]:
         host, port = DEFAULT_ADDRESS, text
     elif not colon or text.endswith("]") or (text.count(":") > 1 and not text.startswith("[")):
         host, port = text, str(default_port)
-    if not port.isdecimal() or len(port) > 20 or not 0 <= int(port) <= _MAX_PORT:
+    if not port.isdecimal() or len(port) > len(str(_MAX_PORT)) or int(port) > _MAX_PORT:
         raise ConfigError(
             f"{text!r} is not an address to listen on; write HOST:PORT, e.g. 0.0.0.0:{default_port}"
         )
@@ -146,7 +146,7 @@ gateway_options = _client_group(*_ADDRESS_OPTIONS, *_ACCESS_OPTIONS, *_VIEW_OPTI
 
 
 class Encryption(Struct, frozen=True):
-    """Files for a gateway's settings, empty without encryption; other devices install `authority`."""
+    """The files of a gateway's certificate, empty without encryption; other devices install `authority`."""
 
     certificate: str = ""
     key: str = ""

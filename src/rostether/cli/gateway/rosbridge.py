@@ -119,9 +119,8 @@ async def rosbridge_gateway(
 ) -> AsyncIterator[RosbridgeServer]:
     """Serve rosbridge at `options.rosbridge` until the end of the block.
 
-    `remote_option` is the option or command, with {port}, that admits other machines. Raises
-    ConfigError if a package is missing, TransportOpenError if the port is not free, GraphError if another
-    node has the name.
+    See `report_reach` for `remote_option`. Raises ConfigError if a package is missing, TransportOpenError if
+    the port is not free, GraphError if another node has the name.
     """
     check_rosbridge()
     from rostether.gateways.rosbridge.settings import DEFAULT_PORT, RosbridgeSettings

@@ -19,6 +19,7 @@ from rostether.cli.shell.verbs import verb
 if TYPE_CHECKING:
     from rostether.firmware.built_firmware import BuildOptions
 
+# The baud rate that a sketch sets.
 _BAUD = re.compile(r"\bsetBaud\s*\(\s*([0-9]+)\s*\)")
 
 
@@ -34,7 +35,7 @@ _BAUD = re.compile(r"\bsetBaud\s*\(\s*([0-9]+)\s*\)")
 def flash(sketch: Path, board_name: str, options: BuildOptions, port: str | None) -> None:
     """Build a sketch, flash it, and connect the board to the ROS graph until Ctrl-C.
 
-    It is `rostether firmware upload` and `rostether serve` in one; the log shows the board's topics.
+    It combines `rostether firmware upload` and `rostether serve`; the log shows the board's topics.
     """
     chosen = run(upload_sketch(sketch, board_name, options, port))
     address = address_of(sketch, chosen)

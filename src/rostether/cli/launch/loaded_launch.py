@@ -31,7 +31,7 @@ _MAX_PATH_CHARS = 100_000
 
 
 class LoadedLaunch(Struct, frozen=True):
-    """A plan with the environment of its nodes, and `locate`, which finds their programs."""
+    """A plan, its files, the environment of its nodes, and `locate`, which finds their programs."""
 
     plan: LaunchPlan
     sources: LaunchSources

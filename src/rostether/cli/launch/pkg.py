@@ -33,12 +33,11 @@ VERBS = verb_entries(
             "pkg_make:init",
             "Mark a folder as a workspace's src, like catkin_init_workspace.",
         ),
-        "make": ("pkg_make:make", "Check a workspace and list its contents; builds nothing."),
+        "make": ("pkg_make:make", "Check a workspace and list its contents, without a build."),
     },
 )
 # The distribution whose protocols and definitions rostether implements.
 _DISTRIBUTION = "noetic"
-
 
 # Warnings about packages with the same name; more appear only if a whole workspace was copied.
 MAX_WARNINGS = 3
@@ -46,8 +45,8 @@ MAX_WARNINGS = 3
 
 def complete_package_folders(_ctx: click.Context, _param: click.Parameter, incomplete: str) -> list[str]:
     """Return the packages on disk or built in that begin with the typed text."""
-    ours = {package for package, _ in builtin_nodes()}
-    names = sorted({*package_folders(os.environ, Path.cwd()), *ours})
+    built_in = {package for package, _ in builtin_nodes()}
+    names = sorted({*package_folders(os.environ, Path.cwd()), *built_in})
     return [name for name in names if name.startswith(incomplete) and is_plain(name)]
 
 
@@ -56,7 +55,7 @@ def complete_programs(context: click.Context, _param: click.Parameter, incomplet
     from rostether.packages.executables import programs
 
     package = context.params.get("package", "")
-    found = {kind for role, kind in builtin_nodes() if role == package}
+    found = {program for owner, program in builtin_nodes() if owner == package}
     if folder := package_folders(os.environ, Path.cwd()).get(package):
         found.update(each.name for each in programs(folder))
     return [name for name in sorted(found) if name.startswith(incomplete) and is_plain(name)]
@@ -106,7 +105,7 @@ def folder_of(name: str) -> Path:
     """Return a package's folder. Raises ConfigError with similar names."""
     packages = packages_here()
     if name not in packages:
-        if any(role == name for role, _ in builtin_nodes()):
+        if any(owner == name for owner, _ in builtin_nodes()):
             raise ConfigError(f"package {name} is built in and has no folder; `rosrun {name}` runs its nodes")
         if name in bundled_packages():
             kind = "msg" if bundled_names(name, "msg") else "srv"

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from rostether.msgdef.registry import Registry
     from rostether.packages.workspace import PackageContents
 
+# They are ignored, with the value that follows them in the same word.
 _CMAKE_OPTIONS = ("-D", "-G", "-j", "-l", "-W")
 # Common targets, and their replacements.
 _TARGETS = {
@@ -66,7 +67,7 @@ class _CatkinVerb(Verb):
 @click.argument("ignored", nargs=-1, type=click.UNPROCESSED, metavar="[CATKIN OPTION]...")
 @json_option
 def make(directory: Path | None, ignored: tuple[str, ...], as_json: bool) -> None:
-    """Check the packages of a workspace and their messages; builds nothing.
+    """Check the packages of a workspace and their messages, without a build.
 
     Messages, services and Python nodes work without a build. The command writes devel/setup.bash, which adds
     the workspace to ROS_PACKAGE_PATH. It lists C++ programs, which need a real ROS.

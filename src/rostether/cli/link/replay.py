@@ -42,7 +42,7 @@ LISTED_S = 5.0
 # How often a replay without pauses checks whether the types of new topics are found.
 SEARCH_POLL_S = 0.005
 
-# How long the node stays after the last byte, so that subscribers receive everything.
+# The time from the last byte to the end of the node, in which subscribers receive everything.
 AFTER_S = 1.0
 
 

@@ -36,7 +36,7 @@ _VERSION_SEARCH_BYTES = 64 * 1024
 @add_flag("--faults", "List only bytes that are not part of a valid frame.")
 @json_option
 def link_show(file: Path, faults: bool, as_json: bool) -> None:
-    """List the frames of a capture: time, direction, topic id, payload length and description.
+    """List the frames of a capture: time, direction, topic id, length of the payload and description.
 
     Bytes that are not part of a valid frame are marked with `!`. The last line shows the totals.
     """

@@ -101,7 +101,7 @@ def _registry(msg_paths: tuple[Path, ...], graph: GraphOptions) -> Registry:
 
 
 def format_spec(registry: Registry, spec: MessageSpec, indent: str = "") -> Iterator[str]:
-    """Yield a message's lines: constants, then fields, each message's fields below it, indented."""
+    """Yield a message's lines: constants, then fields; those of nested messages are indented."""
     from rostether.msgdef.primitives import PRIMITIVE_TYPES
 
     for constant in spec.constants:
@@ -125,6 +125,17 @@ def _record(kind: _Kind, registry: Registry, name: str) -> dict[str, Any]:
     return {"type": name, "md5sum": kind.md5sum(registry, name, is_ros2=False), **body}
 
 
+def _text(kind: _Kind, registry: Registry, name: str, *, raw: bool) -> str:
+    from rostether.cli.msg.ros2_definitions import shown_definition
+
+    text, parts = kind.parts(registry, name)
+    if raw:
+        return text
+    return "---\n".join(
+        shown_definition(part, registry.message, format_spec(registry, part)) for part in parts
+    )
+
+
 def _type_argument(kind: _Kind, given: str | None) -> str:
     """Return the type name: an argument, or a line of stdin (`rostether topic type /x | ...`)."""
     name = given
@@ -144,7 +155,7 @@ def _type_argument(kind: _Kind, given: str | None) -> str:
 
 
 def check_package(name: str, registry: Registry, list_command: str) -> None:
-    """Raise UnknownTypeError for a package without definitions; `list_command` lists those that have some."""
+    """Raise UnknownTypeError for a package without definitions; `list_command` lists packages with some."""
     if name not in registry.packages():
         meant = did_you_mean(name, registry.packages(), then=" Otherwise, ")
         raise UnknownTypeError(
@@ -185,33 +196,20 @@ def _show_verb(kind: _Kind) -> click.Command:
     def show(
         name: str | None, raw: bool, as_json: bool, msg_paths: tuple[Path, ...], graph: GraphOptions
     ) -> None:
-        from rostether.cli.msg.ros2_definitions import shown_definition
+        from rostether.cli.msg import ros2_definitions as ros2
 
+        is_ros2 = graph.ros2 is not None
         registry = _registry(msg_paths, graph)
         given = _type_argument(kind, name)
         is_short = "/" not in given
         for each in _matches(kind, registry, given) if is_short else [given]:
-            if graph.ros2 is not None:
-                from rostether.cli.msg import ros2_definitions as ros2
-
-                if as_json:
-                    write_json(ros2.record(registry, kind.group, each))
-                    continue
-                if is_short:
-                    write_line(f"[{each}]:")
-                write_line(ros2.shown(registry, kind.group, each))
-                continue
-            text, parts = kind.parts(registry, each)
             if as_json:
-                write_json(_record(kind, registry, each))
+                record = ros2.record(registry, kind.group, each) if is_ros2 else _record(kind, registry, each)
+                write_json(record)
                 continue
+            text = ros2.shown(registry, kind.group, each) if is_ros2 else _text(kind, registry, each, raw=raw)
             if is_short:
                 write_line(f"[{each}]:")
-            if not raw:
-                shown = (
-                    shown_definition(part, registry.message, format_spec(registry, part)) for part in parts
-                )
-                text = "---\n".join(shown)
             write_line(text)
 
     show.help = f"Show the fields of a {kind.what} type, with all nested fields."

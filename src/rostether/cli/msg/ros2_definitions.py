@@ -48,7 +48,7 @@ def shown(registry: Registry, group: str, name: str, comments: Comments = Commen
 
 
 def type_hash(registry: Registry, group: str, name: str) -> str:
-    """Return the hash that both ends of a topic or service must agree on."""
+    """Return the type hash, which both ends of a topic or service must have."""
     found = _found(registry, group, name)
     source = _native(registry).source
     if isinstance(found, Ros2Message):
@@ -106,7 +106,7 @@ def _lines(
 def shown_definition(spec: SpecT, lookup: Callable[[str], SpecT], lines: Iterable[str]) -> str:
     """Return the lines of a definition as one text.
 
-    Raises DefinitionError for a type inside itself and for more lines than MAX_SHOWN_LINES, UnknownTypeError.
+    Raises UnknownTypeError, and DefinitionError for a type inside itself or for too many lines.
     """
     dependencies(spec, lookup)
     shown = list(islice(lines, MAX_SHOWN_LINES + 1))

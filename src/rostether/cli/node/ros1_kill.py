@@ -19,7 +19,10 @@ from rostether.xmlrpc.values import FaultError
 
 
 def kill(environment: RosEnvironment, names: tuple[str, ...], *, kill_all: bool) -> None:
-    """Ask nodes to shut down; without names, the user chooses one. Raises UnknownNameError."""
+    """Ask nodes to shut down; without names, all with `kill_all`, otherwise the user chooses one.
+
+    Raises UnknownNameError.
+    """
     chosen = run(_resolve_running(environment, names))
     if not names and not kill_all:
         chosen = [_choose(chosen)] if chosen else []
@@ -68,7 +71,7 @@ async def _kill(environment: RosEnvironment, names: list[str]) -> list[tuple[str
                 async with node_client(name, await client.lookup_node(name)) as peer:
                     await ask(peer, "shutdown", "user request")
             except UnknownNameError:
-                # The node has ended in the meantime.
+                # The node has just unregistered.
                 continue
             except GraphError as error:
                 cause = error.__cause__
@@ -82,7 +85,7 @@ async def _kill(environment: RosEnvironment, names: list[str]) -> list[tuple[str
 
 
 def cleanup(environment: RosEnvironment, *, yes: bool) -> None:
-    """Unregister dead nodes at the master, after a confirmation unless `yes`."""
+    """Unregister dead nodes at the master; the user confirms this, unless `yes`."""
     silent = run(_silent(environment))
     if not silent:
         return

@@ -81,7 +81,7 @@ def full_node_name(name: str) -> str:
 
 
 def unknown_node(name: str, known: Iterable[str]) -> UnknownNameError:
-    """Return the error for a node that does not exist; `known` are those that do."""
+    """Return the error for a node that is not one of the known nodes."""
     hint = did_you_mean(name, known) or "`rostether node list` shows all nodes"
     return UnknownNameError(f"Unable to find node '{name}'; {hint}")
 

@@ -28,7 +28,8 @@ NO_TERMINAL = (
 )
 
 
-_ENTER, _LEAVE = "\033[?1049h\033[?25l", "\033[?25h\033[?1049l"  # the alternate screen, without a cursor
+# Show the alternate screen without a cursor, and leave it.
+_ENTER, _LEAVE = "\033[?1049h\033[?25l", "\033[?25h\033[?1049l"
 _HOME, _CLEAR_LINE, _CLEAR_BELOW = "\033[H", "\033[K", "\033[J"
 
 _KEYS = {
@@ -88,14 +89,14 @@ async def joint_state_publisher_gui(graph: TypedGraph, _: Arguments) -> None:
 
 
 class SliderScreen:
-    """Shows the sliders of `states` until q is pressed."""
+    """The sliders of `states` in the terminal, and the keys that move them."""
 
     def __init__(self, states: JointStates) -> None:
         self._sliders = JointSliders(states)
         self._quit = asyncio.Event()
 
     async def run(self) -> None:
-        """Show the sliders and handle keys until q is pressed."""
+        """Show the sliders and handle keys until q is pressed or the terminal is closed."""
         with typed_keys(self._press):
             sys.stdout.write(_ENTER)
             try:

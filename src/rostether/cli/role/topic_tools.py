@@ -16,6 +16,8 @@ from rostether.names.remap import Arguments
 
 # A mux answers immediately; a user does not wait longer.
 _CALL_LIMIT_S = 10.0
+# More are a mistake, such as `*` that a shell has expanded.
+_MAX_MUX_TOPICS = 1_000
 _METAVAR = "ARGUMENT..."
 
 
@@ -80,7 +82,7 @@ async def throttle(graph: TypedGraph, arguments: Arguments) -> None:
 
 
 def _mux_topics(arguments: Arguments) -> list[str]:
-    return _words(arguments, 2, 1_000, "mux OUT IN...")
+    return _words(arguments, 2, _MAX_MUX_TOPICS, "mux OUT IN...")
 
 
 @role(

@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from rostether.graph.typed_graph import TypedGraph
     from rostether.serde.values import Message
 
+# How often `--wait` asks the master for the service.
 WAIT_POLL_S = 0.2
 
 
@@ -144,7 +145,7 @@ async def _find(environment: RosEnvironment, type_name: str) -> list[str]:
 async def call(
     graph_options: GraphOptions, service: str, values: tuple[str, ...], options: CallOptions
 ) -> None:
-    """Call a service and print its answer.
+    """Call a service and print its response.
 
     Raises GraphError, UnknownTypeError, SerializationError naming the field.
     """
@@ -157,7 +158,7 @@ async def call(
         if options.wait:
             await _wait_for_service(client, name, options.timeout_s)
         type_name = await probe_type(client, name)
-    # `ros2 service call` takes the type before the values.
+    # The type may precede the values, as in `ros2 service call`.
     if values and values[0] in (type_name, type_name.replace("/", "/srv/")):
         values = values[1:]
     async with joined(graph_options, options.msg_paths, purpose="rosservice") as graph:
@@ -189,7 +190,7 @@ async def _requests(graph: TypedGraph, type_name: str, arguments: tuple[str, ...
                 yield request
     if not is_any:
         fields = ", ".join(f"{name}: {field_type}" for name, field_type in codec.message_class._fields)
-        raise click.UsageError(f"give the request as YAML: {type_name} takes {{{fields}}}")
+        raise click.UsageError(f"give the request as YAML; the fields of {type_name} are {{{fields}}}")
 
 
 async def _wait_for_service(client: MasterClient, name: str, timeout_s: float | None) -> None:

@@ -25,6 +25,7 @@ from rostether.ros2.types.native_registry import short_name
 from rostether.ros2.types.value_form import ValueForm
 
 _TYPE_NAME = re.compile(r"[A-Za-z]\w*(/srv)?/[A-Za-z]\w*")
+# How often the graph is checked for the service.
 POLL_S = 0.1
 
 
@@ -133,7 +134,7 @@ def unknown_service(name: str, known: Iterable[str]) -> UnknownNameError:
 
 
 async def call(graph: GraphOptions, service: str, arguments: tuple[str, ...], options: CallOptions) -> None:
-    """Call a service and print its answer.
+    """Call a service and print its response.
 
     Raises GraphError, UnknownTypeError, SerializationError naming the field.
     """

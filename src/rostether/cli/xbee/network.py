@@ -1,7 +1,4 @@
-"""xbee_network.py as a role: serves the boards of a radio network, with its arguments.
-
-xbee_network.py PORT ID1 [ID2 ID3 ...]
-"""
+"""xbee_network.py as a role: serves the boards of a radio network, with the same arguments."""
 
 from __future__ import annotations
 

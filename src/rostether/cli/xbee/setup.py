@@ -18,7 +18,9 @@ from rostether.transports.xbee.set_up import BAUD_CODES, RadioSettings, set_up_r
 
 # The start of an address such as tcp:localhost:4000.
 _LINK_ADDRESS = re.compile(r"[a-z]+:")
+# A PAN id has 16 bits.
 _MAX_PAN_ID = 0xFFFF
+# The lowest and the highest channel of IEEE 802.15.4 at 2.4 GHz.
 _CHANNELS = (0x0B, 0x1A)
 
 

@@ -16,14 +16,13 @@ from rostether.cli.shell.output import warn, write_line
 from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import verb
 from rostether.mechanisms.text import counted
+from rostether.transports.peers import MAX_PEERS
 
 if TYPE_CHECKING:
     from rostether.simulation.xbee.counting_board import CountingBoard
     from rostether.simulation.xbee.network import XbeeNetwork
     from rostether.simulation.xbee.radio import SimulatedRadio
 
-# The limit of boards on one radio.
-_MAX_BOARDS = 64
 _PROBABILITY = NumberRange(0.0, 1.0)
 _KINDS = ("series1", "series3", "digimesh")
 
@@ -35,7 +34,7 @@ class SimulationOptions:
     boards: int = option(
         "--boards",
         "How many boards have a radio.",
-        type=click.IntRange(1, _MAX_BOARDS),
+        type=click.IntRange(1, MAX_PEERS),
         show_default=True,
         default=1,
     )

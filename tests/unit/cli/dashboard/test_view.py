@@ -37,7 +37,7 @@ def test_a_file_of_rviz_is_served_beside_the_page(tmp_path: Path) -> None:
     with pytest.raises(ConfigError, match="there is no file"):
         read_view("scene", [str(tmp_path / "other.rviz")])
     file.write_bytes(b" " * (1 << 21))
-    with pytest.raises(ConfigError, match="larger than 1 MB"):
+    with pytest.raises(ConfigError, match="larger than 1 MiB"):
         read_view("scene", [str(file)])
 
 

@@ -144,5 +144,5 @@ def test_packages_of_msg_path_come_first(tmp_path: Path, monkeypatch: pytest.Mon
         (tmp_path / folder / "arm").mkdir(parents=True)
         (tmp_path / folder / "arm" / "package.xml").write_text("<package><name>arm</name></package>")
     monkeypatch.setenv("ROS_PACKAGE_PATH", str(tmp_path / "environment"))
-    assert foxglove._packages(())["arm"] == tmp_path / "environment" / "arm"
-    assert foxglove._packages([tmp_path / "given"])["arm"] == tmp_path / "given" / "arm"
+    assert foxglove._package_folders(())["arm"] == tmp_path / "environment" / "arm"
+    assert foxglove._package_folders([tmp_path / "given"])["arm"] == tmp_path / "given" / "arm"

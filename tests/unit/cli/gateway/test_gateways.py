@@ -6,13 +6,14 @@ from collections.abc import Mapping
 import pytest
 from websockets.asyncio.client import connect
 
-from rostether.cli.gateway.gateways import GatewayGraph, join_with_retries
+from rostether.cli.gateway.gateways import GatewayGraph, joined_as
+from rostether.cli.gateway.node import NodeNaming
 from rostether.cli.gateway.options import GatewayOptions
 from rostether.cli.gateway.rosbridge import rosbridge_gateway
 from rostether.errors import GraphError, MasterUnreachableError, UnknownTypeError
 from rostether.graph.memory_graph import MemoryGraph
 from rostether.graph.memory_network import MemoryNetwork
-from rostether.graph.ports import Graph, Level
+from rostether.graph.ports import Level
 from rostether.msgdef.registry import Registry
 from rostether.serde.store import TypeStore
 
@@ -86,6 +87,7 @@ async def test_a_master_that_is_away_is_waited_for(monkeypatch: pytest.MonkeyPat
     log: list[tuple[Level, str]] = []
     away = MasterUnreachableError("the ROS master cannot be reached")
     join = Refusing(away, away, name="page")
-    graph: Graph = await join_with_retries(join, "page", lambda level, text: log.append((level, text)))
+    on = GatewayGraph(join, TypeStore(Registry()))
+    graph = await joined_as(on, NodeNaming(), "page", lambda level, text: log.append((level, text)))
     assert log == [(Level.WARN, "page waits: the ROS master cannot be reached")]
     await graph.close()

@@ -135,7 +135,7 @@ def test_call_of_a_service_whose_type_is_not_known_here(
 
 def test_call_without_a_request_names_the_fields(board: Ros1Graph, shell: Shell) -> None:
     line = shell.failure("service", "call", "/set_led", code=2)
-    assert line == "give the request as YAML: std_srvs/SetBool takes {data: bool}"
+    assert line == "give the request as YAML; the fields of std_srvs/SetBool are {data: bool}"
 
 
 def test_wrong_fields_name_the_right_ones(board: Ros1Graph, shell: Shell) -> None:
