@@ -22,9 +22,9 @@ LOW_WATER_ITEMS = 100
 
 
 class CallbackThread(Generic[_T]):
-    """Passes items to `run`, which must not raise. Calls `on_full` with True above high water, then False.
+    """Passes items to `run`, which must not raise. Only the newest `limit` items wait (None: all).
 
-    Only the newest `limit` items wait.
+    `on_full` gets True when more than HIGH_WATER_ITEMS wait, and False when LOW_WATER_ITEMS are left.
     """
 
     def __init__(

@@ -15,14 +15,15 @@ from rostether.mechanisms.tasks import start_task
 
 _T = TypeVar("_T")
 
+# Users expect Ctrl-C to take effect within about this time.
 _SHORT_WAIT_S = 0.5
 
 
 class LoopThread:
     """Runs coroutines for other threads; its thread starts with the first call and never blocks the exit.
 
-    `interrupted` makes the error of calls that `interrupt` ends. A forked process has no such thread: there,
-    all calls raise GraphError.
+    `interrupted` makes the error of calls that `interrupt` ends. A forked process does not have the thread:
+    there, all calls raise GraphError.
     """
 
     def __init__(self, interrupted: Callable[[], BaseException] = concurrent.futures.CancelledError) -> None:
@@ -64,7 +65,8 @@ class LoopThread:
     def call(self, coroutine: Coroutine[Any, Any, _T], *, timeout_s: float | None = None) -> _T:
         """Run a coroutine, and return its result or raise its error.
 
-        Raises the error of `interrupted` after `interrupt`, TimeoutError after `timeout_s`.
+        Raises the error of `interrupted` after `interrupt`, TimeoutError after `timeout_s`, GraphError in a
+        forked process.
         """
         try:
             loop = self.loop

@@ -13,7 +13,7 @@ _FORMAT = 1
 
 
 def load_state(path: Path, max_bytes: int) -> dict[str, Any]:
-    """Return the stored values; none if the file is missing, damaged, longer, or of another format."""
+    """Return the stored values; none if the file is missing, damaged, too long, or of another format."""
     try:
         with path.open("rb") as file:
             content = json.loads(file.read(max_bytes))

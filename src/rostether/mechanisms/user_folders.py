@@ -9,7 +9,7 @@ from pathlib import Path
 
 
 class Kind(Enum):
-    """The purpose of a folder: its XDG variable, its path below HOME, that on macOS, Windows' variable."""
+    """The purpose of a folder: XDG variable, paths below HOME on Linux and macOS, variable of Windows."""
 
     CONFIG = ("XDG_CONFIG_HOME", ".config", ".config", "APPDATA")
     STATE = ("XDG_STATE_HOME", ".local/state", ".local/state", "LOCALAPPDATA")

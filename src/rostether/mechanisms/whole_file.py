@@ -42,7 +42,7 @@ def write_whole(path: Path, content: bytes, *, is_durable: bool = False) -> None
     if is_durable and hasattr(os, "O_DIRECTORY"):
         folder = os.open(target.parent, os.O_RDONLY | os.O_DIRECTORY)
         try:
-            # The new name, too, must be on the disk.
+            # The new name must also be on the disk.
             os.fsync(folder)
         finally:
             os.close(folder)

@@ -39,7 +39,7 @@ class XmlElement(Struct, frozen=True):
 
     @property
     def text(self) -> str:
-        """Its own text, without that of its children."""
+        """The text directly in it, without that of its children."""
         return "".join(each for each in self.content if isinstance(each, str))
 
     @property
@@ -75,8 +75,8 @@ def parse_xml(
     """Return the root element of a document.
 
     Raises the error of `make_error` for a document that is larger than `max_bytes`, is not XML, is nested too
-    deeply, or has a DTD or an entity. `what` names the kind of document, such as "a launch file". Without an
-    `encoding`, the document names its own.
+    deeply, or declares a DTD or an entity. `what` names the kind of document, such as "a launch file". Without
+    an `encoding`, the document names its own.
     """
     if len(data) > max_bytes:
         raise make_error(f"larger than {max_bytes} bytes, so it is not {what}", 0)

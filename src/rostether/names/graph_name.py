@@ -95,7 +95,9 @@ def resolve_name(
         validate_name(canonical(name) or name)
     if is_private(name):
         if not is_global(node_name):
-            raise InvalidNameError(f"{name!r} is private to a node, and no node name is known here")
+            raise InvalidNameError(
+                f"{quote(name)} is private to a node, and no node is known here; write the full name"
+            )
         resolved = canonical(node_name + SEPARATOR + name[1:])
     elif is_global(name):
         resolved = canonical(name)

@@ -19,11 +19,11 @@ _REMAP_ARGUMENT = re.compile(r"[~/A-Za-z_][A-Za-z0-9_/]*:=.*", re.DOTALL)
 
 
 class Arguments(Struct, frozen=True):
-    """The arguments of a command line: each remapping and parameter once, the last one counts.
+    """The arguments of a command line; the last remapping or parameter of a name counts.
 
-    `remappings` are as written (`names.graph_name.resolve_remappings` qualifies them), `private_params` are
-    YAML values under their names without the underscore, `special` has keys like `__name`, and `rest` is
-    every other argument in order.
+    `remappings` are unresolved (see `names.graph_name.resolve_remappings`). `private_params` are the values
+    read as YAML, by their names without the underscore. `special` has keys like `__name`. `rest` has all other
+    arguments, in order.
     """
 
     remappings: dict[str, str] = field(default_factory=dict)
@@ -35,7 +35,7 @@ class Arguments(Struct, frozen=True):
 def parse_arguments(argv: Iterable[str]) -> Arguments:
     """Classify the arguments as rospy does; one with an empty side (`a:=`) is dropped.
 
-    Raises ConfigError for a value that is not YAML, a target that is not a name, an unknown special key.
+    Raises ConfigError for a value that is not YAML, a side that is not a name, or an unknown special key.
     """
     arguments = Arguments()
     for argument in argv:

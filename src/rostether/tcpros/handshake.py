@@ -9,8 +9,8 @@ The side that connects sends its request. The other side answers with its own fi
     service, persistent=1    CALL_PERSISTENT  requests and answers alternate until one side closes
     service                  CALL_ONCE        one request, one answer, end
 
-An md5sum or type of `*` agrees with every other. Names of types are only compared to explain why md5sums
-differ, as in rospy and roscpp.
+An md5sum or type of `*` agrees with every other. The names of types are compared only to explain why
+md5sums differ, as in rospy and roscpp.
 """
 
 from __future__ import annotations

@@ -15,10 +15,10 @@ from rostether.errors import RemoteProtocolError
 # A header is mostly its message_definition: the longest in Debian's message packages is 20 KB.
 MAX_HEADER_BYTES = 1 << 20
 
-# The headers in use have ten fields.
+# The headers in use have at most ten fields.
 MAX_FIELDS = 64
 
-# The longest in use has 18.
+# The longest key in use has 18 bytes.
 MAX_KEY_BYTES = 256
 
 # Names, types and errors; only a message_definition may be longer.

@@ -94,7 +94,7 @@ class DocumentReader:
         self._text: list[str] = []
 
     def steps(self) -> Iterator[None]:
-        """Read a part with each step; called once. Raises RemoteProtocolError."""
+        """Read a part of the document in each step; called once. Raises RemoteProtocolError."""
         document = self._document
         # Not an attribute: it refers to this object, and its 12 KB would wait for the garbage collector.
         parser = expat.ParserCreate()

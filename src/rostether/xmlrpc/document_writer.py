@@ -21,7 +21,7 @@ _PROLOG = "<?xml version='1.0'?>"
 
 
 class DocumentTooLargeError(SerializationError):
-    """A document would exceed the length given."""
+    """The document would need more bytes than its limit."""
 
 
 class DocumentWriter:
@@ -187,7 +187,7 @@ def fault(code: int, text: str) -> dict[str, object]:
 
 
 def dump_fault(code: int, text: str) -> bytes:
-    """Return a methodResponse document with a fault; characters that XML does not allow become `?`."""
+    """Return a methodResponse document with a fault, see `fault`."""
     writer = DocumentWriter()
     writer.write_text(f"{_PROLOG}<methodResponse><fault>")
     writer.write_value(fault(code, text))

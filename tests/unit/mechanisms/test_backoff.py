@@ -1,7 +1,5 @@
 from __future__ import annotations
 
-import random
-
 import pytest
 
 from rostether.mechanisms.backoff import Backoff
@@ -20,23 +18,14 @@ def test_begin_again_after_success() -> None:
     assert backoff.next_delay_s() == pytest.approx(0.1)
 
 
-def test_jitter_only_shortens_and_follows_the_seed() -> None:
-    delays = [
-        [backoff.next_delay_s() for _ in range(50)]
-        for backoff in (Backoff(first_s=1.0, limit_s=1.0, jitter=0.5, rng=random.Random(7)) for _ in range(2))
-    ]
-    assert delays[0] == delays[1]
-    assert all(0.5 <= delay <= 1.0 for delay in delays[0])
-    assert len(set(delays[0])) > 40
+def test_jitter_only_shortens() -> None:
+    backoff = Backoff(first_s=1.0, limit_s=1.0, jitter=0.5)
+    delays = [backoff.next_delay_s() for _ in range(50)]
+    assert all(0.5 <= delay <= 1.0 for delay in delays)
+    assert len(set(delays)) > 40
 
 
 def test_two_backoffs_do_not_march_in_step() -> None:
     assert (
         Backoff(first_s=1.0, limit_s=9.0).next_delay_s() != Backoff(first_s=1.0, limit_s=9.0).next_delay_s()
     )
-
-
-@pytest.mark.parametrize("wrong", [{"first_s": 0.0}, {"limit_s": 0.01}, {"factor": 0.5}, {"jitter": 1.0}])
-def test_refuse_nonsense(wrong: dict[str, float]) -> None:
-    with pytest.raises(ValueError, match="back-off"):
-        Backoff(**wrong)  # type: ignore[arg-type]

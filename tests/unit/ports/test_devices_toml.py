@@ -162,7 +162,7 @@ def test_files_that_are_something_else(tmp_path: Path) -> None:
     path.write_bytes(b"#" * (MAX_FILE_BYTES + 1))
     with pytest.raises(ConfigError, match="longer than"):
         read_devices_toml(path)
-    with pytest.raises(ConfigError, match="cannot be read"):
+    with pytest.raises(ConfigError, match="cannot read"):
         read_devices_toml(tmp_path)
 
 
