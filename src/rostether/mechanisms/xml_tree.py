@@ -75,8 +75,8 @@ def parse_xml(
     """Return the root element of a document.
 
     Raises the error of `make_error` for a document that is larger than `max_bytes`, is not XML, is nested too
-    deeply, or declares a DTD or an entity. `what` names the kind of document, such as "a launch file". Without
-    an `encoding`, the document names its own.
+    deeply, or declares a DTD or an entity. `what` names the kind of document: "a launch file". Without an
+    `encoding`, the document names its own.
     """
     if len(data) > max_bytes:
         raise make_error(f"larger than {max_bytes} bytes, so it is not {what}", 0)

@@ -22,8 +22,8 @@ class Arguments(Struct, frozen=True):
     """The arguments of a command line; the last remapping or parameter of a name counts.
 
     `remappings` are unresolved (see `names.graph_name.resolve_remappings`). `private_params` are the values
-    read as YAML, by their names without the underscore. `special` has keys like `__name`. `rest` has all other
-    arguments, in order.
+    read as YAML, by their names without the underscore. `special` has keys like `__name`, `rest` the other
+    arguments in order.
     """
 
     remappings: dict[str, str] = field(default_factory=dict)

@@ -10,10 +10,10 @@ from msgspec import Struct
 from rostether.mechanisms.text import show_endpoint
 from rostether.transports.tls import TlsFiles
 
-# The baud rate of the established device library.
+# The baud rate of rosserial_arduino.
 DEFAULT_BAUD = 57600
 
-# The port to which established boards connect.
+# The port to which boards with rosserial_arduino connect over TCP.
 DEFAULT_PORT = 11411
 LOOPBACK = "127.0.0.1"
 
@@ -63,8 +63,8 @@ class SimulationPauses:
 class SerialAddress(_NamedAddress, frozen=True):
     """A serial port or a pseudo-terminal's slave; `reset=False` leaves DTR and RTS alone.
 
-    `given` are the options in the address: they override devices.toml. `program` is set if the board is known
-    to run it, `pauses` if the board is simulated.
+    `given` are the names of the options in the address, which override devices.toml. `program` is set if the
+    board is known to run it, `pauses` if the board is simulated.
     """
 
     path: str

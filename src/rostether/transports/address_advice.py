@@ -54,5 +54,5 @@ def sketch_advice(text: str) -> str:
 
 
 def is_number(text: str) -> bool:
-    """Return whether a text is a number that Python converts: it raises for thousands of digits."""
+    """Return whether a text is a whole number of a length that Python converts."""
     return text.isascii() and text.isdigit() and len(text) <= 20

@@ -58,7 +58,7 @@ _NO = ("no", "false", "off", "0")
 
 
 def parse_address(text: str) -> Address:
-    """Read a link address. Raises ConfigError with the error and the known options."""
+    """Read a link address. Raises ConfigError, which says what to write instead."""
     if not text.strip().isprintable():
         raise ConfigError(f"link address {text!r} has invisible characters; type it again")
     address, _, query = text.strip().partition("?")
@@ -77,7 +77,7 @@ def parse_address(text: str) -> Address:
             return TcpAddress(host, port, connect, networks, psk, tls, name=name, ns=ns)
         case "udp":
             host, port = _parse_endpoint(text, rest)
-            connect, bind = reader.flag("connect"), reader.port("bind")
+            connect, bind = reader.flag("connect"), reader.bind_port()
             return UdpAddress(host, port, connect, bind, reader.networks(), name=name, ns=ns)
         case "pty":
             return PtyAddress(_require_path(text, rest), name=name, ns=ns)
@@ -100,55 +100,55 @@ def parse_address(text: str) -> Address:
 
 class _Options:
     def __init__(self, address: str, values: dict[str, str]) -> None:
-        self.address = address
-        self.values = values
+        self._address = address
+        self._values = values
 
     def flag(self, key: str, *, default: bool = False) -> bool:
-        value = self.values.get(key)
+        value = self._values.get(key)
         if value is None:
             return default
         if value.lower() not in (*_YES, *_NO):
-            raise ConfigError(f"{key}={value} in link address {self.address!r}: write {key}=yes or {key}=no")
+            raise ConfigError(f"{key}={value} in link address {self._address!r}: write {key}=yes or {key}=no")
         return value.lower() in _YES
 
     def baud(self) -> int:
         return self._number("baud", DEFAULT_BAUD, 1, MAX_BAUD)
 
-    def port(self, key: str) -> int:
-        return self._number(key, 0, 0, MAX_PORT)
+    def bind_port(self) -> int:
+        return self._number("bind", 0, 0, MAX_PORT)
 
     def uart(self) -> int | None:
-        return self._number("uart", 0, 0, MAX_UART) if "uart" in self.values else None
+        return self._number("uart", 0, 0, MAX_UART) if "uart" in self._values else None
 
     def seed(self) -> int:
         return self._number("seed", 0, 0, MAX_SEED)
 
     def networks(self) -> tuple[str, ...]:
-        value = self.values.get("allow")
+        value = self._values.get("allow")
         if value is None:
             return ()
-        return check_networks(value.split(","), f"allow={value} in link address {self.address!r}")
+        return check_networks(value.split(","), f"allow={value} in link address {self._address!r}")
 
     def xbee_peers(self) -> tuple[int, ...]:
-        value = self.values.get("peers")
+        value = self._values.get("peers")
         if value is None:
             return ()
         peers = [parse_radio_address(peer) for peer in value.split(",")]
         known = tuple(dict.fromkeys(peer for peer in peers if peer is not None))
         if len(known) < len(peers):
             raise ConfigError(
-                f"peers={value} in link address {self.address!r}: write each address once, separated by "
+                f"peers={value} in link address {self._address!r}: write each address once, separated by "
                 "commas, of 16 bits or as on the radio's label: peers=1,0x2a,0013A20040A1B2C3"
             )
         return known
 
     def _number(self, key: str, default: int, lowest: int, highest: int) -> int:
-        value = self.values.get(key)
+        value = self._values.get(key)
         if value is None:
             return default
         if not (is_number(value) and lowest <= int(value) <= highest):
             raise ConfigError(
-                f"{key}={value} in link address {self.address!r}: write a number from {lowest} to {highest}"
+                f"{key}={value} in link address {self._address!r}: write a number from {lowest} to {highest}"
             )
         return int(value)
 

@@ -8,6 +8,7 @@ from types import MappingProxyType
 from msgspec import Struct
 
 from rostether.errors import ConfigError
+from rostether.mechanisms.text import read_failure
 
 # A certificate is about 2 KB; a longer file is not a certificate.
 MAX_CERTIFICATE_BYTES = 64 * 1024
@@ -50,7 +51,8 @@ def _read_certificate(path: str) -> bytes:
         begin, end = text.index("-----BEGIN CERTIFICATE-----"), text.index("-----END CERTIFICATE-----")
         return ssl.PEM_cert_to_DER_cert(text[begin:end] + "-----END CERTIFICATE-----\n")
     except OSError as error:
-        reason = error.strerror or str(error)
+        raise ConfigError(read_failure(f"certificate={path}", error)) from None
     except ValueError:
-        reason = "it contains no certificate in PEM format"
-    raise ConfigError(f"certificate={path}: cannot be read: {reason}")
+        raise ConfigError(
+            f"certificate={path} contains no certificate in PEM format; give the board's certificate"
+        ) from None

@@ -72,7 +72,7 @@ class Capture:
 
     @property
     def version(self) -> int | None:
-        """The protocol version that the first line gives, if it does."""
+        """The protocol version in the first line, 1 or 2; None if it has no such version."""
         given = self.description.get("protocol")
         return given if given in (1, 2) else None
 

@@ -16,7 +16,7 @@ from rostether.transports.transport import Receiver, Transport
 # An hour of a full line at 115200 baud: small enough to send when compressed, and to fit on any disk.
 DEFAULT_LIMIT_BYTES = 100 << 20
 
-# The loss when the process is killed; a shorter period would cost a system call for each chunk.
+# A killed process loses the data of this time; a shorter period would cost a system call for each chunk.
 FLUSH_PERIOD_S = 0.2
 
 # If more than this is collected, it is written before the period ends.
@@ -112,8 +112,8 @@ class CaptureWriter:
             size += len(line)
             if size > self._limit_bytes:
                 self._write(b"".join(lines[:number]))
-                limit_mb = self._limit_bytes / (1 << 20)
-                self._end(f"{self.path} has reached {limit_mb:.3g} MB: the recording has stopped")
+                reached = f"{self.path} has reached {self._limit_bytes / (1 << 20):.3g} MB"
+                self._end(f"{reached}: the recording has stopped; raise --record-limit")
                 return
         self._write(b"".join(lines))
 
@@ -125,7 +125,7 @@ class CaptureWriter:
             while view:
                 view = view[os.write(self._file, view) :]
         except OSError as error:
-            self._end(f"cannot write {self.path}: {error.strerror or error}; the recording has stopped")
+            self._end(f"the recording has stopped: {write_failure(self.path, error)}")
             return
         self.written_bytes += len(data)
 

@@ -27,7 +27,7 @@ def allow_many_descriptors() -> None:
         try:
             resource.setrlimit(resource.RLIMIT_NOFILE, (wanted, hard))
         except (OSError, ValueError):
-            # macOS permits less than it reports; then the limit stays as it is.
+            # macOS permits less than it reports; then the limit does not change.
             return
 
 

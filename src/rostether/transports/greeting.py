@@ -72,7 +72,7 @@ class Greeting:
             self._context = lambda: own
 
     async def exchange(self, transport: StreamTransport) -> Proof:
-        """Greet over a transport that was not started, and leave it unstarted; return the peer's proof.
+        """Greet over a transport before its `start`; return the peer's proof.
 
         Raises TransportError or RemoteProtocolError with the peer's error.
         """
@@ -111,7 +111,7 @@ def _explain_handshake(error: OSError) -> str:
 
 
 class _Hello(SmallWriter):
-    """The transport's receiver while the hello lasts."""
+    """The transport's receiver during the hello."""
 
     def __init__(self, transport: StreamTransport, hello: ListenerHello | ConnectorHello) -> None:
         self._transport = transport

@@ -41,14 +41,14 @@ class Announcement:
     async def start(
         cls, host: str, port: int, *, interfaces: Sequence[str] | None = None, machine: str | None = None
     ) -> Announcement:
-        """Announce a listener on the local addresses `interfaces` (None: those of `host`).
+        """Announce a listener of `machine` on the local addresses `interfaces` (None: those of `host`).
 
         Raises TransportOpenError if the network does not permit it.
         """
         machine = (machine or socket.gethostname()).partition(".")[0] or "rostether"
         addresses = list(interfaces) if interfaces is not None else [*_addresses_of(host)]
         if not addresses:
-            raise TransportOpenError("mDNS: this machine has no network address; connect it to a network")
+            raise TransportOpenError("mDNS: this machine has no network address")
         machine = machine.encode()[:_MAX_MACHINE_BYTES].decode(errors="ignore")
         info = AsyncServiceInfo(
             SERVICE_TYPE,

@@ -116,6 +116,7 @@ async def listen(
         case WebAddress():
             if web_boards is None:
                 raise ConfigError(f"{address} needs --dashboard: its page connects the boards")
-            return web_boards.listen(address, on_transport)
+            web_boards.listen(address, on_transport)
+            return web_boards
         case _:
             raise ConfigError(f"{address} is one device, which cannot be listened on")

@@ -12,7 +12,7 @@ from msgspec import Struct
 from rostether.transports.port_holders import Holder, find_holders, is_character_device
 from rostether.transports.serial_port import ListPorts, SerialPort
 
-# The number that fits on a line.
+# The number of ports that fits on a line.
 LISTED_PORTS = 6
 
 # Debian's, Ubuntu's and Fedora's; Arch has uucp.

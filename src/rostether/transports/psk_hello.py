@@ -21,6 +21,7 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from rostether.errors import ConfigError, RemoteProtocolError
+from rostether.mechanisms.text import read_failure
 
 # A board on Wi-Fi answers within a second; a peer that does not answer uses up a connection.
 PSK_LIMIT_S = 5.0
@@ -46,7 +47,7 @@ def read_key(path: str) -> bytes:
         with Path(path).expanduser().open("rb") as file:
             key = file.read(MAX_KEY_FILE_BYTES + 1).strip()
     except OSError as error:
-        raise ConfigError(f"psk={path}: the key cannot be read: {error.strerror or error}") from None
+        raise ConfigError(read_failure(f"psk={path}", error)) from None
     if not MIN_KEY_BYTES <= len(key) <= MAX_KEY_FILE_BYTES:
         raise ConfigError(
             f"psk={path}: a key has {MIN_KEY_BYTES} to {MAX_KEY_FILE_BYTES} bytes, this has {len(key)}; "
@@ -107,9 +108,7 @@ class ConnectorHello:
     def receive(self, data: bytes) -> tuple[bytes, bytes] | None:
         """Handle bytes; once the key is proven, return the same as `ListenerHello.receive`.
 
-        After each call, the caller sends the result of `pop_answer`.
-
-        Raises RemoteProtocolError for a peer without the key.
+        After each call, the caller sends the result of `pop_answer`. Raises RemoteProtocolError for a peer without the key.
         """
         received = self._lines.receive_line(data)
         if received is None:

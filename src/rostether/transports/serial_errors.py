@@ -82,7 +82,7 @@ def explain_permission(path: str) -> str:
 def _describe_ports(list_ports: ListPorts) -> str:
     ports = list_ports()
     if not ports:
-        return "no serial port found"
+        return "no serial port found; plug in the board"
     shown = ", ".join(f"{port.path} ({port.description})" for port in ports[:LISTED_PORTS])
     more = f" and {len(ports) - LISTED_PORTS} more" if len(ports) > LISTED_PORTS else ""
     return f"available: {shown}{more}"

@@ -69,8 +69,8 @@ class TcpTransport(StreamTransport, asyncio.BufferedProtocol):
         """Keep asyncio's transport, and set the socket's options."""
         super().connection_made(transport)
         self._buffer = read_buffer()
-        self._socket = transport.get_extra_info("socket")
-        tune_stream(transport.get_extra_info("socket"))
+        self._socket = sock = transport.get_extra_info("socket")
+        tune_stream(sock)
         peer_name = transport.get_extra_info("peername")
         if peer_name:
             self.host = self.remote = peer_name[0]

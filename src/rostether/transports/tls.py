@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 from msgspec import Struct
 
 from rostether.errors import ConfigError
+from rostether.mechanisms.text import read_failure
 
 if TYPE_CHECKING:
     import ssl
@@ -73,11 +74,7 @@ def listener_context(files: TlsFiles, certificates: Collection[bytes] = ()) -> s
 class ListenerTls:
     """The TLS of a listener, which loads replaced certificates without a restart.
 
-    Args:
-        files: The listener's files; programs that renew certificates replace them.
-        certificates: Also accepts these certificates of individual boards (DER).
-
-    Raises ConfigError.
+    The arguments are those of `listener_context`. Raises ConfigError.
     """
 
     def __init__(self, files: TlsFiles, certificates: Collection[bytes] = ()) -> None:
@@ -102,7 +99,7 @@ class ListenerTls:
         except ConfigError as error:
             if (reason := str(error)) != self._reported:
                 self._reported = reason
-                _LOG.warning("%s; new connections still use the previous certificate", reason)
+                _LOG.warning("New connections still use the previous certificate: %s", reason)
         else:
             self._reported = ""
             _LOG.info("New connections use the changed certificate %s", self._files.cert)
@@ -131,7 +128,9 @@ def load_own_certificate(context: ssl.SSLContext, certificate: str, key: str | N
     certificate_path = Path(certificate).expanduser()
     key_path = certificate_path if key is None else Path(key).expanduser()
     if b"-----BEGIN CERTIFICATE-----" not in _read(certificate_path):
-        raise ConfigError(f"{certificate_path} contains no certificate in PEM format")
+        raise ConfigError(
+            f"{certificate_path} contains no certificate in PEM format; add it, or give its file"
+        )
     key_text = _read(key_path)
     if b"PRIVATE KEY-----" not in key_text:
         raise ConfigError(f"{key_path} contains no private key in PEM format; add it, or give its file")
@@ -140,13 +139,15 @@ def load_own_certificate(context: ssl.SSLContext, certificate: str, key: str | N
         context.load_cert_chain(certificate_path, key_path, password=lambda: "")
     except ssl.SSLError as error:
         if error.reason == "KEY_VALUES_MISMATCH":
-            reason = f"{key_path} is not the key of the certificate {certificate_path}"
+            reason = f"{key_path} is not the key of the certificate {certificate_path}; give the right one"
         elif b"ENCRYPTED" in key_text:
             reason = (
                 f"the key {key_path} has a password; remove it: openssl pkey -in {key_path} -out NEW_FILE"
             )
         else:
-            reason = f"{certificate_path} or {key_path} is damaged: {show_ssl_reason(error)}"
+            reason = (
+                f"{certificate_path} or {key_path} is damaged: {show_ssl_reason(error)}; create both again"
+            )
         raise ConfigError(reason) from None
     if (fault := _find_date_fault(certificate_path, key_path)) is not None:
         _LOG.warning("%s: %s; replace it, or set the clock of this machine", certificate_path, fault)
@@ -187,7 +188,7 @@ def _read(path: Path) -> bytes:
         with path.open("rb") as file:
             return file.read(_MAX_FILE_BYTES)
     except OSError as error:
-        raise ConfigError(f"{path} cannot be read: {error.strerror}") from None
+        raise ConfigError(read_failure(path, error)) from None
 
 
 def _version(file: str | None) -> tuple[int, ...] | None:
@@ -211,6 +212,8 @@ def _load(context: ssl.SSLContext, files: TlsFiles) -> None:
     try:
         context.load_verify_locations(Path(files.ca).expanduser())
     except ssl.SSLError:
-        raise ConfigError(f"ca={files.ca}: it contains no certificate in PEM format") from None
+        raise ConfigError(
+            f"ca={files.ca} contains no certificate in PEM format; give the authority's certificate"
+        ) from None
     except OSError as error:
-        raise ConfigError(f"ca={files.ca} cannot be read: {error.strerror}") from None
+        raise ConfigError(read_failure(f"ca={files.ca}", error)) from None

@@ -63,6 +63,7 @@ class WebTransport:
 
     `connect` serves the board that the page names, or returns the reason for a refusal. `forget` is called at
     the end. The transport cannot pause the board: the port loses bytes that the page does not read in time.
+    `received`, `paused`, `resumed` and `closed` are the events of the connection to the page.
     """
 
     remote: str | None = None
@@ -146,8 +147,6 @@ class WebTransport:
         """Wait until the transport has ended."""
         await self._ended.wait()
 
-    # Events of the connection.
-
     def received(self, message: str | bytes) -> None:
         """Handle a message of the page."""
         if self._ended.is_set():
@@ -178,8 +177,6 @@ class WebTransport:
                 f"{self.peer} is disconnected: its page was closed or hidden, or lost its network"
             )
         )
-
-    # Internal methods.
 
     def admit(self, address: WebAddress, hello: WebHello) -> None:
         """Serve the board that the page has named."""

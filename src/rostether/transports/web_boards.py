@@ -12,25 +12,11 @@ from rostether.transports.web_hello import WebHello
 MAX_WEB_BOARDS = 32
 
 
-class WebListener:
-    """The bridge's listener for boards of pages; created by `WebBoards.listen`."""
-
-    def __init__(self, address: WebAddress, boards: WebBoards) -> None:
-        self._address = address
-        self._boards = boards
-
-    @property
-    def address(self) -> str:
-        """The link address."""
-        return str(self._address)
-
-    async def close(self) -> None:
-        """End all transports, and refuse new ones. Idempotent."""
-        self._boards.close()
-
-
 class WebBoards:
-    """All boards that pages connect: the dashboard's server opens them, the bridge listens for them."""
+    """All boards that pages connect; the dashboard's server opens their connections.
+
+    It is also the bridge's `Listener` for these boards.
+    """
 
     def __init__(self, max_boards: int = MAX_WEB_BOARDS) -> None:
         self._max_boards = max_boards
@@ -38,17 +24,21 @@ class WebBoards:
         self._address = WebAddress()
         self._on_transport: Callable[[WebTransport], None] | None = None
 
-    def listen(self, address: WebAddress, on_transport: Callable[[WebTransport], None]) -> WebListener:
-        """Call back with each new board."""
+    @property
+    def address(self) -> str:
+        """The link address."""
+        return str(self._address)
+
+    def listen(self, address: WebAddress, on_transport: Callable[[WebTransport], None]) -> None:
+        """Call back with each new board, until `close`."""
         self._address, self._on_transport = address, on_transport
-        return WebListener(address, self)
 
     def open(self, socket: WebSocket) -> WebTransport:
         """Return the user of a page's connection, which names its board next."""
         return WebTransport(socket, self._connect, self._forget)
 
-    def close(self) -> None:
-        """End all boards, and refuse new ones."""
+    async def close(self) -> None:
+        """End all transports, and refuse new ones. Idempotent."""
         self._on_transport = None
         for transport in list(self._transports):
             transport.close()

@@ -175,7 +175,8 @@ async def test_a_full_disk_ends_the_recording_not_the_line(
         await far.until_received(b"x")
         desk.writer.flush()
     (reported,) = desk.reported
-    assert "No space left on device; the recording has stopped" in reported
+    assert "the recording has stopped: cannot write" in reported
+    assert "No space left on device; free some space" in reported
     desk.writer.note(1, "device", b"y")
     desk.writer.close()
 

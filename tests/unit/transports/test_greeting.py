@@ -156,7 +156,7 @@ async def test_new_connections_use_a_certificate_that_was_replaced(
         await carry(arrivals, f"tls://:{port}?connect=yes&ca={certificates}/server.pem")
         # The certificate is new, its key is still the old one; then the key is half-written.
         shutil.copy(certificates / "board.pem", certificate)
-        faults = [f"{key} is not the key of the certificate {certificate}"]
+        faults = [f"{key} is not the key of the certificate {certificate}; give the right one"]
         for _ in range(2):
             await carry(arrivals, f"tls://:{port}?connect=yes&ca={certificates}/server.pem")
         key.write_text("")
@@ -164,7 +164,7 @@ async def test_new_connections_use_a_certificate_that_was_replaced(
         for _ in range(2):
             await carry(arrivals, f"tls://:{port}?connect=yes&ca={certificates}/server.pem")
         assert caplog.messages == [
-            f"{each}; new connections still use the previous certificate" for each in faults
+            f"New connections still use the previous certificate: {each}" for each in faults
         ]
         replace("board")
         await carry(arrivals, f"tls://:{port}?connect=yes&ca={certificates}/board.pem")
@@ -232,9 +232,9 @@ async def test_a_plain_board_at_a_tls_listener_is_refused(
         ("tls://:0", "a tls: listener needs a certificate"),
         (
             "tls://:0?cert=/none.pem",
-            "/none.pem cannot be read: No such",
+            "cannot read /none.pem: No such",
         ),
-        ("tcp://:0?psk=/none", "psk=/none: the key cannot be read"),
+        ("tcp://:0?psk=/none", "cannot read psk=/none: "),
     ],
 )
 async def test_files_that_cannot_be_read_are_named(text: str, reason: str) -> None:

@@ -45,8 +45,8 @@ def files(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.mark.parametrize(
     ("certificate", "key", "reason"),
     [
-        ("none.pem", "plain.key", r"none\.pem cannot be read: No such file or directory"),
-        ("plain.pem", "none.key", r"none\.key cannot be read: No such file or directory"),
+        ("none.pem", "plain.key", r"cannot read .*none\.pem: No such file or directory; check the path"),
+        ("plain.pem", "none.key", r"cannot read .*none\.key: No such file or directory; check the path"),
         ("plain.key", "plain.pem", r"plain\.key contains no certificate in PEM format"),
         ("plain.pem", None, r"plain\.pem contains no private key in PEM format; add it, or give its file"),
         ("plain.pem", "locked.key", r"the key \S*locked\.key has a password; remove it: openssl pkey -in "),

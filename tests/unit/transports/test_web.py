@@ -62,7 +62,7 @@ class Bridge:
     def __init__(self, max_boards: int = 4) -> None:
         self.boards = WebBoards(max_boards)
         self.served: list[tuple[WebTransport, Recorder]] = []
-        self.listener = self.boards.listen(WebAddress(ns="lab"), self._serve)
+        self.boards.listen(WebAddress(ns="lab"), self._serve)
 
     def _serve(self, transport: WebTransport) -> None:
         recorder = Recorder()
@@ -153,7 +153,7 @@ async def test_a_page_that_connects_again_replaces_its_old_connection() -> None:
     assert not bridge.served[1][1].losses
     third.connect(key="a-third-uno")
     assert third.closed == (1013, "the limit of boards on pages (2) is reached; disconnect another board")
-    await bridge.listener.close()
+    await bridge.boards.close()
     await bridge.served[2][1].until_lost()
     late = Page(bridge.boards)
     late.connect()
