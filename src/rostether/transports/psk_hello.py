@@ -108,7 +108,8 @@ class ConnectorHello:
     def receive(self, data: bytes) -> tuple[bytes, bytes] | None:
         """Handle bytes; once the key is proven, return the same as `ListenerHello.receive`.
 
-        After each call, the caller sends the result of `pop_answer`. Raises RemoteProtocolError for a peer without the key.
+        After each call, the caller sends the result of `pop_answer`. Raises RemoteProtocolError for a peer
+        without the key.
         """
         received = self._lines.receive_line(data)
         if received is None:

@@ -69,13 +69,17 @@ def find_holder(path: str) -> str | None:
 
 
 def explain_permission(path: str) -> str:
-    """Return who may open a port, and the command that permits it."""
-    group = group_of(path)
+    """Return who may open a port, and the command that permits it, as one line."""
+    return "; ".join(permission_problem(path, group_of(path)))
+
+
+def permission_problem(path: str, group: str | None) -> tuple[str, str]:
+    """Return who may open a port, and the command that permits it; `group` is that of `PortFacts`."""
     if group is None:
-        return f"no permission to open {path}: only root may use it; run: sudo chmod a+rw {path}"
+        return f"no permission to open {path}: only root may use it", f"run: sudo chmod a+rw {path}"
     return (
-        f"no permission to open {path}: it belongs to group {group}; run: sudo usermod -aG {group} $USER, "
-        "then log out and in again"
+        f"no permission to open {path}: it belongs to group {group}, and you are not in it",
+        f"run: sudo usermod -aG {group} $USER, then log out and in again",
     )
 
 

@@ -104,5 +104,5 @@ def test_a_key_comes_from_a_file(tmp_path: Path) -> None:
     file.write_bytes(b"short\n")
     with pytest.raises(ConfigError, match="a key has 16 to 4096 bytes, this has 5; make one with"):
         read_key(str(file))
-    with pytest.raises(ConfigError, match="cannot read psk=.*: No such file"):
+    with pytest.raises(ConfigError, match=r"cannot read psk=.*: No such file"):
         read_key(str(tmp_path / "none"))

@@ -259,7 +259,9 @@ def test_no_permission_names_the_group_and_the_command(
     port.touch()
     port.chmod(0o660)
     monkeypatch.setattr(grp, "getgrgid", lambda _gid: grp.struct_group(("uucp", "x", 14, [])))
-    assert "belongs to group uucp; run: sudo usermod -aG uucp $USER" in str(explained(error, path=str(port)))
+    assert "group uucp, and you are not in it; run: sudo usermod -aG uucp $USER" in str(
+        explained(error, path=str(port))
+    )
     port.chmod(0o600)
     assert "sudo chmod a+rw" in str(explained(error, path=str(port)))
     port.chmod(0o660)

@@ -9,6 +9,7 @@ from rostether.bridge.findings.finding import Code, Finding, error
 from rostether.transports.address_advice import WINDOWS_PORT
 from rostether.transports.port_facts import PortFacts
 from rostether.transports.port_holders import Holder
+from rostether.transports.serial_errors import permission_problem
 from rostether.transports.typed_port import meant_port
 
 
@@ -25,7 +26,7 @@ def port_findings(facts: PortFacts) -> list[Finding]:
             )
         ]
     if not facts.may_open:
-        return [no_permission(facts.path, facts.group)]
+        return [error(Code.NO_PERMISSION, *permission_problem(facts.path, facts.group))]
     if facts.holders:
         return [busy(facts.path, facts.holders)]
     return []
@@ -38,7 +39,7 @@ def open_error_finding(facts: PortFacts, failure: BaseException) -> Finding:
     if code in (errno.ENOENT, errno.ENXIO, errno.ENODEV):
         return _no_port(facts)
     if code in (errno.EACCES, errno.EPERM):
-        return no_permission(facts.path, facts.group)
+        return error(Code.NO_PERMISSION, *permission_problem(facts.path, facts.group))
     if code == errno.EBUSY:
         return busy(facts.path, facts.holders)
     if code in (errno.ENOTTY, errno.EISDIR, errno.EINVAL):
@@ -50,21 +51,6 @@ def cannot_open(failure: BaseException) -> Finding:
     """Return the finding for any other failure, with the failure's text."""
     seen, _, step = str(failure).partition("; ")
     return error(Code.CANNOT_OPEN, seen, step or "check the address")
-
-
-def no_permission(path: str, group: str | None) -> Finding:
-    """Return the finding for a port that may not be opened, with the command that permits it."""
-    if group is None:
-        return error(
-            Code.NO_PERMISSION,
-            f"no permission to open {path}: only root may use it",
-            f"run: sudo chmod a+rw {path}",
-        )
-    return error(
-        Code.NO_PERMISSION,
-        f"no permission to open {path}: it belongs to group {group}, and you are not in it",
-        f"run: sudo usermod -aG {group} $USER, then log out and in again",
-    )
 
 
 def busy(port: str, holders: tuple[Holder, ...]) -> Finding:
