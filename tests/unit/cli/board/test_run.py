@@ -61,7 +61,7 @@ def test_lines_of_input_are_words() -> None:
     assert [each for each in names if each != "behind"] == ["ready", "reset", "memory", "cycles"]
     errors = result.stderr.splitlines()
     assert errors[0].startswith("rostether: error: nonsense: no such command; the commands are adc aref ")
-    assert errors[1].startswith("rostether: error: adc A0=9: volts are written as")
+    assert errors[1].startswith("rostether: error: adc A0=9: write volts from 0 to 5.5")
     assert len(errors) == 2
 
 
@@ -132,7 +132,7 @@ def test_options_are_words_for_the_board() -> None:
         (["ELF", "--board", "due"], 1, "no simulated board 'due'; known: uno, nano"),
         (["ELF", "--board", "mega"], 1, "built for another chip"),
         (["ELF", "--watch", "D77"], 1, "watch D77: this board has no such pin"),
-        (["ELF", "--for", "soon"], 1, "for soon: how long to run"),
+        (["ELF", "--for", "soon"], 1, "for soon: write how long to run"),
         (["ELF", "--link", "x", "--tcp", "1"], 2, "give --link or --tcp, not both"),
         ([], 2, "PROGRAM"),
     ],

@@ -102,5 +102,5 @@ async def test_what_makes_no_sense_is_reported_in_one_line(start: Start, words: 
 
 async def test_a_nanos_last_inputs_are_analog_only(start: Start) -> None:
     board = await start(build("echo"), "adc A7=1", board="nano")
-    with pytest.raises(BoardError, match="analog input only"):
+    with pytest.raises(BoardError, match="only an analog input"):
         await board.send_command("watch A7")

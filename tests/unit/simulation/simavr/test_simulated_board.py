@@ -191,7 +191,7 @@ async def test_words_that_make_no_sense_at_the_start(start: Start) -> None:
         (b"", "it is empty"),
         (b"\x7fELF", "not an ELF file"),
         (b"\x7fELF" + bytes(400), "it is no"),
-        (b":00000001FF\n", "holds no program"),
+        (b":00000001FF\n", "contains no program"),
         (b":0400000000000000FD\n:00000001FF\n", "neither an ELF file nor"),
         (b":020000040001F9\n:04FFFE0000000000FF\n", "larger than the board's flash"),
         (b"hello", "neither an ELF file nor"),

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Volts on analog inputs. The conversion is the simulator's, its result is computed here: V * 1024 / Vref, as the data
- * sheet has it, on all channels (the simulator knows eight).
+ * Voltages on analog inputs. The simulator times the conversion. The result is computed here, V * 1024 / Vref as in the
+ * data sheet, for all channels (the simulator knows eight).
  */
 #include <string.h>
 
@@ -12,7 +12,7 @@
 #define CHANNELS 16
 #define SUPPLY_VOLTS 5.0
 #define FULL_SCALE 1023
-#define TEMPERATURE_VOLTS 0.314 /* 25 degrees, by the data sheet */
+#define TEMPERATURE_VOLTS 0.314 /* at 25 degrees, from the data sheet */
 
 static double volts[CHANNELS];
 static double reference_pin_volts = SUPPLY_VOLTS;
@@ -49,7 +49,7 @@ static double measured_volts(void) {
     }
 }
 
-/* The input is sampled as the conversion starts. */
+/* The input is sampled when the conversion starts. */
 static void on_start(struct avr_irq_t *irq, uint32_t value, void *param) {
     (void)irq, (void)value, (void)param;
     avr_adc_mux_t input = adc->muxmode[avr_regbit_get_array(board.avr, adc->mux, ARRAY_SIZE(adc->mux))];

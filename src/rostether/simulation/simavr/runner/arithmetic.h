@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Flags, and how an instruction ends: what the labels in instructions.c are written with. */
+/* The macros and functions of the labels in instructions.c: the flags, and the end of an instruction. */
 #ifndef ARITHMETIC_H
 #define ARITHMETIC_H
 
@@ -8,7 +8,7 @@
 #include <sim_core.h>
 
 #define FLAG(name, value) flags[S_##name] = (uint8_t)((value) & 1)
-/* Each instruction jumps to the next by itself: processors predict one shared jump to all of them badly. */
+/* Each instruction has its own jump to the next one, because processors predict one shared jump badly. */
 #define DISPATCH()                                                                                           \
     do {                                                                                                     \
         if (cycle >= limit) goto out;                                                                        \
@@ -33,14 +33,14 @@
         if (condition) NEXT(1 + op->k / 2, (uint32_t)op->k / 2 + 1);                                   \
         NEXT(1, 1);                                                                                          \
     } while (0)
-/* Its answer may cause timers and interrupts, which are checked after this instruction. */
+/* Reading a peripheral's register may start timers and interrupts; they are checked after this instruction. */
 #define ASK_PERIPHERAL()                                                                                     \
     do {                                                                                                     \
         avr->cycle = cycle;                                                                                  \
         data[op->d + 32] = avr->io[op->d].r.c(avr, (avr_io_addr_t)(op->d + 32), avr->io[op->d].r.param);     \
         limit = 0;                                                                                           \
     } while (0)
-/* RAM, beyond the registers of peripherals. */
+/* RAM begins after the registers of peripherals. */
 #define NEEDS_RAM(address)                                                                                   \
     if ((uint32_t)(address) - ram < ram_size) {                                                              \
     } else                                                                                                   \

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * The board's attitude, and the values of its sensors. Axes: x forward, y left, z up. Roll, pitch and yaw turn about x,
- * y and z, right-handed, yaw first (as in ROS); at yaw zero x points to magnetic north.
+ * The board's attitude, and the values of its sensors. Axes: x forward, y left, z up. Roll, pitch and yaw are
+ * right-handed rotations about x, y and z; yaw is applied first (as in ROS). At yaw 0, x points to magnetic north.
  */
 #include <math.h>
 
@@ -32,7 +32,7 @@ void attitude_set(double roll, double pitch, double yaw, double duration_s) {
     duration = duration_s;
 }
 
-/* A vector of the world in the board's axes. */
+/* Converts a vector from the world's axes to the board's axes. */
 static struct vector to_board(struct vector world, struct vector angles) {
     double cr = cos(angles.x), sr = sin(angles.x), cp = cos(angles.y), sp = sin(angles.y);
     double cy = cos(angles.z), sy = sin(angles.z);
@@ -43,13 +43,13 @@ static struct vector to_board(struct vector world, struct vector angles) {
     };
 }
 
-void attitude_feel(struct vector *gravity_g, struct vector *turn_rate_dps, struct vector *field_ut) {
+void attitude_measure(struct vector *gravity_g, struct vector *turn_rate_dps, struct vector *field_ut) {
     double moving;
     struct vector angles = now(&moving);
     double scale = moving != 0 ? 1 / duration / DEGREE : 0;
     double roll = (to.x - from.x) * scale, pitch = (to.y - from.y) * scale, yaw = (to.z - from.z) * scale;
     double cr = cos(angles.x), sr = sin(angles.x), cp = cos(angles.y), sp = sin(angles.y);
-    /* An accelerometer at rest measures the force that holds it. */
+    /* An accelerometer at rest measures the supporting force, which points up. */
     *gravity_g = to_board((struct vector){0, 0, 1}, angles);
     *turn_rate_dps = (struct vector){roll - yaw * sp, pitch * cr + yaw * cp * sr, yaw * cp * cr - pitch * sr};
     *field_ut = to_board((struct vector){FIELD_NORTH_UT, 0, -FIELD_DOWN_UT}, angles);

@@ -35,7 +35,7 @@ struct pin_place {
 struct board_kind {
     const char *name;
     const char *mcu;
-    char link_uart; /* where USB's serial port is wired to; on a leonardo the UART of its pins */
+    char link_uart; /* the UART behind the USB port; on a Leonardo that of the pins D0 and D1 */
     const struct pin_place *pins;
     size_t pin_count;
 };
@@ -50,13 +50,13 @@ struct board {
     bool powered;
     bool running;       /* false while paused, and after the end of `run` */
     bool quitting;
-    bool quits_at_stop; /* --duration: the end of the run is the end of the program */
+    bool quits_at_stop; /* the command `for`: the program ends when the run ends */
     cycles_t stop_at;
-    uint32_t heap_end_place; /* where malloc keeps the heap's end; 0: the program has no malloc */
+    uint32_t heap_end_place; /* the address of malloc's variable with the heap's end; 0 without malloc */
 };
 extern struct board board;
 
-/* core.c: instructions up to a cycle, with the checks between two of them. */
+/* core.c: runs instructions up to a cycle, with checks between them. */
 void core_run_until(cycles_t target);
 void core_reset(void);
 
@@ -81,14 +81,14 @@ const struct symbol *firmware_symbol(const char *name);
 uint32_t firmware_heap_start(void);
 uint32_t firmware_heap_end(void);
 
-/* uart.c: one USART, exact to the bit time. */
+/* uart.c: one USART, accurate to the bit time. */
 bool uart_start(char name);
 void uart_reset(void);
 size_t uart_room(void);
 void uart_receive(uint8_t byte, bool delayed);
-void uart_look(void);
+void uart_report_overruns(void);
 
-/* faults.c: the damage of a bad line to bytes. */
+/* faults.c: damages bytes like a bad line. */
 enum direction { TO_BOARD, FROM_BOARD };
 struct faulty_byte {
     uint8_t byte;
@@ -103,7 +103,7 @@ const char *faults_set(char *settings);
 bool link_open_pty(void);
 bool link_open_tcp(unsigned port);
 const char *link_address(void);
-void link_take(void);
+void link_receive(void);
 void link_send(uint8_t byte);
 void link_flush(void);
 void link_watch(bool on);
@@ -141,15 +141,15 @@ struct pwm timers_pwm(const struct pin_place *place);
 const char *pulses_watch_pwm(struct pin *pin, bool on);
 const char *pulses_watch_servo(struct pin *pin, bool on);
 bool pulses_report_servo(const struct pin *pin);
-void pulses_look(void);
+void pulses_update(void);
 
 /* wheels.c: two motors, and the robot's pose. */
 void wheels_start(void);
 void wheels_move(void);
-void wheels_tell(void);
+void wheels_report(void);
 const char *wheels_set(char *settings);
 
-/* adc.c: volts on analog inputs. */
+/* adc.c: voltages on analog inputs. */
 void adc_start(void);
 void adc_set(int channel, double volts);
 void adc_set_reference(double volts);
@@ -157,7 +157,7 @@ void adc_set_reference(double volts);
 /* sonar.c: an HC-SR04. */
 void sonar_wire(struct pin *trig, struct pin *echo);
 bool sonar_is_wired(void);
-void sonar_set_range(double meters); /* negative: nothing in sight */
+void sonar_set_range(double meters); /* negative: no obstacle */
 void sonar_reset(void);
 
 /* twi.c, mpu9150.c, magnetometer.c, attitude.c: sensors on I2C. */
@@ -178,7 +178,7 @@ struct vector {
     double x, y, z;
 };
 void attitude_set(double roll, double pitch, double yaw, double duration_s);
-void attitude_feel(struct vector *gravity_g, struct vector *turn_rate_dps, struct vector *field_ut);
+void attitude_measure(struct vector *gravity_g, struct vector *turn_rate_dps, struct vector *field_ut);
 
 /* network.c: the simulated network chip on GPIOR0 and GPIOR1. */
 const char *network_connects_to(const char *host_and_port);
@@ -196,13 +196,13 @@ void w5100_move(void);
 void w5100_set_stall(unsigned long after);
 const char *w5100_set(char *settings);
 
-/* markers.c: cycles between GPIOR2 = 1 and GPIOR2 = 0. */
+/* markers.c: counts the cycles between GPIOR2 = 1 and GPIOR2 = 0. */
 void markers_start(void);
 
 /* canaries.c: stack, bad accesses, guarded memory. */
 void canaries_start(void);
 void canaries_fill(void);
-void canaries_look(void);
+void canaries_check_stack(void);
 void canaries_heap_moved(void);
 void canaries_check_store(void);
 void canaries_check_interrupt(void);
@@ -210,16 +210,16 @@ extern bool canaries_guarding;
 const char *canaries_guard(const char *place);
 int canaries_free_stack(void);
 bool canaries_place(const char *text, uint32_t *from, uint32_t *end);
-void canaries_tell_restart(uint32_t from);
+void canaries_report_restart(uint32_t from);
 
 /* commands.c: performs commands; returns NULL, or the error. */
 const char *command_perform(char *line);
 
-/* lines.c: commands of stdin and of the command line. */
+/* lines.c: commands from stdin and from the command line. */
 void command_run(char *line);
 void commands_read(void);
 
-/* events.c: JSON lines, one an event. */
+/* events.c: one JSON line for each event. */
 void events_open(int fd);
 void event_begin(const char *name);
 void event_text(const char *key, const char *value);

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Signs of a faulty program: how near its stack came to its variables, a restart without a reset, accesses
- * where no memory is, invalid opcodes, and writes into guarded memory.
+ * Signs of a faulty program: a stack that comes close to the variables, a restart without a reset, accesses to
+ * addresses without memory, invalid opcodes, and writes into guarded memory.
  *
- * The stack's depth is read from the noise that was in RAM at power-up: what is untouched was never used. So it is found
- * at any speed, a few bytes too good at worst, when the program wrote what was there by chance. What the heap ever held
- * (String objects that come and go) is not a sign of the stack: the search begins above the heap's highest end.
+ * RAM has noise at power-up. The stack has never used the bytes that still have their noise; counting them costs
+ * nothing while the program runs. The count may be a few bytes too high, if the program wrote the same values by
+ * chance. The heap also changes bytes (String objects, for example), so the search begins above its highest end.
  */
 #include <stdio.h>
 #include <stdlib.h>
@@ -16,7 +16,7 @@
 #include <sim_core.h>
 
 #define MAX_GUARDS 16
-/* A faulty program repeats its fault; the first few reports show the place. */
+/* A faulty program repeats its fault; the first reports are enough to find the place. */
 #define MAX_REPORTS 100
 #define SCARCE_BYTES 64
 
@@ -26,7 +26,7 @@ static struct {
 } guards[MAX_GUARDS];
 static int guard_count, reports;
 static uint8_t *noise;
-static int lowest_told;
+static int lowest_reported;
 static uint32_t highest_heap_end;
 
 static bool may_report(void) { return reports < MAX_REPORTS && ++reports; }
@@ -47,7 +47,7 @@ static void on_log(avr_t *avr, const int level, const char *format, va_list valu
     event_end_droppable();
 }
 
-void canaries_tell_restart(uint32_t from) {
+void canaries_report_restart(uint32_t from) {
     if (!may_report()) return;
     event_begin("restart");
     event_int("pc", from);
@@ -61,7 +61,7 @@ void canaries_fill(void) {
     size_t size = (size_t)board.avr->ramend + 1;
     if (!noise) noise = malloc(size);
     if (noise) memcpy(noise, board.avr->data, size);
-    lowest_told = SCARCE_BYTES;
+    lowest_reported = SCARCE_BYTES;
     highest_heap_end = 0;
     reports = 0;
 }
@@ -72,8 +72,8 @@ void canaries_heap_moved(void) {
 }
 
 /*
- * Bytes between the heap at its largest and the deepest stack since power-up; -1 for a program without symbols. A stack
- * that went where the heap once was leaves none, too, and may have done no harm.
+ * Returns the bytes between the heap's highest end and the deepest stack since power-up; -1 for a program without
+ * symbols. It is also 0 if the stack reached memory that the heap had already freed, which may be harmless.
  */
 int canaries_free_stack(void) {
     const avr_t *avr = board.avr;
@@ -83,10 +83,10 @@ int canaries_free_stack(void) {
     return (int)(at - from);
 }
 
-void canaries_look(void) {
+void canaries_check_stack(void) {
     int free_bytes = board.powered ? canaries_free_stack() : -1;
-    if (free_bytes < 0 || free_bytes >= lowest_told) return;
-    lowest_told = free_bytes;
+    if (free_bytes < 0 || free_bytes >= lowest_reported) return;
+    lowest_reported = free_bytes;
     uint32_t heap_end = firmware_heap_end();
     bool is_overflow = !free_bytes && (highest_heap_end <= heap_end || _avr_sp_get(board.avr) < heap_end);
     event_begin(is_overflow ? "stack_overflow" : "stack");
@@ -94,7 +94,7 @@ void canaries_look(void) {
     event_end();
 }
 
-/* A symbol, or FROM..TO: the range without its end. */
+/* Reads a symbol, an address, or FROM..TO (without TO); returns false for another text. */
 bool canaries_place(const char *text, uint32_t *from, uint32_t *end) {
     const struct symbol *symbol = firmware_symbol(text);
     char *rest;
@@ -118,7 +118,7 @@ const char *canaries_guard(const char *place) {
         canaries_guarding = false;
         return NULL;
     }
-    if (!canaries_place(place, &from, &end)) return "guard a symbol of the program, or addresses as 0x100..0x180";
+    if (!canaries_place(place, &from, &end)) return "guard a symbol of the program, or addresses such as 0x100..0x180";
     if (guard_count == MAX_GUARDS) return "too many guards; `guard none` removes them";
     guards[guard_count].from = from;
     guards[guard_count++].end = end;
@@ -141,7 +141,7 @@ void canaries_check_interrupt(void) {
     check(_avr_sp_get(board.avr) + 1u, board.avr->address_size);
 }
 
-/* Where does the next instruction store? */
+/* Checks the address at which the next instruction stores. */
 void canaries_check_store(void) {
     avr_t *avr = board.avr;
     const uint8_t *code = avr->flash + avr->pc, *r = avr->data;

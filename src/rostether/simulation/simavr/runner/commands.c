@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * The commands for the board, at its start and while it runs. An invalid one changes nothing.
+ * The commands for the board, before its first instruction and while it runs.
  */
 #include <math.h>
 #include <stdio.h>
@@ -29,8 +29,8 @@ static char *split(char *text) {
 
 static const char *digital_pin(const char *name, struct pin **pin) {
     *pin = pin_named(name);
-    if (!*pin) return "this board has no such pin; pins are written D13 or A0";
-    return pin_place(*pin)->bit < 0 ? "that pin is an analog input only" : NULL;
+    if (!*pin) return "this board has no such pin; write pins as D13 or A0";
+    return pin_place(*pin)->bit < 0 ? "this pin is only an analog input; set it with adc" : NULL;
 }
 
 static const char *do_adc(int count, char **words) {
@@ -38,9 +38,9 @@ static const char *do_adc(int count, char **words) {
         double volts;
         char *value = split(words[i]);
         const struct pin_place *place = pin_place_named(board.kind, words[i]);
-        if (!place || place->channel < 0) return "this board has no such analog input; they are written A0";
+        if (!place || place->channel < 0) return "this board has no such analog input; write it as A0";
         if (!value || !read_number(value, &volts) || volts < 0 || volts > HIGHEST_VOLTS)
-            return "volts are written as adc A0=2.5, from 0 to 5.5";
+            return "write volts from 0 to 5.5, as in adc A0=2.5";
         adc_set(place->channel, volts);
     }
     return NULL;
@@ -49,12 +49,12 @@ static const char *do_adc(int count, char **words) {
 static const char *do_aref(int count, char **words) {
     double volts;
     if (count != 2 || !read_number(words[1], &volts) || volts < 0.5 || volts > HIGHEST_VOLTS)
-        return "the voltage at AREF is written as aref 3.3";
+        return "write volts from 0.5 to 5.5, as in aref 3.3";
     adc_set_reference(volts);
     return NULL;
 }
 
-static void tell_pin(struct pin *pin) {
+static void report_pin(struct pin *pin) {
     event_begin("pin");
     event_text("pin", pin_name(pin));
     event_int("level", pin_level(pin));
@@ -69,18 +69,18 @@ static const char *do_pin(int count, char **words) {
         const char *error = digital_pin(words[i], &pin);
         if (error) return error;
         if (!value)
-            tell_pin(pin);
+            report_pin(pin);
         else if (strcmp(value, "0") == 0 || strcmp(value, "1") == 0)
             pin_drive(pin, *value == '1');
         else if (strcmp(value, "z") == 0)
             pin_release(pin);
         else
-            return "a pin is driven with pin D7=0 or D7=1, and let go with D7=z";
+            return "drive a pin with pin D7=0 or D7=1, and release it with pin D7=z";
     }
     return NULL;
 }
 
-/* All digital pins at once: "in1", "out0", or "pwm0.503" where a timer drives the pin. */
+/* Reports all digital pins: "in1", "out0", or "pwm0.503" if a timer drives the pin. */
 static const char *do_pins(int count, char **words) {
     (void)count, (void)words;
     event_begin("pins");
@@ -105,7 +105,7 @@ static const char *watch(const char *name, bool on) {
     if (strcmp(name, "serial") == 0) return link_watch(on), NULL;
     const char *error = digital_pin(name, &pin);
     if (!error) error = pulses_watch_pwm(pin, on);
-    if (!error && pin_watch(pin, on) && on) tell_pin(pin);
+    if (!error && pin_watch(pin, on) && on) report_pin(pin);
     return error;
 }
 
@@ -141,10 +141,10 @@ static const char *do_hcsr04(int count, char **words) {
     for (char *part = count == 2 ? strtok_r(words[1], ",", &rest) : NULL; part; part = strtok_r(NULL, ",", &rest)) {
         char *value = split(part);
         struct pin **wanted = strcmp(part, "trig") == 0 ? &trig : strcmp(part, "echo") == 0 ? &echo : NULL;
-        const char *error = wanted && value ? digital_pin(value, wanted) : "an HC-SR04 is wired with trig=D6,echo=D5";
+        const char *error = wanted && value ? digital_pin(value, wanted) : "write the pins as in hcsr04 trig=D6,echo=D5";
         if (error) return error;
     }
-    if (!trig || !echo || trig == echo) return "an HC-SR04 is wired with trig=D6,echo=D5";
+    if (!trig || !echo || trig == echo) return "write the pins as in hcsr04 trig=D6,echo=D5";
     sonar_wire(trig, echo);
     return NULL;
 }
@@ -153,7 +153,7 @@ static const char *do_range(int count, char **words) {
     double meters = -1;
     bool none = count == 2 && strcmp(words[1], "none") == 0;
     if (count != 2 || (!none && (!read_number(words[1], &meters) || meters < 0)))
-        return "the distance is written in meters: range 0.5, or range none";
+        return "write the distance in meters, as in range 0.5, or range none";
     /* The pins of the established Ultrasound sketch. */
     if (!sonar_is_wired()) sonar_wire(pin_named("D6"), pin_named("D5"));
     sonar_set_range(meters);
@@ -164,13 +164,13 @@ static const char *do_attitude(int count, char **words) {
     double angles[3] = {0}, seconds = 0;
     bool fits = count == 4 || (count == 6 && strcmp(words[4], "in") == 0 && read_number(words[5], &seconds));
     for (int i = 0; fits && i < 3; i++) fits = read_number(words[i + 1], &angles[i]);
-    if (!fits || seconds < 0) return "an attitude is written in degrees: attitude ROLL PITCH YAW [in SECONDS]";
+    if (!fits || seconds < 0) return "write the angles in degrees: attitude ROLL PITCH YAW [in SECONDS]";
     attitude_set(angles[0], angles[1], angles[2], seconds);
     return NULL;
 }
 
 static const char *do_fault(int count, char **words) {
-    return count == 2 ? faults_set(words[1]) : "faults are written as fault flip=0.01,drop=0.001,seed=3";
+    return count == 2 ? faults_set(words[1]) : "write faults as in fault flip=0.01,drop=0.001,seed=3";
 }
 
 static const char *do_reset(int count, char **words) {
@@ -181,7 +181,7 @@ static const char *do_reset(int count, char **words) {
 
 static const char *do_power(int count, char **words) {
     bool on = count == 2 && strcmp(words[1], "on") == 0;
-    if (count != 2 || (!on && strcmp(words[1], "off") != 0)) return "power on, or power off";
+    if (count != 2 || (!on && strcmp(words[1], "off") != 0)) return "write power on, or power off";
     if (!on)
         power_off();
     else if (!board.powered)
@@ -191,7 +191,7 @@ static const char *do_power(int count, char **words) {
 
 static const char *do_autoreset(int count, char **words) {
     bool on = count == 2 && strcmp(words[1], "on") == 0;
-    if (count != 2 || (!on && strcmp(words[1], "off") != 0)) return "autoreset on, or autoreset off";
+    if (count != 2 || (!on && strcmp(words[1], "off") != 0)) return "write autoreset on, or autoreset off";
     link_autoreset(on);
     return NULL;
 }
@@ -211,7 +211,7 @@ static bool read_cycles(const char *text, cycles_t *cycles) {
 static const char *do_run(int count, char **words) {
     cycles_t cycles = 0;
     if (count > 2 || (count == 2 && !read_cycles(words[1], &cycles)))
-        return "how long to run is written in cycles, or as 20ms: run 160000";
+        return "write how long to run in cycles or with a unit, as in run 160000 or run 20ms";
     board.stop_at = count == 2 ? board.avr->cycle + cycles : NEVER;
     board.running = true;
     pacing_rebase();
@@ -241,7 +241,7 @@ static const char *do_memory(int count, char **words) {
     uint32_t from, end;
     double bytes = 0;
     if (count < 2 || count > 3 || !canaries_place(words[1], &from, &end) || (count == 3 && !read_number(words[2], &bytes)))
-        return "memory is read with memory SYMBOL, or memory 0x100 16";
+        return "write memory SYMBOL, or memory 0x100 16 for 16 bytes";
     if (count == 3) end = from + (uint32_t)fmin(fmax(bytes, 1), LONGEST_READ);
     if (end > board.avr->ramend + 1u) end = board.avr->ramend + 1u;
     if (end - from > LONGEST_READ) end = from + LONGEST_READ;
@@ -256,7 +256,7 @@ static const char *do_memory(int count, char **words) {
 static const char *do_stack(int count, char **words) {
     (void)count, (void)words;
     int free_bytes = canaries_free_stack();
-    if (free_bytes < 0) return "the program has no symbols; load its ELF file to see the stack";
+    if (free_bytes < 0) return "the program has no symbols; load its ELF file instead";
     event_begin("stack");
     event_int("free_bytes", free_bytes);
     event_end();
@@ -272,12 +272,12 @@ static const char *do_send(int count, char **words) { return link_inject(count =
 static const char *do_network(int count, char **words) { return network_connects_to(count == 2 ? words[1] : ""); }
 
 static const char *do_w5100(int count, char **words) {
-    return count == 2 ? w5100_set(words[1]) : "a W5100 is set with address=127.0.0.2 and stall_after=500";
+    return count == 2 ? w5100_set(words[1]) : "write the settings as in w5100 address=127.0.0.2,stall_after=500";
 }
 
 static const char *do_wheels(int count, char **words) {
     if (count > 1) return wheels_set(words[1]);
-    wheels_tell();
+    wheels_report();
     return NULL;
 }
 

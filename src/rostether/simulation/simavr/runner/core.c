@@ -1,20 +1,20 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Instructions until the next timer is due, then timers, then interrupts. The common instructions are run here, the others
- * by the simulator; with guarded memory one by one, so that each store is seen.
+ * Runs instructions until the next timer is due, then timers, then interrupts. instructions.c runs the common
+ * instructions, the simulator the others. With guarded memory they run one by one, so that each store is checked.
  */
 #include "board.h"
 #include "instructions.h"
 
 #include <sim_core.h>
 
-static bool told_asleep;
+static bool is_sleep_reported;
 
 static void advance_asleep(cycles_t target) {
     avr_t *avr = board.avr;
     const avr_cycle_timer_slot_t *next = avr->cycle_timers.timer;
-    if (!avr->sreg[S_I] && !told_asleep) {
-        told_asleep = true;
+    if (!avr->sreg[S_I] && !is_sleep_reported) {
+        is_sleep_reported = true;
         event_begin("asleep");
         event_text("text", "the program sleeps with interrupts off: only a reset wakes it");
         event_end();
@@ -22,7 +22,7 @@ static void advance_asleep(cycles_t target) {
     avr->cycle = next && next->when < target ? (next->when > avr->cycle ? next->when : avr->cycle + 1) : target;
 }
 
-void core_reset(void) { told_asleep = false; }
+void core_reset(void) { is_sleep_reported = false; }
 
 static void simulate_one(void) {
     avr_t *avr = board.avr;
@@ -32,11 +32,11 @@ static void simulate_one(void) {
     bool writes_flash = opcode == 0x95e8; /* SPM */
     bool moves_heap = board.heap_end_place && (opcode & 0xfe0f) == 0x9200 /* STS */ &&
                       (code[2] | code[3] << 8) == (int)board.heap_end_place;
-    /* A count of zero ends the simulator's own batch after one instruction. */
+    /* With a count of 0, the simulator returns after one instruction. */
     avr->run_cycle_count = 0;
     avr->pc = avr_run_one(avr);
     if (avr->state == cpu_Crashed) avr->state = cpu_Running;
-    if (avr->pc == 0) canaries_tell_restart(from);
+    if (avr->pc == 0) canaries_report_restart(from);
     if (writes_flash) instructions_decode();
     if (moves_heap) canaries_heap_moved();
 }
@@ -51,7 +51,7 @@ static void run_instructions(cycles_t target) {
     if (!instructions_run(limit)) {
         simulate_one();
     } else if (board.avr->pc == 0) {
-        canaries_tell_restart(instructions_jumped_from);
+        canaries_report_restart(instructions_jumped_from);
     }
 }
 
@@ -65,7 +65,7 @@ void core_run_until(cycles_t target) {
         if (avr->cycle_timers.timer && avr->cycle_timers.timer->when <= avr->cycle) {
             avr_cycle_timer_process(avr);
             if (avr->run != avr_callback_run_raw) {
-                /* The simulator asks in this way for the reset of an expired watchdog. */
+                /* The simulator has changed the callback to request the reset of an expired watchdog. */
                 avr->run = avr_callback_run_raw;
                 power_reset("watchdog");
             }

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * The flash, decoded once: for each word the operation and its operands as `instructions.c` wants them. What is not
- * among the common operations, and all flash behind the program, is left to the simulator (OP_SIMULATOR).
+ * Decodes the flash once: the operation and operands of each word, in the form that instructions.c needs. Rare
+ * operations, and the flash after the program, are left to the simulator (OP_SIMULATOR).
  */
 #include "instructions.h"
 
@@ -20,7 +20,7 @@ static bool is_long(uint16_t code) { return (code & 0xfc0f) == 0x9000 || (code &
 
 static bool moves_heap(uint16_t address) { return board.heap_end_place && address == board.heap_end_place; }
 
-/* The bytes that a skip at pc passes over. */
+/* Returns the size of the instruction that a skip at pc omits. */
 static int32_t skipped_bytes(uint32_t pc) { return is_long(word_at(pc + 2)) ? 4 : 2; }
 
 static struct operation make(uint8_t kind, unsigned d, unsigned r, int32_t k) {
@@ -53,7 +53,7 @@ static struct operation decode_transfer(uint16_t code, uint32_t pc) {
     static const uint8_t pointers[16] = {0, 30, 30, 0, 0, 0, 0, 0, 0, 28, 28, 0, 26, 26, 26, 0};
     unsigned d = code >> 4 & 0x1f, mode = code & 0xf;
     bool stores = code & 0x0200;
-    /* Compilers store the high byte first: the heap has moved with the low one, which the simulator reports. */
+    /* Compilers store the low byte of the heap's end last; core.c handles this store after the simulator. */
     if (mode == 0x0 && stores && moves_heap(word_at(pc + 2))) return make(OP_SIMULATOR, 0, 0, 0);
     if (mode == 0x0) return make(stores ? OP_STS : OP_LDS, d, 0, word_at(pc + 2));
     if (mode == 0xf) return make(stores ? OP_PUSH : OP_POP, d, 0, 0);
@@ -152,7 +152,7 @@ static bool leaves_flash(const struct operation *operation) {
 
 void instructions_decode(void) {
     uint32_t words = (board.avr->flashend + 1) / 2;
-    /* One more: the simulator handles a program that runs over the end of flash. */
+    /* Two more (OP_SIMULATOR is 0): the simulator handles a program that runs past the end of the flash. */
     if (!operations) operations = calloc(words + 2, sizeof *operations);
     if (!operations) abort();
     for (uint32_t word = 0; word < words; word++) {

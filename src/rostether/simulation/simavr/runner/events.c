@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
  * Events, one JSON object per line: {"event":"pin","time_us":1234.5,"pin":"D13","level":1}.
- * time_us is the board's own time since it was plugged in, exact to the cycle. If the board causes many events, they
- * may be dropped when no program reads them in real time; the number of lost events is reported.
+ * time_us is the board's time since its start, exact to the cycle. Frequent events are dropped if no program reads
+ * them in time; their number is reported.
  */
 #include <errno.h>
 #include <poll.h>
@@ -12,10 +12,10 @@
 
 #include "board.h"
 
-/* A reader that pauses for a second at a few thousand events a second loses none. */
+/* Room for a few thousand events: a reader may pause for a second. */
 #define ROOM (512 * 1024)
 #define LONGEST_EVENT (64 * 1024)
-/* A write of that size to a pipe that poll calls writable does not block. */
+/* If poll reports a pipe as writable, a write of PIPE_BUF (4096) bytes does not block. */
 #define CHUNK 4096
 
 static int output = -1;
@@ -123,7 +123,7 @@ static void drain(size_t keep) {
 
 static void finish(bool droppable) {
     put("}\n", 2);
-    /* The last part is kept for what must arrive: answers and errors. */
+    /* The last part is reserved for events that must not be lost: answers and errors. */
     size_t room = droppable ? ROOM - 4 * LONGEST_EVENT : ROOM;
     if (pending_count + length > room) drain(0);
     if (pending_count + length > room) {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A bad line with a seed: bytes with a flipped bit, lost or late bytes, in either direction, at rates per byte. */
+/* A bad line, reproducible by its seed: flipped bits, lost and late bytes, with a rate for each direction. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -32,7 +32,7 @@ struct faulty_byte faults_apply(enum direction direction, uint8_t byte) {
     struct rates *line = &lines[direction];
     struct faulty_byte result = {byte, false, false};
     if (line->flip == 0 && line->drop == 0 && line->delay == 0) return result;
-    /* Always four draws a byte, so that one rate does not move another's faults. */
+    /* Always four random numbers a byte, so that one rate does not change the faults of another. */
     bool flips = next_random(line) < line->flip;
     unsigned bit = (unsigned)(next_random(line) * 8);
     result.lost = next_random(line) < line->drop;
@@ -48,7 +48,7 @@ cycles_t faults_delay_cycles(enum direction direction) {
 static const char *set_one(struct rates *line, const char *key, const char *text) {
     char *rest;
     double value = strtod(text, &rest);
-    if (rest == text || *rest) return "a fault is written as flip=0.01, with a number";
+    if (rest == text || *rest) return "write a fault with a number, as in flip=0.01";
     bool is_rate = value >= 0 && value <= 1;
     if (strcmp(key, "seed") == 0 && value >= 0 && value < 9e15)
         line->state = (uint64_t)value * 2 + (line == &lines[FROM_BOARD]);
@@ -65,7 +65,7 @@ static const char *set_one(struct rates *line, const char *key, const char *text
     return NULL;
 }
 
-/* flip=0.01,drop=0.001,to:delay=0.1,seed=3 or none; nothing is changed when a part of it makes no sense. */
+/* Reads flip=0.01,drop=0.001,to:delay=0.1,seed=3 or none; an invalid part changes nothing. */
 const char *faults_set(char *settings) {
     struct rates before[2] = {lines[0], lines[1]};
     if (strcmp(settings, "none") == 0) {
@@ -83,7 +83,7 @@ const char *faults_set(char *settings) {
             part += 5;
         }
         char *value = strchr(part, '=');
-        const char *error = value ? NULL : "a fault is written as flip=0.01";
+        const char *error = value ? NULL : "write a fault with a number, as in flip=0.01";
         if (value) *value++ = 0;
         if (!error && to) error = set_one(&lines[TO_BOARD], part, value);
         if (!error && from) error = set_one(&lines[FROM_BOARD], part, value);

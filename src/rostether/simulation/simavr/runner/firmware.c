@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Programs: ELF files with their symbols, Intel HEX files without. What does not belong on the board is refused. */
+/* Loads programs: ELF files with symbols, and Intel HEX files. Programs for another chip are refused. */
 #include <fcntl.h>
 #include <gelf.h>
 #include <stdio.h>
@@ -28,7 +28,7 @@ const struct symbol *firmware_symbol(const char *name) {
 
 uint32_t firmware_heap_start(void) { return data_end; }
 
-/* malloc moves it; without malloc the heap is empty. */
+/* Without malloc, the heap is empty. */
 uint32_t firmware_heap_end(void) {
     const uint8_t *place = board.avr->data + board.heap_end_place;
     uint32_t top = board.heap_end_place ? place[0] | place[1] << 8 : 0;
@@ -89,13 +89,13 @@ static const char *load_segments(Elf *elf) {
                 return "its EEPROM content is larger than the board's EEPROM";
         }
     }
-    if (!code_end) return "it holds no program";
+    if (!code_end) return "it contains no program";
     board.avr->codeend = code_end;
     return NULL;
 }
 
 static const char *load_elf(int file) {
-    /* avr-gcc's architectures: 6 has pushed program counters of three bytes, as only the mega's chip has. */
+    /* avr-gcc's architectures: return addresses have three bytes only in 6, that of the Mega's chip. */
     unsigned wanted = board.avr->address_size == 3 ? 6 : 5;
     const char *error = NULL;
     elf_version(EV_CURRENT);
@@ -118,7 +118,7 @@ static const char *load_elf(int file) {
     return error;
 }
 
-/* One record, its checksum right: the number of data bytes, or -1. */
+/* Reads one record; returns the number of data bytes, or -1 for an invalid record. */
 static int read_record(const char *line, uint8_t *record) {
     int count = 0, sum = 0;
     unsigned byte;
@@ -140,7 +140,7 @@ static const char *load_hex(FILE *file) {
         if (count < 0) return "it is neither an ELF file nor a whole Intel HEX file";
         any = true;
         uint32_t address = upper + (uint32_t)(record[1] << 8 | record[2]);
-        if (record[3] == 1) return board.avr->codeend ? NULL : "it holds no program";
+        if (record[3] == 1) return board.avr->codeend ? NULL : "it contains no program";
         if (record[3] == 2) upper = (uint32_t)(record[4] << 8 | record[5]) << 4;
         if (record[3] == 4) upper = (uint32_t)(record[4] << 8 | record[5]) << 16;
         if (record[3] != 0) continue;

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * The common instructions, several times as fast as the simulator's: what works on registers, RAM and flash alone. An
- * access to a peripheral's register, to no memory, and everything rare is the simulator's. tests compare each opcode with
- * the simulator's own result: registers, RAM, flags, program counter, cycles.
+ * Runs the common instructions several times as fast as the simulator: those on registers, RAM and flash only. The
+ * simulator runs rare instructions, and accesses to peripherals or to addresses without memory. The tests compare the
+ * results of each opcode with those of the simulator: registers, RAM, flags, program counter and cycles.
  */
 #include "instructions.h"
 
@@ -24,7 +24,7 @@ bool instructions_run(uint64_t limit) {
     uint64_t cycle = avr->cycle;
     bool done = true;
 
-    /* With an interrupt about to come it is one instruction, whatever the limit. */
+    /* If an interrupt is pending, run only one instruction. */
     if (avr->interrupt_state) limit = 0;
     goto *labels[op->kind];
 

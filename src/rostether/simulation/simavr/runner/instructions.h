@@ -6,7 +6,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-/* In this order: branches to a place known beforehand stand from BRBS to CALL. */
+/* The order matters: BRBS to CALL are the operations whose target is a constant. */
 #define OPERATIONS(_)                                                                                        \
     _(SIMULATOR) _(NOP) _(MOVW) _(CPC) _(SBC) _(ADD) _(CPSE) _(CP) _(SUB) _(ADC) _(AND) _(EOR) _(OR) _(MOV)  \
     _(CPI) _(SBCI) _(SUBI) _(ORI) _(ANDI) _(LDI) _(LDD) _(STD) _(LDS) _(STS) _(PUSH) _(POP) _(LPM)           \
@@ -29,8 +29,8 @@ extern struct operation *operations;
 void instructions_decode(void);
 
 /*
- * Runs common instructions until the cycle `limit`, an interrupt or a jump to address 0. False: the one at the program
- * counter is for the simulator.
+ * Runs common instructions until the cycle `limit`, an interrupt or a jump to address 0. Returns false if the simulator
+ * must run the next instruction.
  */
 bool instructions_run(uint64_t limit);
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Which boards there are, and where their pins are: the digital pins of Arduino's own variants. */
+/* The boards and their pins, as in the variants of Arduino's core. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -40,7 +40,7 @@ static const struct pin_place mega_pins[] = {
     ANALOG("A15", 'K', 7, 15),
 };
 
-/* D24 to D29 are other names of digital pins, for their analog inputs; D30 is the TX light. */
+/* Arduino's D24 to D29 are second names of the pins with A6 to A11; D30 is the TX LED. */
 static const struct pin_place leonardo_pins[] = {
     PIN("D0", 'D', 2), PIN("D1", 'D', 3), PIN("D2", 'D', 1), PIN("D3", 'D', 0), PIN("D4", 'D', 4),
     PIN("D5", 'C', 6), PIN("D6", 'D', 7), PIN("D7", 'E', 6), PIN("D8", 'B', 4), PIN("D9", 'B', 5),
@@ -67,7 +67,7 @@ const struct board_kind *board_kind_named(const char *name) {
 const struct pin_place *pin_place_named(const struct board_kind *kind, const char *name) {
     for (size_t i = 0; i < kind->pin_count; i++)
         if (strcmp(kind->pins[i].name, name) == 0) return &kind->pins[i];
-    /* Plain numbers, as sketches write them: 13 is D13. */
+    /* Plain numbers, as in sketches: 13 is D13. */
     if (name[0] >= '0' && name[0] <= '9' && strlen(name) < 3) {
         char digital[4] = "D";
         strcat(digital, name);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Lines of stdin, and of the command line. One that makes no sense is answered with an error. A line may begin with
- * #NUMBER: it is then answered with "done" or "error" of that number. The end of stdin ends the program.
+ * Commands from stdin and from the command line. The answer to an invalid one is an event "error". If a line begins with
+ * #NUMBER, its answer is "done" or "error" with that number. The end of stdin ends the program.
  */
 #include <errno.h>
 #include <stdio.h>

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
  * The host's end of the UART: a pseudo-terminal, a TCP port on loopback, or only events and the command `send`.
- * As on a real cable, bytes are lost if no host listens. A host that sends faster than the line waits.
+ * As on a real cable, bytes are lost if no host has opened it. A host that sends faster than the line must wait.
  */
 #include <arpa/inet.h>
 #include <errno.h>
@@ -19,7 +19,7 @@
 
 #include "board.h"
 
-/* A second of the fastest usual line (115200 baud); a host that sleeps longer has lost bytes on hardware too. */
+/* More than a second at 115200 baud; a host that pauses longer also loses bytes on hardware. */
 #define OUTPUT_ROOM 16384
 #define INJECTED_ROOM 65536
 #define WATCHED_ROOM 1024
@@ -47,7 +47,7 @@ bool link_open_pty(void) {
     terminal = posix_openpt(O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
     if (terminal < 0 || grantpt(terminal) || unlockpt(terminal)) return false;
     if (ptsname_r(terminal, address, sizeof address)) return false;
-    /* Ours stays open: a terminal without any forgets that it is raw, and reading it would fail. */
+    /* This one stays open: without it, the terminal would lose its raw mode, and reading it would fail. */
     terminal_slave = open(address, O_RDWR | O_NOCTTY | O_CLOEXEC);
     if (terminal_slave < 0 || tcgetattr(terminal_slave, &raw)) return false;
     cfmakeraw(&raw);
@@ -79,13 +79,13 @@ static bool is_listening(void) {
     return kind == TCP ? connection >= 0 : kind == PTY && (terminal_watch < 0 || openers > 0);
 }
 
-/* The unread bytes of one host are not for the next. */
+/* The next host must not get the unread bytes of the previous one. */
 static void forget_output(void) {
     output_count = 0;
     if (kind == PTY) tcflush(terminal_slave, TCIFLUSH);
 }
 
-static void on_host_came(void) {
+static void on_host_opened(void) {
     forget_output();
     if (autoreset) power_reset("host");
 }
@@ -96,7 +96,7 @@ static void notice_openers(void) {
     while (terminal_watch >= 0 && (count = read(terminal_watch, notes, sizeof notes)) > 0)
         for (char *at = notes; at < notes + count;) {
             const struct inotify_event *note = (const struct inotify_event *)at;
-            if (note->mask & IN_OPEN && openers++ == 0) on_host_came();
+            if (note->mask & IN_OPEN && openers++ == 0) on_host_opened();
             if (note->mask & IN_CLOSE && openers > 0 && --openers == 0) forget_output();
             at += sizeof *note + note->len;
         }
@@ -108,7 +108,7 @@ static void notice_connection(void) {
     connection = accept4(listener, NULL, NULL, SOCK_NONBLOCK | SOCK_CLOEXEC);
     if (connection < 0) return;
     setsockopt(connection, IPPROTO_TCP, TCP_NODELAY, &yes, sizeof yes);
-    on_host_came();
+    on_host_opened();
 }
 
 static void hang_up(void) {
@@ -124,7 +124,7 @@ static void to_board(uint8_t byte) {
     if (!arrived.lost) uart_receive(arrived.byte, arrived.delayed);
 }
 
-void link_take(void) {
+void link_receive(void) {
     uint8_t bytes[512];
     notice_openers();
     notice_connection();
@@ -140,7 +140,7 @@ void link_take(void) {
     for (ssize_t i = 0; powered && i < count; i++) to_board(bytes[i]);
 }
 
-static void tell_watched(void) {
+static void report_watched(void) {
     if (!watched_count) return;
     event_begin("serial");
     event_hex("data", watched, watched_count);
@@ -153,7 +153,7 @@ void link_send(uint8_t byte) {
     if (sent.lost) return;
     if (watching) {
         watched[watched_count++] = sent.byte;
-        if (watched_count == WATCHED_ROOM) tell_watched();
+        if (watched_count == WATCHED_ROOM) report_watched();
     }
     if (!is_listening()) return;
     cycles_t due = board.avr->cycle + (sent.delayed ? faults_delay_cycles(FROM_BOARD) : 0);
@@ -188,7 +188,7 @@ static bool write_due(void) {
 }
 
 void link_flush(void) {
-    tell_watched();
+    report_watched();
     if (!is_listening()) {
         output_count = 0;
         return;
@@ -210,12 +210,12 @@ void link_flush(void) {
     }
 }
 
-/* Bytes for the board in hexadecimal, sent at line speed like the host's. */
+/* Queues bytes for the board, given in hexadecimal; they arrive at line speed, like those of the host. */
 const char *link_inject(const char *hex) {
     size_t count = strlen(hex) / 2;
     if (strlen(hex) % 2 || strspn(hex, "0123456789abcdefABCDEF") != 2 * count)
-        return "bytes to send are written in hexadecimal: send 48656c6c6f";
-    if (count > INJECTED_ROOM - injected_count) return "too many bytes wait to be sent already";
+        return "write the bytes in hexadecimal, as in send 48656c6c6f";
+    if (count > INJECTED_ROOM - injected_count) return "too many bytes are waiting; send them in smaller parts";
     for (size_t i = 0; i < count; i++) {
         unsigned byte;
         sscanf(hex + 2 * i, "%2x", &byte);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * The MPU-9150's magnetometer, an AK8975 at 0x0c, there when the MPU passes it through. Its axes are not the MPU's:
- * x is the MPU's y, y its x, z points down.
+ * The MPU-9150's magnetometer, an AK8975 at 0x0c, which answers only in the MPU's bypass mode. Its axes differ from
+ * the MPU's: its x is the MPU's y, its y the MPU's x, and its z points down.
  */
 #include <math.h>
 #include <string.h>
@@ -54,7 +54,7 @@ static void finish_measurement(void) {
     struct vector gravity, turn_rate, field;
     if (board.avr->cycle < ready_at) return;
     ready_at = NEVER;
-    attitude_feel(&gravity, &turn_rate, &field);
+    attitude_measure(&gravity, &turn_rate, &field);
     put_word(HXL, field.y);
     put_word(HXL + 2, field.x);
     put_word(HXL + 4, -field.z);

@@ -12,7 +12,7 @@
 #include "board.h"
 #include "instructions.h"
 
-/* Pointers of a program that goes wrong reach as far; the simulator writes there without looking. */
+/* The addresses that a 16-bit pointer with a displacement can have: the simulator writes there without a check. */
 #define DATA_SPACE_BYTES 0x10200
 
 struct board board = {.running = true, .stop_at = NEVER};
@@ -42,7 +42,7 @@ static void end_with_parent(void) {
     pid_t parent = getppid();
     prctl(PR_SET_PDEATHSIG, SIGKILL);
     if (getppid() != parent) _exit(1);
-    signal(SIGINT, SIG_IGN); /* Ctrl-C reaches the whole terminal; the starting program ends this one */
+    signal(SIGINT, SIG_IGN); /* Ctrl-C signals all programs in the terminal; rostether ends this one */
     signal(SIGPIPE, SIG_IGN);
 }
 
@@ -87,7 +87,7 @@ static bool make_chip(void) {
     return true;
 }
 
-static void tell_ready(char uart) {
+static void report_ready(char uart) {
     event_begin("ready");
     event_text("board", board.kind->name);
     event_text("mcu", board.kind->mcu);
@@ -106,7 +106,7 @@ int main(int count, char **arguments) {
     end_with_parent();
     if (!read_settings(count, arguments, &settings))
         return fail("usage: rostether-simavr [--board B] [--link pty|tcp:PORT|none] [--uart N] [--seed N] [--fast] "
-                    "[--paused] FIRMWARE [WORDS]...");
+                    "[--paused] FIRMWARE [COMMAND]...");
     board.kind = board_kind_named(settings.kind);
     if (!board.kind) return fail("boards are uno, nano, mega and leonardo");
     canaries_start();
@@ -114,7 +114,7 @@ int main(int count, char **arguments) {
     if (!firmware_load(settings.firmware, error, sizeof error)) return fail(error);
     char uart = settings.uart ? settings.uart : board.kind->link_uart;
     if (!uart_start(uart)) return fail("the board has no such UART");
-    if (!open_link(settings.link)) return fail("the link cannot be opened: is the port in use?");
+    if (!open_link(settings.link)) return fail("the link cannot be opened; choose another TCP port");
     instructions_decode();
     timers_start();
     adc_start();
@@ -123,7 +123,7 @@ int main(int count, char **arguments) {
     spi_start();
     w5100_start();
     markers_start();
-    tell_ready(uart);
+    report_ready(uart);
     while (++optind < count) command_run(arguments[optind]);
     power_on("power");
     return pacing_loop();

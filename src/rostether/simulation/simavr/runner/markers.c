@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Cycles between two markers of the program: writing 1 to GPIOR2 begins a region, 0 ends it. The count is of all that
- * ran in between, interrupt handlers too, without the two writes: an empty region is 0 cycles.
+ * Counts the cycles between two markers of the program: writing 1 to GPIOR2 begins a region, 0 ends it. The count
+ * includes interrupt handlers, but not the two writes: an empty region has 0 cycles.
  */
 #include "board.h"
 

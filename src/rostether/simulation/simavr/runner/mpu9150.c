@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * An MPU-9150 at 0x68: accelerometer, gyroscope and thermometer, registers as the MPU-6050's. Not modelled: the DMP, the
- * FIFO, its own I2C master (the magnetometer is reached by bypass), self test, noise and offsets.
+ * An MPU-9150 at 0x68: accelerometer, gyroscope and thermometer, with the registers of the MPU-6050. Not modelled: the
+ * DMP, the FIFO, its I2C master (the magnetometer needs bypass mode), self test, noise and offsets.
  */
 #include <math.h>
 #include <string.h>
@@ -52,11 +52,11 @@ static void put_word(int place, double value) {
     registers[place + 1] = (uint8_t)word;
 }
 
-/* The sensors hold still during a burst, and sleep as they woke: with zeros, or their last values. */
+/* The values change only at the start of a burst read; during sleep they keep their last values, 0 at first. */
 static void measure(void) {
     struct vector gravity, turn_rate, field;
     if (registers[PWR_MGMT_1] & SLEEP) return;
-    attitude_feel(&gravity, &turn_rate, &field);
+    attitude_measure(&gravity, &turn_rate, &field);
     double accel = ACCEL_LSB_PER_G / (1 << (registers[ACCEL_CONFIG] >> 3 & 3));
     double gyro = GYRO_LSB_PER_DPS / (1 << (registers[GYRO_CONFIG] >> 3 & 3));
     put_word(ACCEL_XOUT_H, gravity.x * accel);

@@ -2,10 +2,10 @@
 /*
  * The simulated network chip of the Ethernet library for simulated boards:
  *
- *     GPIOR1  while idle: address bytes, four of IPv4 and the port low, high; connected: a byte to send, one received
- *     GPIOR0  write 1 connect, 2 stop; read bit 0 connected, bit 1 a byte waits, bit 2 room to send
+ *     GPIOR1  while idle, write the IPv4 address and the port, low byte first; connected, write or read a byte
+ *     GPIOR0  write 1 to connect, 2 to stop; read bit 0 connected, bit 1 a byte waits, bit 2 room to send
  *
- * Every connection goes where --network says, whatever address the sketch asks for; without it, none comes about.
+ * All connections go to the host of the command `network`, regardless of the sketch's address; without it, they fail.
  */
 #include <errno.h>
 #include <netdb.h>
@@ -26,7 +26,7 @@
 #define CONNECTED 0x01
 #define WAITING 0x02
 #define ROOM 0x04
-/* The sockets of such a network chip. */
+/* The memory of a W5100's socket in each direction. */
 #define BUFFER 2048
 #define CONNECT_MS 3000
 #define ADDRESS_BYTES 6
@@ -41,14 +41,14 @@ const char *network_connects_to(const char *host_and_port) {
     const char *colon = strrchr(host_and_port, ':');
     size_t length = colon ? (size_t)(colon - host_and_port) : 0;
     if (!length || length >= sizeof host || strlen(colon + 1) >= sizeof service || !colon[1])
-        return "a network address is written as HOST:PORT";
+        return "write the address as HOST:PORT";
     memcpy(host, host_and_port, length);
     host[length] = 0;
     strcpy(service, colon + 1);
     return NULL;
 }
 
-static void tell(const char *state) {
+static void report(const char *state) {
     char place[32] = "";
     if (asked_count == ADDRESS_BYTES)
         snprintf(place, sizeof place, "%u.%u.%u.%u:%u", asked[0], asked[1], asked[2], asked[3],
@@ -74,7 +74,7 @@ static void finish_connecting(int timeout_ms) {
     connecting = false;
     getsockopt(connection, SOL_SOCKET, SO_ERROR, &error, &size);
     if (error) hang_up();
-    tell(error ? "refused" : "connected");
+    report(error ? "refused" : "connected");
 }
 
 static void open_connection(void) {
@@ -82,7 +82,7 @@ static void open_connection(void) {
     int yes = 1;
     hang_up();
     if (!host[0] || getaddrinfo(host, service, &hints, &found)) {
-        tell("unreachable");
+        report("unreachable");
         return;
     }
     connection = socket(found->ai_family, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
@@ -91,7 +91,7 @@ static void open_connection(void) {
     freeaddrinfo(found);
     if (!begun) {
         hang_up();
-        tell("refused");
+        report("refused");
         return;
     }
     connecting = true;
@@ -105,7 +105,7 @@ static void write_command(avr_t *avr, avr_io_addr_t address, uint8_t value, void
     if (value == STOP && connection >= 0) {
         network_move();
         hang_up();
-        tell("stopped");
+        report("stopped");
     }
     asked_is_used = true;
 }
@@ -141,7 +141,7 @@ static uint8_t read_data(avr_t *avr, avr_io_addr_t address, void *param) {
     return avr->data[address] = byte;
 }
 
-static void take(void) {
+static void receive(void) {
     while (incoming_count < BUFFER && !ended) {
         size_t last = (incoming_first + incoming_count) % BUFFER;
         size_t room = last < incoming_first ? incoming_first - last : BUFFER - last;
@@ -150,19 +150,19 @@ static void take(void) {
         if (count < 0 && (errno == EAGAIN || errno == EINTR)) return;
         if (count <= 0) {
             ended = true;
-            tell("closed");
+            report("closed");
             return;
         }
         incoming_count += (size_t)count;
     }
 }
 
-/* Between slices: bytes to and from the network. */
+/* Exchanges bytes with the network, between slices. */
 void network_move(void) {
     if (connection < 0) return;
     if (connecting) finish_connecting(0);
     if (connection < 0 || connecting) return;
-    take();
+    receive();
     if (!outgoing_count) return;
     ssize_t count = send(connection, outgoing, outgoing_count, MSG_NOSIGNAL);
     if (count <= 0) return;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * The main loop: a slice of the board's time, then what comes and goes between slices, then sleep until the world's
- * clock has caught up. A slice is as long as the latency of a USB serial port.
+ * The main loop: it runs a slice of the board's time, exchanges data with the host and the network, and sleeps until the
+ * real time has caught up. A slice is as long as the latency of a USB serial port.
  */
 #include <errno.h>
 #include <poll.h>
@@ -11,7 +11,7 @@
 #include "board.h"
 
 #define SLICE CYCLES_PER_MS
-/* A machine that stops for longer than that (suspend, heavy load) does not make the board run faster afterwards. */
+/* After a longer pause (suspend, heavy load), the board continues without catching up. */
 #define LONGEST_CATCH_UP_NS 250000000ll
 
 static int64_t base_ns;
@@ -28,13 +28,13 @@ void pacing_rebase(void) {
     base_cycle = board.avr->cycle;
 }
 
-static void wait_for_words(int64_t timeout_ns) {
+static void wait_for_commands(int64_t timeout_ns) {
     struct pollfd words = {.fd = STDIN_FILENO, .events = POLLIN};
     struct timespec timeout = {timeout_ns / 1000000000, timeout_ns % 1000000000};
     if (ppoll(&words, 1, timeout_ns < 0 ? NULL : &timeout, NULL) > 0) commands_read();
 }
 
-static void wait_for_the_clock(void) {
+static void wait_for_clock(void) {
     while (!board.quitting && board.running) {
         int64_t due_ns = base_ns + (int64_t)((board.avr->cycle - base_cycle) * 1000 / CYCLES_PER_US);
         int64_t now = now_ns();
@@ -44,7 +44,7 @@ static void wait_for_the_clock(void) {
             event_end();
             pacing_rebase();
         }
-        wait_for_words(due_ns > now ? due_ns - now : 0);
+        wait_for_commands(due_ns > now ? due_ns - now : 0);
         if (due_ns - now_ns() <= 0) return;
     }
 }
@@ -61,17 +61,17 @@ static void stop(void) {
 static void run_slice(void) {
     cycles_t end = board.avr->cycle + SLICE;
     if (end > board.stop_at) end = board.stop_at;
-    link_take();
+    link_receive();
     network_move();
     w5100_move();
     if (board.powered)
         core_run_until(end);
     else
         board.avr->cycle = end;
-    uart_look();
-    pulses_look();
+    uart_report_overruns();
+    pulses_update();
     wheels_move();
-    canaries_look();
+    canaries_check_stack();
     link_flush();
     if (board.avr->cycle >= board.stop_at) stop();
 }
@@ -81,15 +81,15 @@ int pacing_loop(void) {
     while (!board.quitting) {
         if (!board.running) {
             events_flush();
-            wait_for_words(-1);
+            wait_for_commands(-1);
             continue;
         }
         run_slice();
         events_flush();
         if (board.fast)
-            wait_for_words(0);
+            wait_for_commands(0);
         else
-            wait_for_the_clock();
+            wait_for_clock();
     }
     link_flush();
     link_close();

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Digital pins: the listeners for their levels, and levels from outside. A pin that is driven from outside reads that
- * level while it is an input; released, it reads its pull-up, or low.
+ * Digital pins: listeners for their levels, and levels from outside. While an input is driven from outside, it reads
+ * that level; otherwise it reads its pull-up, or low.
  */
 #include <avr_extint.h>
 #include <avr_ioport.h>
@@ -81,7 +81,7 @@ void pin_ignore(struct pin *pin, pin_listener listener) {
         if (pin->listeners[i] == listener) pin->listeners[i] = NULL;
 }
 
-static void tell_external(char port) {
+static void apply_external(char port) {
     avr_ioport_external_t external = {
         .name = (unsigned)port & 0x7f,
         .mask = driven[(int)port].mask,
@@ -95,7 +95,7 @@ void pin_drive(struct pin *pin, bool level) {
     uint8_t mask = (uint8_t)(1 << pin->place->bit);
     driven[port].mask |= mask;
     driven[port].value = (uint8_t)((driven[port].value & ~mask) | (level ? mask : 0));
-    tell_external((char)port);
+    apply_external((char)port);
     if (board.powered && !pin_is_output(pin)) avr_raise_irq(pin->irq, level);
 }
 
@@ -104,11 +104,11 @@ void pin_release(struct pin *pin) {
     uint8_t mask = (uint8_t)(1 << pin->place->bit);
     driven[port].mask &= (uint8_t)~mask;
     driven[port].value &= (uint8_t)~mask;
-    tell_external((char)port);
+    apply_external((char)port);
     if (board.powered && !pin_is_output(pin)) avr_raise_irq(pin->irq, port_state(pin).port >> pin->place->bit & 1);
 }
 
-static void tell_level(struct pin *pin, bool level) {
+static void report_level(struct pin *pin, bool level) {
     /* A timer that drives the pin is reported as PWM. */
     if (timers_pwm(pin->place).active) return;
     event_begin("pin");
@@ -117,28 +117,28 @@ static void tell_level(struct pin *pin, bool level) {
     event_end_droppable();
 }
 
-/* Returns whether it changed; begins with the level as it is. */
+/* Starts or stops reporting a pin's changes; returns whether that is a change. */
 bool pin_watch(struct pin *pin, bool on) {
     if (pin->watched == on) return false;
     pin->watched = on;
     if (on)
-        pin_listen(pin, tell_level);
+        pin_listen(pin, report_level);
     else
-        pin_ignore(pin, tell_level);
+        pin_ignore(pin, report_level);
     return true;
 }
 
 /*
- * The simulator would look at every external interrupt's pin once a cycle while it is low, to repeat an interrupt "at low
- * level" that hardly a program asks for. It comes once here. Each reset forgets that.
+ * By default, the simulator checks the pin of each external interrupt in every cycle while the pin is low, to repeat an
+ * interrupt "at low level". Hardly any program uses it, so it occurs only once here. Each reset undoes this setting.
  */
-static void take_low_levels_once(void) {
+static void trigger_low_levels_once(void) {
     for (uint8_t number = 0; number < EXTINT_COUNT; number++) avr_extint_set_strict_lvl_trig(board.avr, number, 0);
 }
 
-/* All pins are inputs without pull-up now. */
+/* After a reset, all pins are inputs without pull-up. */
 void pins_reset(void) {
-    take_low_levels_once();
+    trigger_low_levels_once();
     for (size_t i = 0; i < board.kind->pin_count; i++) {
         const struct pin_place *place = &board.kind->pins[i];
         if (place->bit < 0) continue;

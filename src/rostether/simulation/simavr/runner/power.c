@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Power and resets. RAM and registers hold noise after power-up, the same for the same seed; a reset leaves RAM alone.
- * There is no bootloader: the sketch starts at once, with the watchdog off as a bootloader leaves it.
+ * Power and resets. After power-up, RAM and registers have noise, which depends on the seed. A reset keeps the RAM.
+ * There is no bootloader: the sketch starts immediately, with the watchdog off as after a bootloader.
  */
 #include <stdlib.h>
 #include <string.h>
@@ -19,7 +19,7 @@ static uint8_t next_noise(void) {
     return (uint8_t)(noise >> 32);
 }
 
-static void start_over(const char *cause, avr_regbit_t flag) {
+static void restart(const char *cause, avr_regbit_t flag) {
     avr_t *avr = board.avr;
     size_t size = (size_t)avr->ramend + 1;
     uint8_t *kept = malloc(size);
@@ -44,7 +44,7 @@ static void start_over(const char *cause, avr_regbit_t flag) {
 void power_reset(const char *cause) {
     avr_t *avr = board.avr;
     if (!board.powered) return;
-    start_over(cause, strcmp(cause, "watchdog") == 0 ? avr->reset_flags.wdrf : avr->reset_flags.extrf);
+    restart(cause, strcmp(cause, "watchdog") == 0 ? avr->reset_flags.wdrf : avr->reset_flags.extrf);
 }
 
 void power_on(const char *cause) {
@@ -56,7 +56,7 @@ void power_on(const char *cause) {
     mpu9150_power_up();
     magnetometer_power_up();
     link_power(true);
-    start_over(cause, avr->reset_flags.porf);
+    restart(cause, avr->reset_flags.porf);
 }
 
 void power_off(void) {

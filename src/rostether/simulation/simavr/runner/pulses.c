@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Pulses: PWM as the timers are set, and servo pulses, by software or by a timer, on any pin.
- * A servo's angle as in the usual library: 544 us is 0 degrees, 2400 us is 180.
+ * Pulses: PWM from the settings of the timers, and servo pulses by software or by a timer, on any pin.
+ * The angle of a servo is that of Arduino's library: 544 us is 0 degrees, 2400 us is 180.
  */
 #include <math.h>
 
@@ -10,8 +10,8 @@
 #define MAX_WATCHED 16
 #define LONGEST_SERVO_PULSE_US 3000.0
 #define SHORTEST_SERVO_PULSE_US 300.0
-/* A degree, in the whole microseconds of Servo.write. Interrupts delay the edges of a pulse made by software by
-   half of that; it is not a new angle. */
+/* Nearly the difference of one degree (10 or 11 us). Interrupts delay the edges of software pulses by about half of
+   that, which is not a new angle. */
 #define NEW_ANGLE_US 9.5
 #define ZERO_DEGREES_US 544.0
 #define US_PER_DEGREE ((2400.0 - 544.0) / 180.0)
@@ -19,13 +19,13 @@
 struct servo {
     struct pin *pin;
     cycles_t rose;
-    double pulse_us, told_us;
+    double pulse_us, reported_us;
 };
 
 static struct servo servos[MAX_WATCHED];
 static struct {
     struct pin *pin;
-    struct pwm told;
+    struct pwm reported;
 } watched[MAX_WATCHED];
 
 const char *pulses_watch_pwm(struct pin *pin, bool on) {
@@ -36,13 +36,13 @@ const char *pulses_watch_pwm(struct pin *pin, bool on) {
             place = i;
         else if (!watched[i].pin && (place < 0 || watched[place].pin != pin))
             place = i;
-    if (place < 0) return on ? "too many pins are watched" : NULL;
+    if (place < 0) return on ? "too many pins are watched; unwatch one" : NULL;
     watched[place].pin = on ? pin : NULL;
-    watched[place].told = (struct pwm){0};
+    watched[place].reported = (struct pwm){0};
     return NULL;
 }
 
-static void tell_pwm(const struct pin *pin, struct pwm pwm) {
+static void report_pwm(const struct pin *pin, struct pwm pwm) {
     event_begin("pwm");
     event_text("pin", pin_name(pin));
     if (pwm.active) {
@@ -61,8 +61,8 @@ static struct servo *servo_on(const struct pin *pin) {
     return NULL;
 }
 
-static void tell_servo(struct servo *servo) {
-    servo->told_us = servo->pulse_us;
+static void report_servo(struct servo *servo) {
+    servo->reported_us = servo->pulse_us;
     event_begin("servo");
     event_text("pin", pin_name(servo->pin));
     event_number("pulse_us", servo->pulse_us, 3);
@@ -70,10 +70,10 @@ static void tell_servo(struct servo *servo) {
     event_end_droppable();
 }
 
-static void take_pulse(struct servo *servo, double pulse_us) {
+static void handle_pulse(struct servo *servo, double pulse_us) {
     if (pulse_us < SHORTEST_SERVO_PULSE_US || pulse_us > LONGEST_SERVO_PULSE_US) return;
     servo->pulse_us = pulse_us;
-    if (fabs(pulse_us - servo->told_us) >= NEW_ANGLE_US) tell_servo(servo);
+    if (fabs(pulse_us - servo->reported_us) >= NEW_ANGLE_US) report_servo(servo);
 }
 
 static void on_edge(struct pin *pin, bool level) {
@@ -82,14 +82,14 @@ static void on_edge(struct pin *pin, bool level) {
     if (level)
         servo->rose = board.avr->cycle;
     else if (servo->rose)
-        take_pulse(servo, (double)(board.avr->cycle - servo->rose) / CYCLES_PER_US);
+        handle_pulse(servo, (double)(board.avr->cycle - servo->rose) / CYCLES_PER_US);
 }
 
 const char *pulses_watch_servo(struct pin *pin, bool on) {
     struct servo *servo = servo_on(pin);
     if (on && !servo) {
         servo = servo_on(NULL);
-        if (!servo) return "too many servos are watched";
+        if (!servo) return "too many servos are watched; unwatch one";
         *servo = (struct servo){.pin = pin};
         pin_listen(pin, on_edge);
     } else if (!on && servo) {
@@ -102,23 +102,23 @@ const char *pulses_watch_servo(struct pin *pin, bool on) {
 bool pulses_report_servo(const struct pin *pin) {
     struct servo *servo = servo_on(pin);
     if (!servo) return false;
-    tell_servo(servo);
+    report_servo(servo);
     return true;
 }
 
-/* Once a slice: the timers of watched pins. */
-void pulses_look(void) {
+/* Reports changes in the timers of watched pins, once in each slice. */
+void pulses_update(void) {
     for (int i = 0; i < MAX_WATCHED; i++) {
         if (watched[i].pin) {
             struct pwm pwm = timers_pwm(pin_place(watched[i].pin));
-            struct pwm *told = &watched[i].told;
-            if (pwm.active != told->active || fabs(pwm.duty - told->duty) > 1e-6 ||
-                fabs(pwm.period_us - told->period_us) > 1e-3)
-                tell_pwm(watched[i].pin, *told = pwm);
+            struct pwm *reported = &watched[i].reported;
+            if (pwm.active != reported->active || fabs(pwm.duty - reported->duty) > 1e-6 ||
+                fabs(pwm.period_us - reported->period_us) > 1e-3)
+                report_pwm(watched[i].pin, *reported = pwm);
         }
         if (servos[i].pin) {
             struct pwm pwm = timers_pwm(pin_place(servos[i].pin));
-            if (pwm.active && pwm.period_us > LONGEST_SERVO_PULSE_US) take_pulse(&servos[i], pwm.duty * pwm.period_us);
+            if (pwm.active && pwm.period_us > LONGEST_SERVO_PULSE_US) handle_pulse(&servos[i], pwm.duty * pwm.period_us);
         }
     }
 }

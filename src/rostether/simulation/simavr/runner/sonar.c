@@ -1,17 +1,17 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * An HC-SR04: a trigger pulse of at least 10 us, then an echo pulse as long as sound travels to the obstacle and back.
- * Nothing in sight, or nearer than 2 cm or farther than 4 m: no echo.
+ * An HC-SR04: after a trigger pulse of at least 10 us, it sends an echo pulse for as long as sound travels to the
+ * obstacle and back. It sends no echo if the obstacle is nearer than 2 cm, farther than 4 m, or missing.
  *
- * Sound has 342 m/s here, as in air of 18 degrees. A sketch that calculates with 343 m/s (58.3 us a centimeter) is then
- * right within a centimeter up to 3.4 m both when it times the echo with micros() and when it does with pulseIn(), which
- * loses half a percent to the timer's interrupts, here as on a real board.
+ * The speed of sound is 342 m/s here, as in air of 18 degrees. Sketches that calculate with 343 m/s (58.3 us a
+ * centimeter) are then accurate to a centimeter up to 3.4 m, with micros() and also with pulseIn(). pulseIn() loses half
+ * a percent to the timer's interrupts, as on a real board.
  */
 #include "board.h"
 
 #define SPEED_OF_SOUND 342.0
-#define SHORTEST_TRIGGER_US 9 /* ten, and the tolerance of delayMicroseconds */
-#define BURST_US 460 /* from the trigger's end to the rising echo, as measured on modules: eight periods and more */
+#define SHORTEST_TRIGGER_US 9 /* 10 minus the tolerance of delayMicroseconds */
+#define BURST_US 460 /* from the trigger's end to the rising echo, as measured on modules */
 #define NEAREST 0.02
 #define FARTHEST 4.0
 
@@ -61,7 +61,7 @@ void sonar_wire(struct pin *new_trig, struct pin *new_echo) {
 
 void sonar_set_range(double meters) { range = meters; }
 
-/* The simulator's reset has cancelled the echo. */
+/* The simulator's reset has already cancelled the echo's timers. */
 void sonar_reset(void) {
     if (echo) pin_drive(echo, false);
 }

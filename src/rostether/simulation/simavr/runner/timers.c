@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * The effect of timers on pins: PWM, read from their registers. The simulator counts time for compare matches and overflows
- * but lacks some of the modes that count up and down (among them the one Arduino sets timers 1 and 2 to); they are
- * filled in here as modes that count up only: right in period, not in the phase of their interrupts.
+ * The effect of timers on pins: PWM, read from the timers' registers. The simulator computes compare matches and
+ * overflows, but lacks some modes that count up and down, such as Arduino's mode for timers 1 and 2. Here they become
+ * modes that only count up: their period is correct, but not the phase of their interrupts.
  */
 #include <math.h>
 #include <string.h>
@@ -19,7 +19,7 @@ struct waveform {
     uint8_t slope, top, bits;
 };
 
-/* By the mode's number, WGM3..0, as all chips of these boards have it. */
+/* The modes by their number, WGM3..0; all chips of these boards have the same. */
 static const struct waveform wide[16] = {
     {NO_PWM, FIXED, 16},     {UP_AND_DOWN, FIXED, 8}, {UP_AND_DOWN, FIXED, 9}, {UP_AND_DOWN, FIXED, 10},
     {NO_PWM, OCRA, 0},       {UP, FIXED, 8},          {UP, FIXED, 9},          {UP, FIXED, 10},
@@ -60,8 +60,8 @@ static struct pwm pwm_of(const avr_timer_t *timer, const avr_timer_comp_t *chann
     return result;
 }
 
-/* Looks at the channels wired to a pin: some pins of a mega have two. Returns how many there are. */
-static int look_at_channels(const struct pin_place *place, struct pwm *active) {
+/* Returns the number of channels on a pin (some pins of a Mega have two); `active` gets the active channel's PWM. */
+static int find_channels(const struct pin_place *place, struct pwm *active) {
     int count = 0;
     if (place->bit < 0) return 0;
     const avr_irq_t *pin = avr_io_getirq(board.avr, AVR_IOCTL_IOPORT_GETIRQ(place->port), place->bit);
@@ -82,12 +82,12 @@ static int look_at_channels(const struct pin_place *place, struct pwm *active) {
 
 bool timers_drive(const struct pin_place *place) {
     struct pwm unused;
-    return look_at_channels(place, &unused) > 0;
+    return find_channels(place, &unused) > 0;
 }
 
 struct pwm timers_pwm(const struct pin_place *place) {
     struct pwm active = {false, 0, 0};
-    look_at_channels(place, &active);
+    find_channels(place, &active);
     return active;
 }
 
@@ -101,7 +101,7 @@ void timers_start(void) {
             if (waveforms[mode].slope != UP_AND_DOWN || known->kind == avr_timer_wgm_pwm) continue;
             *known = (avr_timer_wgm_t){0};
             known->kind = waveforms[mode].top == FIXED ? avr_timer_wgm_normal : avr_timer_wgm_pwm;
-            /* Twice as long, as it is there and back. */
+            /* One bit more, because counting up and down takes twice as long. */
             known->size = waveforms[mode].top == FIXED ? waveforms[mode].bits + 1u : 0;
             known->top = waveforms[mode].top == OCRA ? avr_timer_wgm_reg_ocra : avr_timer_wgm_reg_icr;
         }

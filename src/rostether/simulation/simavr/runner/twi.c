@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The I2C bus: passes what the AVR as master writes and reads to the device that answers to its address. */
+/* The I2C bus: connects the AVR, the master, with the device that it addresses. */
 #include <avr_twi.h>
 
 #include "board.h"

@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * One USART, exact to the bit time. It takes the place of the simulator's own, which has 64 bytes of receive buffer,
- * eleven bits a byte and no second transmit buffer; a real one has this:
+ * One USART, accurate to the bit time. It replaces that of the simulator, which has a receive buffer of 64 bytes,
+ * 11 bits a byte and no second transmit buffer. A real one works like this:
  *
  *     receive:  line -> shift register -> 2 bytes -> UDR      a frame that finds all three full is lost (DOR)
  *     transmit: UDR -> 1 byte -> shift register -> line       UDRE while that byte is free
  *
- * Bytes come no faster than the bit rate that the sketch has set. Not modelled: a host at another bit rate, frame and
- * parity errors, the ninth bit, synchronous mode.
+ * Bytes arrive no faster than at the bit rate that the sketch has set. Not modelled: a host at another bit rate, frame
+ * and parity errors, the ninth bit, synchronous mode.
  */
 #include <string.h>
 
@@ -15,7 +15,7 @@
 
 #include "board.h"
 
-/* Two slices of the fastest line (2 Mbaud); more would be a buffer that no board has. */
+/* Two slices at the highest bit rate (2 Mbaud); no board has a larger buffer. */
 #define WAITING_ROOM 512
 #define RECEIVE_BUFFER 2
 
@@ -31,7 +31,7 @@ static int received_count;
 static bool shifting, has_next;
 static uint8_t shifted, next;
 static unsigned long overruns;
-static cycles_t overrun_told;
+static cycles_t overrun_report_due;
 
 static cycles_t bit_cycles(void) {
     const uint8_t *data = board.avr->data;
@@ -47,7 +47,7 @@ static cycles_t frame_cycles(void) {
     return bit_cycles() * (1u + data_bits[size] + parity + 1u + avr_regbit_get(avr, uart->usbs));
 }
 
-/* Cancels an interrupt whose reason has ended; the simulator's queue cannot. */
+/* Cancels a pending interrupt whose condition has ended; the simulator has no function for it. */
 static void withdraw(avr_int_vector_t *vector) {
     avr_int_pending_t *queue = &board.avr->interrupts.pending;
     uint16_t mask = avr_int_pending_fifo_size - 1, kept = queue->read;
@@ -63,10 +63,10 @@ static void withdraw(avr_int_vector_t *vector) {
 }
 
 /* RXC and UDRE request their interrupt as long as they are set. */
-static void set_level(avr_int_vector_t *vector, bool stands) {
+static void set_level(avr_int_vector_t *vector, bool is_set) {
     uint8_t *flags = &board.avr->data[vector->raised.reg];
     uint8_t mask = (uint8_t)(1 << vector->raised.bit);
-    if (stands) {
+    if (is_set) {
         *flags |= mask;
         if (avr_regbit_get(board.avr, vector->enable)) avr_raise_interrupt(board.avr, vector);
     } else {
@@ -125,14 +125,14 @@ static void receive_next(cycles_t from) {
 }
 
 /* Between slices. */
-void uart_look(void) {
+void uart_report_overruns(void) {
     /* One event every tenth of a second shows as much as a hundred. */
-    if (!overruns || board.avr->cycle < overrun_told) return;
+    if (!overruns || board.avr->cycle < overrun_report_due) return;
     event_begin("overrun");
     event_int("lost_bytes", (long long)overruns);
     event_end();
     overruns = 0;
-    overrun_told = board.avr->cycle + 100 * CYCLES_PER_MS;
+    overrun_report_due = board.avr->cycle + 100 * CYCLES_PER_MS;
 }
 
 static cycles_t on_received(avr_t *avr, cycles_t when, void *param) {
@@ -223,13 +223,13 @@ static avr_uart_t *quiet_all_but(char name) {
     for (avr_io_t *io = board.avr->io_port; io; io = io->next) {
         if (strcmp(io->kind, "uart") != 0) continue;
         avr_uart_t *each = (avr_uart_t *)io;
-        each->flags = 0; /* no echo on our output, no sleep of the simulator's own */
+        each->flags = 0; /* the simulator must neither print the bytes nor sleep */
         if (each->name == name) found = each;
     }
     return found;
 }
 
-static void take_over(avr_io_addr_t address, avr_io_read_t read, avr_io_write_t write) {
+static void replace_handlers(avr_io_addr_t address, avr_io_read_t read, avr_io_write_t write) {
     avr_io_addr_t io = AVR_DATA_TO_IO(address);
     board.avr->io[io].r.c = read;
     board.avr->io[io].r.param = NULL;
@@ -241,10 +241,10 @@ bool uart_start(char name) {
     uart = quiet_all_but(name);
     if (!uart) return false;
     uart->io.reset = on_simulator_reset;
-    take_over(uart->r_udr, read_data, write_data);
-    take_over(uart->r_ucsra, NULL, write_status);
-    take_over(uart->r_ucsrb, NULL, write_control);
-    take_over(uart->ubrrl.reg, NULL, NULL);
+    replace_handlers(uart->r_udr, read_data, write_data);
+    replace_handlers(uart->r_ucsra, NULL, write_status);
+    replace_handlers(uart->r_ucsrb, NULL, write_control);
+    replace_handlers(uart->ubrrl.reg, NULL, NULL);
     avr_irq_register_notify(&uart->rxc.irq[AVR_INT_IRQ_RUNNING], on_handler_end, NULL);
     avr_irq_register_notify(&uart->udrc.irq[AVR_INT_IRQ_RUNNING], on_handler_end, NULL);
     return true;

@@ -3,7 +3,7 @@
  * A W5100 on SPI, selected by D10 as on Arduino's shields: registers, and four sockets for UDP with 2 KiB each way. Its
  * network is w5100_network.c.
  *
- * As on the chip, a multicast socket keeps the group's address that it was opened with, and sends only there.
+ * As on the chip, a multicast socket keeps the group's address from its opening, and sends only to this address.
  * Not modelled: TCP, IP and MAC raw sockets, PPPoE, interrupts, other sizes of memory.
  */
 #include <stdio.h>
@@ -59,13 +59,13 @@
 
 static uint8_t memory[SPACE];
 static struct {
-    struct w5100_place group; /* as it was when the socket was opened; port 0 without one */
+    struct w5100_place group; /* from when the socket was opened; port 0 without a group */
     uint16_t freed;           /* the end of the bytes that the program has read */
     uint16_t filled;          /* the end of the received bytes */
     uint16_t sent;
     unsigned long heard; /* datagrams since the socket was opened */
     bool is_stalled;     /* and reported as stalled */
-    uint64_t gives_up;   /* the time limit of an address request; 0: not waiting */
+    uint64_t gives_up;   /* the cycle at which an address request times out; 0 without a request */
 } sockets[W5100_SOCKETS];
 static unsigned long stall_after;
 static struct pin *select_pin;
@@ -83,7 +83,7 @@ static void put16(uint8_t *bytes, unsigned value) {
     bytes[1] = (uint8_t)value;
 }
 
-static void tell(int s, const char *state) {
+static void report(int s, const char *state) {
     char place[32];
     const uint8_t *ip = sockets[s].group.ip;
     if (sockets[s].group.port)
@@ -100,7 +100,7 @@ static void tell(int s, const char *state) {
 static void close_socket(int s) {
     if (*of_socket(s, STATE)) {
         network_udp_close(s);
-        tell(s, "closed");
+        report(s, "closed");
     }
     *of_socket(s, STATE) = 0;
     memset(&sockets[s], 0, sizeof sockets[s]);
@@ -119,7 +119,7 @@ static void open_socket(int s) {
     memset(of_socket(s, RECEIVED_READ), 0, 2);
     *of_socket(s, FLAGS) = 0;
     *of_socket(s, STATE) = STATE_UDP;
-    tell(s, error ? error : "opened");
+    report(s, error ? error : "opened");
 }
 
 static void send_datagram(int s) {
@@ -138,7 +138,7 @@ static void send_datagram(int s) {
         *of_socket(s, FLAGS) |= FLAG_SENT;
         return;
     }
-    /* In units of 100 us, for the first try and each further one. */
+    /* The register has units of 100 us; the first attempt and each retry take that long. */
     sockets[s].gives_up =
         board.avr->cycle + get16(memory + RETRY_TIME) * (memory[RETRY_COUNT] + 1ull) * 100 * CYCLES_PER_US;
 }
@@ -148,7 +148,7 @@ bool w5100_deliver(int s, const struct w5100_place *from, const uint8_t *bytes, 
     uint8_t header[8] = {from->ip[0], from->ip[1], from->ip[2], from->ip[3]};
     if (*of_socket(s, STATE) != STATE_UDP) return false;
     if (sockets[s].group.port && stall_after && sockets[s].heard >= stall_after) {
-        if (!sockets[s].is_stalled) tell(s, "stalled");
+        if (!sockets[s].is_stalled) report(s, "stalled");
         sockets[s].is_stalled = true;
         return false;
     }
@@ -199,7 +199,7 @@ static void write_at(unsigned address, uint8_t byte) {
     if (address == MODE && byte & RESET) {
         reset();
     } else if (of_sockets && place == COMMAND) {
-        /* The register reads 0 as soon as the chip has taken the command. */
+        /* The register stays 0, because the chip has accepted the command immediately. */
         perform(s, byte);
     } else if (of_sockets && place == FLAGS) {
         memory[address] &= (uint8_t)~byte;
@@ -218,7 +218,7 @@ static void on_select(struct pin *pin, bool level) {
 
 bool w5100_is_selected(void) { return pin_is_output(select_pin) && !pin_level(select_pin); }
 
-/* READ or WRITE, the address high and low, a byte; the chip counts along meanwhile. */
+/* The bytes of an access: READ or WRITE, address high, address low, data. The chip answers 0, 1, 2 to the first three. */
 uint8_t w5100_exchange(uint8_t byte) {
     if (frame_count < sizeof frame) {
         frame[frame_count] = byte;

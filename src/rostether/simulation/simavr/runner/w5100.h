@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Between the W5100's registers and its network. */
+/* The interface between the W5100's registers and its network. */
 #ifndef W5100_H
 #define W5100_H
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * The W5100's cable: UDP sockets on loopback. The board has the address 127.0.0.2, or another one of loopback, whatever
- * the sketch sets; DHCP offers it. Its network is this machine.
+ * The W5100's network: UDP sockets on loopback of this machine. The board has the address 127.0.0.2, or another loopback
+ * address, regardless of the sketch's settings; DHCP offers it.
  */
 #include <arpa/inet.h>
 #include <errno.h>
@@ -25,7 +25,7 @@
 #define REQUEST 3
 #define OFFER 2
 #define ACKNOWLEDGE 5
-/* Datagrams a slice: more wait for the next one. */
+/* The maximum number of datagrams in a slice; more wait for the next slice. */
 #define BURST 32
 
 static uint8_t own_ip[4] = {LOOPBACK, 0, 0, 2};
@@ -55,7 +55,7 @@ static int open_at(const uint8_t *ip, uint16_t port) {
 
 const char *network_udp_open(int s, uint16_t port, const uint8_t *group) {
     sockets[s].port = port;
-    /* This is the DHCP server, because its port belongs to this machine's own client. */
+    /* DHCP needs no socket: `serve_dhcp` answers, because the real port belongs to this machine's own client. */
     if (port == DHCP_CLIENT) return NULL;
     sockets[s].own = open_at(own_ip, port);
     if (sockets[s].own < 0) return "port in use";
@@ -109,7 +109,7 @@ static void serve_dhcp(int s, const uint8_t *request, size_t count) {
     w5100_deliver(s, &from, answer, end);
 }
 
-/* Another machine's address cannot be bound. Programs on loopback may send from any address of this one. */
+/* Only addresses of this machine can be bound. */
 static bool is_this_machine(const uint8_t *ip) {
     if (*ip == LOOPBACK) return true;
     int fd = open_at(ip, 0);
@@ -130,7 +130,7 @@ bool network_udp_send(int s, const uint8_t *bytes, size_t count, const struct w5
     return true;
 }
 
-static void take(int s, int fd) {
+static void receive(int s, int fd) {
     uint8_t bytes[W5100_MEMORY];
     struct sockaddr_in source;
     for (int i = 0; fd >= 0 && i < BURST; i++) {
@@ -143,18 +143,18 @@ static void take(int s, int fd) {
     }
 }
 
-/* Between slices. */
+/* Receives datagrams, between slices. */
 void w5100_move(void) {
     for (int s = 0; s < W5100_SOCKETS; s++) {
-        take(s, sockets[s].group);
-        take(s, sockets[s].own);
+        receive(s, sockets[s].group);
+        receive(s, sockets[s].own);
     }
 }
 
 static const char *set_one(char *part) {
     struct in_addr address;
     char *value = strchr(part, '='), *rest;
-    if (!value) return "a W5100 is set with address=127.0.0.2 and stall_after=500";
+    if (!value) return "write the settings as in w5100 address=127.0.0.2,stall_after=500";
     *value++ = 0;
     if (strcmp(part, "address") == 0 && inet_pton(AF_INET, value, &address) == 1 && *(uint8_t *)&address == LOOPBACK) {
         memcpy(own_ip, &address, 4);
@@ -162,12 +162,12 @@ static const char *set_one(char *part) {
     }
     unsigned long after = strtoul(value, &rest, 10);
     if (strcmp(part, "stall_after") != 0 || *value < '0' || *value > '9' || *rest)
-        return "a W5100 has an address from 127.0.0.1 to 127.255.255.254, and stalls after a number of datagrams (0: never)";
+        return "write an address from 127.0.0.1 to 127.255.255.254, and stall_after as a number of datagrams (0: never)";
     w5100_set_stall(after);
     return NULL;
 }
 
-/* address=127.0.0.2,stall_after=500 */
+/* Reads address=127.0.0.2,stall_after=500. */
 const char *w5100_set(char *settings) {
     char *rest = NULL;
     for (char *part = strtok_r(settings, ",", &rest); part; part = strtok_r(NULL, ",", &rest)) {

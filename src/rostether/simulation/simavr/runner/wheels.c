@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Two motors with a wheel each, and the robot's pose: a driver with a PWM and a direction pin for each motor, as
- * Arduino's motor shields have; direction high is backwards. A wheel turns as fast as the duty says, at once.
+ * Two motors with a wheel each, and the robot's pose. Each motor has a PWM pin and a direction pin, as on Arduino's
+ * motor shields; a high direction pin means backwards. The speed follows the duty cycle immediately.
  */
 #include <math.h>
 #include <stdlib.h>
@@ -24,7 +24,7 @@ static double duty(const struct motor *motor) {
     return pin_is_output(motor->direction) && pin_level(motor->direction) ? -forward : forward;
 }
 
-/* Between slices. */
+/* Moves the robot, between slices. */
 void wheels_move(void) {
     if (!left.pwm) return;
     double seconds = (double)(board.avr->cycle - moved_at) / CLOCK_HZ;
@@ -65,13 +65,13 @@ static bool set_one(char *part) {
     return strcmp(part, "track") == 0 && set_number(&track, value);
 }
 
-/* left=D3/D8,right=D9/D7,speed=0.48,track=0.14 */
+/* Reads left=D3/D8,right=D9/D7,speed=0.48,track=0.14. */
 const char *wheels_set(char *settings) {
     char *rest = NULL;
     bool fits = true;
     wheels_start();
     for (char *part = strtok_r(settings, ",", &rest); fits && part; part = strtok_r(NULL, ",", &rest)) fits = set_one(part);
-    return fits ? NULL : "wheels have pins for PWM and direction, and meters: wheels left=D3/D8,right=D9/D7,speed=0.48,track=0.14";
+    return fits ? NULL : "write the pins for PWM and direction, and meters, as in wheels left=D3/D8,right=D9/D7,speed=0.48,track=0.14";
 }
 
 void wheels_start(void) {
@@ -81,7 +81,7 @@ void wheels_start(void) {
     moved_at = board.avr->cycle;
 }
 
-void wheels_tell(void) {
+void wheels_report(void) {
     wheels_start();
     event_begin("wheels");
     event_number("left", duty(&left), 4);
