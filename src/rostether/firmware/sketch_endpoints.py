@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
 from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -16,10 +17,13 @@ from msgspec import Struct
 
 from rostether.errors import RostetherError
 from rostether.firmware.elf import ElfFile, Variable
+from rostether.serde.layout import smallest_size
+from rostether.serde.type_tree import TypeTrees
 
 if TYPE_CHECKING:
     from rostether.msgdef.registry import Registry
 
+# Longer than usual names; text that is not the topic is not read to its end.
 MAX_TOPIC_BYTES = 128
 # An endpoint has about ten bytes; a large variable with a matching type name is not searched.
 MAX_VARIABLE_BYTES = 64
@@ -35,22 +39,17 @@ _TYPES = re.compile(
     r"|(?:Subscriber|ServiceServer|ServiceClient)<(?P<others>[\w:]+(?:, [\w:]+)?))"
 )
 _NODE_HANDLE = re.compile(r"ros::NodeHandle_<[^<>]*?, (\d+), (\d+), (\d+), (\d+)")
-_WIDTHS = {
-    **dict.fromkeys(("bool", "int8", "uint8", "byte", "char"), 1),
-    **dict.fromkeys(("int16", "uint16"), 2),
-    **dict.fromkeys(("int32", "uint32", "float32", "string"), 4),
-    **dict.fromkeys(("int64", "uint64", "float64", "time", "duration"), 8),
-}
-_LENGTH_BYTES = 4
-# The position of `driver_` in an endpoint. Another word may have the value of a function's address by chance.
+
+# The index of the word `driver_` in an endpoint. Other words may equal a function's address by chance.
 _DRIVER_WORD = 2
 
 
 class Endpoint(Struct, frozen=True):
     """One topic or service of a sketch.
 
-    `smallest_bytes` is the size of the message with all strings and arrays empty, `is_fixed` whether it has
-    none. `incoming_bytes` must fit in the input buffer; None for an endpoint that only sends.
+    `role` is `publishes`, `subscribes`, `serves` or `calls`. `name` is that of the variable. `smallest_bytes`
+    is the size of the message with empty strings and arrays; `is_fixed` means that it has none of them.
+    `incoming_bytes` must fit in the input buffer; None for an endpoint that only sends.
     """
 
     role: str
@@ -62,7 +61,7 @@ class Endpoint(Struct, frozen=True):
     incoming_bytes: int | None
 
     def note(self, buffer_bytes: int) -> str:
-        """Return a phrase about its size and the buffer."""
+        """Return whether its messages fit in the input buffer, as a phrase; empty if its size is unknown."""
         if self.incoming_bytes is None:
             return "sent without a buffer"
         if not buffer_bytes:
@@ -86,6 +85,7 @@ def find_endpoints(
 ) -> list[Endpoint]:
     """Return a sketch's topics and services; those whose type cannot be determined are omitted."""
     variables = elf.variables
+    trees = TypeTrees(registry)
     finder = _Finder(elf, readable, variables, "".join(_read(sources)))
     found = []
     for variable in variables:
@@ -94,8 +94,9 @@ def find_endpoints(
         if role is None:
             continue
         types = finder.types(variable)
-        if types:
-            found += list(_endpoint(role, variable.name, finder.topic(variable), types, registry))
+        with suppress(RostetherError):
+            if types:
+                found.append(_endpoint(role, variable.name, finder.topic(variable), types, trees))
     roles = list(_CLASSES.values())
     return sorted(found, key=lambda each: (roles.index(each.role), each.topic or each.name))
 
@@ -151,45 +152,24 @@ def _message_types(text: str) -> list[str]:
     return [each for each in parts if each.count("::") == 1 and not each.startswith("ros::")]
 
 
-def _endpoint(
-    role: str, name: str, topic: str, types: Sequence[str], registry: Registry
-) -> Iterator[Endpoint]:
+def _endpoint(role: str, name: str, topic: str, types: Sequence[str], trees: TypeTrees) -> Endpoint:
+    """Return an endpoint. Raises RostetherError if a type has no definition."""
     incoming = {"publishes": None, "subscribes": 0, "serves": 0, "calls": -1}[role]
-    try:
-        sizes = [_smallest(registry, each) for each in types]
-    except RostetherError:
-        return
-    counted = None if incoming is None else sizes[incoming]
-    shown = sizes[0] if counted is None else counted
-    type_name = types[0].replace("::", "/")
+    messages = [trees.struct(each.replace("::", "/")) for each in types]
+    counted = messages[incoming or 0]
+    size_bytes = smallest_size(counted)
+    type_name = messages[0].name
     if role in ("serves", "calls"):
         type_name = re.sub(r"(Request|Response)$", "", type_name)
-    yield Endpoint(role, name, topic, type_name, shown[0], shown[1], None if counted is None else counted[0])
-
-
-def _smallest(registry: Registry, type_name: str) -> tuple[int, bool]:
-    """Return the size of a message with empty strings and arrays, and whether it has none of them."""
-    full_name = type_name.replace("::", "/")
-    service = re.fullmatch(r"(.+?)(Request|Response)", full_name)
-    if service is not None and service[1] in registry.services(full_name.partition("/")[0]):
-        spec = registry.service(service[1])
-        message = spec.request if service[2] == "Request" else spec.response
-    else:
-        message = registry.message(full_name)
-    size, is_fixed = 0, True
-    for each in message.fields:
-        own, own_fixed = (
-            (_WIDTHS[each.type.base], each.type.base != "string")
-            if each.type.base in _WIDTHS
-            else _smallest(registry, each.type.base)
-        )
-        if each.type.is_array and each.type.length is None:
-            own, own_fixed = _LENGTH_BYTES, False
-        elif each.type.is_array:
-            own *= each.type.length or 0
-        size += own
-        is_fixed = is_fixed and own_fixed
-    return size, is_fixed
+    return Endpoint(
+        role=role,
+        name=name,
+        topic=topic,
+        type_name=type_name,
+        smallest_bytes=size_bytes,
+        is_fixed=counted.fixed_size_bytes is not None,
+        incoming_bytes=None if incoming is None else size_bytes,
+    )
 
 
 def _read(sources: Sequence[Path]) -> Iterator[str]:
