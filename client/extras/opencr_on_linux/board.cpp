@@ -4,7 +4,7 @@
 //   pin 34 1                    a level, from the simulation at an input, to the simulation at an output
 //   adc 17 512                  a voltage, 0 to 1023
 //   sonar 583                   how long an echo lasts, in microseconds; 0: none
-//   feel RATE[3] ACCELERATION[3] FIELD[3]     what the IMU measures: rad/s, m/s^2, tesla
+//   motion RATE[3] ACCELERATION[3] FIELD[3]   the values of the IMU: rad/s, m/s^2, tesla
 //   tone 440 250                to the simulation: a tone in hertz and milliseconds (0: until the next)
 //
 // The program ends when the simulation closes the pins.
@@ -79,9 +79,9 @@ static void obey(const char* line) {
     if (pin >= 0 && pin < PINS_COUNT) voltages[pin] = value;
   } else if (sscanf(line, "sonar %lu", &us) == 1) {
     echo_us = us;
-  } else if (sscanf(line, "feel %lf %lf %lf %lf %lf %lf %lf %lf %lf", v, v + 1, v + 2, v + 3, v + 4, v + 5, v + 6,
+  } else if (sscanf(line, "motion %lf %lf %lf %lf %lf %lf %lf %lf %lf", v, v + 1, v + 2, v + 3, v + 4, v + 5, v + 6,
                     v + 7, v + 8) == 9) {
-    imu_chip.feel({v[0], v[1], v[2]}, {v[3], v[4], v[5]}, {v[6], v[7], v[8]});
+    imu_chip.setValues({v[0], v[1], v[2]}, {v[3], v[4], v[5]}, {v[6], v[7], v[8]});
   } else {
     fprintf(stderr, "not a line of the simulation: %s\n", line);
   }

@@ -12,7 +12,7 @@ class Mpu9250Chip {
   Mpu9250Chip() : rate_(), acceleration_(), field_() { reset(); }
 
   // rad/s, m/s^2 and tesla, in the axes of the board: x forward, y left, z up.
-  void feel(const double (&rate)[3], const double (&acceleration)[3], const double (&field)[3]) {
+  void setValues(const double (&rate)[3], const double (&acceleration)[3], const double (&field)[3]) {
     memcpy(rate_, rate, sizeof rate_);
     memcpy(acceleration_, acceleration, sizeof acceleration_);
     memcpy(field_, field, sizeof field_);

@@ -15,7 +15,7 @@ GRAVITY = 9.80665
 
 
 class Vector(NamedTuple):
-    """Three components."""
+    """A vector in the axes of its context."""
 
     x: float
     y: float
@@ -46,7 +46,7 @@ class ImuValues(Struct, frozen=True):
 
 
 class CircleDrive(Struct, frozen=True):
-    """Drives one circle per `lap_s`, and rolls and pitches by up to `sway` radians."""
+    """Drives a circle in `lap_s`, and rolls and pitches by up to `sway` radians."""
 
     radius: float = 1.0
     lap_s: float = 20.0

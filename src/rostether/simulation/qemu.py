@@ -25,19 +25,20 @@ DEFAULT_MACHINE = "lm3s6965evb"
 # The core of each machine, and the options that connect its UART.
 MACHINES = {
     DEFAULT_MACHINE: ("Cortex-M3", ("-serial", "pty")),
-    # An STM32F405. The library and ST's Nucleo boards use USART2, which is the second one.
+    # An STM32F405. The library and ST's Nucleo boards use USART2, qemu's second serial port.
     "netduinoplus2": ("Cortex-M4", ("-serial", "null", "-serial", "pty")),
 }
-# qemu answers within 0.25 s on an idle machine.
+# qemu reports its terminal within 0.25 s on an idle machine.
 START_LIMIT_S = 20.0
+# qemu ends within milliseconds; after this time, it is killed.
 END_LIMIT_S = 2.0
-# The last lines of output contain the reason for its end.
+# qemu's last lines contain the reason for its end.
 MAX_OUTPUT_BYTES = 4096
 
-# The header of an ELF file: magic number, class, byte order and machine, here 32 bits, little endian and ARM;
-# then where the program headers are, their size and number.
+# The header of an ELF file: magic number, class (32 bits), byte order (little endian) and machine (ARM); then
+# the offset, size and number of the program headers.
 _HEADER = struct.Struct("<4sBB12xH8xI10xHH")
-# A program header: where a segment's bytes are in the file.
+# A program header: the offset and size of a segment in the file.
 _SEGMENT = struct.Struct("<4xI8xI12x")
 _KIND = [b"\x7fELF", 1, 1, 40]
 
@@ -47,8 +48,8 @@ _TERMINAL = re.compile(rb"char device redirected to (\S+)")
 class QemuBoard(BlockClosable):
     """One board.
 
-    It ends with `close`, and with this process. `address` is the link address of its UART for `serve`.
-    `exit_message` is qemu's error message after it has ended by itself.
+    It ends with `close`; if setpriv is installed, also when this process is killed. `address` is the link
+    address of its UART for `serve`. `exit_message` is qemu's error message after it has ended by itself.
     """
 
     def __init__(
@@ -65,7 +66,7 @@ class QemuBoard(BlockClosable):
     async def start(
         cls, program: Path, *, machine: str = DEFAULT_MACHINE, link_path: Path | None = None
     ) -> Self:
-        """Start an ELF file on one of the machines of qemu; `link_path` becomes a link to its terminal.
+        """Start an ELF file on a machine that qemu knows; `link_path` becomes a link to its terminal.
 
         Raises BoardError if qemu does not run it, TransportOpenError if `link_path` is in use.
         """
@@ -81,7 +82,7 @@ class QemuBoard(BlockClosable):
         # The kernel ends qemu if this process is killed; without setpriv only `close` ends it.
         setpriv = shutil.which("setpriv")
         guard = [setpriv, "--pdeathsig", "KILL"] if setpriv else []
-        # qemu names a machine that it does not know.
+        # For an unknown machine, qemu reports the error.
         _, serial = MACHINES.get(machine, MACHINES[DEFAULT_MACHINE])
         options = ["-machine", machine, "-display", "none", *serial, "-monitor", "stdio"]
         process = await asyncio.create_subprocess_exec(
@@ -119,13 +120,13 @@ class QemuBoard(BlockClosable):
         stdin = self._process.stdin
         assert stdin is not None
         if self.has_ended:
-            raise BoardError("the simulated board has ended")
+            raise BoardError("the simulated board has ended; start it again")
         with contextlib.suppress(ConnectionError):
             stdin.write(b"system_reset\n")
             await stdin.drain()
 
     async def wait_end(self) -> None:
-        """Wait until qemu has ended by itself."""
+        """Wait until qemu has ended."""
         await asyncio.shield(self._reading)
         await self._process.wait()
 

@@ -1,6 +1,6 @@
 """The demo board: a small robot's sketch in Python, without hardware or toolchain.
 
-    topic         type               rate    what
+    topic         type               rate    content
     toggle_led    std_msgs/Empty     in      turns the LED on or off
     led           std_msgs/Bool      1 Hz    the LED, and immediately when it changes
     ultrasound    sensor_msgs/Range  20 Hz   an HC-SR04 with a person walking in front
@@ -8,8 +8,9 @@
     /tf           tf/tfMessage       20 Hz   odom -> base_link, a circle on the floor; base_link -> ultrasound
     count         std_msgs/UInt32    1 Hz    a counter
 
-Services `set_led` (std_srvs/SetBool) and `test_srv` (rosserial_arduino/Test); parameters `~blink_hz`, how
-often the LED blinks by itself (0: never), and `~frame_id`, the robot's frame (base_link); logs.
+Services: `set_led` (std_srvs/SetBool) and `test_srv` (rosserial_arduino/Test). Parameters: `~blink_hz`, how
+often the LED blinks by itself (0: never), and `~frame_id`, the robot's frame (default: base_link). The board
+logs when it is ready and when a command switches the LED.
 """
 
 from __future__ import annotations
@@ -41,7 +42,7 @@ ULTRASOUND_FRAME = "ultrasound"
 ULTRASOUND_POSITION = Vector(0.1, 0.0, 0.05)
 ODOMETRY_FRAME = "odom"
 ROBOT_FRAME = "base_link"
-# Faster blinking is invisible, and would fill a slow line.
+# Faster blinking is not visible, and would fill a slow line.
 MAX_BLINK_HZ = 50.0
 
 # An MPU-6050's noise at 40 Hz.
@@ -57,7 +58,10 @@ class _Periodic(Struct):
 
 
 class VirtualBoard:
-    """Declares the demo's endpoints on a device and runs the sketch; the same `seed` gives the same noise."""
+    """Declares the demo's endpoints on a device and runs the sketch; the same `seed` gives the same noise.
+
+    `led` and `count` are the current values of these topics.
+    """
 
     def __init__(
         self,
@@ -112,7 +116,7 @@ class VirtualBoard:
         ]
 
     def step(self, now_s: float) -> float:
-        """Do the tasks due by `now_s` and return when to call again; missed tasks are skipped."""
+        """Do the tasks that are due at `now_s`; return when to call again. Missed repetitions are skipped."""
         for task in self._tasks:
             if task.due_s <= now_s:
                 task.action(now_s)
@@ -122,7 +126,7 @@ class VirtualBoard:
         return min(task.due_s for task in self._tasks)
 
     async def run(self) -> None:
-        """Run until cancelled, while a host is connected; each new connection gets a greeting."""
+        """Run whenever a host is connected, until cancelled; each new connection gets a log message."""
         while True:
             await self._device.wait_connected()
             async with task_beside(self._report_ready()):

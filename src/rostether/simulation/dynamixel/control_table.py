@@ -1,7 +1,7 @@
 """The control table of a DYNAMIXEL XL430-W250: its registers, their limits and factory values.
 
-Source: ROBOTIS e-Manual, XL430-W250. The registers of position and PWM control exist without an effect: a
-wheel does not need them.
+Source: ROBOTIS e-Manual, XL430-W250. The registers of position and PWM control have no effect, because wheels
+do not need them.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ RAM_START = 64
 
 
 class Register(Struct, frozen=True):
-    """One number of the table. `lowest` and `highest` limit what may be written."""
+    """One number in the table; `size` is in bytes. `lowest` and `highest` limit the values to write."""
 
     name: str
     address: int

@@ -4,6 +4,8 @@
 
 Numbers are little endian. The length counts the bytes from the instruction to the CRC. After each ff ff fd
 from the instruction to the last parameter, an additional fd is sent (byte stuffing).
+
+Source: ROBOTIS e-Manual, DYNAMIXEL Protocol 2.0.
 """
 
 from __future__ import annotations
@@ -89,10 +91,9 @@ def encode_packet(servo_id: int, instruction: int, parameters: bytes = b"") -> b
 
 
 class PacketReader:
-    """Finds packets in received bytes. `damaged` counts those with a wrong length or CRC."""
+    """Finds packets in received bytes; those with a wrong length or CRC are dropped."""
 
     def __init__(self) -> None:
-        self.damaged = 0
         self._buffer = bytearray()
 
     def feed(self, data: bytes) -> list[Packet]:
@@ -101,14 +102,14 @@ class PacketReader:
         packets: list[Packet] = []
         while self._find_header():
             length = int.from_bytes(self._buffer[5:7], "little")
-            if not 3 <= length <= MAX_LENGTH:
-                self._drop()
-                continue
+            is_valid = 3 <= length <= MAX_LENGTH
             end = _PREFIX_BYTES + length
-            if len(self._buffer) < end:
+            if is_valid and len(self._buffer) < end:
                 break
-            if crc16(self._buffer[: end - 2]) != int.from_bytes(self._buffer[end - 2 : end], "little"):
-                self._drop()
+            crc = int.from_bytes(self._buffer[end - 2 : end], "little")
+            if not is_valid or crc16(self._buffer[: end - 2]) != crc:
+                # A valid packet can begin inside the damaged one.
+                del self._buffer[0]
                 continue
             body = bytes(self._buffer[_PREFIX_BYTES : end - 2]).replace(_STUFFED + b"\xfd", _STUFFED)
             packets.append(Packet(self._buffer[4], body[0], body[1:]))
@@ -124,8 +125,3 @@ class PacketReader:
             return False
         del self._buffer[:start]
         return len(self._buffer) >= _PREFIX_BYTES
-
-    def _drop(self) -> None:
-        self.damaged += 1
-        # A valid packet can begin inside the damaged one.
-        del self._buffer[0]

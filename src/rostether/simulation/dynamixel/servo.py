@@ -30,7 +30,7 @@ ACCELERATION_RAD_S2 = 60.0
 
 
 class Servo:
-    """One servo. All times are those of the bus, in seconds."""
+    """One servo. All times are in seconds of the bus's clock; `motor` turns the wheel."""
 
     def __init__(self, servo_id: int, now_s: float) -> None:
         self.motor = WheelMotor(now_s)
@@ -49,7 +49,7 @@ class Servo:
         return self["id"]
 
     def __getitem__(self, name: str) -> int:
-        """Return a register by its name; measurements are those of the last `advance`."""
+        """Return a register's value by its name; measurements are those of the last `advance`."""
         register = BY_NAME[name]
         data = self._table[register.address : register.address + register.size]
         return int.from_bytes(data, "little", signed=register.is_signed)
@@ -72,7 +72,7 @@ class Servo:
             self._set(BY_NAME["torque_enable"], 0)
 
     def advance(self, now_s: float) -> None:
-        """Move until `now_s`, and measure."""
+        """Move up to `now_s`, and update the measurements."""
         watchdog = self["bus_watchdog"]
         stop_s = self._last_packet_s + watchdog * WATCHDOG_UNIT_S
         if watchdog > 0 and self["torque_enable"] and now_s > stop_s:
@@ -86,18 +86,18 @@ class Servo:
         self._last_packet_s = now_s
 
     def handle(self, instruction: int, parameters: bytes, now_s: float) -> tuple[int, bytes]:
-        """Execute an instruction for this servo only; return error and data of the status packet."""
+        """Execute an instruction to this servo only; return the status packet's error and data."""
         error, data = self._handle(instruction, parameters, now_s)
         return error | (ALERT if self["hardware_error_status"] else 0), data
 
     def read(self, address: int, size: int) -> tuple[int, bytes]:
-        """Return an error and the bytes of registers."""
+        """Return the error (a ServoError) and the bytes of the registers."""
         if size == 0 or address + size > TABLE_BYTES:
             return ServoError.DATA_RANGE, b""
         return ServoError.NONE, bytes(self._table[address : address + size])
 
     def write(self, address: int, data: bytes) -> int:
-        """Write complete registers, all or none; return the error."""
+        """Write complete registers, all or none; return the error (a ServoError)."""
         changes: list[tuple[Register, int]] = []
         position = 0
         while position < len(data):
@@ -189,7 +189,7 @@ class Servo:
             if register.address >= RAM_START and not register.name.startswith("present_"):
                 self._set(register, register.initial)
         self._registered = None
-        # Without power, it loses the count of its turns.
+        # A reboot loses the number of turns.
         self.motor.angle_rad %= math.tau
         self._restarting_until_s = now_s + REBOOT_S
 
@@ -224,11 +224,11 @@ class WheelMotor:
 
     @property
     def effort(self) -> float:
-        """The part of its torque that accelerates the wheel, -1 to 1."""
+        """The fraction of its torque that accelerates the wheel, -1 to 1."""
         return max(-1.0, min(1.0, (self.goal_rad_s - self.speed_rad_s) / self.acceleration_rad_s2 / 0.1))
 
     def advance(self, now_s: float) -> None:
-        """Move until `now_s`. Exact for any step, so that a busy machine changes nothing."""
+        """Move up to `now_s`. The result is exact for steps of any length, also on a busy machine."""
         step_s = max(0.0, now_s - self._time_s)
         self._time_s = max(self._time_s, now_s)
         missing = self.goal_rad_s - self.speed_rad_s

@@ -19,17 +19,17 @@ from rostether.simulation.dynamixel.servo import Servo
 
 
 class ServoBus:
-    """Servos on one line. `damage` changes each answer on its way to the controller, or drops it (b"")."""
+    """Servos on one line. `damage` may change or drop (b"") each answer on its way to the controller."""
 
     def __init__(self, ids: Sequence[int], clock: Callable[[], float]) -> None:
         self.servos = {servo_id: Servo(servo_id, clock()) for servo_id in ids}
         self.damage: Callable[[bytes], bytes] | None = None
-        self.request_count = 0
+
         self._clock = clock
         self._reader = PacketReader()
 
     def advance(self) -> None:
-        """Move all servos until now."""
+        """Move all servos up to the present time."""
         now_s = self._clock()
         for servo in self.servos.values():
             servo.advance(now_s)
@@ -40,7 +40,7 @@ class ServoBus:
         for packet in self._reader.feed(data):
             if packet.instruction == Instruction.STATUS:
                 continue
-            self.request_count += 1
+
             self.advance()
             for reply in self._handle_packet(packet, self._clock()):
                 answer += reply if self.damage is None else self.damage(reply)
@@ -68,7 +68,7 @@ class ServoBus:
             case Instruction.PING:
                 return [_status(each.id, *each.handle(Instruction.PING, b"", now_s)) for each in servos]
             case Instruction.SYNC_READ if len(parameters) > 4:
-                # Each servo waits for the answer of the one before it.
+                # Each servo waits for the answer of the previous one.
                 by_id = {servo.id: servo for servo in servos}
                 replies = []
                 for servo_id in parameters[4:]:

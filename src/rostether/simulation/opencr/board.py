@@ -26,11 +26,14 @@ from rostether.simulation.opencr.pins import pin_name, pin_number
 from rostether.simulation.simavr.board_events import BoardEvent
 from rostether.transports.pty_link import PtyLink
 
-# The last lines contain the reason for its end.
+# The last line of the program's output is the reason for its end.
 _MAX_OUTPUT_BYTES = 4096
-_MAX_LINE_BYTES = 256
+# An unfinished line must not fill the memory.
+_MAX_UNFINISHED_BYTES = 16 * 1024
+# More tones than any melody of a sketch.
 _MAX_TONES = 64
 BLUETOOTH = "bluetooth"
+# The program ends within milliseconds; after this time, it is killed.
 END_LIMIT_S = 2.0
 
 # The board measures its supply through a divider of 5.7, other pins directly; both with 10 bits at 3.3 V.
@@ -43,7 +46,7 @@ _MAX_BATTERY_V = 18.0
 
 
 class Tone(NamedTuple):
-    """A tone of the buzzer; 0 hertz is silence, 0 ms is until the next."""
+    """A tone of the buzzer; 0 hertz is silence, a length of 0 ms lasts until the next tone."""
 
     hertz: int
     length_ms: int
@@ -53,9 +56,9 @@ class OpenCrBoard(BlockClosable):
     """One board on a robot. It ends with `close`, and with this process.
 
     `address`: the link address of its USB port for `serve`. `base`: the robot. `pins`: the levels of its
-    outputs by number. `tones`: the last tones, oldest first. `watched`: the outputs whose changes are passed
-    to `on_event`, in addition to the tones, and BLUETOOTH for the lines that the sketch prints to SerialBT2.
-    `exit_message`: what the program reported before it ended.
+    outputs by number. `tones`: the last tones, oldest first. `on_event` gets the tones, and the events that
+    `watched` adds: numbers of outputs, and BLUETOOTH for the lines that the sketch prints to SerialBT2.
+    `exit_message`: the last line of the program's error output, after its end.
     """
 
     def __init__(
@@ -141,7 +144,7 @@ class OpenCrBoard(BlockClosable):
         return self._loop.time() - self._started_s
 
     def event(self, name: str, **values: object) -> BoardEvent:
-        """Return an event that happens now."""
+        """Return an event with the present time."""
         return BoardEvent(name, self.time_s, MappingProxyType(values))
 
     def set_pin(self, name: str, *, high: bool) -> None:
@@ -167,11 +170,11 @@ class OpenCrBoard(BlockClosable):
             servo.set_voltage(volts)
 
     def set_range(self, meters: float | None) -> None:
-        """Set the distance of the obstacle in front of the sonar; None removes it."""
+        """Set the distance of the obstacle in front of the sonar in meters; None removes it."""
         self._send_to_sketch(f"sonar {0 if meters is None else round(meters * _ECHO_US_PER_M)}\n")
 
     def send_remote_buttons(self, buttons: int) -> None:
-        """Send a packet of the remote control RC-100. `buttons` are bits up 1, down 2, left 4, right 8."""
+        """Send a packet of the remote control RC-100. `buttons`: the bits up 1, down 2, left 4, right 8."""
         low, high = buttons & 0xFF, buttons >> 8 & 0xFF
         _send(self._lines["OPENCR_BLUETOOTH"], bytes((0xFF, 0x55, low, low ^ 0xFF, high, high ^ 0xFF)))
 
@@ -222,7 +225,7 @@ class OpenCrBoard(BlockClosable):
             self._send_to_sketch(motion_line)
 
     def _receive_pins(self, data: bytes) -> None:
-        *lines, self._unfinished = (self._unfinished + data)[-_MAX_LINE_BYTES * 64 :].split(b"\n")
+        *lines, self._unfinished = (self._unfinished + data)[-_MAX_UNFINISHED_BYTES:].split(b"\n")
         for line in lines:
             match line.split():
                 case [b"pin", number, level]:
@@ -233,7 +236,7 @@ class OpenCrBoard(BlockClosable):
                     self._report("tone", hertz=tone.hertz, length_ms=tone.length_ms)
 
     def _receive_text(self, data: bytes) -> None:
-        *lines, self._unfinished_text = (self._unfinished_text + data)[-_MAX_LINE_BYTES * 64 :].split(b"\n")
+        *lines, self._unfinished_text = (self._unfinished_text + data)[-_MAX_UNFINISHED_BYTES:].split(b"\n")
         if BLUETOOTH in self.watched:
             for line in lines:
                 self._report(BLUETOOTH, text=line.decode(errors="replace").rstrip("\r"))
@@ -261,7 +264,7 @@ class OpenCrBoard(BlockClosable):
 
 
 def _send(line: socket.socket, data: str | bytes) -> None:
-    # A program that does not read loses bytes, as on the board.
+    # If the program does not read, the bytes are lost, as on the board.
     with contextlib.suppress(OSError):
         line.send(data.encode() if isinstance(data, str) else data)
 
@@ -271,4 +274,4 @@ def _battery_line(volts: float) -> str:
 
 
 def _motion_line(base: DriveBase) -> str:
-    return "feel " + " ".join(f"{part:.9g}" for vector in base.imu_values() for part in vector) + "\n"
+    return "motion " + " ".join(f"{part:.9g}" for vector in base.imu_values() for part in vector) + "\n"

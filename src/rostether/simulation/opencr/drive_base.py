@@ -15,14 +15,17 @@ WHEEL_SEPARATION_M = 0.160
 LEFT_ID, RIGHT_ID = 1, 2
 # The field of the simulated Earth, in tesla.
 NORTH_T, UP_T = 20e-6, -44e-6
-# While the wheels change their speed, the path of a step is nearly an arc.
+# The path during a step this short is nearly an arc, also while the wheels change their speed.
 _STEP_S = 0.005
-# After a long pause the steps are longer, so that they take no longer than 20 ms to compute.
+# After a long pause the steps are longer, so that computing them takes at most 20 ms.
 _MAX_STEPS = 200
 
 
 class DriveBase(ServoBus):
-    """Two servos on a bus and the pose: x forward at the start, y left, counterclockwise heading; no slip."""
+    """Two servos on a bus, and the robot's pose, without slip.
+
+    At the start, x points forward and y to the left; the heading is counterclockwise.
+    """
 
     def __init__(self, clock: Callable[[], float]) -> None:
         super().__init__((LEFT_ID, RIGHT_ID), clock)
@@ -44,7 +47,7 @@ class DriveBase(ServoBus):
         return (right.speed_rad_s - left.speed_rad_s) * WHEEL_RADIUS_M / WHEEL_SEPARATION_M
 
     def advance(self) -> None:
-        """Move until now."""
+        """Move up to the present time."""
         now_s = self._clock()
         span_s = now_s - self._advanced_s
         steps = max(1, min(_MAX_STEPS, math.ceil(span_s / _STEP_S)))

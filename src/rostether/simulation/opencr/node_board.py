@@ -20,7 +20,7 @@ _OUTPUTS = {
 
 
 class OpenCrNodeBoard:
-    """The board of a `SimulationNode`."""
+    """Implements `NodeBoard` for an OpenCR."""
 
     kind = "opencr"
     mcu = "stm32f746"
@@ -36,7 +36,7 @@ class OpenCrNodeBoard:
         return self._board.has_ended
 
     async def pins(self) -> dict[str, str]:
-        """Return the level of each named pin, such as `out1`."""
+        """Return the state of each pin by name, such as `in0` and `out1`."""
         outputs = {pin_name(number).removeprefix("BDPIN_"): high for number, high in self._board.pins.items()}
         shown = _OUTPUTS | outputs
         inputs = {name: f"in{level}" for name, level in self._inputs.items() if name not in shown}

@@ -1,4 +1,4 @@
-"""Compiles the runner on first use. It links libsimavr (GPL-3), so it is a separate program."""
+"""Compiles the runner on first use. The runner links libsimavr (GPL-3), so it is a separate program."""
 
 from __future__ import annotations
 
@@ -93,7 +93,7 @@ async def _compile(compiler: str, sources: Sequence[Path], fresh: str, program: 
 
 
 def missing_parts() -> str:
-    """Return why the runner cannot be compiled on this machine, empty if it can."""
+    """Return why the runner cannot be compiled on this machine; an empty text if it can."""
     try:
         _find_compiler()
     except BoardError as error:

@@ -1,4 +1,4 @@
-"""The boards that can be simulated, and their names in the runner; boards of the same kind share a name."""
+"""The boards that can be simulated, and their kinds in the runner."""
 
 from __future__ import annotations
 

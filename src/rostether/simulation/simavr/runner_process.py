@@ -16,6 +16,7 @@ T = TypeVar("T")
 
 # Much longer than the longest event (4096 bytes of memory in hexadecimal).
 MAX_LINE_BYTES = 1 << 18
+# The runner starts and answers within milliseconds on an idle machine.
 START_LIMIT_S = 20.0
 ANSWER_LIMIT_S = 20.0
 # The runner leaves its loop within a millisecond; after this time, it is killed.
@@ -37,7 +38,7 @@ class RunnerProcess:
     async def start(cls, program: Path, arguments: Sequence[str]) -> tuple[Self, list[BoardEvent]]:
         """Start a runner; return it with its first events: "ready" and the results of its first commands.
 
-        Raises BoardError.
+        Raises BoardError if it does not start in time, or with the reason that it reports.
         """
         process = await asyncio.create_subprocess_exec(
             str(program),
@@ -92,7 +93,10 @@ class RunnerProcess:
             raise BoardError(f"{line}: {event['text']}")
 
     async def wait_before_end(self, found: asyncio.Future[T], what: str, timeout_s: float) -> T:
-        """Await a future, but only while the process runs. Raises BoardError."""
+        """Return the result of a future; `what` names it in errors.
+
+        Raises BoardError if the process ends or the time is over first.
+        """
         reading = self._reading
         waited = {found} if reading is None else {found, reading}
         await asyncio.wait(waited, timeout=timeout_s, return_when=asyncio.FIRST_COMPLETED)  # type: ignore[type-var]
@@ -104,7 +108,7 @@ class RunnerProcess:
         raise BoardError(f"the simulated board sent no {what} within {timeout_s:g} s")
 
     async def wait_end(self) -> None:
-        """Wait until the runner has ended by itself."""
+        """Wait until the runner has ended."""
         if self._reading is not None:
             await asyncio.shield(self._reading)
         await self._process.wait()

@@ -76,9 +76,12 @@ class SimulatedBoard(BlockClosable):
     ) -> Self:
         """Start an ELF or HEX file on a board.
 
-        `commands` are executed before its first instruction. With `realtime=False` it runs as
-        fast as possible, with `paused` only during a `run` command, which makes runs reproducible. `seed`
+        `link` is the host's end of its serial line: a pseudo-terminal, to which `link_path` becomes a link,
+        a TCP port (`tcp_port`, 0 for a free one), or none. `uart` is the number of another UART for it.
+        `commands` are executed before the first instruction. With `realtime=False` the board runs as fast as
+        possible. With `paused` it runs only during a `run` command, which makes runs reproducible. `seed`
         sets the noise in RAM.
+
         Raises BoardError, ConfigError for an unknown board, TransportOpenError for a `link_path` in use.
         """
         kind = kind_of(board)
@@ -114,11 +117,11 @@ class SimulatedBoard(BlockClosable):
         return self._process.exit_code == 0
 
     async def send_command(self, line: str) -> None:
-        """Send a command, and wait until the board has executed it."""
+        """Send a command (docs/reference/simulated-boards.md), and wait until the board has executed it."""
         await self._process.send_command(line)
 
     async def ask(self, line: str, answer: str) -> BoardEvent:
-        """Send a command whose answer is an event; return the event."""
+        """Send a command whose answer is an event with the name `answer`; return the event."""
         answers: list[BoardEvent] = []
         with self._listening(lambda event: answers.append(event) if event.name == answer else None):
             await self.send_command(line)
@@ -129,7 +132,7 @@ class SimulatedBoard(BlockClosable):
     async def wait_for(
         self, name: str, matches: Matches = lambda _event: True, *, timeout_s: float = DEFAULT_TIMEOUT_S
     ) -> BoardEvent:
-        """Wait for the next event with a name. Raises BoardError if it does not occur in time."""
+        """Return the next event with a name that `matches`. Raises BoardError if none occurs in time."""
         found: asyncio.Future[BoardEvent] = asyncio.get_running_loop().create_future()
 
         def check(event: BoardEvent) -> None:
@@ -167,7 +170,7 @@ class SimulatedBoard(BlockClosable):
         await self.send_command(f"adc {pin}={volts:.6f}")
 
     async def set_range(self, meters: float | None) -> None:
-        """Set the distance in front of the HC-SR04; None means no obstacle."""
+        """Set the distance of the obstacle in front of the HC-SR04; None removes it."""
         await self.send_command("range none" if meters is None else f"range {meters:.6f}")
 
     async def set_attitude(self, roll: float, pitch: float, yaw: float, *, over_s: float = 0.0) -> None:
@@ -188,7 +191,7 @@ class SimulatedBoard(BlockClosable):
         return dict((await self.ask("pins", "pins")).values)
 
     async def wait_for_pin(self, pin: str, level: bool, *, timeout_s: float = DEFAULT_TIMEOUT_S) -> None:
-        """Wait until a pin has a level, if it does not already have it. Watches the pin from then on."""
+        """Wait until a pin has a level, and watch the pin from then on. Raises BoardError."""
         await self.send_command(f"watch {pin}")
         if self._levels.get(pin) != level:
             await self.wait_for(
@@ -209,7 +212,7 @@ class SimulatedBoard(BlockClosable):
         return (await self.servo_pulse_us(pin) - 544.0) * 180.0 / (2400.0 - 544.0)
 
     async def set_faults(self, faults: str) -> None:
-        """Add faults to the line: `flip=0.01,to:drop=0.001,seed=3`, or `none`."""
+        """Set the faults of the line, such as `flip=0.01,to:drop=0.001,seed=3`, or `none`."""
         await self.send_command(f"fault {faults}")
 
     async def reset(self) -> None:
@@ -225,7 +228,10 @@ class SimulatedBoard(BlockClosable):
         await self.send_command(f"send {data.hex()}")
 
     async def run(self, duration: str | int, *, timeout_s: float = 60.0) -> None:
-        """Run for cycles, or for `"20ms"` of the board's time, then pause."""
+        """Run for a number of cycles or a time such as `20ms`, then pause; return after that.
+
+        `timeout_s` is in real time. Raises BoardError.
+        """
         async with task_beside(self.wait_for("stopped", timeout_s=timeout_s)) as found:
             await asyncio.sleep(0)
             await self.send_command(f"run {duration}")
@@ -236,16 +242,22 @@ class SimulatedBoard(BlockClosable):
         return int((await self.ask("cycles", "cycles"))["cycles"])
 
     async def memory(self, location: str, count: int | None = None) -> bytes:
-        """Read RAM at a symbol of the program, or at an address (`"0x100"`)."""
+        """Return RAM at a symbol of the program, or at an address such as `0x100`.
+
+        The default of `count` is the size of the symbol, or one byte at an address.
+        """
         answer = await self.ask(f"memory {location}{'' if count is None else f' {count}'}", "memory")
         return bytes.fromhex(answer["data"])
 
     async def free_stack_bytes(self) -> int:
-        """Return the number of bytes between heap and stack that were never used since power-up."""
+        """Return the number of bytes between heap and stack that were never used since power-up.
+
+        Raises BoardError for a program without symbols.
+        """
         return int((await self.ask("stack", "stack"))["free_bytes"])
 
     async def guard(self, location: str) -> None:
-        """Report each write into a symbol or `0x100..0x180` from now on, as "guarded_write"."""
+        """Report each write to a symbol, or to a range such as `0x100..0x180`, as "guarded_write"."""
         await self.send_command(f"guard {location}")
 
     async def close(self) -> None:

@@ -1,6 +1,6 @@
-"""A simulated board on the graph: its pins as a topic, and commands that change its surroundings.
+"""The node of a simulated board: its pins as a topic, and commands that change its environment.
 
-`~state` is JSON for web pages, `~command` accepts the commands of docs/reference/simulated-boards.md.
+`~state` is JSON for web pages; `~command` accepts commands of docs/reference/simulated-boards.md.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ PERIOD_S = 0.1
 class NodeBoard(Protocol):
     """A board as the node uses it. Its methods raise BoardError.
 
-    `commands`: those that every node may use; others read memory, open connections or end the board.
+    `commands` may come from every node on the graph; others read memory, open connections or end the board.
     """
 
     kind: str
@@ -57,10 +57,10 @@ class NodeBoard(Protocol):
 
 
 class SimulationNode:
-    """The node of one board; `commands` are those that it was started with.
+    """The node of one board; `commands` are those with which the board was started.
 
-    `max_volts`: the limit of analog inputs. `has_servo_pins`: whether each output may have a servo.
-    `on_command` is called with each command from the graph that the board has executed.
+    `max_volts` is the limit of analog inputs. `has_servo_pins`: whether each output may have a servo.
+    `on_command` gets each command from the graph that the board has executed.
     """
 
     def __init__(

@@ -2,8 +2,8 @@
 
 802.15.4 at 2.4 GHz: 250 kbit/s for all radios of a channel together. A radio waits for a free channel, sends,
 and expects an acknowledgement; without one it sends again, at most 3 times (more with RR). The packet or its
-acknowledgement may be lost. A radio in Digi's MAC mode (MM=0) drops a packet that it already has; others
-deliver it twice.
+acknowledgement may be lost. In Digi's MAC modes (MM=0 and 3), a radio drops a packet that it already has; in
+others it delivers the packet twice.
 """
 
 from __future__ import annotations
@@ -32,8 +32,8 @@ _DELIVERED = 0x00
 class AirConditions(Struct, frozen=True):
     """The conditions of transmissions.
 
-    `loss` is the probability that a transmission or its acknowledgement is lost, `repeat` that a packet
-    arrives twice. `delay_s` delays each packet, `rssi_dbm` is its signal strength at the receiver.
+    `loss` is the probability that a transmission or an acknowledgement is lost. `repeat` is the probability
+    that a packet arrives twice. `delay_s` delays each packet; `rssi_dbm` is its signal strength.
     """
 
     loss: float = 0.0
@@ -43,7 +43,7 @@ class AirConditions(Struct, frozen=True):
 
 
 class AirCounts(Struct):
-    """Counts since the start; `lost_packets` are those whose last retry failed."""
+    """Counts since the start; `lost_packets` arrived in none of their transmissions."""
 
     packets: int = 0
     transmissions: int = 0

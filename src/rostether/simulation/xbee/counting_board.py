@@ -1,4 +1,4 @@
-"""A board behind a simulated radio: it counts on a topic, and shows the state of its LED."""
+"""A board behind a simulated radio: it publishes a counter and has an LED."""
 
 from __future__ import annotations
 
@@ -19,7 +19,10 @@ _UNO = DeviceLinkConfig(
 
 
 class CountingBoard:
-    """Publishes a counter on `NAME/count` (std_msgs/UInt32); `NAME/led` (std_msgs/Bool) switches its LED."""
+    """Publishes a counter on `NAME/count` (std_msgs/UInt32); `NAME/led` (std_msgs/Bool) switches its LED.
+
+    `published` and `led_changes` are counts since the start.
+    """
 
     def __init__(
         self, name: str, transport: Transport, *, rate_hz: float, store: TypeStore | None = None

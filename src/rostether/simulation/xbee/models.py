@@ -13,7 +13,7 @@ from msgspec import Struct
 
 BAUD_RATES = (1200, 2400, 4800, 9600, 19200, 38400, 57600, 115200)
 
-# Name: factory setting, largest value. Read-only ones have no largest value.
+# Name: factory setting, largest value. Read-only registers have no largest value.
 _COMMON: dict[str, tuple[int, int | None]] = {
     "AP": (0, 2),
     "BD": (3, len(BAUD_RATES) - 1),
@@ -42,7 +42,7 @@ _SHORT_ADDRESSES: dict[str, tuple[int, int | None]] = {
 
 
 class Model(Struct, frozen=True):
-    """A kind of radio: its registers, and how its packets travel."""
+    """A kind of radio: its registers, the largest payload of a packet, and whether it forms a mesh."""
 
     name: str
     hardware: int

@@ -57,7 +57,10 @@ class Transmission(Struct, frozen=True):
 
 
 class SimulatedRadio:
-    """A radio with its serial number (64-bit address), in its factory settings."""
+    """A radio with its serial number (its 64-bit address), at first with factory settings.
+
+    `outgoing` are the packets to send; the first one is in the air.
+    """
 
     def __init__(self, model: Model, serial_number: int) -> None:
         self.model = model
@@ -91,7 +94,7 @@ class SimulatedRadio:
         return data
 
     def get_timer(self) -> float | None:
-        """Return when `handle_timer` is due."""
+        """Return when `handle_timer` is due, None if it is not."""
         return self._due_s
 
     def serial_received(self, data: bytes, now_s: float) -> None:
@@ -238,8 +241,6 @@ class SimulatedRadio:
             case 0x10 if len(frame) >= 14:
                 destination = int.from_bytes(frame[2:10], "big")
                 self._queue_packet(frame_id, destination, frame[14:], is_long=True, is_mesh_frame=True)
-            case _:
-                return
 
     def _queue_packet(
         self,

@@ -54,13 +54,13 @@ class RadioPort(SmallWriter):
             self._loop.call_at(self._in_free_s, self._transport.resume_reading)
 
     def connection_lost(self, error: TransportError | None) -> None:
-        """Stop."""
+        """Stop passing bytes."""
         self._is_closed = True
 
     def update(self, baud: int | None = None) -> None:
         """Send the radio's data for its host and for other radios, and set its timer.
 
-        `baud` is the speed for its host, if that has just changed: the answer to ATCN still has the old one.
+        `baud` is the speed before a change: the answer to ATCN is still sent at the previous speed.
         """
         if data := self.radio.serial_to_send():
             self._out_free_s = max(self._out_free_s, self._loop.time()) + self._line_s(data)

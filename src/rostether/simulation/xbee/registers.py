@@ -44,7 +44,7 @@ class Registers:
         return _NO_VALUE
 
     def apply(self) -> None:
-        """Apply the new values."""
+        """Use the values that were set since the last call."""
         self._used = dict(self._set)
 
     def as_bytes(self, command: str, value: int | None) -> bytes:

@@ -1,4 +1,4 @@
-// virtual_board: the board of `rostether demo`, with an HC-SR04 and an LED. It drives a circle, as far as odometry knows.
+// virtual_board: the board of `rostether demo`, with an HC-SR04 and an LED. Its odometry is a circle.
 //
 // Wiring:  LED - pin 13; HC-SR04 VCC - 5V, GND - GND, Trig - pin 6, Echo - pin 5.
 // Topics:  ultrasound, led, count and /tf out; toggle_led in. Service: set_led. Parameter: ~blink_hz.
@@ -23,7 +23,7 @@ const unsigned long PERIOD_MS = 50;           // of the sensor and of /tf
 const unsigned long SLOW_PERIOD_MS = 1000;    // of led and count
 const unsigned long LONGEST_ECHO_US = 25000;  // there and back over 4 m
 const float SPEED_OF_SOUND = 343.0e-6;        // meters in a microsecond, at 20 degrees Celsius
-const float LAP_S = 20.0;                     // one circle of 1 m radius
+const float LAP_S = 20.0;                     // for a circle of 1 m radius
 const int MAX_BLINK_HZ = 50;
 
 ros::NodeHandle nh;
@@ -41,7 +41,7 @@ tf::tfMessage tf_msg;
 ros::Publisher pub_tf("/tf", &tf_msg);
 
 unsigned long measured_ms, slow_ms, blinked_ms;
-unsigned long blink_period_ms = 0;  // half of one on and off; 0 for no blinking
+unsigned long blink_period_ms = 0;  // from one change of the LED to the next; 0: no blinking
 bool was_connected = false;
 
 void setLed(bool on) {
@@ -64,7 +64,7 @@ void serveSetLed(const SetBool::Request& request, SetBool::Response& response) {
 ros::Subscriber<std_msgs::Empty> sub_toggle("toggle_led", &toggleLed);
 ros::ServiceServer<SetBool::Request, SetBool::Response> set_led("set_led", &serveSetLed);
 
-// The time at which the echo pin no longer has a level; 0 when it keeps it.
+// Returns the time at which the echo pin leaves a level; 0 if it does not.
 unsigned long endOf(int level) {
   const unsigned long began_us = micros();
   while (digitalRead(ECHO) == level) {
@@ -73,9 +73,9 @@ unsigned long endOf(int level) {
   return micros();
 }
 
-// Meters; infinite when no echo came back.
+// Returns meters; infinity if there is no echo.
 float measureRange() {
-  digitalWrite(TRIG, HIGH);  // ten microseconds make it send
+  digitalWrite(TRIG, HIGH);  // a pulse of ten microseconds starts the measurement
   delayMicroseconds(10);
   digitalWrite(TRIG, LOW);
   const unsigned long sent_us = endOf(LOW);
