@@ -47,10 +47,11 @@ _PLATFORM = ("arduino", "avr")
 
 @dataclass(frozen=True, slots=True)
 class Board:
-    """One board with its processor chosen.
+    """One board with one of its processors.
 
-    `properties` are those of boards.txt without the board's prefix. `flash_bytes` is the flash without the
-    bootloader. Both sizes are 0 if only arduino-cli knows them.
+    `flash_bytes` is the flash without the bootloader. Both sizes are 0 if only arduino-cli knows them.
+    `needs_touch`: opening its port at 1200 baud starts the bootloader. `usb_ids` are pairs of vendor and
+    product. `properties` are those of boards.txt without the board's prefix.
     """
 
     name: str
@@ -67,7 +68,7 @@ class Board:
 
     @property
     def is_avr(self) -> bool:
-        """Whether it is a board of the AVR core, which Debian's compiler builds for."""
+        """Whether it is a board of the AVR core, for which avr-gcc builds."""
         return bool(self.mcu)
 
 
@@ -82,7 +83,7 @@ class BoardTable:
     def find(self, name: str) -> Board:
         """Return a board by name (`uno`), with its processor (`nano:atmega328old`) or by FQBN.
 
-        Raises ConfigError, which lists known boards.
+        Raises ConfigError, which lists known boards or processors.
         """
         board, _, processor = name.removeprefix(":".join(_PLATFORM) + ":").partition(":")
         alias = _ALIASES.get(_plain(board), board)

@@ -11,14 +11,16 @@ from rostether.firmware.boards import Board
 from rostether.firmware.libraries import Origin
 from rostether.firmware.sketch import Sketch
 
+# Servo, the other library of simulated boards, also works on real ones.
 _ONLY_SIMULATED = ("Ethernet",)
 
 
 class BuildOptions(Struct, frozen=True):
     """Options of a build besides the sketch and the board.
 
-    `libraries` are folders of one library or of several; `warnings` turns on compiler warnings for the
-    sketch; `show` gets every command line.
+    `libraries` are folders of one library or of several; `msg_paths` are folders with message definitions;
+    `defines` are macros, `NAME` or `NAME=VALUE`; `warnings` turns on compiler warnings for the sketch; `show`
+    gets every command line.
     """
 
     libraries: tuple[Path, ...] = ()

@@ -23,8 +23,9 @@ from rostether.mechanisms.user_folders import Kind, user_folder
 
 # The objects of a core need 1 MB for each board, those of a sketch about 300 KB.
 MAX_CACHE_BYTES = 256 * 1024 * 1024
-
+# Well below the limit, so that the next builds need no pruning.
 PRUNE_TO_BYTES = MAX_CACHE_BYTES * 3 // 4
+# Measuring the cache reads the state of every file in it.
 PRUNE_INTERVAL_S = 3600.0
 # Files used in the last hour are always kept: a parallel build may need them for linking.
 RECENT_S = 3600.0
@@ -39,8 +40,8 @@ def cache_folder() -> Path:
 
 
 def digest(*parts: object) -> str:
-    """Return the hash of content: 32 hexadecimal digits."""
-    text = json.dumps([str(part) if isinstance(part, Path) else part for part in parts], default=str)
+    """Return the hash of values: 32 hexadecimal digits."""
+    text = json.dumps(parts, default=str)
     return hashlib.sha256(text.encode("utf-8", "surrogateescape")).hexdigest()[:32]
 
 
@@ -56,7 +57,7 @@ class BuildCache:
         return self.folder / kind / key[:2] / key[2:] / name
 
     def find(self, kind: str, key: str, name: str) -> Path | None:
-        """Return an existing file, and mark it as used."""
+        """Return a file and mark it as used; None if it does not exist."""
         path = self.path(kind, key, name)
         try:
             os.utime(path)
@@ -87,7 +88,7 @@ class BuildCache:
             shutil.rmtree(folder, ignore_errors=True)
 
     def write_text(self, kind: str, key: str, name: str, text: str) -> Path:
-        """Store a text under a key if it is missing."""
+        """Store a text under a key if it is missing; return its path. Raises FirmwareError."""
         found = self.find(kind, key, name)
         if found is None:
             with self.filling(kind, key) as folder:
@@ -126,7 +127,7 @@ class BuildCache:
         Path(temporary).replace(path)
 
     def file_digest(self, file: Path) -> str:
-        """Return the hash of a file's content; read once in a build."""
+        """Return the hash of a file's content, which is read only once in a build. Raises OSError."""
         name = str(file)
         if name not in self._digests:
             self._digests[name] = hashlib.sha256(file.read_bytes()).hexdigest()[:32]
@@ -171,7 +172,7 @@ class BuildCache:
 
 
 def _measure(entry: Path) -> tuple[float, int, Path]:
-    """Return the time of last use of an entry, and its size."""
+    """Return the time of last use of an entry, its size, and the entry."""
     used_s, size = 0.0, 0
     for path in [entry, *entry.rglob("*")]:
         with contextlib.suppress(OSError):

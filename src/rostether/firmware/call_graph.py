@@ -12,9 +12,8 @@ from rostether.firmware.avr_pointers import PLAIN, UNKNOWN, table_functions
 from rostether.firmware.elf import DATA, FUNCTION, ElfFile, Symbol
 from rostether.firmware.stack_walk import Code, Walk, walk
 
+# The bits of the ELF file's flags with the architecture, and avr6: its program counters have 22 bits.
 _MACHINE_FLAGS = 0x7F
-
-# avr6: 22 bits of program counter.
 _LARGE_FLASH = 6
 _VECTOR = re.compile(r"__vector_\d+")
 _CONSTRUCTORS = "_GLOBAL__sub_I_"
@@ -32,7 +31,10 @@ _LOAD_WINDOW = 4
 
 
 class CallGraph:
-    """Functions by their entry. A call through a pointer may reach any function whose address is taken."""
+    """The functions of a program, by the byte address of their first instruction (their entry).
+
+    A call through a pointer may reach any function whose address is taken.
+    """
 
     def __init__(self, elf: ElfFile) -> None:
         self._elf = elf

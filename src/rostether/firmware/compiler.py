@@ -93,7 +93,10 @@ class Compiler:
         return Compiled(self._cache.path("objects", content, "unit.o"), files, output)
 
     async def scan(self, sources: Sequence[Path], includes: Sequence[Path]) -> Scan:
-        """Return the files that sources include; missing headers are listed as written in the source."""
+        """Return the files that sources include; missing headers are listed as written in the source.
+
+        Raises SketchError with the compiler's output.
+        """
         base = [each for each in self._recipe("cpp.o", "none") if each not in _OUTPUT_FLAGS]
         arguments = self._fill(base, None, includes)
         arguments = [each for each in arguments if each != "{source_file}"]
@@ -121,7 +124,7 @@ class Compiler:
         return None if code else output
 
     async def archive(self, objects: Sequence[Path]) -> Path:
-        """Return an archive of objects; the linker uses only the needed ones."""
+        """Return an archive of objects; the linker uses only the needed ones. Raises SketchError."""
         key = digest("archive", self._toolchain.identity, objects)
         found = self._cache.find("archives", key, "core.a")
         if found is not None:

@@ -12,18 +12,19 @@ from typing import IO
 
 from rostether.errors import FirmwareError
 
-# The largest firmware of these microcontrollers has a tenth of these numbers.
+# Ten times the numbers of the largest firmware of these microcontrollers.
 MAX_FILE_BYTES = 64 * 1024 * 1024
 MAX_ATTRIBUTES = 20_000_000
 MAX_LINES = 5_000_000
-# The limit of a line program: a few thousand files.
+# The header of a line program with a few thousand files.
 _MAX_HEADER_BYTES = 1024 * 1024
+# The version of DWARF whose header has these tables, and its codes for the forms of values.
 _VERSION = 5
 _DATA1, _DATA2, _DATA4, _DATA8, _DATA16 = 0x0B, 0x05, 0x06, 0x07, 0x1E
 _STRING, _BLOCK, _UDATA = 0x08, 0x09, 0x0F
 _STRP, _LINE_STRP = 0x0E, 0x1F
 _SIZES = {_DATA1: 1, _DATA2: 2, _DATA4: 4, _DATA8: 8, _DATA16: 16, _STRP: 4, _LINE_STRP: 4}
-# The fields before the length of the opcode table.
+# The offset of the length of the opcode table, after fields of fixed size.
 _OPCODE_BASE = 17
 
 
@@ -34,10 +35,10 @@ class Budget:
         self._left = limit
 
     def spend(self, count: int) -> bool:
-        """Return True. Raises FirmwareError if the budget is used up."""
+        """Return True, for use in conditions. Raises FirmwareError if the budget is used up."""
         self._left -= count
         if self._left < 0:
-            raise FirmwareError("the debugging information is larger than that of any firmware")
+            raise FirmwareError("the debugging information is damaged or too large; build it again")
         return True
 
 
@@ -61,7 +62,7 @@ class _Cursor:
         self._offset = offset
 
     def skip_table(self) -> bool:
-        """Skip a table; False if its entries have no bytes or an unknown size."""
+        """Skip a table; return False if its entries have no bytes or an unknown size."""
         forms = []
         for _ in range(self._byte()):
             self._number()

@@ -38,7 +38,7 @@ DATA, FUNCTION = 1, 2
 _MAGIC = b"\x7fELF\x01\x01"
 _WRITABLE, _ALLOCATED = 1, 2
 _RESERVED_INDEX = 0xFF00
-# Internal labels of compiler and assembler, such as .L12 and L0\x01; newer binutils for AVR keep them.
+# Internal labels of compilers and assemblers, such as .L12 and L0\x01; newer binutils for AVR keep them.
 _OWN_LABEL = re.compile(r"\.L|L\d+[\1\2]")
 # avr-gcc places EEPROM, fuses and lock bits at addresses from here on: they are neither flash nor RAM.
 _AVR_NO_MEMORY = 0x810000
@@ -86,7 +86,7 @@ class CodeRange(Struct, frozen=True):
 
 
 class Variable(Struct, frozen=True):
-    """A variable with a fixed address; `type_name` without const and reference, with its namespaces."""
+    """A variable with a fixed address; `type_name` has namespaces, but no const and no reference."""
 
     name: str
     address: int
@@ -126,7 +126,7 @@ class ElfFile:
             raise FirmwareError(read_failure(path, error)) from None
 
     def section(self, name: str) -> Section | None:
-        """Return a section by name."""
+        """Return a section by name, None if it does not exist."""
         return next((each for each in self.sections if each.name == name), None)
 
     def data(self, name: str) -> bytes:

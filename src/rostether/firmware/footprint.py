@@ -78,7 +78,7 @@ class Footprint(Struct, frozen=True):
         return not self.refusals()
 
     def refusals(self) -> list[str]:
-        """Return the reasons why the program does not fit the board, one line each."""
+        """Return the reasons why the program does not fit in the board's memory, one line each."""
         lines = []
         if self.board.flash_bytes and self.flash_bytes > self.board.flash_bytes:
             over = self.flash_bytes - self.board.flash_bytes
@@ -89,8 +89,8 @@ class Footprint(Struct, frozen=True):
         if self.board.ram_bytes and self.ram_bytes > self.board.ram_bytes:
             over = self.ram_bytes - self.board.ram_bytes
             lines.append(
-                f"variables of {self.ram_bytes} bytes do not fit the {self.board.ram_bytes} bytes of RAM of "
-                f"{self.board.title}: {over} too many; {self._advice('ram_bytes')}"
+                f"variables of {self.ram_bytes} bytes do not fit in the {self.board.ram_bytes} bytes of RAM "
+                f"of {self.board.title}: {over} too many; {self._advice('ram_bytes')}"
             )
         return lines
 

@@ -16,7 +16,7 @@ from rostether.errors import ConfigError
 from rostether.firmware.properties import parse_properties
 from rostether.firmware.sketch import SOURCE_SUFFIXES
 
-# The IDE's index has about 8000 libraries; a larger folder is not a folder of libraries.
+# Users install at most a few hundred libraries; a folder with more folders than this is another one.
 MAX_LIBRARIES = 2000
 
 _HEADER_SUFFIXES = (".h", ".hh", ".hpp")
@@ -36,7 +36,7 @@ class Origin(StrEnum):
 
 
 class Library(Struct, frozen=True):
-    """A library's folder, and its include folders."""
+    """A library. `is_recursive`: its sources are at any depth of its only include folder."""
 
     name: str
     folder: Path

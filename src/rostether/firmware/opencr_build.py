@@ -1,4 +1,4 @@
-"""Sketches for the board OpenCR as Linux programs, which the simulated board runs."""
+"""Builds sketches for the board OpenCR as Linux programs, which the simulated board runs."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from rostether.mechanisms.program import run_program
 
 _COMPILER = "g++"
 
-# Simulated servos answer late on a busy machine.
+# The time limit of servos is long, because simulated servos answer late on a busy machine.
 FLAGS = (
     *("-std=gnu++11", "-O1", "-Wall", "-Wextra"),
     *("-DARDUINO=10819", "-D__OPENCR__", "-DDYNAMIXEL_TIMEOUT_US=200000"),

@@ -39,7 +39,7 @@ class RosLibrary:
 
     @cached_property
     def registry(self) -> Registry:
-        """The definitions known here."""
+        """The definitions of `msg_paths`, of ROS_PACKAGE_PATH, and those in rostether."""
         from rostether.msgdef.registry import Registry
 
         return Registry.from_environment(msg_paths=self._msg_paths)

@@ -21,7 +21,7 @@ _INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]*[<"]([^>"\n]+)[>"]', re.MULTI
 
 
 class Sketch(Struct, frozen=True):
-    """`inos` in the order in which they are joined; `sources` are compiled separately.
+    """The files of a sketch: `inos` in the order in which they are joined, and separate `sources`.
 
     `owns_folder` is false for a sketch in a folder of other files: it owns only the sources whose headers it
     includes.

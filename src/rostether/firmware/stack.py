@@ -17,7 +17,7 @@ from rostether.firmware.elf import ElfFile
 # About half a second of search. Only programs with many nested callbacks have more paths.
 MAX_PATHS = 50_000
 
-# One of two similar callbacks may already be on the path.
+# One of the two kept callbacks may already be on the path; then the other is used.
 _KEPT_PER_SHAPE = 2
 # The node handle limits the recursion of its own functions.
 _BOUNDED = "_ZN3ros"
@@ -170,7 +170,7 @@ def _unknown(graph: CallGraph, elf: ElfFile) -> list[str]:
         if calls_itself and not graph.name(entry).startswith(_BOUNDED):
             found.append(f"{graph.name(entry)} calls itself")
         if here.is_unknown:
-            found.append(f"{graph.name(entry)} allocates a computed amount")
+            found.append(f"{graph.name(entry)} needs an amount of stack that is computed at run time")
     if any(graph.walk(each).enables_interrupts for each in graph.reachable(graph.interrupts)):
         found.append("an interrupt handler enables interrupts")
     if any(each.name == "malloc" for each in elf.symbols):

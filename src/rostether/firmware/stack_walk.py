@@ -15,7 +15,7 @@ from msgspec import Struct, field
 from rostether.firmware.avr_code import Instruction, Op, decode
 from rostether.firmware.avr_pointers import pointer_kind, table_of_jump
 
-# More than any AVR has; it stops the walk in code that pushes in a loop.
+# More than the RAM of any AVR; it stops the walk in code that pushes in a loop.
 MAX_DEPTH_BYTES = 65536
 
 _FRAME_POINTER = 28
@@ -29,9 +29,10 @@ _TABLE_JUMP = "__tablejump"
 
 
 class Walk(Struct):
-    """The result: the deepest stack of the code itself, its calls and the stack at each call.
+    """The stack use of one function: its own deepest stack, and its calls with the stack at each.
 
-    `indirect` has the calls through pointers, by the result of `pointer_kind`.
+    `calls` has the targets; `indirect` the calls through pointers, by the result of `pointer_kind`.
+    `is_unknown`: the stack pointer gets a value that is computed at run time.
     """
 
     depth_bytes: int = 0
@@ -77,7 +78,7 @@ _State = tuple[int, int | None]
 
 
 def walk(code: Code, entry: int) -> Walk:
-    """Follow a function from its entry."""
+    """Return the stack use of the function at an entry."""
     return _Walker(code, entry).run()
 
 

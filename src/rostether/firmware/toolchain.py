@@ -38,7 +38,7 @@ _DEBUG_FLAG = "-gdwarf-2"
 
 
 class AvrToolchain(Struct, frozen=True, dict=True):
-    """A compiler and a compatible core."""
+    """The folders of a compiler's programs and of a compatible core."""
 
     tools: Path
     core: Path
@@ -95,7 +95,7 @@ def find_avr_toolchain(
 ) -> AvrToolchain:
     """Return the compiler on PATH or in an Arduino installation, and the first core that exists.
 
-    Raises FirmwareError that names the packages to install.
+    Raises FirmwareError, which names the packages to install.
     """
     path = (os.environ if environ is None else environ).get("PATH")
     compiler = shutil.which("avr-g++", path=path)
@@ -109,7 +109,7 @@ def find_avr_toolchain(
 
 
 def find_arduino_cli(reason: str, environ: Mapping[str, str] | None = None) -> str:
-    """Return the path of arduino-cli. Raises FirmwareError with the reason why it is needed."""
+    """Return the path of arduino-cli. Raises FirmwareError; `reason` is what needs it, such as a build."""
     program = shutil.which("arduino-cli", path=(os.environ if environ is None else environ).get("PATH"))
     if program is None:
         raise FirmwareError(

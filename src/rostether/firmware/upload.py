@@ -33,9 +33,9 @@ TOUCH_LIMIT_S = 10.0
 # If the port does not disappear in this time, the board was already in its bootloader.
 _STAYED_S = 5.0
 _POLL_S = 0.1
-# udev gives a new port its group only after it is there.
+# udev sets the group of a new port a moment after the port appears.
 _SETTLE_S = 0.25
-_INSTALL_AVRDUDE = "no avrdude on PATH; run: sudo apt install avrdude"
+# The errors of avrdude when no bootloader answers.
 _SILENT = ("not in sync", "not responding", "programmer is not", "timeout", "unable to open programmer")
 
 
@@ -108,10 +108,10 @@ async def upload(
 
 
 async def _find_avrdude(port: str, list_ports: ListPorts = list_serial_ports) -> str:
-    """Return the path of avrdude, if it can use the port."""
+    """Return the path of avrdude. Raises FirmwareError or TransportOpenError if it cannot use the port."""
     program = shutil.which("avrdude")
     if program is None:
-        raise FirmwareError(_INSTALL_AVRDUDE)
+        raise FirmwareError("no avrdude on PATH; run: sudo apt install avrdude")
     # Runs in a thread, because finding the program that uses the port reads /proc.
     await asyncio.to_thread(check_port, port, list_ports)
     return program
@@ -128,7 +128,7 @@ def avrdude_command(program: str, board: Board, port: str, image: Path) -> list[
 
 
 def check_port(port: str, list_ports: ListPorts = list_serial_ports) -> None:
-    """Raise TransportOpenError if a port is missing, busy, or not permitted."""
+    """Raise TransportOpenError if a port cannot be opened, FirmwareError if another program uses it."""
     if sys.platform == "win32":
         return
     try:
@@ -142,7 +142,10 @@ def check_port(port: str, list_ports: ListPorts = list_serial_ports) -> None:
 
 
 async def touch(port: str, list_ports: ListPorts = list_serial_ports, limit_s: float = TOUCH_LIMIT_S) -> str:
-    """Make a board with native USB enter its bootloader; return the bootloader's port."""
+    """Make a board with native USB enter its bootloader; return the bootloader's port.
+
+    Raises FirmwareError if no bootloader appears in time, OSError if the port cannot be opened.
+    """
     loop = asyncio.get_running_loop()
     before = {each.path for each in list_ports()}
     await _open_at_touch_baud(port)

@@ -56,7 +56,7 @@ def test_tables_that_are_not_in_the_file_are_refused(tables: bytes) -> None:
 def test_a_budget_ends() -> None:
     budget = Budget(3)
     assert budget.spend(3)
-    with pytest.raises(FirmwareError, match="larger than that of any firmware"):
+    with pytest.raises(FirmwareError, match="damaged or too large; build it again"):
         budget.spend(1)
 
 

@@ -112,7 +112,7 @@ async def test_what_does_not_fit_is_refused_with_the_largest_name(tmp_path: Path
     assert re.match(
         r"\d+ bytes of flash do not fit: Arduino UNO has 1000 for programs, \d+ fewer; the largest is", flash
     )
-    assert re.match(r"variables of \d+ bytes do not fit the 200 bytes of RAM", ram)
+    assert re.match(r"variables of \d+ bytes do not fit in the 200 bytes of RAM", ram)
     assert "the largest is Serial of Serial (157 bytes)" in ram
 
 

@@ -106,7 +106,7 @@ async def test_the_shared_prologues_of_the_c_library_are_understood(tmp_path: Pa
         (
             "volatile int n;\nvoid setup() { volatile char* p = (char*)__builtin_alloca(n); p[n] = 1; }\n"
             "void loop() {}\n",
-            "allocates a computed amount",
+            "needs an amount of stack that is computed at run time",
         ),
         ("String s;\nvoid setup() { s += millis(); Serial.print(s); }\nvoid loop() {}\n", "the heap"),
         (

@@ -84,7 +84,7 @@ def test_what_the_board_cannot_take_fails(shell: Shell, tmp_path: Path) -> None:
         tmp_path, "Big", "volatile char big[3000];\nvoid setup() { big[0] = big[1]; }\nvoid loop() {}\n"
     )
     line = shell.failure("firmware", "build", "Big")
-    assert re.match(r"variables of \d+ bytes do not fit the 2048 bytes of RAM of Arduino UNO", line)
+    assert re.match(r"variables of \d+ bytes do not fit in the 2048 bytes of RAM of Arduino UNO", line)
     assert "the largest is big of your sketch (3000 bytes); see `rostether firmware size`" in line
     assert "big" in shell.output("firmware", "build", "Big", "--board", "mega").lower()
 

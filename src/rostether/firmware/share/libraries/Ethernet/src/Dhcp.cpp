@@ -1,4 +1,4 @@
-// An address by DHCP (RFC 2131): one request, kept for as long as the sketch runs.
+// Gets an address by DHCP (RFC 2131); the sketch keeps it for as long as it runs.
 #include <string.h>
 
 #include "Ethernet.h"
@@ -23,7 +23,7 @@ void pad(EthernetUDP& udp, uint16_t count) {
 
 void send(EthernetUDP& udp, const uint8_t* mac, uint8_t kind, const Answer& offer) {
   udp.beginPacket(IPAddress(255, 255, 255, 255), kServerPort);
-  // A request, on Ethernet, with 6 bytes of address; the answer as a broadcast.
+  // A request on Ethernet with a hardware address of 6 bytes; the flag 0x80 asks for the answer as a broadcast.
   const uint8_t begin[] = {1, 1, 6, 0, kTransaction[0], kTransaction[1], kTransaction[2], kTransaction[3], 0, 0, 0x80, 0};
   udp.write(begin, sizeof begin);
   pad(udp, 28 - sizeof begin);
@@ -99,7 +99,7 @@ int EthernetClass::begin(uint8_t* mac, unsigned long timeout_ms, unsigned long r
   udp.stop();
   if (!done) return 0;
   begin(mac, IPAddress(answer.ip), IPAddress(answer.dns), IPAddress(answer.router), IPAddress(answer.mask));
-  // Sketches may go on with the chip itself.
+  // Sketches may then use the chip directly.
   startChip();
   return 1;
 }

@@ -7,10 +7,10 @@ const uint8_t kStop = 2;
 const uint8_t kIsConnected = 1;
 const uint8_t kHasByte = 2;
 const uint8_t kHasRoom = 4;
-// As long as Arduino's library waits; the sketch stops during this time.
+// As long as Arduino's library waits; the sketch is blocked during this time.
 const unsigned long kTimeoutMs = 1000;
 
-// A byte that was peeked: the chip cannot return it to its queue.
+// The byte that `peek` has read, -1 for none: the chip cannot put it back.
 int peeked = -1;
 
 bool wait_for(uint8_t flag) {

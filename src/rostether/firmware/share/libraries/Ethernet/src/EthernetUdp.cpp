@@ -6,7 +6,7 @@
 namespace {
 
 const uint8_t kNone = MAX_SOCK_NUM;
-// The port a socket has while it is open; 0: it is free.
+// The local port of each socket; 0 if the socket is free.
 uint16_t ports[MAX_SOCK_NUM];
 
 }  // namespace
@@ -81,17 +81,17 @@ int EthernetUDP::endPacket() {
   return (flags & SnIR::SEND_OK) != 0;
 }
 
-void EthernetUDP::take(uint8_t* bytes, uint16_t count) {
+void EthernetUDP::receive(uint8_t* bytes, uint16_t count) {
   W5100.recv_data_processing(socket_, bytes, count);
   W5100.execCmdSn(socket_, Sock_RECV);
 }
 
 int EthernetUDP::parsePacket() {
-  // The unread bytes of the last one.
+  // Skip the unread bytes of the previous packet.
   while (remaining_) read();
   if (socket_ == kNone || !W5100.getRXReceivedSize(socket_)) return 0;
   uint8_t header[8];
-  take(header, sizeof header);
+  receive(header, sizeof header);
   remote_ip_ = IPAddress(header);
   remote_port_ = static_cast<uint16_t>(header[4] << 8 | header[5]);
   remaining_ = static_cast<uint16_t>(header[6] << 8 | header[7]);
@@ -106,7 +106,7 @@ int EthernetUDP::read() {
 int EthernetUDP::read(unsigned char* bytes, size_t size) {
   if (!remaining_) return -1;
   const uint16_t count = size < remaining_ ? size : remaining_;
-  take(bytes, count);
+  receive(bytes, count);
   remaining_ -= count;
   return count;
 }

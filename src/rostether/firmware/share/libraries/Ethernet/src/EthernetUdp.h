@@ -11,15 +11,15 @@
 class EthernetUDP : public UDP {
  public:
   EthernetUDP();
-  // 1, or 0 when all four sockets of the chip are in use.
+  // Returns 1, or 0 if all four sockets of the chip are in use.
   virtual uint8_t begin(uint16_t port);
   virtual uint8_t beginMulticast(IPAddress group, uint16_t port);
   virtual void stop();
 
   virtual int beginPacket(IPAddress ip, uint16_t port);
-  // Names are not resolved: returns 0 unless it is an address.
+  // Names are not resolved: returns 0 if `host` is not an address.
   virtual int beginPacket(const char* host, uint16_t port);
-  // Waits until it is sent. Returns 1, or 0 if no machine has the address.
+  // Waits until the packet is sent. Returns 1, or 0 if no machine has the address.
   virtual int endPacket();
   virtual size_t write(uint8_t byte) { return write(&byte, 1); }
   virtual size_t write(const uint8_t* bytes, size_t size);
@@ -38,7 +38,7 @@ class EthernetUDP : public UDP {
 
  private:
   uint8_t open(uint16_t port, uint8_t mode);
-  void take(uint8_t* bytes, uint16_t count);
+  void receive(uint8_t* bytes, uint16_t count);
 
   uint8_t socket_;
   IPAddress remote_ip_;

@@ -1,6 +1,6 @@
-// One timer gives all pulses, one after the other: it runs freely, and its compare interrupt ends a pulse and begins
-// the next. A pulse is timed from when its pin went high, so an interrupt that comes late moves it, but does not
-// change its width; only what delays its end does.
+// One free-running timer makes all pulses, one after the other: its compare interrupt ends a pulse and begins the next.
+// The width of a pulse is measured from the moment when its pin goes high. An interrupt that begins a pulse late
+// therefore does not change its width; only a late end does.
 #include "Servo.h"
 
 #include <Arduino.h>
@@ -17,20 +17,20 @@ namespace {
 
 // The timer counts at an eighth of the clock: two ticks a microsecond at 16 MHz.
 constexpr uint16_t ticks(uint16_t us) {
-  // Whole ticks a microsecond on all usual boards: without a division.
+  // On all usual boards a microsecond is a whole number of ticks, which needs no division.
   return F_CPU % 8000000UL == 0 ? static_cast<uint16_t>(us * (F_CPU / 8000000UL))
                                 : static_cast<uint16_t>(us * (F_CPU / 1000UL) / 8000UL);
 }
 
-// From the compare to clearing the pin it takes 71 cycles longer than from setting it to reading the timer: counted in
-// a simulator.
+// The time from the compare match until the pin is cleared is 71 cycles longer than the time from setting the pin until
+// the timer is read (counted in a simulator).
 constexpr uint16_t kTrim = 9;
-// Nearer than this the timer could pass the compare value while it is written.
+// The timer could pass a nearer compare value while it is written.
 constexpr uint16_t kSoon = 32;
 
 struct Channel {
   volatile uint8_t* port;
-  uint8_t mask;  // 0 while the channel gives no pulses
+  uint8_t mask;  // 0 while the channel makes no pulses
   uint16_t width;
 };
 

@@ -1,5 +1,5 @@
 // Hobby servos with the interface of Arduino's Servo library: pulses of 544 to 2400 us every 20 ms on any pin.
-// Uses one 16-bit timer whole, Timer1 or on the Mega Timer5, so analogWrite() on that timer's pins does not work.
+// Uses a whole 16-bit timer (Timer5 on the Mega, else Timer1), so analogWrite() does not work on that timer's pins.
 #ifndef Servo_h
 #define Servo_h
 
@@ -17,15 +17,16 @@ class Servo {
   constexpr Servo()
       : channel_(0), min_us_(MIN_PULSE_WIDTH), max_us_(MAX_PULSE_WIDTH), pulse_us_(DEFAULT_PULSE_WIDTH) {}
 
-  // The channel from 0, or INVALID_SERVO when MAX_SERVOS are in use. Pulses begin with what was written last.
+  // Returns the channel, counted from 0; INVALID_SERVO if the pin does not exist or MAX_SERVOS are in use. The pulses
+  // begin with the value that was written last.
   uint8_t attach(int pin) { return attach(pin, MIN_PULSE_WIDTH, MAX_PULSE_WIDTH); }
   uint8_t attach(int pin, int min_us, int max_us);
   // Ends the pulses; the pin stays a low output. The channel is kept for the next attach.
   void detach();
-  // Degrees from 0 to 180, or microseconds when it is MIN_PULSE_WIDTH or more.
+  // Sets the pulses to degrees from 0 to 180, or to microseconds if the value is MIN_PULSE_WIDTH or more.
   void write(int value);
   void writeMicroseconds(int us);
-  // Degrees.
+  // Returns degrees.
   int read() const;
   int readMicroseconds() const { return pulse_us_; }
   bool attached() const;

@@ -64,7 +64,7 @@ void W5100Class::write16(uint16_t address, uint16_t value) {
   write(address + 1, static_cast<uint8_t>(value));
 }
 
-// The chip may change it between its two bytes.
+// Reads until two values are equal, because the chip may change the counter between its two bytes.
 uint16_t W5100Class::read_counter(uint16_t address) {
   uint16_t value = read16(address), again;
   while ((again = read16(address)) != value) value = again;

@@ -1,6 +1,6 @@
 // A WIZnet W5100 on SPI: its registers, and the packet memory of its four sockets.
 //
-// The names are those of version 1 of Arduino's Ethernet library, because sketches that use the chip itself name them.
+// The names are those of version 1 of Arduino's Ethernet library, because some sketches use the chip directly.
 // Source: the W5100 datasheet, version 1.2.
 #ifndef w5100_h_
 #define w5100_h_
@@ -58,13 +58,13 @@ class W5100Class {
   static void writeSnDIPR(SOCKET s, const uint8_t* ip) { write(at(s, 0x0c), ip, 4); }
   static void writeSnDPORT(SOCKET s, uint16_t port) { write16(at(s, 0x10), port); }
 
-  // Returns when the chip has taken the command.
+  // Waits until the chip has accepted the command.
   static void execCmdSn(SOCKET s, SockCMD command);
   static uint16_t getRXReceivedSize(SOCKET s) { return read_counter(at(s, 0x26)); }
   static uint16_t getTXFreeSize(SOCKET s) { return read_counter(at(s, 0x20)); }
-  // Takes received bytes; Sock_RECV then frees their memory.
+  // Reads received bytes; Sock_RECV then frees their memory.
   static void recv_data_processing(SOCKET s, uint8_t* bytes, uint16_t count, uint8_t peek = 0);
-  // Adds bytes to what Sock_SEND will send.
+  // Adds bytes to those that Sock_SEND will send.
   static void send_data_processing(SOCKET s, const uint8_t* bytes, uint16_t count);
 
  private:
