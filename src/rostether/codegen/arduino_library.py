@@ -1,4 +1,4 @@
-"""The complete client library, ready for an Arduino sketchbook, for PlatformIO, or for `-I ros_lib/src`.
+"""Generates the C++ client library for an Arduino sketchbook, for PlatformIO, or for `-I ros_lib/src`.
 
 DIR/ros_lib/
     library.properties library.json keywords.txt ...    hand-written, from the client library
@@ -80,7 +80,7 @@ def render_library(
 ) -> RenderedLibrary:
     """Return the library with all types; or, if given, with those of a sketch and those of packages.
 
-    `search` are more folders with headers of a sketch. The same definitions give the same bytes.
+    `search` are more folders with headers of the sketch. The same definitions give the same bytes.
     Raises ConfigError if there is no such sketch, UnknownTypeError for an unknown package.
     """
     source = client_library()

@@ -1,4 +1,4 @@
-"""The frame of a header: guard, includes, namespace, and protection from macros."""
+"""Generates the frame of a header: guard, includes, namespace, and protection from macros."""
 
 from __future__ import annotations
 

@@ -20,7 +20,7 @@ _SHORT_ESCAPES = {"\n": "\\n", "\t": "\\t", '"': '\\"', "\\": "\\\\"}
 def integer_literal(value: int) -> str:
     """Return an integer with the suffix that boards with an int of 16 bits need."""
     if value < 0:
-        # C++ has no negative literals: the most negative value of a type is one less than minus its largest.
+        # C++ has no negative literals, so the smallest value of a type is written as -MAX - 1.
         if -value - 1 in (_INT32_MAX, _INT64_MAX):
             return f"(-{_signed_literal(-value - 1)} - 1)"
         return f"-{_signed_literal(-value)}"
@@ -50,7 +50,7 @@ def float64_literal(value: float) -> str:
 
 
 def narrow_double_literal(value: float) -> str | None:
-    """Return the literal for boards with a four-byte double, None if it is the same."""
+    """Return the double literal for boards with a four-byte double, None if `float64_literal` fits them."""
     if value == 0 or not math.isfinite(value) or _FLOAT_MIN <= abs(value) <= _FLOAT_MAX:
         return None
     return float32_literal(value).removesuffix("f")

@@ -1,4 +1,4 @@
-"""The class of one message, and its header."""
+"""Generates the header of one message, with its class."""
 
 from __future__ import annotations
 
@@ -39,7 +39,6 @@ _STATIC_TYPES = {"float32": "float", "float64": "double", "string": "const char*
 _SEQUENCE_POINTERS = {"float64": "ros::Float64Pointer"}
 # The elements of these sequences are not aligned in the receive buffer.
 _SEQUENCES_OF_64_BITS = frozenset({"int64", "uint64"})
-
 
 _PRIMITIVES = {
     "bool": "bool",

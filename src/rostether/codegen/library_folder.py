@@ -11,10 +11,10 @@ from pathlib import Path
 from rostether.errors import CodegenError
 from rostether.mechanisms.text import write_failure
 
-# In a library of rostether, and in one of the established tools.
+# Files that only a generated library has: one of rostether, and one of the established tools.
 _HEADERS = (("src/ros.h", "src/ros/node_handle.h"), ("ros.h", "ros/node_handle.h"))
 _MICROPYTHON = "ros/node_handle.py"
-# Another run may put its library in place between our two renames; that rarely happens twice.
+# Another run may put its library in place between the two renames of this run; that rarely happens twice.
 _ATTEMPTS = 10
 
 

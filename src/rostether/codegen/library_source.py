@@ -1,4 +1,4 @@
-"""Where the hand-written part of the client library is, and which files belong to it."""
+"""Finds the hand-written part of the client library and its files."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from pathlib import Path
 from rostether.errors import CodegenError
 
 _PACKAGE = Path(__file__).parents[1]
-# In a wheel, the library is next to our modules; in a checkout, next to `src`.
+# In a wheel, the library is inside the package; in a checkout, next to `src`.
 _FOLDERS = (_PACKAGE / "client", _PACKAGE.parents[1] / "client")
 # The folder of a library that compilers search for headers.
 SOURCE_FOLDER = "src"

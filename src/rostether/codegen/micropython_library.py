@@ -1,4 +1,4 @@
-"""The MicroPython client library with messages, ready to be copied to a board's /lib.
+"""Generates the MicroPython client library with messages, to be copied to a board's /lib.
 
 DIR/ros_lib/
     ros/...                                    hand-written, from the client library
@@ -117,7 +117,7 @@ def _path(index: TypeIndex, name: str, kind: str = "") -> str:
 
 
 def _types_of_program(index: TypeIndex, program: Path) -> WantedTypes:
-    """Return the types that a .py file, or each in a folder, imports: `from std_msgs.msg import String`.
+    """Return the types that a .py file or the .py files in a folder import, such as std_msgs.msg.String.
 
     Raises ConfigError if a file cannot be read.
     """

@@ -1,4 +1,4 @@
-"""The MicroPython code that initializes, writes and reads the fields of a message.
+"""Generates the MicroPython code that initializes, writes and reads the fields of a message.
 
 Adjacent numbers share one call of `struct`. The code uses no built-in names, because a message may have one.
 """

@@ -1,4 +1,4 @@
-"""The module of one message or service for MicroPython: a class with `serialize` and `deserialize`."""
+"""Generates the MicroPython module of a message or service: classes with `serialize` and `deserialize`."""
 
 from __future__ import annotations
 

@@ -13,7 +13,7 @@ from msgspec import Struct
 from rostether.codegen.library_folder import is_ros_library
 from rostether.errors import ConfigError
 
-# A large firmware project has about a hundred files; a home directory must not be read whole.
+# A large firmware project has about a hundred files; a home folder must not be read completely.
 MAX_FILES = 5_000
 
 # Longer files are pictures or sounds as C arrays, which have no includes after this.

@@ -1,4 +1,4 @@
-"""Where .msg, .srv and .action texts are: packages on disk, plain folders, and the bundled ones.
+"""Finds .msg, .srv and .action texts: in packages on disk, in plain folders, and the bundled ones.
 
 A package's definitions are in its `msg`, `srv` and `action` folders or directly in its root. Outside of any
 package, `X/Foo.msg` and `X/msg/Foo.msg` are X/Foo. Folders are read on first use.
@@ -69,7 +69,7 @@ class PackageFiles:
 
     @property
     def root(self) -> Path | None:
-        """Where the package is, if it is one (not a plain folder) and has definitions."""
+        """The folder of the package; None for a plain folder, or without definitions."""
         return self._roots[0] if self._roots and any(map(self.of, Kind)) else None
 
     def of(self, kind: Kind) -> Mapping[str, Path]:
@@ -98,9 +98,9 @@ class PackageFiles:
 
 
 def find_definitions(msg_paths: Iterable[Path], package_path: Iterable[Path]) -> dict[str, PackageFiles]:
-    """Find packages below both, and plain folders of definitions below `msg_paths`.
+    """Return the files of packages below both, and of plain folders below `msg_paths`, by package name.
 
-    Earlier roots have priority.
+    Earlier folders have priority.
     """
     found: dict[str, PackageFiles] = {}
     for root in msg_paths:

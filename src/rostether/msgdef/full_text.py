@@ -5,6 +5,8 @@ the message's own text
 MSG: std_msgs/Header
 that message's text
 ================= ... one such part for every nested message, in order of first use
+
+Source: genmsg.gentools.compute_full_text of ROS 1.
 """
 
 from __future__ import annotations
@@ -16,10 +18,10 @@ from rostether.msgdef.spec import MessageSpec
 SEPARATOR = "=" * 80
 _HEADING = "MSG: "
 
-# The longest in Debian's message packages is 20 KB; peers send them.
+# Peers send full texts; the longest in Debian's message packages has 20 KB.
 MAX_FULL_TEXT_CHARACTERS = 1 << 20
 
-# The most in use are about 30.
+# Full texts in use have at most about 30 parts.
 MAX_PARTS = 512
 
 

@@ -2,6 +2,8 @@
 
 Its input is the constants as written, in order, then the fields, with each message type replaced by its own
 md5sum (without array brackets); comments, blanks and package names do not count.
+
+Source: genmsg.gentools.compute_md5 of ROS 1.
 """
 
 from __future__ import annotations
@@ -20,7 +22,10 @@ def message_md5sum(spec: MessageSpec, lookup: Lookup) -> str:
 
 
 def service_md5sum(spec: ServiceSpec, lookup: Lookup) -> str:
-    """Return the md5sum of a whole service: of the request's text, followed by the response's."""
+    """Return the md5sum of a whole service: that of the request's text followed by the response's.
+
+    Raises the errors of `dependencies`.
+    """
     return digest(message_md5_text(spec.request, lookup) + message_md5_text(spec.response, lookup))
 
 

@@ -23,7 +23,7 @@ from rostether.msgdef.registry import Registry
 from rostether.msgdef.resolve_types import dependencies
 from rostether.msgdef.spec import Constant, Field, FieldType, MessageSpec
 
-# About 10 µs each, during which all boards wait: 30 ms for a line, once.
+# Each takes about 10 µs, during which all boards wait: 30 ms for an error, once.
 MAX_CANDIDATES = 3_000
 
 # The types of the user's packages that are compared; each is read from disk.
@@ -41,12 +41,12 @@ _ALTERNATIVES = (
 )
 _HEADER = Field(FieldType("std_msgs/Header"), "header")
 
-# With more differences, it is an unrelated definition. The limit also keeps the line readable.
+# A definition with more differences is an unrelated one. The limit also keeps the line readable.
 _MAX_LISTED = 6
 
 
 def explain_mismatch(types: Registry, name: str, md5sum: str) -> str:
-    """Return one line on a device that announced `name` with `md5sum`: the difference, if it can be found.
+    """Return how a device's definition of `name` differs, as one line; `md5sum` is the announced one.
 
     Raises the errors of `types` for a type that is unknown or broken here.
     """
@@ -180,7 +180,7 @@ def _other_types(type_: FieldType) -> Iterator[FieldType]:
     for other in _other_bases(type_.base):
         yield replace(type_, base=other)
     if type_.base in PRIMITIVE_TYPES:
-        # One value instead of many, many instead of one, a variable number instead of a fixed one.
+        # A single value instead of an array and the reverse, and a variable length instead of a fixed one.
         yield FieldType(type_.base, is_array=not type_.is_array or type_.length is not None)
 
 

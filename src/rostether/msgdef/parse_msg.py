@@ -1,4 +1,4 @@
-"""Reading a .msg text: one declaration per line, `type name` or `type NAME=value`, comments after `#`.
+"""Reads a .msg text: one declaration per line, `type name` or `type NAME=value`, comments after `#`.
 
 Accepts and refuses the same texts as genmsg, with two exceptions that no client library could compile: a
 constant whose name contains a blank is refused, and an indented string constant gets its own name. Tabs
@@ -15,15 +15,14 @@ from rostether.msgdef.source_line import SourceLine
 from rostether.msgdef.spec import Constant, ConstantValue, Field, FieldType, MessageSpec
 from rostether.names.graph_name import quote
 
-# The longest in use are about 20 KB; definitions also come from peers.
+# Definitions also come from peers; the longest in use have about 20 KB.
 MAX_TEXT_CHARACTERS = 1 << 18
 
-# Each becomes generated code; the longest in use have about a hundred.
+# Each field becomes generated code; messages in use have at most about a hundred.
 MAX_FIELDS = 4096
 
 # A fixed array is part of every message, and no link carries more than 16 MB.
 MAX_ARRAY_LENGTH = 1 << 24
-
 
 _IDENTIFIER = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
 _CONSTANT_NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")

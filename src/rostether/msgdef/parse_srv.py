@@ -26,7 +26,7 @@ def parse_service(text: str, *, package: str, name: str, file: str = "") -> Serv
     for number, line in enumerate(text.split("\n"), 1):
         if line.startswith(SECTION_MARK):
             lines = response_lines
-            # Only the first `---` counts, further ones are ignored; lines keep their numbers for errors.
+            # Only the first `---` counts; further ones are ignored.
             response_starts = response_starts or number
         else:
             lines.append(line)
@@ -46,7 +46,7 @@ def _joined(lines: list[str]) -> str:
 
 
 def action_of(message_name: str) -> tuple[str, ...]:
-    """Return the possible actions of a message of this name, the likeliest first."""
+    """Return the possible actions of a message with this name, the most likely first."""
     return tuple(
         message_name.removesuffix(suffix)
         for suffix in ACTION_SUFFIXES
@@ -67,11 +67,11 @@ def expand_action(text: str, *, name: str, file: str = "") -> dict[str, str]:
             sections[-1].append(line)
     if len(sections) != 3:
         raise DefinitionError(
-            "an action consists of goal, result and feedback with '---' between them; this has "
+            "an action consists of goal, result and feedback with '---' between them; this text has "
             f"{len(sections)} parts",
             file=file or name,
         )
-    goal, result, feedback = ("".join(f"{line}\n" for line in lines) for lines in sections)
+    goal, result, feedback = map(_joined, sections)
     status = "\nHeader header\nactionlib_msgs/GoalStatus status\n"
     bodies = {
         f"{name}Goal": goal,

@@ -33,7 +33,7 @@ MAX_LEARNED_TYPES = 4096
 # Bundled for the examples. Users with this robot also have the package itself, perhaps with changes.
 ROBOTS_OWN_PACKAGES = frozenset({"turtlebot3_msgs"})
 
-# Boards announce names; those in use are below 60.
+# Boards announce names; those in use have fewer than 60 characters.
 MAX_NAME_CHARACTERS = 256
 
 
@@ -198,7 +198,9 @@ class Registry:
         texts = split_full_text(name, definition)
         new = {each: text for each, text in texts.items() if each not in self._learned}
         if len(self._learned) + len(new) > MAX_LEARNED_TYPES:
-            raise DefinitionError(f"more than {MAX_LEARNED_TYPES} types learned from peers", file=name)
+            raise DefinitionError(
+                f"peers have defined more than {MAX_LEARNED_TYPES} types; restart this program", file=name
+            )
         for each, text in new.items():
             package, short_name = self._split(Kind.MESSAGE, each)
             parse_message(text, package=package, name=short_name)

@@ -11,10 +11,10 @@ from rostether.msgdef.spec import MessageSpec
 Lookup: TypeAlias = Callable[[str], MessageSpec]
 SpecT = TypeVar("SpecT", bound="_Message")
 
-# The deepest in use nest about 8; definitions also come from peers.
+# Definitions also come from peers; messages in use have at most about 8 levels.
 MAX_DEPTH = 32
-# The values that every message contains because of fixed arrays and nesting: with two fields of the next type
-# on each of 32 levels, 1 KB of text would mean 4e9 values; the largest in use have a few thousand.
+# The values that every message contains because of fixed arrays and nesting; messages in use have at most a
+# few thousand. With two fields of the next type on each of 32 levels, 1 KB of text would mean 4e9 values.
 MAX_FIXED_VALUES = 1 << 20
 
 # A fixed array of bytes is one value in memory, so it counts by size only.
@@ -53,8 +53,8 @@ class _Message(Protocol):
 def dependencies(spec: SpecT, lookup: Callable[[str], SpecT]) -> list[SpecT]:
     """Return all nested messages of `spec`, each once, in the order of first use, depth first.
 
-    `lookup` maps a full name to its definition. Raises UnknownTypeError naming the field that needs the
-    missing type, DefinitionError for a type that contains itself, is nested too deeply or is too large.
+    `lookup` maps a full name to its definition. Raises UnknownTypeError, which names the field with the
+    missing type, and DefinitionError for a type that contains itself, is nested too deeply or is too large.
     """
     walk: _Walk[SpecT] = _Walk(lookup)
     walk.visit(spec, (spec.full_name,))

@@ -18,7 +18,7 @@ def start_search(registry: Registry) -> Future[None]:
     search = _searches.get(registry)
     if search is None:
         search = _searches[registry] = Future()
-        # It cannot be cancelled: others may wait for it.
+        # It cannot be cancelled, because several callers may wait for it.
         search.set_running_or_notify_cancel()
         # A daemon thread: the end of the program must not wait for a search.
         threading.Thread(target=_run, args=(registry, search), name="definitions", daemon=True).start()
@@ -31,7 +31,7 @@ async def definitions_searched(registry: Registry) -> None:
 
 
 async def wait_for_definitions(registry: Registry, query: Callable[[], object]) -> None:
-    """Wait, usually not at all, until the registry can answer a query without a search of folders."""
+    """Wait until the registry can answer a query without a search of folders; usually it can already."""
     if not registry.can_answer(query):
         await asyncio.wrap_future(start_search(registry))
 

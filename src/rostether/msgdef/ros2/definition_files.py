@@ -64,7 +64,7 @@ def python_prefixes() -> list[Path]:
 
 
 class InstalledPackages:
-    """The definitions below some install prefixes; folders are listed on demand."""
+    """The definitions below some install prefixes; each folder is read on first use."""
 
     def __init__(self, prefixes: Iterable[Path]) -> None:
         self.prefixes = list(prefixes)

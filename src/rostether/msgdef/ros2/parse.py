@@ -37,7 +37,7 @@ _TYPE_NAME = re.compile(r"[A-Z][A-Za-z0-9]*")
 _CONSTANT_NAME = re.compile(r"(?!.*__)(?!.*_$)[A-Z][A-Z0-9_]*")
 _TYPE = re.compile(r"([A-Za-z][\w/]*)(?:<=([0-9]+))?(\[(?:(<=)?([0-9]+))?\])?", re.ASCII)
 
-# Any longer number is too large.
+# A number with more digits is certainly too large; Python would take long to read it.
 _MAX_COUNT_DIGITS = 19
 _ROS1_TYPES = {"time": "builtin_interfaces/Time", "duration": "builtin_interfaces/Duration"}
 

@@ -14,7 +14,6 @@ HOW_TO_GIVE = "source the ROS 2 workspace that contains it, or give its folder w
 
 _NAME = re.compile(r"([A-Za-z][A-Za-z0-9_]*)/(msg|srv|action)/([A-Za-z][A-Za-z0-9_]*)")
 
-
 _EXAMPLES = {
     Kind.MESSAGE: "std_msgs/msg/String",
     Kind.SERVICE: "std_srvs/srv/SetBool",
@@ -36,7 +35,7 @@ class KnownNames(Protocol):
 def split_name(name: str, kind: Kind = Kind.MESSAGE) -> tuple[str, Kind, str]:
     """Split `package/msg/Name`, also with `srv` or `action`.
 
-    Raises UnknownTypeError; `kind` is for its example.
+    Raises UnknownTypeError with an example of a `kind`.
     """
     found = _NAME.fullmatch(name) if len(name) <= MAX_NAME_CHARACTERS else None
     if found is None:
