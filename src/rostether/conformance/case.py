@@ -24,7 +24,7 @@ class Verdict(StrEnum):
 
 
 class Case(Struct, frozen=True):
-    """One requirement; `name` is its stable key, `requirement` a sentence, `wait_s` how long it waits."""
+    """One requirement; `name` is its stable key, `requirement` a sentence, `wait_s` its waiting time."""
 
     name: str
     requirement: str

@@ -11,7 +11,13 @@ from collections.abc import Awaitable, Callable
 
 from rostether.conformance.deviation import Deviation
 from rostether.conformance.program import PREFIX, Part
-from rostether.conformance.received_frame import Announcement, Frame, is_announcement, read_announcement
+from rostether.conformance.received_frame import (
+    Announcement,
+    Frame,
+    is_announcement,
+    read_announcement,
+    read_text,
+)
 from rostether.errors import TransportError, TransportTimeoutError
 from rostether.rosserial import topic_id as ids
 from rostether.rosserial.events import FrameDiscarded
@@ -37,14 +43,18 @@ HOST_EPOCH = Time(1_700_000_000, 0)
 MAX_KEPT_FRAMES = 100_000
 # The pause after each byte that is sent alone: longer than a byte at 9600 baud.
 SLOW_BYTE_S = 0.002
-# How many runs of invalid bytes are kept for the report.
+# The number of runs of invalid bytes that are kept for the report.
 MAX_KEPT_DAMAGE = 20
 
 Connect = Callable[[], Awaitable[Transport]]
 
 
 class CheckedClient(SmallWriter):
-    """One client under test. `connect` opens a line to it, again after a line has ended."""
+    """One client under test; `connect` opens a line to it, also again after a line has ended.
+
+    `announcements` are those at the start; `damage` describes invalid bytes from the client. While
+    `answers_time` is true, requests for the time are answered.
+    """
 
     def __init__(self, connect: Connect) -> None:
         self._connect = connect
@@ -120,7 +130,7 @@ class CheckedClient(SmallWriter):
             await self.configure()
 
     async def configure(self, tries: int = 3) -> list[Announcement]:
-        """Ask for the topics, and return the announcements, which may be fewer than at first.
+        """Ask for the topics up to `tries` times; return the announcements, which may be fewer than at first.
 
         Raises Deviation if there are none.
         """
@@ -191,21 +201,32 @@ class CheckedClient(SmallWriter):
     async def expect(
         self, is_wanted: Callable[[Frame], bool], what: str, within_s: float = ANSWER_S
     ) -> Frame:
-        """Return the same as `find`. Raises Deviation if no frame arrives."""
+        """Return the next frame that meets a condition; `what` names it in errors.
+
+        Raises Deviation if none arrives in time.
+        """
         frame = await self.find(is_wanted, within_s)
         if frame is None:
             raise Deviation(f"{what} did not arrive within {within_s:g} s")
         return frame
 
     async def next_on(self, name: str) -> bytes:
-        """Return the next message of a publisher of the program. Raises Deviation."""
+        """Return the next message of a publisher of the program. Raises Deviation if none arrives in time."""
         topic_id = self.id_of(name)
-        return (
-            await self.expect(lambda each: each.topic_id == topic_id, f"a message on {PREFIX}{name}")
-        ).payload
+        frame = await self.expect(lambda each: each.topic_id == topic_id, f"a message on {PREFIX}{name}")
+        return frame.payload
+
+    async def expect_text(self, wanted: str) -> None:
+        """Wait for the next message on text_out. Raises Deviation if it is missing or another one."""
+        text = read_text(await self.next_on("text_out"))
+        if text != wanted:
+            raise Deviation(f"the client sent {text[:40]!r}, not {wanted[:40]!r}")
 
     def id_of(self, name: str, kind: int | None = None) -> int:
-        """Return the topic id of an endpoint of the program; `kind` selects a request or response id."""
+        """Return the topic id of an endpoint of the program; `kind` selects a request or response id.
+
+        Raises Deviation if it is not announced.
+        """
         for each in self.announcements:
             if each.info is not None and each.name == PREFIX + name and kind in (None, each.kind):
                 return each.info.topic_id
@@ -258,7 +279,7 @@ class CheckedClient(SmallWriter):
         self._arrived.set()
 
     def connection_lost(self, error: TransportError | None) -> None:
-        """Note that the connection has ended."""
+        """Handle the end of the connection."""
         self._transport = None
         self._is_configured = False
         self._arrived.set()

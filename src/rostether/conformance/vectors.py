@@ -4,7 +4,8 @@
     frame    version, sent_by, topic_id, payload, frame; fields for packets
     stream   bytes, frames: what a decoder finds in the bytes, as pairs of topic id and payload
 
-Bytes are in hexadecimal. The file vectors.jsonl is the specification: tests compare our codecs with it.
+Bytes are in hexadecimal. The file vectors.jsonl is the specification; tests compare rostether's codecs with
+it.
 """
 
 from __future__ import annotations

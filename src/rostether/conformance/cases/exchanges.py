@@ -15,7 +15,7 @@ from rostether.conformance.program import (
     Command,
     Part,
 )
-from rostether.conformance.received_frame import read_text, text_payload
+from rostether.conformance.received_frame import text_payload
 from rostether.rosserial import topic_id as ids
 from rostether.rosserial.packets import Log, LogLevel, ParameterResponse
 
@@ -55,7 +55,7 @@ async def check_call(client: CheckedClient) -> None:
     """A call is sent on the request id of the service, and ends with its response."""
     await _begin_call(client)
     _respond(client, "done")
-    await _expect_text(client, "done")
+    await client.expect_text("done")
 
 
 @case("service-call-time", Part.TRIGGER, Part.COMMAND, Part.TEXT)
@@ -64,7 +64,7 @@ async def check_call_time(client: CheckedClient) -> None:
     await _begin_call(client)
     client.send_bytes(client.time_answer())
     _respond(client, "after the time")
-    await _expect_text(client, "after the time")
+    await client.expect_text("after the time")
 
 
 @case("service-late", Part.TRIGGER, Part.COMMAND, Part.TEXT)
@@ -73,7 +73,7 @@ async def check_late_response(client: CheckedClient) -> None:
     _respond(client, "late")
     await _begin_call(client)
     _respond(client, "in time")
-    await _expect_text(client, "in time")
+    await client.expect_text("in time")
 
 
 @case("parameter-ints", Part.COMMAND, Part.REAL)
@@ -97,7 +97,7 @@ async def check_text(client: CheckedClient) -> None:
     """A parameter of text is read from the third list of the answer."""
     client.set_parameter(TEXT_PARAMETER, ParameterResponse(strings=("left arm",)))
     _command(client, Command.GET_TEXT)
-    await _expect_text(client, "left arm")
+    await client.expect_text("left arm")
 
 
 @case("parameter-missing", Part.COMMAND, Part.TEXT)
@@ -105,7 +105,7 @@ async def check_missing(client: CheckedClient) -> None:
     """An answer with three empty lists means that the parameter does not exist."""
     client.set_parameter(TEXT_PARAMETER, ParameterResponse())
     _command(client, Command.GET_TEXT)
-    await _expect_text(client, NONE_TEXT)
+    await client.expect_text(NONE_TEXT)
 
 
 @case("log-levels", Part.COMMAND)
@@ -142,12 +142,6 @@ async def _expect_switched(client: CheckedClient, *, is_on: bool) -> None:
     wanted = bytes((is_on,)) + text_payload("on" if is_on else "off")
     if frame.payload != wanted:
         raise Deviation(f"the response is {frame.payload[:40].hex(' ')}, not {wanted.hex(' ')}")
-
-
-async def _expect_text(client: CheckedClient, wanted: str) -> None:
-    text = read_text(await client.next_on("text_out"))
-    if text != wanted:
-        raise Deviation(f"the client reports {text[:40]!r}, not {wanted!r}")
 
 
 async def _expect_reals(client: CheckedClient, *wanted: float) -> None:

@@ -1,7 +1,7 @@
-"""How a client finds frames in the received bytes, and which bytes it drops.
+"""Finding frames in the received bytes, and dropping invalid bytes.
 
 A case that expects no answer sends a valid message after the invalid bytes: only this message may come back.
-So no time limit is needed, and a slow machine cannot change the verdict.
+Such a case needs no time limit, so a slow machine cannot change the verdict.
 """
 
 from __future__ import annotations
@@ -12,14 +12,14 @@ from rostether.conformance.case import CaseList
 from rostether.conformance.checked_client import CheckedClient
 from rostether.conformance.deviation import Deviation
 from rostether.conformance.program import Part
-from rostether.conformance.received_frame import read_text, text_payload
+from rostether.conformance.received_frame import text_payload
 from rostether.rosserial.frame import MAX_PAYLOAD_BYTES, encode_frame
 
 # Ids that the protocol does not use.
 UNUSED_IDS = (8, 9, 12, 50, 99)
 # Fits in the 64 bytes that a board's serial port buffers while its program is busy.
 JOINED_FRAMES = 5
-# Longer than network pauses, and than the time after which a client must drop an incomplete frame.
+# Longer than pauses in networks, and longer than the time after which a client must drop an incomplete frame.
 TORN_S = 1.2
 # TCP loses no byte: a client may wait for late packets.
 RELIABLE_TORN_S = 6.0
@@ -31,7 +31,7 @@ case = CaseList()
 async def check_split(client: CheckedClient) -> None:
     """A frame is received if its bytes arrive one by one."""
     await client.send_slowly(_frame(client, "split"))
-    await _expect_text(client, "split")
+    await client.expect_text("split")
 
 
 @case("frame-joined", Part.PING)
@@ -111,7 +111,7 @@ async def check_longest(client: CheckedClient) -> None:
     size = min(client.buffer_of("text_in"), 1024) - 4
     text = "".join(chr(ord("a") + index % 26) for index in range(size))
     client.send_bytes(_frame(client, text))
-    await _expect_text(client, text)
+    await client.expect_text(text)
 
 
 @case("frame-too-long", Part.TEXT)
@@ -182,10 +182,4 @@ def _frame(client: CheckedClient, text: str) -> bytes:
 async def _expect_after(client: CheckedClient, data: bytes) -> None:
     """Send bytes and a valid message together: only this message may come back."""
     client.send_bytes(data + _frame(client, "valid"))
-    await _expect_text(client, "valid")
-
-
-async def _expect_text(client: CheckedClient, text: str) -> None:
-    answer = read_text(await client.next_on("text_out"))
-    if answer != text:
-        raise Deviation(f"{answer[:40]!r} came back, not {text[:40]!r}")
+    await client.expect_text("valid")

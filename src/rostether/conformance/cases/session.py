@@ -23,8 +23,8 @@ ADVANCE_S, ADVANCE_TOLERANCE_S = 0.5, 0.25
 PROBE_ANSWER_S = 1.5
 PROBE = b"\xff\x00"
 PROBE_PAUSE_S = 0.1
-# After 11 s without an answer, the host counts as disconnected; this adds a margin for clock errors and slow
-# programs.
+# After 11 s without an answer, a client regards the host as disconnected; this adds a margin for clock errors
+# and slow programs.
 LOST_S = 14.0
 
 case = CaseList()
