@@ -18,7 +18,7 @@ LAZY_POLL_S = 0.05
 
 Select: TypeAlias = Callable[[Sequence[bytes]], Sequence[bytes]]
 
-# Limits the memory for messages: empty ones do not count towards the byte limit.
+# Limits the memory for the sizes of messages, because empty messages do not count towards the byte limit.
 MAX_SENT_MESSAGES = 100_000
 
 
@@ -27,8 +27,8 @@ def all_messages(payloads: Sequence[bytes]) -> Sequence[bytes]:
     return payloads
 
 
-class MessageRate:
-    """Selects messages that come at least 1 / `rate_hz` after the last selected one.
+class MessageThrottle:
+    """Selects messages that arrive at least 1 / `rate_hz` after the last selected one.
 
     `now_s` is the clock; when it jumps back, the interval restarts. Raises ConfigError unless the rate is
     above 0.
@@ -51,7 +51,7 @@ class MessageRate:
         return payloads[:1]
 
 
-class ByteRate:
+class ByteThrottle:
     """Selects messages while the total of the last `window_s` seconds is below `limit_bytes`."""
 
     def __init__(self, limit_bytes: int, window_s: float, now_s: Callable[[], float]) -> None:

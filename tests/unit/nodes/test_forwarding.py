@@ -10,7 +10,7 @@ from contract.graphs import STRING, Inbox, string
 from rostether.errors import ConfigError
 from rostether.graph.memory_graph import MemoryGraph
 from rostether.graph.memory_network import MemoryNetwork
-from rostether.nodes.forwarding import ByteRate, MessageRate, Select, all_messages, forward
+from rostether.nodes.forwarding import ByteThrottle, MessageThrottle, Select, all_messages, forward
 from waiting import until
 
 NETWORK_NODES = ("/talker", "/relay", "/listener")
@@ -98,7 +98,7 @@ async def test_messages_are_thinned_out_on_the_way() -> None:
     world = await World().join()
     talker = await world.talker.advertise("/a", STRING)
     clock_s = 100.0
-    async with world.forwarding("/a", "/b", MessageRate(2.0, lambda: clock_s)):
+    async with world.forwarding("/a", "/b", MessageThrottle(2.0, lambda: clock_s)):
         await until(lambda: world.publishers("/b") == ("/relay",))
         inbox = await listen(world.listener, "/b")
         talker.publish_raw([string("a"), string("b")])
@@ -114,7 +114,7 @@ def test_message_rate() -> None:
     def now_s() -> float:
         return clock_s
 
-    rate = MessageRate(8.0, now_s)
+    rate = MessageThrottle(8.0, now_s)
     assert rate([b"a", b"b"]) == [b"a"]
     for later_s, expected in ((0.0625, ()), (0.125, ()), (0.1875, [b"c"]), (0.25, ()), (0.5, [b"c"])):
         clock_s = 1000.0 + later_s
@@ -128,13 +128,13 @@ def test_message_rate() -> None:
 
 
 def test_without_a_clock_nothing_passes() -> None:
-    assert MessageRate(10.0, lambda: 0.0)([b"a"]) == ()
+    assert MessageThrottle(10.0, lambda: 0.0)([b"a"]) == ()
 
 
 @pytest.mark.parametrize("rate_hz", [0.0, -1.0, float("nan")])
 def test_a_rate_is_more_than_nothing(rate_hz: float) -> None:
     with pytest.raises(ConfigError, match="give more than 0"):
-        MessageRate(rate_hz, lambda: 0.0)
+        MessageThrottle(rate_hz, lambda: 0.0)
 
 
 def test_byte_rate() -> None:
@@ -143,7 +143,7 @@ def test_byte_rate() -> None:
     def now_s() -> float:
         return clock_s
 
-    rate = ByteRate(10, 1.0, now_s)
+    rate = ByteThrottle(10, 1.0, now_s)
     # The message that crosses the limit still passes, as in topic_tools.
     assert rate([b"x" * 6] * 3) == [b"x" * 6] * 2
     clock_s = 1.0

@@ -71,13 +71,13 @@ async def throttle(graph: TypedGraph, arguments: Arguments) -> None:
     With _lazy:=true it publishes only while OUT has a subscriber. With _wall_clock:=true it uses this
     machine's clock instead of ROS time.
     """
-    from rostether.nodes.forwarding import ByteRate, MessageRate, forward
+    from rostether.nodes.forwarding import ByteThrottle, MessageThrottle, forward
 
     source, target, limits = _throttle_words(arguments)
     is_wall_time = await _flag(graph, "wall_clock")
     now_s: Callable[[], float] = time.time if is_wall_time else lambda: graph.now().to_s()
     limit, *window = limits
-    select = ByteRate(int(limit), window[0], now_s) if window else MessageRate(limit, now_s)
+    select = ByteThrottle(int(limit), window[0], now_s) if window else MessageThrottle(limit, now_s)
     await forward(graph.raw, source, target, select, lazy=await _flag(graph, "lazy"))
 
 
