@@ -102,7 +102,7 @@ class Device(Endpoints, BlockClosable):
         self._keeper: asyncio.Task[None] | None = None
 
     async def __aenter__(self) -> Self:
-        """Open the line, or start to retry. Raises ConfigError."""
+        """Open the line; if that fails, retry in the background. Raises ConfigError."""
         # After this, topics of any type can be added without a search of folders.
         await definitions_searched(self._store.registry)
         transport = await self._open()

@@ -34,7 +34,7 @@ class Declared:
 
 
 class Publisher(Declared, Generic[P]):
-    """Sends messages of one topic to the host; made by `Device.publisher`. `P`: the type's fields."""
+    """Sends messages of one topic to the host; `Device.publisher` returns it. `P`: the type's fields."""
 
     def __init__(
         self, topic: str, topic_id: int, codec: Codec, line: DeviceLine, now: Callable[[], Time]
@@ -47,7 +47,7 @@ class Publisher(Declared, Generic[P]):
 
     @property
     def message_class(self) -> type[Message]:
-        """The class of the topic's messages; reusing one message object is the fastest way."""
+        """The class of the topic's messages; publishing one object again and again is the fastest way."""
         return self._codec.message_class
 
     @overload
@@ -77,7 +77,7 @@ class Publisher(Declared, Generic[P]):
 
 
 class Subscriber(Declared):
-    """Receives messages of one topic from the host; made by `Device.subscriber`."""
+    """Receives messages of one topic from the host; `Device.subscriber` returns it."""
 
     def __init__(self, topic: str, codec: Codec, callback: OnMessage) -> None:
         self.topic = topic
@@ -101,15 +101,13 @@ class Subscriber(Declared):
 
 
 class Messages(Generic[M]):
-    """The messages of one topic, to loop over; made by `Device.messages`.
+    """The messages of one topic, to loop over; `Device.messages` returns it.
 
-    The queue is bounded, and drops the oldest first.
+    The queue is bounded: if the loop is too slow, the oldest messages are dropped (`dropped_count`).
     """
 
     def __init__(self, topic: str, queue_size: int) -> None:
         self.topic = topic
-
-        # The number of messages dropped because the loop was too slow.
         self.dropped_count = 0
         self._waiting: deque[Message] = deque(maxlen=max(queue_size, 1))
         self._wakeup = asyncio.Event()

@@ -73,7 +73,7 @@ class DeviceLine:
         await self._writable.wait()
 
     def publish(self, topic_id: int, payloads: Sequence[bytes]) -> bool:
-        """Send messages with the next flush; False if no host is connected or the line is full."""
+        """Send messages with the next flush; return False if no host is connected or the line is full."""
         transport = self._transport
         if transport is None or transport.write_buffer_bytes > MAX_BACKLOG_BYTES:
             return False
@@ -98,7 +98,7 @@ class DeviceLine:
         self._set_timer()
 
     def handle_timer(self) -> None:
-        """Handle the link's timer."""
+        """Handle the link's timer, which is due."""
         if self._transport is not None:
             self._timer = None
             self._report(self._link.handle_timer(self._clock()))
@@ -109,7 +109,7 @@ class DeviceLine:
             self._report(self._link.receive_data(data, self._clock()))
 
     def connection_lost(self, error: TransportError | None) -> None:
-        """Note that the transport ended."""
+        """Handle the end of the transport."""
         if self._transport is None:
             return
         self._error = error
@@ -117,7 +117,7 @@ class DeviceLine:
         self._on_lost()
 
     def pause_writing(self) -> None:
-        """Keep data in the link, which refuses messages if it has too many."""
+        """Keep data in the link until `resume_writing`; the link refuses messages if it has too many."""
         self._writable.clear()
 
     def resume_writing(self) -> None:

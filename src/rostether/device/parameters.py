@@ -45,7 +45,7 @@ class ParameterRequests:
         )
 
     def fail_all(self, reason: str) -> None:
-        """End all requests: the line was lost."""
+        """End all requests, because the line was lost or closed."""
         for name in list(self._waiting):
             while self._waiting[name]:
                 self._finish(name, TransportTimeoutError(f"parameter {name}: {reason}"))

@@ -30,7 +30,7 @@ _LOG = logging.getLogger(__name__)
 
 
 class ServiceServer(Declared):
-    """Answers calls from the host, one after the other; made by `Device.service_server`."""
+    """Answers calls from the host, one after the other; `Device.service_server` returns it."""
 
     def __init__(
         self,
@@ -51,7 +51,7 @@ class ServiceServer(Declared):
         self._task: asyncio.Task[None] | None = None
 
     def receive(self, payloads: Iterable[bytes]) -> None:
-        """Handle requests."""
+        """Queue requests, which are answered in order."""
         self._waiting.extend(payloads)
         if self._task is None and self._waiting:
             self._task = asyncio.get_running_loop().create_task(self._answer_all())
@@ -86,7 +86,7 @@ class ServiceServer(Declared):
 
 
 class ServiceClient(Declared, Generic[Response]):
-    """Calls a service of ROS through the host; made by `Device.service_client`."""
+    """Calls a service of ROS through the host; `Device.service_client` returns it."""
 
     def __init__(
         self,

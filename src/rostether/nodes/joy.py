@@ -1,4 +1,4 @@
-"""joy_node: a joystick's state published as sensor_msgs/Joy; the device may come and go."""
+"""joy_node: publishes a joystick's state as sensor_msgs/Joy, also after it was unplugged and plugged in."""
 
 from __future__ import annotations
 

@@ -31,8 +31,8 @@ class PublishTiming(Enum):
 class Joystick(msgspec.Struct):
     """The state after all events; `deadzone` is the fraction of an axis around its center that counts as 0.
 
-    With `sticky_buttons` a press turns a button on, and the next one off. With `default_trig_val`, an axis
-    has its value at opening, else 0 until it moves.
+    With `sticky_buttons`, a press turns a button on, and the next press turns it off. With
+    `default_trig_val`, an axis has its real value from the opening on; otherwise it is 0 until it moves.
     """
 
     deadzone: float = 0.05

@@ -20,7 +20,7 @@ from rostether.nodes.output_topic import OutputTopic
 from rostether.serde.values import Message
 
 NO_INPUT = "__none"
-# Each input needs a subscription, and a caller of `add` must not fill memory.
+# Each input needs a subscription, and the callers of mux/add must not fill the memory.
 MAX_INPUTS = 1_000
 
 

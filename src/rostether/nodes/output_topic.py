@@ -41,7 +41,7 @@ class OutputTopic:
         return self._publisher.subscriber_count if self._publisher is not None else 0
 
     def advertise_as(self, header: Mapping[str, str]) -> None:
-        """Advertise the type in the header of an input's publisher; advertise again if it has changed."""
+        """Advertise the type in the connection header of an input, again if it has changed."""
         name = header.get("type", ANY_TYPE)
         if name == ANY_TYPE:
             return

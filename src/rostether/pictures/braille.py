@@ -13,7 +13,7 @@ _BLANK = 0x2800
 # The bit of the dot in each row, left and right. Source: Unicode, block Braille Patterns.
 _BITS = ((0x01, 0x08), (0x02, 0x10), (0x04, 0x20), (0x40, 0x80))
 
-# In dots; points farther outside are moved to this distance.
+# The limit of coordinates, in dots; points farther outside are moved to it.
 _FAR = 1 << 20
 
 

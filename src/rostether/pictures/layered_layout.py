@@ -32,6 +32,7 @@ _BEND_HEIGHT = 6.0
 
 # Backward edges are drawn lower by this, to distinguish them from forward edges.
 _REVERSED_SHIFT = 6.0
+# More sweeps hardly change a picture.
 _ORDERING_SWEEPS = 12
 _PLACING_SWEEPS = 8
 
@@ -46,9 +47,9 @@ class Layout(Struct, frozen=True):
 
 
 def lay_out(sizes: Mapping[str, Size], edges: Sequence[Ends], *, column_gap: float = 60.0) -> Layout:
-    """Place vertices of these sizes. Edges from a vertex to itself have no route.
+    """Place vertices of these sizes, `column_gap` apart. Edges from a vertex to itself have no route.
 
-    Raises ConfigError when there are too many vertices.
+    Raises ConfigError if there are too many vertices.
     """
     if len(sizes) > MAX_VERTICES:
         raise ConfigError(f"a graph of {len(sizes)} vertices is too large to draw; use --format dot")

@@ -17,7 +17,7 @@ MAX_PIXELS = 40_000_000
 _SCALE = 2
 
 _FACES = "DejaVu Sans Mono, Menlo, Consolas, monospace"
-# XML 1.0 cannot contain these; names from peers may.
+# XML 1.0 cannot contain these characters; names from peers may.
 _FORBIDDEN = re.compile("[\\x00-\\x08\\x0b-\\x1f\\x7f-\\x9f\\ud800-\\udfff\\ufffe\\uffff]")
 
 

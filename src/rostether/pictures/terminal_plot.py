@@ -1,4 +1,4 @@
-"""A plot in the terminal: curves of braille dots, round numbers at the axes, names with their last values."""
+"""A plot in the terminal: curves of braille dots, round numbers at the axes, names with the last values."""
 
 from __future__ import annotations
 
@@ -14,6 +14,7 @@ from rostether.pictures.plot import COLORS, Curve
 if TYPE_CHECKING:
     from rich.text import Text
 
+# In a smaller area, curves are not recognizable.
 _MIN_COLUMNS, _MIN_ROWS = 20, 4
 
 # Bounds the work for terminals that report a huge width.
@@ -53,7 +54,7 @@ def as_plain(lines: Sequence[Sequence[Piece]]) -> list[str]:
 
 
 def as_colored(lines: Sequence[Sequence[Piece]], footer: str) -> Text:
-    """Return the lines in the curves' colors."""
+    """Return the lines in the curves' colors, and a dim footer."""
     from rich.text import Text
 
     text = Text(no_wrap=True, overflow="crop", end="")

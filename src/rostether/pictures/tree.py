@@ -9,11 +9,8 @@ MAX_INDENTED = 100
 def branch(indent: str, *, is_last: bool) -> tuple[str, str]:
     """Return the text before an entry's name, and the indent of the entries below it.
 
+    `indent` is that of the entry and its siblings, empty below the root; `is_last`: no sibling follows.
     Levels deeper than `MAX_INDENTED` are not indented further.
-
-    Args:
-        indent: The indent of the entry and its siblings; empty for those of the root.
-        is_last: Whether no sibling follows.
     """
     below = indent + ("   " if is_last else "│  ")
     return indent + ("└─ " if is_last else "├─ "), below[: 3 * MAX_INDENTED]

@@ -55,7 +55,7 @@ class DeviceBook:
         ]
 
     def settings_named(self, node_name: str) -> DeviceSettings | None:
-        """Return the settings of the device that has this name, for links that name their board."""
+        """Return the settings of the device with this name, None if there is none."""
         wanted = node_name.strip("~/")
         for device in self.devices:
             if device.name is not None and device.name.strip("~/") == wanted:

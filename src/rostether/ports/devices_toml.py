@@ -26,6 +26,7 @@ from rostether.transports.address_parser import MAX_BAUD
 
 # Queues are also bounded in bytes; this limit catches typing errors.
 MAX_QUEUE_DEPTH = 100_000
+# A day: the node of a board that is lost for longer is no longer useful.
 MAX_GRACE_S = 86_400.0
 
 DISCOVERY_KEYS = ("probe", "ignore")

@@ -8,8 +8,9 @@ from pathlib import Path
 from rostether.mechanisms.state_file import load_state, store_state
 from rostether.transports.address_parser import MAX_BAUD
 
-# Enough for a workshop; the boards unseen for longest are removed, and detected again when they return.
+# Enough for a workshop; the boards that were seen least recently are removed, and detected again on return.
 MAX_BOARDS = 500
+# About 500 bytes for each board, more than a line with the longest key.
 MAX_FILE_BYTES = 256 * 1024
 
 

@@ -12,11 +12,12 @@ from rostether.transports.port_holders import find_holders
 
 # The folders of lock files such as `LCK..ttyUSB0`, in which minicom, gpsd and pppd store their process id.
 LOCK_FOLDERS = ("/run/lock", "/var/lock", "/run/lock/lockdev")
+# A process id and the name of a program.
 _MAX_LOCK_BYTES = 64
 
 
 def find_port_user(path: str) -> str | None:
-    """Return the program that uses a port, None if unknown; searches /proc, which takes some time."""
+    """Return the program that uses a port, None if no program is found. Reading /proc takes some time."""
     for holder in find_holders(path):
         return str(holder)
     for folder in LOCK_FOLDERS:

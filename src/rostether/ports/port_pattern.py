@@ -49,7 +49,7 @@ def fits_entry(identity: BoardIdentity, entry: str) -> bool:
 
 
 def named_ports(entries: Iterable[str]) -> list[str]:
-    """Return the existing paths that entries name, because the system's list of ports is incomplete."""
+    """Return the existing paths that entries name; the system's list of ports may lack them."""
     found: list[str] = []
     for entry in entries:
         if is_port_pattern(entry) and "/" in entry:

@@ -19,7 +19,7 @@ from rostether.ports.port_pattern import is_port_pattern, named_ports
 from rostether.transports.serial_port import ListPorts, SerialPort, find_usb_location
 
 # How soon a board is noticed on systems without notifications; one check takes about 0.2 ms.
-LOOK_PERIOD_S = 0.25
+CHECK_PERIOD_S = 0.25
 
 # After a change, every check queries the list: udev needs up to a second on small computers.
 SETTLING_S = 2.0
@@ -55,7 +55,7 @@ class PortWatch:
         *,
         entries: Iterable[str] = (),
         folders: Sequence[str] = (DEVICE_FOLDER,),
-        period_s: float = LOOK_PERIOD_S,
+        period_s: float = CHECK_PERIOD_S,
     ) -> None:
         self._list_ports = list_ports
         self._entries = tuple(entry for entry in entries if is_port_pattern(entry))
@@ -152,16 +152,16 @@ class _ChangeSignal:
         self._stop()
 
     def arm(self) -> bool:
-        """Start to watch; False if that is not possible now, and the caller must poll."""
+        """Start to watch; return False if that is not possible now, and the caller must poll."""
         return self._events is not None and self._events.watch()
 
     def read_and_clear(self) -> bool:
-        """Return whether something happened since the last time."""
+        """Return whether a folder has changed since the last call."""
         has_changed, self._has_changed = self._has_changed, False
         return has_changed
 
     async def wait(self, limit_s: float) -> None:
-        """Wait until something happens or the time limit passes."""
+        """Wait until a folder changes or the time limit passes."""
         if self._has_changed:
             return
         self._changed.clear()
@@ -203,7 +203,7 @@ class FolderEvents:
         return self._descriptor
 
     def watch(self) -> bool:
-        """Watch all folders, including those that exist again; False while a folder cannot be watched."""
+        """Watch all folders, including those that exist again; return whether all can be watched."""
         watched = [
             self._library.inotify_add_watch(self._descriptor, folder, _MASK) >= 0 for folder in self._folders
         ]

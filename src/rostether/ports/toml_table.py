@@ -12,9 +12,9 @@ MAX_ENTRIES = 1000
 
 
 class TomlTable:
-    """A table and its path in the file; getters return None or empty values for missing keys.
+    """A table and its path in the file; getters return None or an empty value for a missing key.
 
-    All getters raise ConfigError; so does the constructor for keys that are not in `known`.
+    The getters raise ConfigError, and so does the constructor for keys that are not in `known` (None: any).
     """
 
     def __init__(self, file: str, key_path: str, content: object, *, known: Sequence[str] | None) -> None:
@@ -46,7 +46,7 @@ class TomlTable:
         return TomlTable(self._file, self._at(key), self._content.get(key, {}), known=known)
 
     def tables(self, key: str, *, known: Sequence[str]) -> Iterator[tuple[str, TomlTable]]:
-        """Yield the nested tables of a table, with their keys."""
+        """Yield the tables inside a nested table, with their keys."""
         outer = TomlTable(self._file, self._at(key), self._content.get(key, {}), known=None)
         for name, content in outer._content.items():
             yield name, TomlTable(self._file, outer._at(name), content, known=known)

@@ -60,8 +60,8 @@ _OTHERS = {
 }
 
 
-# FTDI, Silicon Labs and WCH chips on Nanos, RedBoards and ESP boards, but also in GPS receivers and lidars;
-# the id of ST's example, which flight controllers and printers also use; a port that may be a Python prompt.
+# Chips of FTDI, Silicon Labs and WCH are on Nanos, RedBoards and ESP boards, but also in GPS receivers and
+# lidars. Flight controllers and printers also use the id of ST's example. CircuitPython may show a prompt.
 _LIKELY_BOARDS = frozenset(
     {
         (0x0403, 0x6001),
