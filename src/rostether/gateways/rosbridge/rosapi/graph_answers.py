@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 Allows: TypeAlias = Callable[[str], bool]
 
-# How long one server may take to send its type; a server may hang.
+# How long one server may take to send its type or host; a server may hang.
 ASK_LIMIT_S: Final = 3.0
 
 # The limit of concurrent requests to servers.
@@ -32,7 +32,11 @@ _ROS2_ACTION_TOPICS: Final = ("/_action/status", "/_action/feedback")
 
 
 class GraphAnswers:
-    """Answers requests about the graph; clients do not see names that `allows_...` rejects."""
+    """Answers requests about the graph.
+
+    Clients see only the names that `allows_topic` and `allows_service` accept. `ask_type` and `ask_host` ask
+    the server of a service.
+    """
 
     def __init__(
         self,
@@ -68,7 +72,7 @@ class GraphAnswers:
         return list(found), list(found.values()), [texts[name] for name in found.values()]
 
     async def topics_for_type(self, type_name: str) -> list[str]:
-        """Return the topics of a type, which is spelled as in ROS 1 or ROS 2."""
+        """Return the topics of a type, whose name is spelled as in ROS 1 or ROS 2."""
         wanted = short_type(type_name)
         return [topic for topic, name in (await self._topic_types()).items() if short_type(name) == wanted]
 
@@ -107,14 +111,7 @@ class GraphAnswers:
 
     async def services_for_type(self, type_name: str) -> list[str]:
         """Return the services of a type; servers that do not answer are omitted."""
-        wanted = short_type(type_name)
-        services = self._services(await self._graph.snapshot())
-        types = await self._types_of(services)
-        return [
-            each.name
-            for each, name in zip(services, types, strict=True)
-            if name and short_type(name) == wanted
-        ]
+        return [each.name for each in await self._services_of(type_name)]
 
     async def service_type(self, service: str) -> str:
         """Return a service's type, empty if it is unknown."""
@@ -122,16 +119,14 @@ class GraphAnswers:
         return (await self._types_of([found]))[0] if found is not None else ""
 
     async def service_node(self, service: str) -> str:
-        """Return the node that offers a service, empty without one."""
+        """Return the node that offers a service, an empty string if there is none."""
         found = await self._service(service)
         return found.providers[0] if found is not None and found.providers else ""
 
     async def service_providers(self, wanted: str) -> list[str]:
         """Return the nodes that offer a service, given its name or, as rosapi documents, its type."""
         if wanted.count("/") and not wanted.startswith("/"):
-            snapshot = await self._graph.snapshot()
-            names = await self.services_for_type(wanted)
-            found = {node for name in names for node in snapshot.services[name].providers if name}
+            found = {node for each in await self._services_of(wanted) for node in each.providers}
             if found:
                 return sorted(found)
         service = await self._service(wanted)
@@ -194,6 +189,14 @@ class GraphAnswers:
 
     def _services(self, snapshot: Snapshot) -> list[ServiceEntry]:
         return [each for each in snapshot.services.values() if self._allows_service(each.name)]
+
+    async def _services_of(self, type_name: str) -> list[ServiceEntry]:
+        wanted = short_type(type_name)
+        services = self._services(await self._graph.snapshot())
+        types = await self._types_of(services)
+        return [
+            each for each, name in zip(services, types, strict=True) if name and short_type(name) == wanted
+        ]
 
     async def _service(self, service: str) -> ServiceEntry | None:
         found = (await self._graph.snapshot()).services.get(self._graph.resolve(service))

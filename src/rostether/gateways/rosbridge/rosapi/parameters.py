@@ -18,7 +18,10 @@ MAX_NESTING = 100
 
 
 class ParameterServices:
-    """Answers requests about parameters; `is_allowed` returns whether clients may use a name."""
+    """Answers requests about parameters; `is_allowed` returns whether clients may use a name.
+
+    Methods raise AccessDeniedError for other names, and GraphError.
+    """
 
     def __init__(self, graph: Graph, is_allowed: Callable[[str], bool], *, is_ros2: bool) -> None:
         self._graph = graph
@@ -34,7 +37,7 @@ class ParameterServices:
         return write_json(_plain(value))
 
     async def set(self, name: str, text: str) -> None:
-        """Set a parameter to a value in JSON. Raises SerializationError, AccessDeniedError, GraphError."""
+        """Set a parameter to a value in JSON. Raises SerializationError for a text that is not valid JSON."""
         value = _read(text)
         await self._graph.set_param(self._name(name), value)
 
@@ -65,7 +68,9 @@ class ParameterServices:
 
     def _name(self, name: str) -> str:
         if not self._is_allowed(name):
-            raise AccessDeniedError(f"{name} is not among the parameters that this server lets clients use")
+            raise AccessDeniedError(
+                f"this server does not let clients use {name}; add it to the server's parameter ~params_glob"
+            )
         return name.replace(":", "/").replace(".", "/") if self._is_ros2 else name
 
 
@@ -86,9 +91,8 @@ def _check(value: Any, depth: int) -> None:
     if depth > MAX_NESTING:
         raise SerializationError(f"parameters can be nested at most {MAX_NESTING} levels deep")
     if isinstance(value, dict):
-        for each in value.values():
-            _check(each, depth + 1)
-    elif isinstance(value, list):
+        value = list(value.values())
+    if isinstance(value, list):
         for each in value:
             _check(each, depth + 1)
 

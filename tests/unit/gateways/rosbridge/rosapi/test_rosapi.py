@@ -164,6 +164,21 @@ async def test_services_and_their_types(gateway: MemoryGraph, talker: TypedGraph
     assert await ask(api, "service_host", service="/enable") == {"host": "std_srvs/SetBool"}
 
 
+async def test_a_service_that_starts_during_a_request_is_no_error(
+    gateway: MemoryGraph, talker: TypedGraph, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    now = await gateway.snapshot()
+    later = iter([replace(now, services={})])
+
+    async def snapshot() -> Snapshot:
+        return next(later, now)
+
+    monkeypatch.setattr(gateway, "snapshot", snapshot)
+    request = {"service": "std_srvs/SetBool"}
+    assert await ask(api_of(gateway), "service_providers", **request) == {"providers": []}
+    assert await ask(api_of(gateway), "service_providers", **request) == {"providers": ["/talker"]}
+
+
 async def test_servers_are_asked_where_the_graph_knows_no_types(
     network: MemoryNetwork, talker: TypedGraph
 ) -> None:
