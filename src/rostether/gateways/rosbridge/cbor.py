@@ -1,7 +1,7 @@
 """ROS messages in CBOR, as rosbridge sends them to subscribers that request `cbor` or `cbor-raw`.
 
-Arrays of numbers are RFC 8746's typed arrays in little-endian order, uint8[] and char[] byte strings, times
-as in JSON. `cbor-raw` contains the ROS 1 serialization and the time of receipt.
+Arrays of numbers are RFC 8746's typed arrays in little-endian order. uint8[] and char[] are byte strings.
+Times are as in JSON. `cbor-raw` contains the serialization of the message, and the time of receipt.
 """
 
 from __future__ import annotations

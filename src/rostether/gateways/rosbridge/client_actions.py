@@ -9,11 +9,11 @@ import asyncio
 from collections.abc import Callable
 from typing import Any
 
-from rostether.errors import AccessDeniedError, RemoteProtocolError, RostetherError, UnknownNameError
+from rostether.errors import RemoteProtocolError, RostetherError, UnknownNameError
 from rostether.gateways.rosbridge.client_subscription import Delivery
 from rostether.gateways.rosbridge.gateway_context import GatewayContext
 from rostether.gateways.rosbridge.request import Request
-from rostether.gateways.rosbridge.settings import MAX_ACTIONS, MAX_GOALS, matches
+from rostether.gateways.rosbridge.settings import MAX_ACTIONS, MAX_GOALS, check_allowed
 from rostether.gateways.shown_values import show
 from rostether.ros2.actions.server import ActionServer
 from rostether.ros2.actions.types import ActionTypes, GoalCall, GoalStatus
@@ -21,7 +21,8 @@ from rostether.ros2.types.native_registry import NativeRegistry
 
 Send = Callable[[dict[str, Any], Delivery], None]
 
-# A robot with a goal should stop if the page disconnects; the time limit of the cancel request.
+# If a page disconnects, its goals are cancelled, so that the robot stops. A server that hangs must not delay
+# this for longer.
 _CANCEL_LIMIT_S = 2.0
 
 
@@ -134,8 +135,7 @@ class ClientActions:
                 f"{request.op}: this server is on ROS 1, whose actions are topics; use ROSLIB.ActionClient"
             )
         action = self._resolve(request)
-        if not matches(action, self._context.settings.services_glob):
-            raise AccessDeniedError(f"{action} is not among the services that this server lets clients use")
+        check_allowed(action, self._context.settings.services_glob, "services_glob")
         return action, ActionTypes.find(registry, type_name)
 
     def _resolve(self, request: Request) -> str:

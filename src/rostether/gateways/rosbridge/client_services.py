@@ -6,18 +6,12 @@ import asyncio
 from collections.abc import Callable
 from typing import Any
 
-from rostether.errors import (
-    AccessDeniedError,
-    InvalidNameError,
-    RemoteProtocolError,
-    RostetherError,
-    UnknownNameError,
-)
+from rostether.errors import InvalidNameError, RemoteProtocolError, RostetherError, UnknownNameError
 from rostether.gateways.rosbridge.client_subscription import Delivery
 from rostether.gateways.rosbridge.gateway_context import GatewayContext
 from rostether.gateways.rosbridge.offered_services import OfferedService
 from rostether.gateways.rosbridge.request import Request, fields_by_name
-from rostether.gateways.rosbridge.settings import MAX_CALLS, MAX_QUEUED_BYTES, MAX_SERVICES, matches
+from rostether.gateways.rosbridge.settings import MAX_CALLS, MAX_QUEUED_BYTES, MAX_SERVICES, check_allowed
 from rostether.gateways.rosbridge.values import JsonText
 from rostether.gateways.type_names import short_type
 
@@ -45,7 +39,7 @@ class ClientServices:
         if len(self._calls) >= MAX_CALLS or is_too_large:
             # Refused rather than delayed: the client's next message may stop a robot.
             amount = f"{self._call_bytes} bytes of" if is_too_large else MAX_CALLS
-            reason = f"this client has {amount} pending calls; {service} is not called"
+            reason = f"this client has {amount} pending calls; wait for a response before you call {service}"
             self._send(_response(request, service) | {"values": reason, "result": False}, delivery)
             return
         task = asyncio.ensure_future(self._call(request, service, delivery, timeout_s))
@@ -56,7 +50,7 @@ class ClientServices:
     async def advertise(self, request: Request) -> str:
         """Offer a service that the client answers; return a warning, empty if there is none."""
         name = self._context.graph.resolve(request.word("service"))
-        self._check_glob(name)
+        check_allowed(name, self._context.settings.services_glob, "services_glob")
         if len(self._context.offered.of(self)) >= MAX_SERVICES:
             raise RemoteProtocolError(
                 f"advertise_service: at most {MAX_SERVICES} services are allowed; unadvertise some"
@@ -113,7 +107,7 @@ class ClientServices:
             name = context.graph.resolve(service)
         except InvalidNameError as error:
             raise RemoteProtocolError(f"call_service: {error}") from None
-        self._check_glob(name)
+        check_allowed(name, self._context.settings.services_glob, "services_glob")
         local = context.local_services.find(name) if context.local_services is not None else None
         if local is not None:
             async with self._local_calls:
@@ -138,10 +132,6 @@ class ClientServices:
         if service is None:
             raise UnknownNameError(f"{request.op}: this client does not offer {name}")
         return service
-
-    def _check_glob(self, name: str) -> None:
-        if not matches(name, self._context.settings.services_glob):
-            raise AccessDeniedError(f"{name} is not among the services that this server lets clients use")
 
 
 def _response(request: Request, service: str) -> dict[str, Any]:

@@ -1,8 +1,8 @@
 """One client's subscription to one topic, with rate, queue and form of its messages.
 
-A client may subscribe to a topic several times with different ids; it gets each message once, according to
-the most demanding subscription. `throttle_rate` without a queue drops messages that come too soon; with a
-queue, they are sent at that rate.
+A client may subscribe to a topic several times with different ids. It gets each message once, according to
+the most demanding subscription. `throttle_rate` without a queue drops messages that come too soon. With a
+queue, messages are sent at that rate.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ _MS = 1e-3
 
 
 class Compression(StrEnum):
-    """How messages are sent."""
+    """The encodings of messages; if a client requests several for a topic, the last one here is used."""
 
     NONE = "none"
     PNG = "png"
@@ -116,7 +116,7 @@ class ClientSubscription:
         self._merge_settings()
 
     def remove_request(self, request_id: object) -> bool:
-        """Remove the subscription of an id (default: all); return whether any is left."""
+        """Remove the subscription of an id, or all of them for None; return whether any is left."""
         if request_id is None:
             self._settings.clear()
         else:
@@ -156,8 +156,7 @@ class ClientSubscription:
 
     def _merge_settings(self) -> None:
         self.delivery = merge(list(self._settings.values()))
-        # Zero means no queue in the protocol: messages for a slow client then wait within the server's
-        # limits.
+        # In the protocol, zero means no queue: messages for a slow client wait within the server's limits.
         self.queue_length = min(self.delivery.queue_length or MAX_QUEUED_MESSAGES, MAX_QUEUED_MESSAGES)
         self._held = deque(self._held, maxlen=self.queue_length)
 

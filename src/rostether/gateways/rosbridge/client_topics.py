@@ -4,19 +4,16 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Callable
-from typing import Any
 
-from rostether.errors import AccessDeniedError, RemoteProtocolError, TypeMismatchError, UnknownNameError
+from rostether.errors import RemoteProtocolError, TypeMismatchError, UnknownNameError
 from rostether.gateways.rosbridge.client_publication import ClientPublication
 from rostether.gateways.rosbridge.client_subscription import ClientSubscription, Delivery
 from rostether.gateways.rosbridge.gateway_context import GatewayContext
 from rostether.gateways.rosbridge.outbox import Outbox
 from rostether.gateways.rosbridge.request import Request
-from rostether.gateways.rosbridge.settings import MAX_PUBLICATIONS, MAX_SUBSCRIPTIONS, matches
+from rostether.gateways.rosbridge.settings import MAX_PUBLICATIONS, MAX_SUBSCRIPTIONS, check_allowed
 from rostether.gateways.type_names import short_type
 from rostether.msgdef.interface import ANY_TYPE, MessageType
-
-_NOTHING: dict[str, Any] = {}
 
 
 class ClientTopics:
@@ -32,7 +29,7 @@ class ClientTopics:
         self._subscriptions: dict[str, ClientSubscription] = {}
 
     async def advertise(self, request: Request) -> None:
-        """Announce that the client will publish a topic."""
+        """Announce that the client publishes a topic."""
         topic, type_name = request.word("topic"), request.word("type")
         message_type = self._context.store.registry.message_type(short_type(type_name))
         known = self._publications.get(topic)
@@ -56,7 +53,7 @@ class ClientTopics:
         if publication is None:
             message_type = await self._type_of(topic)
             publication = await self._advertise(topic, message_type, latch=request.flag("latch"))
-        message = request.fields.get("msg", _NOTHING)
+        message = request.fields.get("msg", {})
         payload = await self._context.forms.payload(publication.type.name, message, request)
         await publication.publish([payload])
 
@@ -69,9 +66,11 @@ class ClientTopics:
         if known is not None:
             known.add_request(request.id, delivery, type_name)
             return
-        self._check_glob(topic)
+        self._check_allowed(topic)
         if len(self._subscriptions) >= MAX_SUBSCRIPTIONS:
-            raise RemoteProtocolError(f"subscribe: at most {MAX_SUBSCRIPTIONS} are allowed; unsubscribe some")
+            raise RemoteProtocolError(
+                f"subscribe: at most {MAX_SUBSCRIPTIONS} topics are allowed; unsubscribe some"
+            )
         subscription = ClientSubscription(topic, self._outbox, self._report_error)
         subscription.add_request(request.id, delivery, type_name)
         self._subscriptions[topic] = subscription
@@ -83,7 +82,7 @@ class ClientTopics:
             raise
 
     async def unsubscribe(self, request: Request) -> None:
-        """Unsubscribe an id; without an id, all of the client's subscriptions to the topic."""
+        """Remove the subscription with the request's id; without an id, all of the client's to the topic."""
         topic = request.word("topic")
         subscription = self._subscriptions.get(topic)
         if subscription is None:
@@ -102,7 +101,7 @@ class ClientTopics:
         await asyncio.gather(*(each.close() for each in subscriptions))
 
     async def _advertise(self, topic: str, message_type: MessageType, *, latch: bool) -> ClientPublication:
-        self._check_glob(topic)
+        self._check_allowed(topic)
         if len(self._publications) >= MAX_PUBLICATIONS and topic not in self._publications:
             raise RemoteProtocolError(
                 f"advertise: at most {MAX_PUBLICATIONS} topics are allowed; unadvertise some"
@@ -130,9 +129,9 @@ class ClientTopics:
         return self._context.store.registry.message_type(short_type(known.type))
 
     async def _check_type(self, topic: str, message_type: MessageType) -> None:
-        """Refuse a type that differs from the one other nodes use.
+        """Raise TypeMismatchError for a type that differs from the type of other nodes.
 
-        They would not receive the messages, and a ROS 1 master would report the new type to all nodes.
+        These nodes would not receive the messages, and a ROS 1 master would report the new type to all nodes.
         """
         graph = self._context.graph
         known = (await graph.snapshot()).topics.get(graph.resolve(topic))
@@ -146,6 +145,6 @@ class ClientTopics:
         if short_type(message_type.name) not in map(short_type, known.type.split()):
             raise TypeMismatchError(f"advertise: {topic} is {known.type}, not {message_type.name}")
 
-    def _check_glob(self, topic: str) -> None:
-        if not matches(self._context.graph.resolve(topic), self._context.settings.topics_glob):
-            raise AccessDeniedError(f"{topic} is not among the topics that this server lets clients use")
+    def _check_allowed(self, topic: str) -> None:
+        name = self._context.graph.resolve(topic)
+        check_allowed(name, self._context.settings.topics_glob, "topics_glob")

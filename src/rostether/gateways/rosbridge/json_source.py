@@ -31,7 +31,6 @@ WriteText: TypeAlias = Callable[[Message], str]
 # The limit of values in one format; nested types with more values get their own function.
 _MAX_INLINE: Final = 256
 
-
 # More numbers take longer than a millisecond; other threads can run between the steps.
 _MANY_NUMBERS: Final = 1 << 12
 

@@ -11,6 +11,7 @@ from rostether.errors import ServiceCallError, UnknownNameError
 from rostether.gateways.rosbridge.message_forms import MessageForms
 from rostether.gateways.rosbridge.request import Request
 from rostether.gateways.rosbridge.settings import MAX_CALLS
+from rostether.gateways.shown_values import show
 from rostether.graph.ports import Graph, ServiceServer
 from rostether.mechanisms.text import fold_line
 from rostether.msgdef.interface import ServiceType
@@ -42,7 +43,9 @@ class OfferedService:
     async def handle(self, request: bytes) -> bytes:
         """Pass a call to the client and wait for its answer. Raises ServiceCallError."""
         if len(self._waiting) >= MAX_CALLS:
-            raise ServiceCallError(f"the client that offers {self.name} has {MAX_CALLS} pending calls")
+            raise ServiceCallError(
+                f"the client that offers {self.name} has {MAX_CALLS} pending calls; call again later"
+            )
         call_id = f"service_request:{self.name}:{next(self._numbers)}"
         answer: asyncio.Future[bytes] = asyncio.get_running_loop().create_future()
         self._waiting[call_id] = answer
@@ -58,7 +61,7 @@ class OfferedService:
         call_id, values = request.id, request.fields.get("values", {})
         waiting = self._waiting.get(call_id) if isinstance(call_id, str) else None
         if waiting is None or waiting.done():
-            raise UnknownNameError(f"service_response: no call of {self.name} has the id {call_id!r:.80}")
+            raise UnknownNameError(f"service_response: no call of {self.name} has the id {show(call_id)}")
         if not request.fields.get("result", True):
             text = values if isinstance(values, str) and values else "the service reports a failure"
             waiting.set_exception(ServiceCallError(fold_line(text)))
@@ -78,7 +81,7 @@ class OfferedService:
         failing = [waiting for waiting in self._waiting.values() if not waiting.done()]
         for waiting in failing:
             waiting.set_exception(ServiceCallError(f"service {self.name} {reason}"))
-        # Callers get the reason now, because the graph ends their calls together with the service.
+        # Callers must get the reason before the end of the service, which ends their calls.
         for _ in range(_TURNS_TO_ANSWER if failing else 0):
             await asyncio.sleep(0)
         if self.server is not None:
@@ -86,7 +89,7 @@ class OfferedService:
 
 
 class OfferedServices:
-    """All services that clients offer; the latest client provides a service, for instance a reloaded page."""
+    """All services that clients offer; the client that offers a name last answers its calls."""
 
     def __init__(self, graph: Graph) -> None:
         self._graph = graph
@@ -99,12 +102,12 @@ class OfferedServices:
         return [service for service in self._services.values() if service.owner is owner]
 
     def find(self, name: str, owner: object) -> OfferedService | None:
-        """Return a client's service by name."""
+        """Return a client's service by name, None if it does not offer one."""
         service = self._services.get(name)
         return service if service is not None and service.owner is owner else None
 
     async def offer(self, service: OfferedService) -> OfferedService | None:
-        """Offer a service; return the one that it replaces. Raises GraphError."""
+        """Offer a service; return the one that it replaces, None if it is new. Raises GraphError."""
         async with self._lock:
             old = self._services.pop(service.name, None)
             if old is not None:

@@ -41,7 +41,7 @@ CLIENT_COUNT = "client_count"
 
 
 class RosbridgeServer:
-    """A rosbridge server on one node of a graph, which the caller closes."""
+    """A rosbridge server on one node of a graph; the caller closes the node."""
 
     def __init__(
         self,
@@ -91,7 +91,7 @@ class RosbridgeServer:
 
     @property
     def port(self) -> int:
-        """The port that it listens on."""
+        """The port that it listens on; zero before the start."""
         return self._server.port
 
     @property

@@ -12,7 +12,7 @@ from rostether.graph.ports import Graph
 from rostether.msgdef.interface import ANY_TYPE, ServiceType
 from rostether.serde.store import TypeStore
 
-# Takes a service's name and returns the name of its type. Raises RostetherError.
+# Asks the server of a service, given by name, for the name of its type or its host. Raises RostetherError.
 AskServer: TypeAlias = Callable[[str], Awaitable[str]]
 
 # A page that calls often asks the server once; a new type after a restart is seen soon.
@@ -56,6 +56,7 @@ class ServiceTypes:
             return listed.type
         if self._ask_server is None:
             raise ServiceUnavailableError(
-                f"the type of service {service} is unknown: the graph does not report it"
+                f"the type of service {service} is unknown, because the graph does not report it; "
+                "check that its node is running"
             )
         return await self._ask_server(service)

@@ -55,7 +55,7 @@ CLOSE_POLICY = 1008
 
 
 class Session:
-    """One connection from its authentication to its end."""
+    """One connection, from its authentication to its end; `name` is the client's address."""
 
     def __init__(self, connection: WebSocketStream, context: GatewayContext, token: Token, name: str) -> None:
         self._level = DEFAULT_LEVEL
@@ -152,7 +152,7 @@ class Session:
                 fields = (await read_request(first)).fields
         if fields.get("op") == "auth" and authenticates(self._token, fields, time.time()):
             return True
-        reason = "this server requires a token; connect to ?token=TOKEN, or send the op auth first"
+        reason = "this server requires a token; connect to ws://HOST:PORT/?token=TOKEN, or send op auth first"
         await self._connection.send(status_message(StatusLevel.ERROR, reason))
         self._connection.close(CLOSE_POLICY, reason)
         self._context.report(
@@ -189,7 +189,7 @@ class Session:
                 f"{request.op}: the graph did not answer within {OPERATION_LIMIT_S:g} s", request_id
             )
         except Exception as error:  # noqa: BLE001 - a client's message must not end its connection
-            self._report_error(f"{type(error).__name__}: {error}", request_id)
+            self._report_error(f"{type(error).__name__}: {error}; please report it", request_id)
 
     def _report_error(self, text: str, request_id: object) -> None:
         text = fold_line(text)

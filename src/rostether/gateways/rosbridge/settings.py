@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from fnmatch import fnmatchcase
 
+from rostether.errors import AccessDeniedError
 from rostether.gateways.websocket.settings import ServerSettings
 
 # The default port of rosbridge, which pages and examples use.
@@ -15,7 +16,7 @@ DEFAULT_MAX_MESSAGE_BYTES = 10_000_000
 # Enough for the pages and programs of a large laboratory; each needs a descriptor and about 100 kB.
 MAX_CLIENTS = 1024
 
-# The limit of connections without a request yet; websockets allows ten seconds for it.
+# The limit of connections that have not sent a request yet; each has ten seconds for it.
 MAX_GREETING = 256
 
 # Topics of one client: a page that shows a whole robot has about a hundred.
@@ -51,6 +52,7 @@ OPERATION_LIMIT_S = 10.0
 # A client that has not authenticated by then is disconnected.
 GREETING_LIMIT_S = 10.0
 
+# The time between pings; a client that has disappeared is noticed after a minute.
 PING_PERIOD_S = 20.0
 
 # A client that answers no ping has disconnected. A slow client answers late, after it has read earlier data.
@@ -63,8 +65,16 @@ UNSENT_BYTES = 32 << 10
 TURN_S = 0.005
 
 
+def check_allowed(name: str, globs: tuple[str, ...] | None, parameter: str) -> None:
+    """Raise AccessDeniedError for a name that matches none of the globs of the server's parameter."""
+    if not matches(name, globs):
+        raise AccessDeniedError(
+            f"this server does not let clients use {name}; add it to the server's parameter ~{parameter}"
+        )
+
+
 def matches(name: str, globs: tuple[str, ...] | None) -> bool:
-    """Return whether a name matches a glob; None matches all names."""
+    """Return whether a name matches one of the globs; None matches all names."""
     return globs is None or any(fnmatchcase(name, each) for each in globs)
 
 

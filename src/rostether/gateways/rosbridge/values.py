@@ -1,7 +1,7 @@
 """ROS messages in rosbridge's JSON, in both directions.
 
-As in rosbridge, uint8[] and char[] are base64, times and durations `{"secs": ..., "nsecs": ...}` (of a
-ROS 2 graph `{"sec": ..., "nanosec": ...}`), numbers that JSON does not support (NaN, infinities) null.
+As in rosbridge, uint8[] and char[] are base64. Times and durations are `{"secs": ..., "nsecs": ...}`, on a
+ROS 2 graph `{"sec": ..., "nanosec": ...}`. NaN and infinities, which JSON does not support, become null.
 Bytes of a string that are not UTF-8 become U+FFFD. Input may use the field names of ROS 1 or ROS 2.
 """
 
@@ -10,7 +10,7 @@ from __future__ import annotations
 import json
 import math
 from binascii import b2a_base64
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from enum import Enum
 from typing import Any, Final
 
@@ -31,11 +31,9 @@ class Style(Enum):
     ROS2 = 2
 
 
-def stamp_reader(style: Style) -> Any:
+def stamp_reader(style: Style) -> Callable[[Time | Duration], dict[str, int]]:
     """Return a function that converts a time or duration to a dict."""
-    if style is Style.ROS1:
-        return _ros1_stamp
-    return _ros2_stamp
+    return _ros1_stamp if style is Style.ROS1 else _ros2_stamp
 
 
 # Fields that clients of a style do not expect.
@@ -46,7 +44,6 @@ class JsonForm:
     """Converts messages of all types to JSON values and back; `style` chooses the field names."""
 
     def __init__(self, style: Style = Style.ROS1) -> None:
-        self.style = style
         leaves = Leaves(stamp_reader(style), clean_text, _base64, omitted=OMITTED[style])
         self._readers = CompiledForms(compile_values, leaves)
         self._writers = CompiledForms(compile_text, leaves)
@@ -69,14 +66,14 @@ class JsonForm:
     def from_json(self, codec: Codec, value: object, now: Time) -> bytes:
         """Return the payload of a JSON value.
 
-        Missing fields are zero; stamps of headers that are missing, and times that are "now", become `now`.
-        Raises SerializationError with the name of the field that does not fit.
+        Missing fields are zero. A missing stamp of a header, and a time "now", become `now`. Raises
+        SerializationError with the name of the field that does not fit.
         """
         return message_payload(codec, value, now)
 
 
 class JsonText(str):
-    """A value that is JSON already."""
+    """A JSON text, which `write_json` must not encode again."""
 
     __slots__ = ()
 

@@ -1,7 +1,7 @@
 """Converts a JSON value to the payload of a message; an error names the field that does not fit.
 
-It accepts what web pages send: fields may be missing, even a header's stamp (it becomes the current time),
-bytes are base64 or a list, null is NaN for a float, and times have the field names of ROS 1 or ROS 2.
+It accepts what web pages send. Fields may be missing; a missing stamp of a header becomes the current time.
+Bytes are base64 or a list. null is NaN for a float. Times have the field names of ROS 1 or ROS 2.
 """
 
 from __future__ import annotations
@@ -12,6 +12,7 @@ from collections.abc import Mapping
 from typing import Any, Final
 
 from rostether.errors import SerializationError
+from rostether.gateways.shown_values import show
 from rostether.rostime import Duration, Time
 from rostether.serde.codec import Codec
 from rostether.serde.type_tree import Array, Node, Number, Stamp, Struct, Text
@@ -26,7 +27,6 @@ ROS2_TIME: Final = "builtin_interfaces/Time"
 # messages would delay all clients.
 MAX_ELEMENTS: Final = 1 << 18
 
-_MAX_SHOWN: Final = 40
 _FLOATS: Final = frozenset({float, int})
 _INTEGERS: Final = frozenset({int})
 _SECONDS: Final = ("secs", "sec")
@@ -60,14 +60,14 @@ class _MisfitError(Exception):
     def message(self, type_name: str) -> str:
         """Return the whole error in one line."""
         where = f" for field {self.path}" if self.path else ""
-        return f"{type_name} needs {self._wanted}{where}, got {_show(self._got)}"
+        return f"{type_name} needs {self._wanted}{where}, got {show(self._got)}"
 
 
 class _UnknownFieldError(_MisfitError):
     """An object has a field that its type does not have; `known` lists the type's fields for the error."""
 
     def __init__(self, name: str, known: str) -> None:
-        super().__init__(known, name, path=name[:_MAX_SHOWN])
+        super().__init__(known, name, path=show(name)[1:-1])
         self._known = known
 
     def message(self, type_name: str) -> str:
@@ -229,22 +229,3 @@ def _valid_text(text: str) -> str:
     except UnicodeEncodeError:
         return text.encode("utf-16", "surrogatepass").decode("utf-16", "replace")
     return text
-
-
-def _show(value: object) -> str:
-    """Return a value for an error: short, so that the error stays one line."""
-    text = "null" if value is None else repr(value)[: _MAX_SHOWN + 1] if _is_short(value) else _kind(value)
-    return text if len(text) <= _MAX_SHOWN else f"{text[: _MAX_SHOWN - 3]}..."
-
-
-def _is_short(value: object) -> bool:
-    # Do not build the whole repr of a huge array.
-    return not isinstance(value, list | dict | str | int) or (
-        abs(value) < 1 << 128 if isinstance(value, int) else len(value) <= _MAX_SHOWN
-    )
-
-
-def _kind(value: object) -> str:
-    names: dict[type, str] = {list: "a list", dict: "an object", str: "a string", int: "an integer"}
-    size = f" of {len(value)}" if isinstance(value, list | dict | str) else ""
-    return f"{names.get(type(value), 'a value')}{size}"

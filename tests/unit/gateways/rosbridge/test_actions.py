@@ -59,7 +59,7 @@ async def test_one_client_carries_out_the_goals_of_another(there: World) -> None
         await robot.say("action_result", **COUNT, id=goal["id"], values=values, status=4, result=True)
         assert "has no active goal" in (await robot.receive("status"))["msg"]
         await robot.say("action_feedback", **COUNT, id="x", values={})
-        assert "no goal has the id 'x'" in (await robot.receive("status"))["msg"]
+        assert 'no goal has the id "x"' in (await robot.receive("status"))["msg"]
 
 
 async def test_goals_are_canceled_and_fail(there: World) -> None:
@@ -69,7 +69,7 @@ async def test_goals_are_canceled_and_fail(there: World) -> None:
         await send_goal(page)
         goal = await robot.receive("send_action_goal")
         await send_goal(page)
-        assert "the goal 'g1' is already active" in (await page.receive("status"))["msg"]
+        assert 'the goal "g1" is already active' in (await page.receive("status"))["msg"]
         await page.say("cancel_action_goal", **COUNT, id="g1")
         assert await robot.receive() == {"op": "cancel_action_goal", "id": goal["id"], "action": "/count"}
         values = {"sequence": [0]}
@@ -77,7 +77,7 @@ async def test_goals_are_canceled_and_fail(there: World) -> None:
         result = await page.receive("action_result")
         assert (result["status"], result["values"], result["result"]) == (GoalStatus.CANCELED, values, True)
         await page.say("cancel_action_goal", **COUNT, id="g1")
-        assert "no goal of this client has the id 'g1'" in (await page.receive("status"))["msg"]
+        assert 'no goal of this client has the id "g1"' in (await page.receive("status"))["msg"]
 
         await send_goal(page)
         goal = await robot.receive("send_action_goal")

@@ -22,7 +22,7 @@ SETTINGS = RosbridgeSettings(host="127.0.0.1", port=0)
         ("garbage", "this is not JSON"),
         (b"\xff\xfe", "this is not JSON"),
         ("[]", "a message must be a JSON object with an op"),
-        ('{"op": "dance"}', "unknown op 'dance'; known: advertise"),
+        ('{"op": "dance"}', 'unknown op "dance"; known: advertise'),
         ('{"op": "publish"}', "publish: field 'topic' must be a string, got nothing"),
         ('{"op": "publish", "topic": ["/a"]}', "publish: field 'topic' must be a string"),
         ('{"op": "subscribe", "topic": "not a name"}', "not a name"),
@@ -35,7 +35,7 @@ SETTINGS = RosbridgeSettings(host="127.0.0.1", port=0)
         ('{"op": "dance\\ud800"}', "unknown op"),
         (
             '{"op": "set_level", "level": "loud"}',
-            "level must be one of none, error, warning, info, got 'loud'",
+            'level must be one of none, error, warning, info, got "loud"',
         ),
         ('{"op": "unadvertise", "topic": "/a"}', "does not advertise /a"),
         ('{"op": "advertise_service", "service": "/a", "type": "std_srvs/No"}', "has no service 'No'"),

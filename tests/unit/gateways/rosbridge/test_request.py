@@ -29,7 +29,7 @@ def request(**fields: Any) -> Request:
         ("7", "a message must be a JSON object"),
         ("{}", "field 'op' must be a string, got nothing"),
         ('{"op": 7}', "field 'op' must be a string, got 7"),
-        ('{"op": null}', "field 'op' must be a string, got None"),
+        ('{"op": null}', "field 'op' must be a string, got null"),
         ("[" * 100_000, "nested too deeply"),
         ('{"op": ' + "9" * 5000 + "}", "this is not JSON"),
         ('{"op": [' + "9, " * 70_000 + "9" * 65 + "]}", "more than 64 digits"),
@@ -88,7 +88,7 @@ def test_names_that_are_stored_are_limited() -> None:
     book = "x" * (MAX_WORD_CHARACTERS + 1)
     assert request(id=book[1:], topic=book[1:]).word("topic") == request(id=book[1:]).id
     with pytest.raises(
-        RemoteProtocolError, match="'topic' must be at most 512 characters, got 'xxx"
+        RemoteProtocolError, match="'topic' must be at most 512 characters, got \"xxx"
     ) as caught:
         request(topic=book).word("topic")
     assert len(str(caught.value)) < 250

@@ -35,7 +35,7 @@ async def test_services_are_called_by_fields_by_order_and_by_a_single_value(ther
         assert answer["values"]["success"] is False
         mistakes: list[tuple[Any, str]] = [
             ({"date": True}, "std_srvs/SetBoolRequest has no field date; it has data"),
-            ({"data": "yes"}, "std_srvs/SetBoolRequest needs a bool for field data, got 'yes'"),
+            ({"data": "yes"}, 'std_srvs/SetBoolRequest needs a bool for field data, got "yes"'),
             ([True, 1], "call_service: std_srvs/SetBoolRequest has 1 field, but args has 2 values"),
         ]
         for args, reason in mistakes:
@@ -85,7 +85,9 @@ async def test_calls_that_never_end_hold_up_nothing_else(
             await client.say("call_service", service="/hang", id=number)
         refused = await client.receive("service_response")
         assert refused["id"] == 2
-        assert refused["values"] == "this client has 2 pending calls; /hang is not called"
+        assert (
+            refused["values"] == "this client has 2 pending calls; wait for a response before you call /hang"
+        )
         await client.say("publish", topic="/nobody", msg={})
         assert "advertise it first" in (await client.receive("status"))["msg"]
 
@@ -104,7 +106,7 @@ async def test_what_calls_hold_is_bounded(there: World, monkeypatch: pytest.Monk
             await client.say("call_service", service="/hang", id=number, filler="x" * 900)
         refused = await client.receive("service_response")
         assert (refused["id"], refused["result"]) == (1, False)
-        assert "bytes of pending calls; /hang is not called" in refused["values"]
+        assert "bytes of pending calls; wait for a response before you call /hang" in refused["values"]
         go_on.set()
         assert (await client.receive("service_response"))["id"] == 0
         await client.say("call_service", service="/hang", id=2, filler="x" * 2000)
@@ -136,7 +138,7 @@ async def test_a_client_serves_and_its_faults_reach_the_caller(there: World) -> 
             await call(values={"success": "maybe"}, result=True)
         assert "field success" in (await client.receive("status"))["msg"]
         await client.say("service_response", service="/add", id="made up", values={}, result=True)
-        assert "no call of /add has the id 'made up'" in (await client.receive("status"))["msg"]
+        assert 'no call of /add has the id "made up"' in (await client.receive("status"))["msg"]
         calling = asyncio.ensure_future(there.graph.call("/add", "std_srvs/SetBool", timeout_s=60))
         await client.receive("call_service")
         await client.say("unadvertise_service", service="/add")

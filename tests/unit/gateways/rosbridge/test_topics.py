@@ -131,7 +131,7 @@ async def test_compressions(there: World) -> None:
         assert raw["secs"] > 0
         await client.say("subscribe", topic="/other", compression="zip")
         assert (
-            "compression must be one of none, png, cbor, cbor-raw, got 'zip'"
+            'compression must be one of none, png, cbor, cbor-raw, got "zip"'
             in (await client.receive())["msg"]
         )
 
