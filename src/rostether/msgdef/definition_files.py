@@ -112,7 +112,7 @@ def find_definitions(msg_paths: Iterable[Path], package_path: Iterable[Path]) ->
                 _add_loose(found, folder)
     for root in package_path:
         for folder in walk(root):
-            if folder.is_package and (name := package_name(folder)):
+            if folder.is_package and (name := package_name(folder.path)):
                 _add_package(found, name, folder)
     return found
 
@@ -187,11 +187,6 @@ def _add_loose(found: dict[str, PackageFiles], folder: Folder) -> None:
     if owner.name in _KIND_FOLDERS:
         owner = owner.parent
     # --msg-path may have been given the msg folder of a real package.
-    name = (_package_at(owner) if owner != folder.path else None) or owner.name
+    name = (package_name(owner) if owner != folder.path else None) or owner.name
     if is_package_name(name):
         found.setdefault(name, PackageFiles()).add_loose(folder.path, folder.files)
-
-
-def _package_at(path: Path) -> str | None:
-    folder = next(walk(path), None)
-    return package_name(folder) if folder is not None and folder.is_package else None

@@ -12,12 +12,11 @@ from collections.abc import Sequence
 from pathlib import Path
 from xml.sax.saxutils import escape, quoteattr
 
-from msgspec import Struct, field
+from msgspec import Struct
 
 from rostether.errors import ConfigError
 from rostether.mechanisms.text import write_failure
-from rostether.packages.package_xml import is_package_name
-from rostether.packages.search_path import PACKAGE_FILE
+from rostether.packages.package_xml import PACKAGE_FILE, is_package_name
 
 CMAKE_FILE = "CMakeLists.txt"
 _CONVENTIONAL_NAME = re.compile(r"[a-z][a-z0-9_-]*")
@@ -29,7 +28,7 @@ _UNKNOWN_MAIL = "todo.todo"
 
 
 class NewPackage(Struct, frozen=True):
-    """The properties of a new package; `dependencies` are packages, `system_dependencies` others."""
+    """The properties of a new package; `dependencies` are catkin packages, `system_dependencies` others."""
 
     name: str
     dependencies: Sequence[str] = ()
@@ -45,19 +44,19 @@ class NewPackage(Struct, frozen=True):
 
 
 class CreatedPackage(Struct, frozen=True):
-    """The files that were written, in order, and warnings."""
+    """The result of `create_package`: what was written, in order, and lines for the user."""
 
     folder: Path
     files: list[Path]
     folders: list[Path]
-    warnings: list[str] = field(default_factory=list)
+    warnings: list[str]
 
 
 def create_package(parent: Path, package: NewPackage) -> CreatedPackage:
     """Write a package's folder below `parent`.
 
-    Raises ConfigError for an invalid name or version, files that exist already, or a folder that cannot be
-    written to.
+    Raises ConfigError for an invalid name or version, a file that already exists, or a folder that cannot be
+    written.
     """
     _check(package)
     folder = parent / package.name

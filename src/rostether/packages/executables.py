@@ -1,4 +1,4 @@
-"""Finds a package's programs, like rosrun: first the results of its build, then the package folder itself.
+"""Finds a package's programs, like rosrun: first in the results of its build, then in the package folder.
 
 A package that was built has its programs in `lib/PACKAGE` of the devel or install space. Scripts need no
 build, and can be anywhere below the package's own folder.
@@ -27,7 +27,7 @@ _MAX_CMAKE_BYTES = 1 << 20
 _COMPILED = (".cpp", ".cc", ".cxx", ".c")
 _EXECUTABLE = re.compile(r"\badd_executable\s*\(\s*([^\s)]+)\s*([^)]*)\)", re.IGNORECASE)
 
-# Linux itself reads no more of a first line.
+# Linux reads at most this part of a first line.
 _MAX_SHEBANG_BYTES = 256
 _PYTHON_SUFFIX = ".py"
 
@@ -36,8 +36,8 @@ def find_program(package: str, name: str, folder: Path | None, environ: Mapping[
     """Return the program of a package.
 
     `folder` is the package's folder, None if only its programs are installed. A name with a slash is a path
-    below the folder. A Python file need not be marked executable. Raises ConfigError if there is none, or
-    more than one.
+    below the folder. Python files do not need to be executable. Raises ConfigError if no program has the
+    name, if several have it, or if the file is not executable.
     """
     if "/" in name:
         return _given_path(package, name, folder)
@@ -63,7 +63,7 @@ def find_program(package: str, name: str, folder: Path | None, environ: Mapping[
 
 
 def programs(folder: Path) -> list[Path]:
-    """Return the executable files and Python scripts below a package's folder that can be nodes, sorted."""
+    """Return the files below a package's folder that can be nodes, sorted: executables and Python scripts."""
     return sorted(
         file
         for file in _files(folder)
@@ -72,7 +72,7 @@ def programs(folder: Path) -> list[Path]:
 
 
 def _is_script(file: Path) -> bool:
-    """Return whether a Python file is a program, not a module: checkouts may mark all files executable."""
+    """Return whether a Python file is a program, not a module; some checkouts mark all files executable."""
     if file.name in ("setup.py", "__init__.py") or (file.parent / "__init__.py").exists():
         return False
     if not shebang(file) and not os.access(file, os.X_OK):
@@ -114,7 +114,7 @@ def shebang(file: Path) -> str:
 
 
 def compiled_source(folder: Path, name: str) -> str:
-    """Return the source, below a package's folder, that a program is compiled from; empty for none."""
+    """Return the source of a compiled program, relative to its package's folder; empty if there is none."""
     try:
         with (folder / "CMakeLists.txt").open("rb") as file:
             text = file.read(_MAX_CMAKE_BYTES).decode(errors="replace")

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from pathlib import Path
 
-from rostether.packages.search_path import PACKAGE_FILE
+from rostether.packages.package_xml import PACKAGE_FILE
 
 _SHARE = "share"
 

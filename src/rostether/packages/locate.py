@@ -13,20 +13,10 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 
-from rostether.packages.search_path import (
-    PACKAGE_FILE,
-    ROSBUILD_FILE,
-    Folder,
-    OnDuplicate,
-    find_packages,
-    package_name,
-    ros_package_path,
-)
+from rostether.packages.package_xml import is_package
+from rostether.packages.search_path import OnDuplicate, find_packages, package_name, ros_package_path
 
 SOURCE_FOLDER = "src"
-
-# No real path is deeper; a file system may contain itself.
-_MAX_PARENTS = 64
 
 # A folder with more entries is a download folder, not a collection of packages.
 _MAX_NEIGHBORS = 1_000
@@ -43,7 +33,7 @@ def package_folders(
     found = find_packages(package_roots(environ, cwd), on_duplicate=on_duplicate)
     for folder in _around(cwd):
         if name := package_name(folder):
-            found.setdefault(name, folder.path)
+            found.setdefault(name, folder)
     return found
 
 
@@ -67,24 +57,24 @@ def package_path(environ: Mapping[str, str]) -> list[Path]:
 
 
 def workspace_roots(cwd: Path) -> list[Path]:
-    """Return the folders with the packages of the workspace, or of the repository, around a folder."""
+    """Return the folders that contain the packages of the workspace or repository around a folder."""
     workspace = workspace_of(cwd)
     roots = [cwd / SOURCE_FOLDER] if workspace is None else [workspace / SOURCE_FOLDER]
-    return [root for root in roots if root.is_dir()] + [folder.path for folder in _around(cwd)]
+    return [*(root for root in roots if root.is_dir()), *_around(cwd)]
 
 
 def workspace_of(cwd: Path) -> Path | None:
-    """Return the catkin workspace around (or at) a folder: the nearest with a `src` that is marked as one.
+    """Return the catkin workspace that a folder is in (or is): the nearest one that has a mark.
 
-    Without marks, it is the folder whose `src` contains `cwd`, outside of any package.
+    Without a mark, it is the folder whose `src` contains `cwd`, outside of any package. None without both.
     """
     parents = _upward(cwd)
     for folder in parents:
         source = folder / SOURCE_FOLDER
         if (
             source.is_dir()
-            and not _is_package(folder)
-            and any((folder / m).exists() for m in _WORKSPACE_MARKS)
+            and not is_package(folder)
+            and any((folder / mark).exists() for mark in _WORKSPACE_MARKS)
         ):
             return folder
     package = package_around(cwd)
@@ -96,29 +86,22 @@ def workspace_of(cwd: Path) -> Path | None:
 
 def package_around(cwd: Path) -> Path | None:
     """Return the root of the package that a folder is in (or is); None outside of packages."""
-    return next((folder for folder in _upward(cwd) if _is_package(folder)), None)
+    return next((folder for folder in _upward(cwd) if is_package(folder)), None)
 
 
 def _upward(cwd: Path) -> list[Path]:
-    return [cwd, *cwd.parents][:_MAX_PARENTS]
+    return [cwd, *cwd.parents]
 
 
-def _is_package(folder: Path) -> bool:
-    return (folder / PACKAGE_FILE).is_file() or (folder / ROSBUILD_FILE).is_file()
-
-
-def _around(cwd: Path) -> Iterator[Folder]:
+def _around(cwd: Path) -> Iterator[Path]:
+    """Yield the package around a folder, and the packages next to it."""
     package = package_around(cwd)
     if package is None:
         return
-    yield _as_folder(package)
+    yield package
     try:
         for _, neighbor in zip(range(_MAX_NEIGHBORS), sorted(package.parent.iterdir()), strict=False):
-            if neighbor != package and _is_package(neighbor):
-                yield _as_folder(neighbor)
+            if neighbor != package and is_package(neighbor):
+                yield neighbor
     except OSError:
         return
-
-
-def _as_folder(path: Path) -> Folder:
-    return Folder(path, frozenset(each for each in (PACKAGE_FILE, ROSBUILD_FILE) if (path / each).is_file()))

@@ -1,15 +1,22 @@
-"""Reads package.xml and manifest.xml. Any DTD is refused before it is expanded."""
+"""Reads package.xml and manifest.xml. DTDs and entities are rejected before they are expanded."""
 
 from __future__ import annotations
 
 import re
+from pathlib import Path
 
 from msgspec import Struct, field
 
 from rostether.errors import ConfigError
+from rostether.mechanisms.text import read_failure
 from rostether.mechanisms.xml_tree import XmlElement, parse_xml, place_first
 
-# Real ones are a few KB; a larger file is not a package.xml.
+PACKAGE_FILE = "package.xml"
+
+# The older description of rosbuild, which has no name: the package has the name of its folder.
+ROSBUILD_FILE = "manifest.xml"
+
+# Real descriptions are a few KB.
 MAX_PACKAGE_XML_BYTES = 1 << 20
 _PACKAGE_NAME = re.compile(r"[A-Za-z][A-Za-z0-9_-]*")
 _DEPENDENCIES = frozenset(
@@ -28,7 +35,7 @@ _DEPENDENCIES = frozenset(
 
 
 class PackageXml(Struct, frozen=True):
-    """One package's description; `dependencies` maps each package it names to the kinds of dependency."""
+    """The description of a package; `dependencies` maps package names to the tags that name them."""
 
     name: str
     version: str = ""
@@ -40,14 +47,35 @@ class PackageXml(Struct, frozen=True):
 
 
 def is_package_name(name: str) -> bool:
-    """Return whether this is a legal package name: a letter, then letters, digits, `_` and `-`."""
+    """Return whether a package may have this name: a letter, then letters, digits, `_` and `-`."""
     return _PACKAGE_NAME.fullmatch(name) is not None
 
 
-def parse_package_xml(data: bytes, *, file: str = "package.xml", default_name: str = "") -> PackageXml:
-    """Read a package.xml (formats 1 to 3) or, with `default_name`, a nameless rosbuild manifest.xml.
+def is_package(folder: Path) -> bool:
+    """Return whether a folder is the root of a package."""
+    return (folder / PACKAGE_FILE).is_file() or (folder / ROSBUILD_FILE).is_file()
 
-    Raises ConfigError for a file that is too large, is not XML, or has a DTD, an entity or no legal name.
+
+def read_package_xml(folder: Path) -> PackageXml:
+    """Read the package.xml of a package, or its manifest.xml.
+
+    Raises ConfigError as `parse_package_xml` does, and for a file that cannot be read.
+    """
+    file, default_name = folder / PACKAGE_FILE, ""
+    if not file.is_file():
+        file, default_name = folder / ROSBUILD_FILE, folder.name
+    try:
+        with file.open("rb") as stream:
+            data = stream.read(MAX_PACKAGE_XML_BYTES + 1)
+    except OSError as error:
+        raise ConfigError(read_failure(file, error)) from None
+    return parse_package_xml(data, file=str(file), default_name=default_name)
+
+
+def parse_package_xml(data: bytes, *, file: str = PACKAGE_FILE, default_name: str = "") -> PackageXml:
+    """Read the text of a package.xml (formats 1 to 3), or of a manifest.xml with `default_name` as its name.
+
+    Raises ConfigError for a text that is too large, is not XML, or has a DTD, an entity or no legal name.
     """
     root = parse_xml(
         data,
@@ -59,6 +87,8 @@ def parse_package_xml(data: bytes, *, file: str = "package.xml", default_name: s
     if root.tag != "package":
         raise ConfigError(f"{file}: the root element is <{root.tag}>, not <package>")
     name = _text(root, "name") or default_name
+    if not name:
+        raise ConfigError(f"{file}: the package has no name; add <name>NAME</name>")
     if not is_package_name(name):
         raise ConfigError(f"{file}: {name!r} is not a package name; correct <name>")
     dependencies: dict[str, set[str]] = {}
@@ -80,7 +110,7 @@ def parse_package_xml(data: bytes, *, file: str = "package.xml", default_name: s
 
 
 def _text(parent: XmlElement, tag: str) -> str:
-    """Return the text of the first child with a tag, empty if there is none."""
+    """Return the text of the first child with a tag; empty if there is none."""
     child = parent.first(tag)
     return _folded(child) if child is not None else ""
 

@@ -33,12 +33,12 @@ _PYTHON_2_MODULES = re.compile(
     "cStringIO|httplib|tkMessageBox|urllib2|urlparse|xmlrpclib"
 )
 
-# More modules next to a script are not examined, because that would delay its start.
+# The limit of modules that are examined, because the script starts only afterwards.
 _MAX_FILES = 50
 
 
 def explain_python2(script: Path) -> str:
-    """Return what to do with a script that is, or imports, Python 2 code; empty if it is neither."""
+    """Return what to do with a script that is Python 2 code or imports such a module; empty if it runs."""
     for file, line, _ in _examine_all(script):
         if line:
             return f"{file}:{line}: written for Python 2; convert it with `2to3 -w {file}`"
@@ -76,7 +76,8 @@ def _examine(script: Path) -> tuple[int, list[str]]:
         lines = text.splitlines()
         if _PYTHON_2_ERRORS.search(error.msg) or _PYTHON_2_SYNTAX.search("".join(lines[number - 1 : number])):
             line = number
-    except ValueError:  # a zero byte
+    except ValueError:
+        # The text contains a zero byte.
         pass
     else:
         if caught := _PYTHON_2_EXCEPT.search(text):
@@ -88,7 +89,7 @@ def _examine(script: Path) -> tuple[int, list[str]]:
 
 
 def _imports(module: ast.Module) -> dict[str, int]:
-    """Return the modules imported at the top level, with their lines. An import in a `try` may fail."""
+    """Return the modules imported at the top level, with their lines, except those in a `try`."""
     import ast
 
     found: dict[str, int] = {}
@@ -105,7 +106,7 @@ def _is_beside(script: Path, name: str) -> bool:
 
 
 def is_module(file: Path) -> bool:
-    """Return whether a file has only definitions at the top level, at least one function or class."""
+    """Return whether a file only defines something at its top level: at least one function or class."""
     import ast
 
     try:
@@ -133,6 +134,6 @@ def _parse(data: bytes) -> ast.Module:
     import ast
 
     with warnings.catch_warnings():
-        # An invalid escape sequence causes a warning, and does not stop a script.
+        # An invalid escape sequence causes only a warning.
         warnings.simplefilter("ignore")
         return ast.parse(data)

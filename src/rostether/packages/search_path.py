@@ -10,22 +10,22 @@ from pathlib import Path
 from msgspec import Struct
 
 from rostether.errors import ConfigError
-from rostether.packages.package_xml import MAX_PACKAGE_XML_BYTES, parse_package_xml
+from rostether.packages.package_xml import PACKAGE_FILE, ROSBUILD_FILE, read_package_xml
 
 # A large workspace has a few thousand folders; a home directory must not be searched completely.
 MAX_FOLDERS = 20_000
 
 # workspace/src/repository/stack/package has depth 4; deeper than 12 is not a workspace.
 MAX_DEPTH = 12
-PACKAGE_FILE = "package.xml"
-ROSBUILD_FILE = "manifest.xml"
+
 # All programs of the system have folders here; ROS packages are only at the top level, as in Debian's rospkg.
 SYSTEM_SHARE_FOLDERS = frozenset({"/usr/share", "/usr/local/share"})
 _IGNORE_FILE = "CATKIN_IGNORE"
+
 # Half of the folders of a Python package; they contain only compiled modules.
 _BYTE_CODE_FOLDER = "__pycache__"
 
-# A file in catkin's `devel` and `install`, which contain copies of packages in share/NAME.
+# A file in catkin's `devel` and `install`, and how deep copies of packages are below them, in share/NAME.
 _CATKIN_MARK = ".catkin"
 _COPY_DEPTH = 3
 _NO_SUBFOLDERS_FILE = "rospack_nosubdirs"
@@ -48,12 +48,12 @@ def ros_package_path(environ: Mapping[str, str]) -> list[Path]:
     return [Path(part) for part in environ.get("ROS_PACKAGE_PATH", "").split(os.pathsep) if part]
 
 
-# Called for two packages with the same name below one root: the name, the folder in use, and the other one.
+# Called for two packages with one name below one root: gets the name, the folder in use, and the other one.
 OnDuplicate = Callable[[str, Path, Path], object]
 
 
 def find_packages(roots: Iterable[Path], *, on_duplicate: OnDuplicate | None = None) -> dict[str, Path]:
-    """Map the names of all packages below the roots to their folders; the first one of a name is used.
+    """Map the names of all packages below the roots to their folders; the first package of a name is used.
 
     Folders that cannot be read and packages with a broken package.xml are skipped, so that one bad checkout
     does not hide the others.
@@ -64,7 +64,7 @@ def find_packages(roots: Iterable[Path], *, on_duplicate: OnDuplicate | None = N
         # One root may overlay another: a second package with the same name is a mistake only below one root.
         below: dict[str, Path] = {}
         for folder in walk(root):
-            if not folder.is_package or not (name := package_name(folder)):
+            if not folder.is_package or not (name := package_name(folder.path)):
                 continue
             used = found.setdefault(name, folder.path)
             first = below.setdefault(name, folder.path)
@@ -76,28 +76,24 @@ def find_packages(roots: Iterable[Path], *, on_duplicate: OnDuplicate | None = N
 
 
 def _is_source(package: Path) -> bool:
-    """Return whether a package folder is the source, not a copy by catkin."""
+    """Return whether a package folder is the source, not catkin's copy."""
     return not any((folder / _CATKIN_MARK).exists() for folder in [*package.parents][:_COPY_DEPTH])
 
 
-def package_name(folder: Folder) -> str | None:
-    """Return the name of the package whose root this folder is; None if its package.xml is broken."""
-    file = folder.path / (PACKAGE_FILE if PACKAGE_FILE in folder.files else ROSBUILD_FILE)
-    # A rosbuild manifest has no name: the package has the name of its folder.
-    default_name = "" if PACKAGE_FILE in folder.files else folder.path.name
+def package_name(root: Path) -> str | None:
+    """Return the name of a package, given its root; None if its description is broken or missing."""
     try:
-        with file.open("rb") as stream:
-            data = stream.read(MAX_PACKAGE_XML_BYTES + 1)
-        return parse_package_xml(data, file=str(file), default_name=default_name).name
-    except (OSError, ConfigError):
+        return read_package_xml(root).name
+    except ConfigError:
         return None
 
 
 def walk(root: Path, *, below_packages: bool = False) -> Iterator[Folder]:
     """Yield the root and the folders below it, nearest first.
 
-    Hidden folders, `__pycache__`, and folders with a CATKIN_IGNORE file are skipped with all their content.
-    Links are followed, but no folder is visited twice. Stops after MAX_FOLDERS folders.
+    Skips hidden folders, `__pycache__`, folders with a CATKIN_IGNORE file and, without `below_packages`, the
+    folders inside a package. Follows links, but visits no folder twice. Stops at MAX_DEPTH, and after
+    MAX_FOLDERS folders.
     """
     seen: set[tuple[int, int]] = set()
     start = os.path.abspath(root)  # noqa: PTH100 - Path has no way to do this without following links

@@ -1,4 +1,4 @@
-"""A catkin workspace without catkin: its marks, its contents, and the setup files for shells.
+"""Catkin workspaces without catkin: their marks, their contents, and the setup files for shells.
 
 WORKSPACE/src/CMakeLists.txt     written by `init`
 WORKSPACE/devel/setup.*          written by `make`: they add src to ROS_PACKAGE_PATH
@@ -17,8 +17,8 @@ from rostether.errors import ConfigError
 from rostether.mechanisms.text import write_failure
 from rostether.packages.executables import programs
 from rostether.packages.locate import SOURCE_FOLDER
-from rostether.packages.package_xml import MAX_PACKAGE_XML_BYTES, PackageXml, parse_package_xml
-from rostether.packages.search_path import PACKAGE_FILE, find_packages, package_name, walk
+from rostether.packages.package_xml import PackageXml, read_package_xml
+from rostether.packages.search_path import find_packages, walk
 
 WORKSPACE_MARK = ".catkin_workspace"
 _DEVEL = "devel"
@@ -50,7 +50,7 @@ def init_workspace(source: Path) -> Path:
     """Mark a folder as the `src` of a workspace, and return the file that marks it. Raises ConfigError."""
     file = source / "CMakeLists.txt"
     if file.exists() or file.is_symlink():
-        raise ConfigError(f"{file} already exists: this is a workspace or a package")
+        raise ConfigError(f"{file} already exists: this is a workspace or a package; choose another folder")
     try:
         source.mkdir(parents=True, exist_ok=True)
         file.write_text(_CMAKE)
@@ -68,30 +68,22 @@ def read_workspace(workspace: Path) -> list[PackageContents]:
 
 
 def broken_packages(workspace: Path) -> list[str]:
-    """Return one line for each package.xml of a workspace that cannot be read; its package is skipped."""
+    """Return one line for each package of a workspace whose description cannot be read."""
     lines = []
     for folder in walk(workspace / SOURCE_FOLDER):
-        if folder.is_package and package_name(folder) is None:
+        if folder.is_package:
             try:
-                read_contents(folder.path)
-            except (ConfigError, OSError) as error:
+                read_package_xml(folder.path)
+            except ConfigError as error:
                 lines.append(str(error))
     return lines
 
 
 def read_contents(folder: Path) -> PackageContents:
     """Read one package. Raises ConfigError if its package.xml is broken."""
-    file = folder / PACKAGE_FILE
-    name = folder.name
-    if file.is_file():
-        with file.open("rb") as stream:
-            data = stream.read(MAX_PACKAGE_XML_BYTES + 1)
-        description = parse_package_xml(data, file=str(file))
-    else:
-        description = PackageXml(name)
     found = sorted(each.path / name for each in walk(folder, below_packages=True) for name in each.files)
     return PackageContents(
-        description=description,
+        description=read_package_xml(folder),
         folder=folder,
         messages=[each.stem for each in found if each.suffix == ".msg" and each.parent.name == "msg"],
         services=[each.stem for each in found if each.suffix == ".srv" and each.parent.name == "srv"],
@@ -103,7 +95,10 @@ def read_contents(folder: Path) -> PackageContents:
 
 
 def write_setup_files(workspace: Path) -> list[Path]:
-    """Write devel/setup.sh and the files for other shells; keep those of a real build. Raises ConfigError."""
+    """Write devel/setup.sh and the files for other shells, except over the files of a real build.
+
+    Returns the written files. Raises ConfigError.
+    """
     devel = workspace / _DEVEL
     written = []
     try:

@@ -60,7 +60,7 @@ BOMB = b"""<!DOCTYPE lolz [<!ENTITY a "aaaa"><!ENTITY b "&a;&a;&a;&a;">]>
     [
         (b"", "not XML"),
         (b"<package><name>a</name>", "not XML"),
-        (b"<package/>", "not a package name"),
+        (b"<package/>", "has no name; add <name>"),
         (b"<package><name>1a</name></package>", "not a package name"),
         (b"<package><name>a/b</name></package>", "not a package name"),
         (b"<robot><name>a</name></robot>", "<robot>, not <package>"),

@@ -66,6 +66,15 @@ def test_broken_packages_are_named(workspace: Path) -> None:
     assert "bad/package.xml:1: not XML" in line
 
 
+def test_rosbuild_manifests_are_read(workspace: Path) -> None:
+    write(workspace / "src" / "arm" / "manifest.xml", "<package><license>BSD</license></package>")
+    write(workspace / "src" / "bad" / "manifest.xml", "<package>")
+    (contents,) = read_workspace(workspace)
+    assert (contents.description.name, contents.description.licenses) == ("arm", ("BSD",))
+    (line,) = broken_packages(workspace)
+    assert "bad/manifest.xml:1: not XML" in line
+
+
 def test_a_folder_without_src_is_not_a_workspace(tmp_path: Path) -> None:
     with pytest.raises(ConfigError, match="has no folder src"):
         read_workspace(tmp_path)

@@ -15,7 +15,7 @@ from pathlib import Path
 
 from rostether.errors import ConfigError
 from rostether.msgdef.definition_files import MAX_LISTED_PACKAGES, Kind
-from rostether.packages.package_xml import MAX_PACKAGE_XML_BYTES, parse_package_xml
+from rostether.packages.package_xml import PACKAGE_FILE, read_package_xml
 
 BUNDLED_FOLDER = Path(__file__).with_name("share")
 BUNDLED_DISTRO = "jazzy"
@@ -117,11 +117,10 @@ class InstalledPackages:
 def declared_by(file: Path) -> Declared:
     """Return the ROS version that the package.xml in or above a definition's folder declares."""
     for folder in (file.parent, file.parent.parent):
-        try:
-            with (folder / "package.xml").open("rb") as stream:
-                package = parse_package_xml(stream.read(MAX_PACKAGE_XML_BYTES + 1))
-        except OSError:
+        if not (folder / PACKAGE_FILE).is_file():
             continue
+        try:
+            package = read_package_xml(folder)
         except ConfigError:
             return Declared.UNKNOWN
         ros1 = "catkin" in package.dependencies or package.build_type == "catkin"

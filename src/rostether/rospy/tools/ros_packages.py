@@ -1,4 +1,4 @@
-"""The parts of rospkg and roslib.packages that nodes use: where packages are, and their files."""
+"""The parts of rospkg and roslib.packages that nodes use: the folders, descriptions and files of packages."""
 
 from __future__ import annotations
 
@@ -8,8 +8,14 @@ from functools import cache
 from pathlib import Path
 
 from rostether.errors import ConfigError
-from rostether.packages.package_xml import PackageXml, parse_package_xml
-from rostether.packages.search_path import PACKAGE_FILE, ROSBUILD_FILE, find_packages, walk
+from rostether.packages.package_xml import (
+    PACKAGE_FILE,
+    ROSBUILD_FILE,
+    PackageXml,
+    is_package,
+    read_package_xml,
+)
+from rostether.packages.search_path import find_packages, ros_package_path, walk
 from rostether.rospy.import_hook import package_folders
 
 
@@ -42,7 +48,7 @@ class Depend:
 class Manifest:
     """The contents of a package.xml."""
 
-    def __init__(self, description: PackageXml, file: Path) -> None:
+    def __init__(self, description: PackageXml, folder: Path) -> None:
         self.name = description.name
         self.version = description.version
         self.description = description.description
@@ -50,9 +56,9 @@ class Manifest:
         self.license = ", ".join(description.licenses)
         self.author = ", ".join(f"Maintainer: {each}" for each in description.maintainers)
         self.depends = [Depend(name) for name in sorted(description.dependencies)]
-        self.filename = str(file)
+        self.is_catkin = (folder / PACKAGE_FILE).is_file()
+        self.filename = str(folder / (PACKAGE_FILE if self.is_catkin else ROSBUILD_FILE))
         self.type = "package"
-        self.is_catkin = file.name == PACKAGE_FILE
 
 
 class RosPack:
@@ -91,9 +97,9 @@ class RosPack:
         return _manifest_in(Path(self.get_path(name)))
 
     def get_depends(self, name: str, implicit: bool = True) -> Sequence[str]:
-        """Return a package's direct and indirect dependencies; only installed packages.
+        """Return the dependencies of a package among the packages that are found.
 
-        Raises ResourceNotFound, InvalidManifest.
+        With `implicit`, indirect ones too. Raises ResourceNotFound, InvalidManifest.
         """
         here = self._folders()
         found: dict[str, None] = {}
@@ -106,7 +112,7 @@ class RosPack:
         return [*found]
 
     def get_depends_on(self, name: str, implicit: bool = True) -> Sequence[str]:
-        """Return the packages that depend on a package."""
+        """Return the packages that depend on a package; with `implicit`, also indirectly."""
         found = []
         for each in self._folders():
             try:
@@ -134,7 +140,7 @@ def get_dir_pkg(d: str) -> tuple[str | None, str | None]:
     """Return the folder of the package that contains a path, and its name, or two None."""
     start = Path(d).resolve()
     for folder in (start, *start.parents):
-        if (folder / PACKAGE_FILE).is_file() or (folder / ROSBUILD_FILE).is_file():
+        if is_package(folder):
             return str(folder), folder.name
     return None, None
 
@@ -174,12 +180,11 @@ def find_node(pkg: str, node_type: str, rospack: RosPack | None = None) -> list[
 
 def get_ros_paths(env: dict[str, str] | None = None) -> list[str]:
     """Return the folders of ROS_PACKAGE_PATH."""
-    text = get_ros_package_path(env) or ""
-    return [part for part in text.split(os.pathsep) if part]
+    return [str(folder) for folder in ros_package_path(os.environ if env is None else env)]
 
 
 def get_ros_package_path(env: dict[str, str] | None = None) -> str | None:
-    """Return ROS_PACKAGE_PATH."""
+    """Return ROS_PACKAGE_PATH; None if it is not set."""
     return _variable("ROS_PACKAGE_PATH", env)
 
 
@@ -208,15 +213,10 @@ def _variable(name: str, env: dict[str, str] | None) -> str | None:
 
 
 def _manifest_in(folder: Path) -> Manifest:
-    file = folder / PACKAGE_FILE
-    default_name = ""
-    if not file.is_file():
-        file, default_name = folder / ROSBUILD_FILE, folder.name
     try:
-        description = parse_package_xml(file.read_bytes(), file=str(file), default_name=default_name)
-    except (OSError, ConfigError) as error:
+        return Manifest(read_package_xml(folder), folder)
+    except ConfigError as error:
         raise InvalidManifest(f"{error}") from None
-    return Manifest(description, file)
 
 
 @cache
