@@ -1,9 +1,9 @@
 """The limits of an expression: how many steps it takes and how large its values get.
 
 Short expressions can compute for days or fill memory: `9**9**9`, `sum([[0] * 9999] * 9999, [])`,
-`'%999999999d' % 1`. So one budget pays for each step, and for each element, character or key of a value. If a
-value can be much larger than the values that it is computed from, it is paid for in advance. The budget
-counts steps instead of time, so a busy machine accepts the same expressions as a quiet one.
+`'%999999999d' % 1`. So an operation costs a step, and each element, character and key of its values costs
+one. A value that can be much larger than its operands is charged before it is computed. The budget counts
+steps instead of time, so a busy machine accepts the same expressions as a quiet one.
 """
 
 from __future__ import annotations
@@ -16,24 +16,24 @@ from functools import reduce
 from types import MappingProxyType
 from typing import Any, Final
 
-# Two seconds of computing, 100 MB. `any(b > 250 for b in m.data)` takes 2.8 million for a VGA image.
+# Two seconds of computing, 100 MB. `any(b > 250 for b in m.data)` needs 2.8 million steps for a VGA image.
 MAX_STEPS: Final = 10_000_000
 
 # The limit of a double; `9**9**9` would compute for days.
 MAX_INTEGER_BITS: Final = 1024
 
-# 170! has 1,019 bits.
-_MAX_FACTORIAL: Final = 200
+# 170! has 1,020 bits, 171! has 1,027.
+_MAX_FACTORIAL: Final = 170
 
-# Width and precision of a format, and digits of round(): no double has more.
-_MAX_DIGITS: Final = 1000
+# The limit of a format's width and precision, and of the digits of round(): no double has more digits.
+MAX_DIGITS: Final = 1000
 
 _ATOMS: Final = frozenset((float, int, bool, type(None)))
 _TEXTS: Final = frozenset((str, bytes, bytearray, range))
 _LISTS: Final = frozenset((list, tuple))
 _HASHED: Final = frozenset((set, frozenset, dict))
 _OWNERS: Final = frozenset((str, bytes, bytearray, list, tuple, int)) | _HASHED
-_NONE_NAMED: Final[Mapping[str, Any]] = MappingProxyType({})
+_NO_NAMED: Final[Mapping[str, Any]] = MappingProxyType({})
 _FORMAT: Final = re.compile(r"%(?:\([^)]*\))?[-#0 +]*(\*|\d*)(?:\.(\*|\d*))?")
 
 Function = Callable[..., Any]
@@ -44,7 +44,7 @@ _LINEAR: Final = (min, max, sum, sorted, any, all)
 
 
 class Budget:
-    """Executes the operations of one expression. Raises OverflowError beyond the limits."""
+    """Executes operations and counts their steps. Raises OverflowError beyond the limits."""
 
     def __init__(self) -> None:
         self._left = MAX_STEPS
@@ -68,7 +68,7 @@ class Budget:
         }
 
     def restart(self) -> None:
-        """Begin another evaluation."""
+        """Start another evaluation: no step is spent."""
         self._left = MAX_STEPS
 
     @property
@@ -77,7 +77,7 @@ class Budget:
         return MAX_STEPS - self._left
 
     def spend(self, steps: int) -> None:
-        """Count steps."""
+        """Count steps. Raises OverflowError if there were too many since the last restart."""
         self._left -= steps
         if self._left < 0:
             raise OverflowError(
@@ -85,7 +85,7 @@ class Budget:
             )
 
     def result(self, value: Any) -> Any:
-        """Return a value that was computed, once its size is spent."""
+        """Spend the size of a computed value, and return the value."""
         kind = type(value)
         if kind is int:
             _check_bits(value.bit_length())
@@ -94,14 +94,12 @@ class Budget:
         return value
 
     def read(self, value: Any) -> Any:
-        """Return a value that is about to be compared or searched, once its size is spent."""
+        """Spend the size of a value that is about to be compared or searched, and return the value."""
         if type(value) not in _ATOMS:
             self.spend(self._size(value))
         return value
 
-    def call(
-        self, function: Function, arguments: Sequence[Any], named: Mapping[str, Any] = _NONE_NAMED
-    ) -> Any:
+    def call(self, function: Function, arguments: Sequence[Any], named: Mapping[str, Any] = _NO_NAMED) -> Any:
         """Call a function and return its result."""
         if function is len:
             return len(*arguments)
@@ -116,7 +114,7 @@ class Budget:
         owner = getattr(function, "__self__", None)
         if type(owner) in _OWNERS:
             if function.__name__ == "join":
-                # Only this gives the number of items of an iterator.
+                # The number of an iterator's items is unknown before it is read.
                 arguments = [list(argument) for argument in arguments]
             self._spend_for_method(owner, function.__name__, [*arguments, *named.values()])
         elif isinstance(function, Hashable):
@@ -142,9 +140,9 @@ class Budget:
             text = left if isinstance(left, str) else left.decode("latin-1")
             formats = _FORMAT.findall(text)
             for digits in (each for pair in formats for each in pair if each):
-                if digits == "*" or len(digits) > 4 or int(digits) > _MAX_DIGITS:
-                    raise OverflowError(f"a width in a format must be a number of at most {_MAX_DIGITS}")
-            self.spend(len(text) + len(formats) * (self._size(right) + _MAX_DIGITS))
+                if digits == "*" or len(digits) > 4 or int(digits) > MAX_DIGITS:
+                    raise OverflowError(f"a width in a format must be a number of at most {MAX_DIGITS}")
+            self.spend(len(text) + len(formats) * (self._size(right) + MAX_DIGITS))
         return left % right
 
     def shift_left(self, value: Any, bits: Any) -> Any:
@@ -154,7 +152,7 @@ class Budget:
         return value << bits
 
     def _size(self, value: Any) -> int:
-        """Return the number of elements, characters and keys in all levels, repeated ones each time."""
+        """Return the number of elements, characters and keys at all levels; repeated ones count each time."""
         kind = type(value)
         if kind in _TEXTS:
             return len(value)
@@ -175,14 +173,14 @@ class Budget:
 
     def _spend_for_method(self, owner: Any, name: str, arguments: Sequence[Any]) -> None:
         if type(owner) in _HASHED:
-            # Adding to a set; reading from it is one step.
+            # The keys that a method adds or looks up may all share one hash.
             self.spend(_collisions(sum(map(self._size, arguments))))
             return
         if type(owner) is not int:
             self.spend(len(owner))
         match name, arguments:
             case "zfill" | "ljust" | "rjust" | "center" | "to_bytes", _:
-                self.spend(max(0, *(each for each in arguments if isinstance(each, int)), 0))
+                self.spend(max([0, *(each for each in arguments if isinstance(each, int))]))
             case "expandtabs", [int(width)]:
                 self.spend(len(owner) * max(width, 0))
             case "join", [items]:
@@ -199,7 +197,7 @@ class Budget:
             return sum(items, start)
         total = start
         for each in items:
-            # Each one copies all before it.
+            # Each addition copies all previous elements.
             total = self.result(operator.add(total, each))
         return total
 
@@ -225,14 +223,14 @@ class Budget:
 
     @staticmethod
     def _round(number: Any, ndigits: Any = None) -> Any:
-        if isinstance(ndigits, int) and abs(ndigits) > _MAX_DIGITS:
-            raise OverflowError(f"round() takes at most {_MAX_DIGITS} digits")
+        if isinstance(ndigits, int) and abs(ndigits) > MAX_DIGITS:
+            raise OverflowError(f"round() takes at most {MAX_DIGITS} digits")
         return round(number, ndigits)
 
     @staticmethod
     def _factorial(number: Any) -> Any:
         if isinstance(number, int):
-            _check_bits(MAX_INTEGER_BITS + number if number > _MAX_FACTORIAL else 0)
+            _check_bits(MAX_INTEGER_BITS + 1 if number > _MAX_FACTORIAL else 0)
         return math.factorial(number)
 
     @staticmethod
@@ -243,14 +241,14 @@ class Budget:
 
     @staticmethod
     def _perm(count: Any, chosen: Any = None) -> Any:
-        taken = count if chosen is None else chosen
-        if isinstance(taken, int):
-            _check_bits(taken)
+        factors = count if chosen is None else chosen
+        if isinstance(factors, int):
+            _check_bits(factors)
         return math.perm(count, chosen)
 
 
 def _collisions(count: int) -> int:
-    """Return the steps for a set whose numbers all have one hash; each comparison is a small step."""
+    """Return the steps to create a set of numbers that all share one hash; 16 comparisons cost one step."""
     return count * count >> 5
 
 

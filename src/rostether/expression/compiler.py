@@ -1,7 +1,7 @@
 """Expressions that users type: `m.range < 0.5 and m.header.frame_id == 'sonar'`, or `pi/2` in rad(pi/2).
 
-The language is the part of Python that rostopic's users type. Our own evaluator walks a syntax tree of
-allowed nodes, so a pasted line can use no function, module or attribute besides those below.
+The language is the part of Python that rostopic's users type. Our own evaluator accepts only a syntax tree of
+allowed nodes, so a pasted line can use only the functions, modules and attributes below.
 """
 
 from __future__ import annotations
@@ -72,7 +72,7 @@ _COMPARE: dict[type[ast.cmpop], Callable[[Any, Any], Any]] = {
     ast.IsNot: operator.is_not,
 }
 
-# RecursionError: nested brackets, within the length of an expression.
+# RecursionError: an expression of the maximum length can nest its brackets deeper than the stack.
 _FAILURES = (TypeError, ValueError, ArithmeticError, LookupError, AttributeError, RecursionError, MemoryError)
 
 _SEQUENCES: dict[type[ast.expr], Callable[..., Any]] = {ast.List: list, ast.Tuple: tuple, ast.Set: set}
@@ -81,7 +81,8 @@ _SEQUENCES: dict[type[ast.expr], Callable[..., Any]] = {ast.List: list, ast.Tupl
 def compile_filter(expression: str) -> Callable[[object, str], bool]:
     """Return a test of a message `m` and its `topic`.
 
-    Raises ConfigError, and so does the test when a message has no such field or the types do not fit.
+    Raises ConfigError for an expression that is not allowed. The test raises ConfigError if a message has no
+    such field or the types do not fit.
     """
     evaluate = compile_expression(expression, frozenset(("m", "topic")), source="--filter")
     return lambda message, topic: bool(evaluate({"m": message, "topic": topic}))
@@ -90,8 +91,8 @@ def compile_filter(expression: str) -> Callable[[object, str], bool]:
 def compile_expression(expression: str, names: frozenset[str], *, source: str) -> Evaluate:
     """Return a function that computes the expression from values for `names`; errors start with `source`.
 
-    Raises ConfigError for an expression that is not whitelisted. The function raises ConfigError if the
-    computation fails, takes too many steps, or makes too large a value.
+    Raises ConfigError for an expression that is not allowed. The function raises ConfigError if the
+    computation fails, needs too many steps, or creates a value that is too large.
     """
     if len(expression) > MAX_EXPRESSION_CHARS:
         raise ConfigError(f"{source}: longer than {MAX_EXPRESSION_CHARS} characters; use a script instead")
@@ -120,7 +121,7 @@ def compile_expression(expression: str, names: frozenset[str], *, source: str) -
 
 
 class _Compiler:
-    """Turns syntax trees into functions of a scope, whose operations spend from one budget."""
+    """Compiles syntax trees to functions of a scope. Their operations share one budget."""
 
     def __init__(self, names: frozenset[str], budget: Budget) -> None:
         self._names = names
@@ -267,6 +268,8 @@ def _attribute(owner: Any, name: str) -> Any:
             return getattr(owner, name)
     elif name in getattr(type(owner), "__slots__", ()):
         return getattr(owner, name)
-    fields = ", ".join(getattr(type(owner), "__slots__", ()))
+    fields = ", ".join(
+        _TIME_ATTRIBUTES if isinstance(owner, Time | Duration) else getattr(type(owner), "__slots__", ())
+    )
     known = f"the fields are {fields}" if fields else "this value has no fields"
     raise ConfigError(f"there is no .{name}; {known}")

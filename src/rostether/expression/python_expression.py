@@ -1,4 +1,4 @@
-"""Any Python expression within a budget, for formats that allow the whole language, such as xacro.
+"""Evaluates any Python expression within a budget, for formats that allow the whole language, such as xacro.
 
 The syntax tree is rewritten so that each call, operator and loop spends from a budget; Python evaluates the
 rest. This bounds time and memory. It does not stop hostile code: a file that may name any attribute can
@@ -15,19 +15,16 @@ from functools import lru_cache, partial
 from types import CodeType, MethodDescriptorType
 from typing import Any, Final
 
-from rostether.expression.budget import Budget
+from rostether.expression.budget import MAX_DIGITS, Budget
 
 # The limit for all expressions of one evaluator together: twenty seconds of computing.
 MAX_TOTAL_STEPS: Final = 100_000_000
 
-# A format's width and precision: no double has more digits.
-_MAX_FORMAT_DIGITS: Final = 1000
-
-# The different expressions of a large robot.
+# A large robot has fewer different expressions.
 _CACHED_EXPRESSIONS: Final = 2048
 
-# Functions that are called directly, without counting steps.
-_TAKE_TYPES: Final = (isinstance, issubclass, type, repr, str, hash)
+# These functions need types and functions as they are: a guard around an argument would change their result.
+_NEED_PLAIN_ARGUMENTS: Final = (isinstance, issubclass, type, repr, str, hash)
 
 _GUARDED_OPERATORS: Final[Mapping[type[ast.operator], str]] = {
     ast.Mult: "<multiply>",
@@ -47,7 +44,7 @@ class PythonEvaluator:
     def __init__(self) -> None:
         self._budget = Budget()
         self._left = MAX_TOTAL_STEPS
-        # An expression can need the value of another that is not yet evaluated.
+        # The depth of nesting: a name's value may be another expression, which is evaluated when it is read.
         self._depth = 0
         budget = self._budget
         self._guards: dict[str, Callable[..., Any]] = {
@@ -68,8 +65,8 @@ class PythonEvaluator:
     def evaluate(self, expression: str, names: dict[str, Any], local_names: Any = None) -> Any:
         """Return the value of an expression, evaluated like `eval(expression, names, local_names)`.
 
-        It can name no built-in function that is not in `names`. Raises OverflowError beyond a limit,
-        SyntaxError, and whatever the expression raises.
+        Only the built-in functions in `names` are available. Raises SyntaxError, ValueError for a name that
+        begins with `__`, OverflowError beyond a limit, and the errors of the expression itself.
         """
         code = _compile(expression.strip())
         names.update(__builtins__=self._guards)
@@ -105,10 +102,10 @@ class PythonEvaluator:
             )
         if name == "fromkeys" and arguments:
             keys = list(arguments[0])
-            # Raises if too many keys could share a hash.
+            # Raises OverflowError if there are too many keys that could share a hash.
             self._budget.call(set, [keys])
             arguments = (keys, *arguments[1:])
-        if not any(function is each for each in _TAKE_TYPES):
+        if not any(function is each for each in _NEED_PLAIN_ARGUMENTS):
             arguments = tuple(map(self._guarded, arguments))
             named = {key: self._guarded(value) for key, value in named.items()}
         return self._budget.call(function, arguments, named)
@@ -124,22 +121,22 @@ class PythonEvaluator:
             yield item
 
     def _container(self, value: Any) -> Any:
-        # A search in a dict or set looks at one hash, at most at all keys that share it.
+        # A search in a dict or set compares the keys that share one hash: at most all of them.
         if isinstance(value, dict | set | frozenset):
             self._budget.spend(len(value))
             return value
         return self._budget.read(value)
 
     def _format(self, value: Any, conversion: int, spec: str) -> str:
-        if any(len(digits) > 4 or int(digits) > _MAX_FORMAT_DIGITS for digits in re.findall(r"\d+", spec)):
-            raise OverflowError(f"a width in a format must be at most {_MAX_FORMAT_DIGITS}")
+        if any(len(digits) > 4 or int(digits) > MAX_DIGITS for digits in re.findall(r"\d+", spec)):
+            raise OverflowError(f"a width in a format must be at most {MAX_DIGITS}")
         self._budget.read(value)
         conversions: dict[int, Callable[[Any], str]] = {ord("s"): str, ord("r"): repr, ord("a"): ascii}
         return format(conversions[conversion](value) if conversion in conversions else value, spec)
 
 
 class _Formatter(string.Formatter):
-    """str.format() whose fields are formatted by another function."""
+    """str.format() that formats each field with the function `formatted`."""
 
     def __init__(self, formatted: Callable[[Any, int, str], str]) -> None:
         self._formatted = formatted

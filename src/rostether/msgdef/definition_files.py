@@ -107,7 +107,7 @@ def find_definitions(msg_paths: Iterable[Path], package_path: Iterable[Path]) ->
         for folder in walk(root):
             if folder.is_package:
                 # The user named this folder: a broken package.xml must not hide its definitions.
-                _add_package(found, package_name(folder) or folder.path.name, folder)
+                _add_package(found, package_name(folder.path) or folder.path.name, folder)
             elif any(map(_is_definition, folder.files)):
                 _add_loose(found, folder)
     for root in package_path:
