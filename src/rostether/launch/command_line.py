@@ -24,12 +24,12 @@ class Program(Struct, frozen=True):
 
 
 class Replaced(Struct, frozen=True):
-    """A program that is not started because something built in replaces it; `line` reports this."""
+    """A program that is not started, because a view of the dashboard replaces it; `line` reports this."""
 
     line: str
 
 
-# (package, type, environment) -> program. Raises RostetherError if there is none.
+# Gets a node's package, type and environment, and returns its program. Raises RostetherError if none exists.
 Locate: TypeAlias = Callable[[str, str, Mapping[str, str]], Program | Replaced]
 
 
@@ -42,7 +42,7 @@ class Command(Struct, frozen=True):
 
 
 def node_environment(node: LaunchNode, environ: Mapping[str, str], master_uri: str) -> dict[str, str]:
-    """Return a node's environment: the caller's, the master, its namespace, and its <env> tags."""
+    """Return a node's environment: that of the caller, with the master, the namespace and the <env> tags."""
     variables = {name: value for name, value in environ.items() if name != "ROS_NAMESPACE"}
     variables["ROS_MASTER_URI"] = master_uri
     if node.namespace != "/":
@@ -53,7 +53,7 @@ def node_environment(node: LaunchNode, environ: Mapping[str, str], master_uri: s
 def command_of(
     node: LaunchNode, environ: Mapping[str, str], master_uri: str, locate: Locate
 ) -> Command | Replaced:
-    """Return the command of a node, without the additions of the runner. Raises the errors of `locate`."""
+    """Return a node's command, without the arguments that the runner adds. Raises the errors of `locate`."""
     variables = node_environment(node, environ, master_uri)
     program = locate(node.package, node.type, variables)
     if isinstance(program, Replaced):
@@ -74,9 +74,9 @@ def ros_home(environ: Mapping[str, str]) -> Path:
 
 
 def log_folder(environ: Mapping[str, str], run_id: str) -> Path:
-    """Create and return the log folder of a run; the link `latest` next to it points to it.
+    """Create and return the log folder of a run, and link `latest` next to it to the folder.
 
-    Raises ConfigError.
+    Raises ConfigError if the folder cannot be created.
     """
     parent = Path(environ["ROS_LOG_DIR"]) if environ.get("ROS_LOG_DIR") else ros_home(environ) / "log"
     # The id comes from a master: it must not point outside the folder.

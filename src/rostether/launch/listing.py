@@ -13,12 +13,12 @@ from rostether.launch.command_line import Locate, Replaced, command_of
 from rostether.launch.plan import LaunchNode, LaunchPlan
 from rostether.names.graph_name import join
 
-# As in roslaunch: a summary lists the parameters, without the text of a URDF.
+# As in roslaunch: a summary of long values, such as a URDF, shows only their start.
 _MAX_VALUE_CHARS = 20
 
 
 def node_lines(plan: LaunchPlan) -> list[str]:
-    """Return the nodes' full names."""
+    """Return the full names of the nodes."""
     return [node.full_name for node in plan.nodes]
 
 
@@ -40,12 +40,15 @@ def argument_lines(plan: LaunchPlan) -> Iterator[str]:
 
 
 def file_lines(plan: LaunchPlan) -> list[str]:
-    """Return the absolute paths of all files read."""
+    """Return the absolute paths of all files that were read."""
     return [str(Path(file).absolute()) for file in plan.files]
 
 
 def find_node(plan: LaunchPlan, name: str, namespace: str) -> LaunchNode:
-    """Return a node by its name; a relative name is in `namespace`. Raises ConfigError."""
+    """Return the first node with a name: its name without namespace, or in `namespace` if it is relative.
+
+    Raises ConfigError if there is none.
+    """
     full_name = join(namespace, name)
     for node in plan.nodes:
         if full_name == node.full_name or name == node.name:

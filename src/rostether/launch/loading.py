@@ -12,19 +12,19 @@ from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 
 from rostether.errors import LaunchError
-from rostether.launch.launch_xml import parse_launch_xml
+from rostether.launch.files import parse_launch_xml, read_file
 from rostether.launch.node_tag import NodeTags
 from rostether.launch.parameter_tags import ParameterTags
 from rostether.launch.plan import DeclaredArgument, LaunchPlan
 from rostether.launch.scope import Scope, as_namespace
-from rostether.launch.substitution import LaunchContext, read_file
+from rostether.launch.substitution import LaunchContext
 from rostether.launch.tag_reader import TagReader
 from rostether.mechanisms.xml_tree import XmlElement
 from rostether.ros1.environment import is_loopback
 
 _MACHINE_ATTRIBUTES = ("name", "address", "env-loader", "ssh-port", "user", "password", "default", "timeout")
 
-# Some files include themselves to count down; the limit stops endless recursion.
+# Some files include themselves to count down; the limit ends an endless recursion.
 MAX_INCLUDE_DEPTH = 50
 
 # The depth alone is not enough: 50 levels with two includes each are 2^50 files.
@@ -45,11 +45,11 @@ def load_launch(
 ) -> LaunchPlan:
     """Read launch files in order into one plan.
 
-    `arguments` are those of the command line; `packages` are folders by name. `text` is the content of a
-    launch file without a path, read last. `programs` are built-in command lines for (package, program), for
-    names such as `$(find xacro)/xacro` if the package is not installed; $(find) then finds it, and
-    `builtin_packages`. Without `runs_commands`, parameters with `command=` are empty strings, and nothing is
-    executed. Raises LaunchError with file and line.
+    `arguments` are those of the command line. `packages` maps package names to folders. `text` is a launch
+    file from standard input, which is read last. `programs` maps (package, program) to built-in command
+    lines, for names such as `$(find xacro)/xacro` if the package is not installed. $(find) also finds the
+    packages of `programs` and `builtin_packages`. Without `runs_commands`, nothing is executed, and
+    parameters with `command=` are empty strings. Raises LaunchError with file and line.
     """
     programs = programs or {}
     built_in = frozenset(builtin_packages) | {package for package, _ in programs}
@@ -200,7 +200,7 @@ class _Loader:
 
 
 def _read_machine(reader: TagReader, element: XmlElement, scope: Scope) -> str:
-    """Return the name of a <machine>. Raises LaunchError if it is not this machine."""
+    """Return the name of a <machine>. Raises LaunchError for another machine than this one."""
     reader.check_attributes(element, _MACHINE_ATTRIBUTES)
     name, address = (reader.required(element, scope, each) for each in ("name", "address"))
     user = reader.optional(element, scope, "user")

@@ -1,7 +1,7 @@
 """One process of a launch: starts it, restarts it, and ends it with all its child processes.
 
-Each process has its own session, so that Ctrl-C in the terminal reaches only the launch, which then ends the
-processes in order. On Linux, a process also gets SIGTERM if the launch is killed.
+Each process has its own session: Ctrl-C in the terminal reaches only the launch, which then ends the
+processes. On Linux, a process also gets SIGTERM if the launch is killed.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ import os
 import shlex
 import signal
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
 from typing import IO
 
@@ -23,6 +23,7 @@ from rostether.errors import LaunchError
 from rostether.graph.ports import Level
 from rostether.launch.command_line import Command
 from rostether.launch.plan import LaunchNode, Output
+from rostether.mechanisms.text import write_failure
 
 # As in roslaunch: a node may have to stop a robot.
 SIGINT_LIMIT_S = 15.0
@@ -30,7 +31,7 @@ SIGTERM_LIMIT_S = 2.0
 # Repeated restarts of a node that ends immediately must not keep a CPU busy.
 _RESPAWN_PAUSE_S = 0.1
 
-# There is no notification of the end of a process that is not a child, so the group is polled.
+# The system reports only the end of children, so the other processes of a group are polled.
 _GROUP_POLL_S = 0.02
 
 # A killed group ends immediately, unless a driver blocks a process.
@@ -77,14 +78,16 @@ class NodeProcess:
         words = [*self._command.words, f"__log:={self._log}"]
         try:
             self._command.folder.mkdir(parents=True, exist_ok=True)
-            with self._output() as output:
+            opened = self._open_output()
+        except OSError as error:
+            raise self._error(write_failure(error.filename, error)) from None
+        try:
+            with opened as output:
                 await self._create(words, output)
         except OSError as error:
-            raise LaunchError(
+            raise self._error(
                 f"cannot run {words[0]}: {error.strerror or error}; check the first line of the script and "
-                "launch-prefix=",
-                file=self.node.file,
-                line=self.node.line,
+                "launch-prefix="
             ) from None
         self._report(Level.INFO, f"process[{self.name}]: started with pid [{self._group}]")
 
@@ -102,7 +105,7 @@ class NodeProcess:
         try:
             await asyncio.shield(creating)
         finally:
-            # A stop request at this moment finds a process to stop.
+            # Also when cancelled, so that `stop` finds the process.
             self._process = await creating
             self._group = self._process.pid
 
@@ -122,7 +125,7 @@ class NodeProcess:
     async def stop(self) -> None:
         """End the process and its child processes: SIGINT, then SIGTERM, then SIGKILL.
 
-        `supervise` must no longer run.
+        Call it only after the end of `supervise`.
         """
         process = self._process
         if process is None:
@@ -141,7 +144,7 @@ class NodeProcess:
             try:
                 await asyncio.wait_for(process.wait(), _KILL_LIMIT_S)
             except TimeoutError:
-                # For instance with launch-prefix="sudo": another user's process cannot be ended.
+                # Another user's process cannot be ended, such as with launch-prefix="sudo".
                 self._report(Level.ERROR, f"[{self.name}] does not end; run: kill -9 {process.pid}")
         await self._end_group()
 
@@ -158,15 +161,15 @@ class NodeProcess:
                 await asyncio.sleep(_GROUP_POLL_S)
         self._group = None
 
-    @contextlib.contextmanager
-    def _output(self) -> Iterator[IO[bytes] | None]:
+    def _open_output(self) -> contextlib.AbstractContextManager[IO[bytes] | None]:
         if self.node.output is Output.SCREEN:
-            yield None
-            return
+            return contextlib.nullcontext()
         # The output before a restart stays in the log.
         mode = "ab" if self._process is not None else "wb"
-        with self._log.with_name(f"{self._log.stem}-stdout.log").open(mode) as file:
-            yield file
+        return self._log.with_name(f"{self._log.stem}-stdout.log").open(mode)
+
+    def _error(self, text: str) -> LaunchError:
+        return LaunchError(text, file=self.node.file, line=self.node.line)
 
     def _report_ended(self, pid: int) -> None:
         if self.exit_code == 0:
@@ -181,20 +184,20 @@ class NodeProcess:
 
 
 def adopt_orphans() -> None:
-    """Adopt processes whose parents have ended, in order to reap them (Linux)."""
+    """Become the parent of descendants whose own parent has ended, in order to reap them (Linux)."""
     if _prctl is not None:
         _prctl(_PR_SET_CHILD_SUBREAPER, 1)
 
 
 def _reap(group: int) -> None:
-    # A process that has ended belongs to the group until its parent reads its exit code.
+    # A process that has ended stays in the group until its parent reads its exit code.
     with contextlib.suppress(ChildProcessError):
         while os.waitpid(-group, os.WNOHANG)[0]:
             pass
 
 
 def _signal_group(group: int, number: int) -> bool:
-    """Signal all processes of a group; False if none is left, or if the system has no process groups."""
+    """Signal all processes of a group. Returns False if none is left, or if the system has no groups."""
     if sys.platform == "win32":
         # Windows has no process groups, and every signal ends a process immediately.
         if number:

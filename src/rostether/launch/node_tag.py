@@ -1,4 +1,4 @@
-"""Reads <node> and <test>; a <test> only sets parameters and is not started."""
+"""Reads <node> and <test>; a <test> sets its parameters, but is not started."""
 
 from __future__ import annotations
 
@@ -6,22 +6,22 @@ from rostether.errors import LaunchError
 from rostether.launch.parameter_tags import ParameterTags
 from rostether.launch.plan import LaunchNode, Output, WorkingFolder
 from rostether.launch.scope import Scope
-from rostether.launch.substitution import split_words
 from rostether.launch.tag_reader import TagReader
+from rostether.launch.values import split_words
 from rostether.mechanisms.anonymous import anonymous_name
 from rostether.mechanisms.xml_tree import XmlElement
 from rostether.names.graph_name import PRIVATE, SEPARATOR, canonical, is_legal_name
 
-NODE_ATTRIBUTES = (
+_NODE_ATTRIBUTES = (
     *("pkg", "type", "name", "args", "machine", "ns", "clear_params", "output", "cwd", "launch-prefix"),
     *("respawn", "respawn_delay", "required"),
 )
 _NOT_IN_TESTS = ("respawn", "respawn_delay", "output")
-_TEST_ATTRIBUTES = (*NODE_ATTRIBUTES, "test-name", "time-limit", "retry")
+_TEST_ATTRIBUTES = (*_NODE_ATTRIBUTES, "test-name", "time-limit", "retry")
 
 
 class NodeTags:
-    """Reads both tags. Methods raise LaunchError, ConfigError."""
+    """Reads both tags. All methods raise LaunchError, ConfigError."""
 
     def __init__(self, reader: TagReader, parameters: ParameterTags) -> None:
         self._reader = reader
@@ -30,7 +30,7 @@ class NodeTags:
     def node(self, element: XmlElement, scope: Scope) -> LaunchNode:
         """Return the node, and set its parameters."""
         reader = self._reader
-        reader.check_attributes(element, NODE_ATTRIBUTES)
+        reader.check_attributes(element, _NODE_ATTRIBUTES)
         package, node_type = (self._filled(element, scope, name) for name in ("pkg", "type"))
         name = reader.required(element, scope, "name")
         inside = self._inside(element, scope, name)
@@ -61,7 +61,7 @@ class NodeTags:
         return node
 
     def test(self, element: XmlElement, scope: Scope) -> None:
-        """Set a test's parameters; it is not started."""
+        """Set a test's parameters."""
         reader = self._reader
         reader.check_attributes(element, _TEST_ATTRIBUTES)
         for name in _NOT_IN_TESTS:
@@ -77,7 +77,7 @@ class NodeTags:
         self._inside(element, scope, reader.optional(element, scope, "name") or test_name)
 
     def _inside(self, element: XmlElement, scope: Scope, name: str) -> Scope:
-        """Read the children; the result has the node's namespace, remaps and environment."""
+        """Read the children, and return a scope with the node's namespace, remaps and environment."""
         reader = self._reader
         if SEPARATOR in name:
             raise LaunchError(f"name={name!r} contains a namespace; give it with ns=")
@@ -113,7 +113,7 @@ class NodeTags:
     def _filled(self, element: XmlElement, scope: Scope, name: str) -> str:
         text = self._reader.required(element, scope, name)
         if not text.strip():
-            raise LaunchError(f"<{element.tag}> has an empty {name}=")
+            raise LaunchError(f"<{element.tag}> has an empty {name}=; give it a value")
         return text
 
     def _output(self, element: XmlElement, scope: Scope) -> Output:

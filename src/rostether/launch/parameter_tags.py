@@ -9,12 +9,11 @@ from pathlib import Path
 from typing import Any
 
 from rostether.errors import LaunchError
-from rostether.launch.launch_xml import MAX_FILE_BYTES
+from rostether.launch.files import BUILTIN_ROOT, MAX_FILE_BYTES, read_file
 from rostether.launch.plan import DeleteParameters, DumpParameters
 from rostether.launch.scope import Scope
-from rostether.launch.substitution import BUILTIN_ROOT, read_file, split_words
 from rostether.launch.tag_reader import TagReader
-from rostether.launch.values import convert
+from rostether.launch.values import convert, split_words
 from rostether.mechanisms.xml_tree import XmlElement
 from rostether.names.graph_name import canonical, is_private, join
 from rostether.param_yaml import leaves, parse_single_document
@@ -28,11 +27,10 @@ _SCRIPT_SUFFIX = ".py"
 
 
 class ParameterTags:
-    """Reads both tags; `programs` are built-in command lines for programs of built-in packages.
+    """Reads both tags. All methods raise LaunchError, ConfigError.
 
-    Without `runs_commands`, a parameter with `command=` is an empty string.
-
-    All methods raise LaunchError, ConfigError.
+    `programs` maps (package, program) to built-in command lines, for packages that are not installed. Without
+    `runs_commands`, a parameter with `command=` is an empty string.
     """
 
     def __init__(
@@ -51,7 +49,7 @@ class ParameterTags:
             self._reader.set_parameter(element, join(scope.namespace, name), value)
 
     def name_and_value(self, element: XmlElement, scope: Scope) -> tuple[str, Any]:
-        """Return the name and value of a <param>. Inside a <node> it is private with and without `~`."""
+        """Return the name and value of a <param>; the name may begin with `~`."""
         reader = self._reader
         reader.check_attributes(element, _PARAM_ATTRIBUTES)
         given = {source: reader.optional(element, scope, source) for source in _SOURCES}
@@ -60,12 +58,12 @@ class ParameterTags:
             raise LaunchError(f"<param> needs one of {', '.join(f'{each}=' for each in _SOURCES)}")
         name = reader.required(element, scope, "name").strip()
         if not name:
-            raise LaunchError("<param> has an empty name=")
+            raise LaunchError("<param> has an empty name=; give the parameter a name")
         (source, text), type_name = sources[0], element.attributes.get("type", "").lower().strip() or "auto"
         return name, self._value(source, text, type_name)
 
     def rosparam(self, element: XmlElement, scope: Scope) -> None:
-        """Load parameters, or plan to dump or delete parameters before the launch."""
+        """Load parameters, or add a step to the plan that dumps or deletes parameters before the launch."""
         reader = self._reader
         reader.check_attributes(element, _ROSPARAM_ATTRIBUTES)
         command = reader.optional(element, scope, "command") or "load"
@@ -110,8 +108,7 @@ class ParameterTags:
         if replaces:
             text = self._reader.substitute(text, scope)
         data = parse_single_document(text, source)
-        if data is None:
-            data = {}
+        data = {} if data is None else data
         if not name and not isinstance(data, dict):
             raise LaunchError("<rosparam> needs param=, because its value is not a mapping")
         for key, value in leaves(full_name, data):
@@ -151,7 +148,8 @@ class ParameterTags:
             ) from None
         if len(output) > MAX_FILE_BYTES:
             raise LaunchError(
-                f"the command {command!r} prints more than {MAX_FILE_BYTES} bytes, too many for a parameter"
+                f"the command {command!r} prints more than {MAX_FILE_BYTES} bytes, too many for a parameter; "
+                "shorten its output"
             )
         if process.returncode != 0:
             raise LaunchError(

@@ -28,8 +28,8 @@ class WorkingFolder(Enum):
 class LaunchNode(Struct, frozen=True):
     """One process to start.
 
-    `name` has no namespace, `namespace` is global without a trailing slash (`/` is the root); `remaps` are
-    pairs (from, to) as written; later pairs of `environment` override earlier ones.
+    `name` has no namespace. `namespace` is global, without a trailing slash except for the root. `remaps` are
+    pairs (from, to) as written. Later pairs of `environment` override earlier ones.
     """
 
     package: str
@@ -50,7 +50,7 @@ class LaunchNode(Struct, frozen=True):
 
     @property
     def full_name(self) -> str:
-        """The name that the node has in the graph."""
+        """The node's name in the graph."""
         return canonical(join(self.namespace, self.name))
 
     @property
@@ -74,7 +74,7 @@ class DeleteParameters(Struct, frozen=True):
 
 
 class DeclaredArgument(Struct, frozen=True):
-    """An <arg> of a launch file. Users must give one without a default, and cannot give a fixed one."""
+    """An <arg> of a launch file. Users must give its value without a default, and cannot if it is fixed."""
 
     name: str
     default: str | None = None

@@ -1,4 +1,4 @@
-"""Runs a plan: sets parameters, starts the nodes in order, and waits for the end of all or a required one."""
+"""Runs a plan: sets parameters, starts the nodes in order, and waits until all or a required one end."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ _RUN_ID = "/run_id"
 
 
 class RunOptions(Struct, frozen=True):
-    """The command line's settings for all nodes.
+    """The settings of the command line for all nodes.
 
     `output` and `all_required` override the files. With `stays`, the launch continues after all nodes have
     ended, because it runs the master.
@@ -52,8 +52,8 @@ async def run_plan(
 ) -> bool:
     """Run a plan to its end, and end all its processes, even when cancelled.
 
-    Returns False if a required node failed, or if no node could be started. Raises MasterUnreachableError,
-    GraphError, ConfigError before it starts any node.
+    Returns False if a required node failed, or if no node could be started. Raises GraphError, such as
+    MasterUnreachableError, and ConfigError before it starts any node.
     """
     async with closed_at_end(MasterClient(master_uri, CALLER_ID)) as client:
         logs = log_folder(environ, await ensure_run_id(client))
@@ -151,7 +151,7 @@ def _with_options(node: LaunchNode, options: RunOptions) -> LaunchNode:
 
 
 async def ensure_run_id(client: MasterClient) -> str:
-    """Return the id of the master's run; create one if there is none."""
+    """Return the id of the master's run; create one if there is none. Raises GraphError."""
     try:
         return str(await client.get_param(_RUN_ID))
     except UnknownNameError:
@@ -161,7 +161,7 @@ async def ensure_run_id(client: MasterClient) -> str:
 
 
 async def upload(plan: LaunchPlan, client: MasterClient, report: Callable[[Level, str], None]) -> None:
-    """Apply the plan. Raises GraphError, and ConfigError for a file that cannot be written."""
+    """Apply the plan to the master's parameters. Raises GraphError, ConfigError if a file is not writable."""
     for step in plan.before:
         match step:
             case DumpParameters():
@@ -176,7 +176,7 @@ async def upload(plan: LaunchPlan, client: MasterClient, report: Callable[[Level
 
 
 def outermost(namespaces: Iterable[str]) -> list[str]:
-    """Return the namespaces that are not inside another one; all end with a slash."""
+    """Return the namespaces that are not inside another one, each once; all end with a slash."""
     unique = list(dict.fromkeys(namespaces))
     return [each for each in unique if not any(each != other and each.startswith(other) for other in unique)]
 

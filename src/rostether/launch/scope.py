@@ -1,7 +1,7 @@
 """The scope at a position in a launch file: namespace, arguments, remaps, environment, private parameters.
 
-A <group> or <node> gets a copy of it, so that settings inside end with it. An <include> also gets a copy, but
-the included file sees only the arguments in the <include>.
+A <group>, <node> or <include> gets a copy of the scope around it, so settings inside do not apply after it.
+An included file sees only the arguments in its <include>.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ class Scope(Struct):
     passes_all_arguments: bool = False
 
     def child(self, namespace: str | None = None) -> Scope:
-        """Return a scope inside this one. Raises LaunchError for the namespace `~`."""
+        """Return a copy for a scope inside this one. Raises LaunchError for a private namespace."""
         return Scope(
             file=self.file,
             namespace=self.namespace if namespace is None else self._below(namespace),
@@ -41,7 +41,7 @@ class Scope(Struct):
         )
 
     def included(self, file: str, inside: Scope, given: dict[str, str], *, pass_all: bool) -> Scope:
-        """Return the scope of an included file; `inside` is that of the <include>'s children."""
+        """Return the scope of an included file; `inside` is the scope of the <include>'s children."""
         return Scope(
             file=file,
             namespace=inside.namespace,
@@ -55,7 +55,10 @@ class Scope(Struct):
         )
 
     def declare(self, argument: DeclaredArgument, value: str | None) -> None:
-        """Declare an <arg>. Raises LaunchError if it is declared twice, or fixed and given."""
+        """Declare an <arg>, which is fixed with a `value`.
+
+        Raises LaunchError if it is declared twice, or if it is fixed and was given.
+        """
         name = argument.name
         if name in self.declared and not self.passes_all_arguments:
             raise LaunchError(f"argument {name!r} is declared twice; rename or remove one")
@@ -70,13 +73,13 @@ class Scope(Struct):
         self.declared[name] = argument
 
     def remap(self, source: str, target: str) -> None:
-        """Add a remapping; one from the same name is replaced. Raises LaunchError."""
+        """Add a remapping; replace an earlier one from the same name. Raises LaunchError."""
         pair = (canonical(source), canonical(target))
         for name in pair:
             if not name:
                 raise LaunchError("<remap> has an empty from= or to=; both need a name")
             if not is_legal_name(name):
-                raise LaunchError(f"<remap> cannot use {name!r}: it is not a ROS name")
+                raise LaunchError(f"<remap> cannot use {name!r}: it is not a ROS name; correct it")
         self.remaps = [each for each in self.remaps if each[0] != pair[0]] + [pair]
 
     def _below(self, namespace: str) -> str:

@@ -1,4 +1,4 @@
-"""Reads the words after `launch`: a launch file of a package, files by path, `name:=value` arguments."""
+"""Reads the words after `launch`: a launch file of a package, paths of files, `name:=value` arguments."""
 
 from __future__ import annotations
 
@@ -17,15 +17,18 @@ STDIN = "-"
 _ARGUMENT = re.compile(r"[~/A-Za-z_][\w/]*:=.*", re.DOTALL)
 _LAUNCH_SUFFIXES = (".launch", ".xml", ".test")
 
-# The longest readable list in an error line.
+# A longer list is unreadable in an error line.
 _MAX_LISTED = 8
 
-# Packages that come with rostether: their launch files work under the usual names.
+# Packages of rostether with the launch files of established packages, under the same names.
 _BUNDLED = Path(__file__).with_name("share")
 
 
 class LaunchSources(Struct, frozen=True):
-    """The launch files, whether to read standard input too, and the arguments (the last one of each name)."""
+    """The launch files, whether to read standard input too, and the arguments (the last one of each name).
+
+    `empty_arguments` are the names of arguments with an empty value, which have no effect.
+    """
 
     files: list[Path] = field(default_factory=list)
     reads_stdin: bool = False
@@ -33,11 +36,8 @@ class LaunchSources(Struct, frozen=True):
     empty_arguments: list[str] = field(default_factory=list)
 
 
-def split_arguments(words: Sequence[str]) -> tuple[list[str], dict[str, str], list[str]]:
-    """Return the other words, the arguments, and the names of arguments with an empty value.
-
-    As in roslaunch, an argument with an empty value has no effect.
-    """
+def _split_arguments(words: Sequence[str]) -> tuple[list[str], dict[str, str], list[str]]:
+    """Return the other words, the arguments, and the names of arguments with an empty value."""
     rest: list[str] = []
     arguments: dict[str, str] = {}
     empty: list[str] = []
@@ -55,24 +55,24 @@ def split_arguments(words: Sequence[str]) -> tuple[list[str], dict[str, str], li
 
 def find_sources(words: Sequence[str], packages: Mapping[str, Path]) -> LaunchSources:
     """Find the launch files: `PACKAGE FILE`, or paths; `-` is standard input. Raises ConfigError."""
-    rest, arguments, empty = split_arguments(words)
+    rest, arguments, empty = _split_arguments(words)
     if not rest:
         raise ConfigError("give a launch file: `rostether launch PACKAGE FILE`, or a path")
     if len(rest) >= 2 and rest[0] in packages and rest[0] != STDIN:
-        found = in_package(rest[0], rest[1], packages[rest[0]])
+        found = _in_package(rest[0], rest[1], packages[rest[0]])
         if found is not None:
             rest[:2] = [str(found)]
     missing = [each for each in rest if each != STDIN and not Path(each).is_file()]
     if missing:
         raise ConfigError(_explain_missing(rest, missing[0], packages))
     if rest.count(STDIN) > 1:
-        raise ConfigError("standard input (-) can be read only once")
+        raise ConfigError("standard input (-) can be read only once; give - once")
     files = [Path(each) for each in rest if each != STDIN]
     return LaunchSources(files, STDIN in rest, arguments, empty)
 
 
-def in_package(package: str, name: str, folder: Path) -> Path | None:
-    """Find a file in a package by its name or path; None if there is none.
+def _in_package(package: str, name: str, folder: Path) -> Path | None:
+    """Return the file of a package with a name or path; None if there is none.
 
     Raises ConfigError if several files have the name.
     """
@@ -91,7 +91,7 @@ def bundled_packages() -> dict[str, Path]:
 
 
 def launch_files(folder: Path) -> list[str]:
-    """Return the names of the launch files in a package."""
+    """Return the names of the launch files in a package, sorted."""
     return sorted(
         name
         for each in walk(folder, below_packages=True)

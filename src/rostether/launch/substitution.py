@@ -1,14 +1,13 @@
 """Substitutes `$(find pkg)`, `$(arg x)`, `$(env V)`, `$(optenv V words)`, `$(anon x)` and `$(dirname)`.
 
-A text that is one `$(eval ...)` is evaluated. All others are substituted twice, so that a value may contain a
-`$(find ...)`; they cannot be nested.
+A text that is one `$(eval ...)` is evaluated. In other texts, `$(find ...)` is substituted last, so that the
+values of the others may contain it. Substitutions cannot be nested.
 """
 
 from __future__ import annotations
 
 import ast
 import math
-import shlex
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
@@ -17,17 +16,18 @@ from msgspec import Struct
 
 from rostether.errors import LaunchError
 from rostether.expression.compiler import FUNCTIONS, MATH, compile_expression
-from rostether.launch.launch_xml import MAX_FILE_BYTES
+from rostether.launch.files import BUILTIN_ROOT
 from rostether.launch.scope import Scope
 from rostether.launch.values import convert
 from rostether.mechanisms.anonymous import anonymous_name
-from rostether.mechanisms.text import did_you_mean, read_failure
+from rostether.mechanisms.text import did_you_mean
 
-COMMANDS = ("find", "env", "optenv", "dirname", "anon", "arg")
+_COMMANDS = ("find", "env", "optenv", "dirname", "anon", "arg")
+
 # The limit of one text after substitution. A robot description, the longest in use, is about 100 KB.
-MAX_TEXT_CHARS = 4 << 20
+_MAX_TEXT_CHARS = 4 << 20
 
-# The limit in one text: each substitution copies the text.
+# The limit of substitutions in one text: each of them copies the text.
 _MAX_SUBSTITUTIONS = 10_000
 
 _EVAL_PREFIX = "$(eval "
@@ -53,10 +53,10 @@ _EXTRA: Mapping[str, Any] = {
 
 
 class LaunchContext(Struct, frozen=True):
-    """The access of a launch file to the machine.
+    """What launch files can read besides files: environment variables and packages.
 
-    `packages` are folders by package name. `built_in` are built-in packages without folders: their path is
-    below BUILTIN_ROOT, where no file is.
+    `packages` maps package names to folders. `built_in` are packages without folders: their paths are below
+    BUILTIN_ROOT, and no file exists there.
     """
 
     environ: Mapping[str, str]
@@ -64,12 +64,8 @@ class LaunchContext(Struct, frozen=True):
     built_in: frozenset[str] = frozenset()
 
 
-# Represents the folder of built-in packages, which have no files.
-BUILTIN_ROOT = "/rostether-built-in"
-
-
 def substitute(text: str, scope: Scope, context: LaunchContext) -> str:
-    """Return a text with its arguments substituted. Raises LaunchError."""
+    """Return a text with all substitutions made. Raises LaunchError, ConfigError."""
     if "$" not in text:
         return text
     if text.startswith(_EVAL_PREFIX) and text.endswith(")"):
@@ -99,7 +95,7 @@ def argument_value(name: str, scope: Scope) -> str:
 
 
 def scoped_anonymous_name(base_name: str, scope: Scope) -> str:
-    """Return the name for `$(anon base_name)`, the same each time."""
+    """Return the name for `$(anon base_name)`, which is the same each time in a scope."""
     if base_name not in scope.anonymous_names:
         scope.anonymous_names[base_name] = anonymous_name(base_name)
     return scope.anonymous_names[base_name]
@@ -118,32 +114,6 @@ def package_folder(name: str, context: LaunchContext) -> str:
         return f"{BUILTIN_ROOT}/{name}"
     hint = did_you_mean(name, context.packages) or "add the folder that contains it to ROS_PACKAGE_PATH"
     raise LaunchError(f"there is no package {name!r}; {hint}")
-
-
-def split_words(command: str) -> list[str]:
-    """Return the words of a command, split as a shell splits them. Raises LaunchError."""
-    try:
-        return shlex.split(command)
-    except ValueError as error:
-        raise LaunchError(f"{command!r}: {str(error).lower()}") from None
-
-
-def read_file(file: str) -> bytes:
-    """Return the content of a file, or its first MAX_FILE_BYTES + 1 bytes. Raises LaunchError."""
-    try:
-        with open(file, "rb") as stream:  # noqa: PTH123 - Path("") would be "."
-            return stream.read(MAX_FILE_BYTES + 1)
-    except OSError as error:
-        raise _unreadable(file, error) from None
-
-
-def _unreadable(file: str, error: OSError) -> LaunchError:
-    if file.startswith(f"{BUILTIN_ROOT}/"):
-        package = file.removeprefix(f"{BUILTIN_ROOT}/").partition("/")[0]
-        return LaunchError(
-            f"package {package} is not installed; its nodes are built in, but it has no files here"
-        )
-    return LaunchError(read_failure(repr(file), error))
 
 
 def _replaced(text: str, found: str, scope: Scope, context: LaunchContext) -> str:
@@ -166,8 +136,10 @@ def _replaced(text: str, found: str, scope: Scope, context: LaunchContext) -> st
         return text
     # Ten arguments that each contain the previous one ten times would reach 10 GB.
     grown_by = text.count(f"$({found})") * (len(value) - len(f"$({found})"))
-    if len(text) + grown_by > MAX_TEXT_CHARS:
-        raise LaunchError(f"$({found}) is longer than {MAX_TEXT_CHARS} characters; shorten its value")
+    if len(text) + grown_by > _MAX_TEXT_CHARS:
+        raise LaunchError(
+            f"with $({found}), a text is longer than {_MAX_TEXT_CHARS} characters; shorten its value"
+        )
     return text.replace(f"$({found})", value)
 
 
@@ -186,7 +158,7 @@ def _only(found: str, words: list[str]) -> str:
 
 
 def _substitutions(text: str) -> Iterator[str]:
-    """Yield the text between `$(` and `)`; a `$` or a bracket elsewhere is a plain character."""
+    """Yield the texts between `$(` and `)`; other dollar signs and brackets are plain characters."""
     start = -1
     after_dollar = False
     found: list[str] = []
@@ -208,9 +180,9 @@ def _substitutions(text: str) -> Iterator[str]:
     if len(found) > _MAX_SUBSTITUTIONS:
         raise LaunchError(f"a text has more than {_MAX_SUBSTITUTIONS} substitutions $(...); split it")
     for each in found:
-        if each.split()[:1] and each.split()[0] in COMMANDS:
+        if each.split()[:1] and each.split()[0] in _COMMANDS:
             continue
-        raise LaunchError(f"$({each}) is unknown; known: $({'), $('.join(COMMANDS)}) and $(eval ...)")
+        raise LaunchError(f"$({each}) is unknown; known: $({'), $('.join(_COMMANDS)}) and $(eval ...)")
     yield from found
 
 
@@ -218,12 +190,6 @@ def evaluate(expression: str, scope: Scope, context: LaunchContext) -> str:
     """Return the text of an expression's value. Raises LaunchError, ConfigError."""
     if "__" in expression:
         raise LaunchError(f"$(eval {expression}) must not contain a double underscore")
-
-    def argument(name: str) -> Any:
-        return convert(argument_value(name, scope), "auto")
-
-    def optional_variable(name: str, default: str = "") -> str:
-        return context.environ.get(name, default)
 
     # Arguments override Python's functions; `math` overrides arguments: `e` and `pi` are always numbers.
     names: dict[str, Any] = {
@@ -233,9 +199,9 @@ def evaluate(expression: str, scope: Scope, context: LaunchContext) -> str:
         **MATH,
         "true": True,
         "false": False,
-        "arg": argument,
+        "arg": lambda name: convert(argument_value(name, scope), "auto"),
         "env": lambda name: environment_variable(name, context),
-        "optenv": optional_variable,
+        "optenv": lambda name, default="": context.environ.get(name, default),
         "find": lambda package: package_folder(package, context),
         "anon": lambda base_name: scoped_anonymous_name(base_name, scope),
         "dirname": lambda: folder_of(scope.file),
@@ -245,10 +211,11 @@ def evaluate(expression: str, scope: Scope, context: LaunchContext) -> str:
 
 
 def _check_names(expression: str, names: Mapping[str, Any], scope: Scope) -> None:
+    """Raise LaunchError for a name that is not known, or is an argument without a value."""
     try:
         tree = ast.parse(expression.strip(), mode="eval")
     except (SyntaxError, ValueError, RecursionError):
-        # The message of the compiler contains the reason.
+        # compile_expression raises an error with the reason.
         return
     used = [node for node in ast.walk(tree) if isinstance(node, ast.Name)]
     loop_variables = {node.id for node in used if isinstance(node.ctx, ast.Store)}

@@ -14,16 +14,16 @@ from rostether.launch.values import as_bool, check
 from rostether.mechanisms.xml_tree import XmlElement
 from rostether.names.graph_name import SEPARATOR, canonical, is_legal_name, join, namespace_of
 
-# The limit for all texts of a launch together; each one has its own limit.
+# The limit of all texts of a launch together; ten thousand included files may each have long texts.
 MAX_SUBSTITUTED_CHARS = 64 << 20
 
 _CONDITIONS = ("if", "unless")
 
 
 class TagReader:
-    """Reads attributes with their arguments substituted, and adds to the plan.
+    """Reads attributes, makes their substitutions, and adds what it reads to the plan.
 
-    All methods raise LaunchError; the loader adds the element's file and line if they are missing.
+    All methods raise LaunchError, ConfigError; `at_element` adds the element's file and line.
     """
 
     def __init__(self, context: LaunchContext) -> None:
@@ -32,7 +32,7 @@ class TagReader:
         self._substituted_chars = 0
 
     def substitute(self, text: str, scope: Scope) -> str:
-        """Return a text with its arguments substituted."""
+        """Return a text with all substitutions made."""
         result = substitute(text, scope, self.context)
         if result is not text:
             self._substituted_chars += len(result)
@@ -44,7 +44,7 @@ class TagReader:
         return result
 
     def optional(self, element: XmlElement, scope: Scope, name: str) -> str | None:
-        """Return an attribute's value, None if it is missing."""
+        """Return an attribute's value; None if it is missing."""
         text = element.attributes.get(name)
         return None if text is None else self.substitute(text, scope)
 
@@ -52,7 +52,7 @@ class TagReader:
         """Return the value of a required attribute."""
         text = self.optional(element, scope, name)
         if text is None:
-            raise LaunchError(f"<{element.tag}> needs the attribute {name}=")
+            raise LaunchError(f"<{element.tag}> needs the attribute {name}=; add it")
         return text
 
     def flag(self, element: XmlElement, scope: Scope, name: str) -> bool:
@@ -68,10 +68,10 @@ class TagReader:
         try:
             return 0.0 if text is None else float(text)
         except ValueError:
-            raise LaunchError(f"{name}={text!r} is not a number") from None
+            raise LaunchError(f"{name}={text!r} is not a number; write one") from None
 
     def applies(self, element: XmlElement, scope: Scope) -> bool:
-        """Return whether an element applies according to its if= or unless=."""
+        """Return whether the if= or unless= of an element lets it apply."""
         on, off = (self.optional(element, scope, name) for name in _CONDITIONS)
         if on is not None and off is not None:
             raise LaunchError(f"<{element.tag}> has both if= and unless=; keep one of them")
@@ -116,12 +116,12 @@ class TagReader:
         self.check_attributes(element, ("name", "value"))
         name, value = self.required(element, scope, "name"), self.required(element, scope, "value")
         if not name:
-            raise LaunchError("<env> has an empty name=")
+            raise LaunchError("<env> has an empty name=; give the variable a name")
         scope.environment.append((name, value))
 
     @contextmanager
     def at_element(self, element: XmlElement) -> Iterator[None]:
-        """Add the element's file and line to errors that have none."""
+        """Add the element's file and line to errors of the block that have none."""
         try:
             yield
         except LaunchError as error:

@@ -1,7 +1,8 @@
-"""Converts the text of a <param> to its type, like roslaunch."""
+"""Converts the texts of attributes to values, like roslaunch."""
 
 from __future__ import annotations
 
+import shlex
 from typing import Any
 
 from rostether.errors import LaunchError
@@ -38,11 +39,16 @@ def as_bool(text: str) -> bool:
     raise LaunchError(f"{text!r} is not true or false; write one of them")
 
 
-def check(name: str, value: Any) -> None:
-    """Refuse values that parameter servers do not support: null, integers of more than 32 bits.
+def split_words(command: str) -> list[str]:
+    """Return the words of a command, split as a shell splits them. Raises LaunchError."""
+    try:
+        return shlex.split(command)
+    except ValueError as error:
+        raise LaunchError(f"{command!r}: {str(error).lower()}; correct its quotes") from None
 
-    Raises ConfigError.
-    """
+
+def check(name: str, value: Any) -> None:
+    """Raise ConfigError for a value that no parameter can have, such as null."""
     for _ in leaves(name, value):
         pass
 
@@ -64,4 +70,4 @@ def _number(text: str, kind: type[int] | type[float], what: str) -> int | float:
     try:
         return kind(text)
     except ValueError:
-        raise LaunchError(f"{text!r} is not {what}") from None
+        raise LaunchError(f"{text!r} is not {what}; correct it, or choose another type=") from None

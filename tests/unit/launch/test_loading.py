@@ -7,9 +7,9 @@ from pathlib import Path
 import pytest
 
 from rostether.errors import LaunchError
+from rostether.launch.files import BUILTIN_ROOT
 from rostether.launch.loading import STDIN_NAME, load_launch
 from rostether.launch.plan import LaunchPlan
-from rostether.launch.substitution import BUILTIN_ROOT
 from unit.launch.corpus import RIGHT, ROBOT, WRONG, described, exact, expected, load
 
 # Whose mistake stands in the file that is included.

@@ -249,6 +249,14 @@ async def test_program_that_no_system_runs_is_reported(stage: Stage) -> None:
     assert "cannot run" in stage.text
 
 
+async def test_working_folder_that_cannot_be_created_is_reported(stage: Stage) -> None:
+    stage.script("node", "exit 0")
+    (stage.folder / "file").touch()
+    stage.environ |= {"ROS_HOME": str(stage.folder / "file"), "ROS_LOG_DIR": str(stage.folder / "log")}
+    assert not await stage.run('<node name="a" pkg="p" type="node"/>')
+    assert f"cannot write {stage.folder / 'file'}: File exists; choose a writable folder" in stage.text
+
+
 async def test_stop_interrupts_first_so_that_nodes_can_clean_up(stage: Stage) -> None:
     stage.script("polite.sh", "trap 'echo goodbye; exit 0' INT; echo ready; while :; do sleep 0.05; done")
     task = asyncio.create_task(stage.run('<node name="n" pkg="p" type="polite.sh"/>'))

@@ -5,8 +5,9 @@ from pathlib import Path
 import pytest
 
 from rostether.errors import ConfigError, LaunchError
+from rostether.launch.files import BUILTIN_ROOT
 from rostether.launch.scope import Scope
-from rostether.launch.substitution import BUILTIN_ROOT, LaunchContext, substitute
+from rostether.launch.substitution import LaunchContext, substitute
 
 SURROUNDINGS = LaunchContext(
     {"HOME": "/home/x", "TRICK": "$(find arm)/y"}, {"arm": Path("/ws/src/arm")}, frozenset({"xacro"})
