@@ -10,8 +10,9 @@ from rostether.robot.joint_states import FreeJoint, JointStates
 
 # Key presses from one end of a slider to the other; Page Up and Page Down are `_FAST` times as fast.
 STEPS = 200
-
 _FAST = 20
+
+# Columns: a shorter bar is useless, and a longer one moves away from its number.
 _MIN_BAR = 10
 _MAX_BAR = 60
 

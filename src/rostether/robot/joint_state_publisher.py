@@ -1,4 +1,4 @@
-"""The node joint_state_publisher: publishes positions from sources, sliders or zeros at a rate."""
+"""The node joint_state_publisher: publishes positions from sources, sliders or zeros at a fixed rate."""
 
 from __future__ import annotations
 
@@ -20,12 +20,12 @@ DEFAULT_RATE_HZ = 10.0
 # Sliders of other programs, such as the dashboard, publish positions on this topic.
 SLIDERS_TOPIC = "~sliders"
 
-# No process can send more; a higher rate is a mistake.
+# A higher rate is a mistake: no process can publish so fast.
 MAX_RATE_HZ = 10_000.0
 
 
 async def read_joint_states(graph: TypedGraph) -> JointStates:
-    """Return the robot's joints as the parameters set them. Raises ConfigError, RobotModelError."""
+    """Return the robot's joints with the settings of the parameters. Raises ConfigError, RobotModelError."""
     model = await read_model(graph)
     parameters = NodeParameters(graph, "")
 
@@ -54,7 +54,7 @@ async def publish_joint_states(
     on_source: Callable[[], None] | None = None,
     more_sources: Sequence[str] = (),
 ) -> None:
-    """Publish until cancelled or the node is shut down; `on_source` is called when a source publishes.
+    """Publish until cancelled or until the node is shut down; `on_source` is called when a source publishes.
 
     `more_sources` are topics of positions besides those in the parameter source_list. Raises ConfigError for
     an invalid parameter.
@@ -75,7 +75,8 @@ async def publish_joint_states(
         ]
         loop = asyncio.get_running_loop()
         due_s = loop.time()
-        sequence = 0  # starts at 1, like the publishers of rospy
+        # The first message has 1, as from rospy.
+        sequence = 0
         try:
             while not left.done():
                 states.step()

@@ -22,7 +22,7 @@ from rostether.robot.robot_model import (
 
 
 class JointStateSettings(Struct, frozen=True):
-    """Parameters of joint_state_publisher with its defaults; `delta` is added to each joint at each step."""
+    """The parameters of joint_state_publisher, with its defaults; `step` moves each joint by `delta`."""
 
     zeros: Mapping[str, float] = field(default_factory=dict)
     dependent_joints: Mapping[str, Mimic] = field(default_factory=dict)
@@ -35,7 +35,10 @@ class JointStateSettings(Struct, frozen=True):
 
 
 class FreeJoint(Struct):
-    """One joint that can be set: radians or meters within its limits; None is not published."""
+    """One joint that can be set, in radians or meters; values that are None are not published.
+
+    `is_forward` is the direction of the next step.
+    """
 
     lower: float
     upper: float
@@ -57,7 +60,10 @@ class JointStateValues(Struct, frozen=True):
 
 
 class JointStates:
-    """The joints of one robot; `free` are those that can be set. Raises RobotModelError for a mimic cycle."""
+    """The joints of one robot; `free` are those that can be set.
+
+    Raises RobotModelError if joints mimic each other in a cycle, or mimic one that cannot be set.
+    """
 
     def __init__(self, model: RobotModel, settings: JointStateSettings | None = None) -> None:
         self.settings = settings = JointStateSettings() if settings is None else settings
@@ -81,7 +87,7 @@ class JointStates:
         velocities: Sequence[float] = (),
         efforts: Sequence[float] = (),
     ) -> None:
-        """Store a source's values of the robot's joints; short lists leave the other joints unchanged."""
+        """Store the values of a source for known joints; a short list sets only the first names."""
         for values, attribute in ((positions, "position"), (velocities, "velocity"), (efforts, "effort")):
             for name, value in zip(names, values, strict=False):
                 if name in self.free:
@@ -98,7 +104,7 @@ class JointStates:
             joint.position = joint.zero
 
     def step(self) -> None:
-        """Move all free joints by `delta`, back and forth between their limits; continuous joints rotate."""
+        """Move all free joints by `delta`, back and forth between their limits; continuous joints turn on."""
         delta = self.settings.delta
         if delta <= 0:
             return

@@ -1,4 +1,4 @@
-"""Reads the robot in robot_description: the private parameter, else the one in the nearest namespace."""
+"""Reads the parameter robot_description: the private one, else a remapped one, else the nearest one."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ DESCRIPTION = "robot_description"
 
 
 async def read_model(graph: TypedGraph) -> RobotModel:
-    """Return the robot. Raises RobotModelError, and ConfigError if the parameter is missing."""
+    """Return the robot. Raises RobotModelError, ConfigError if no parameter has a URDF."""
     name = f"~{DESCRIPTION}"
     if not await graph.has_param(name):
         found = await graph.search_param(DESCRIPTION)

@@ -13,7 +13,7 @@ from rostether.robot.transform import IDENTITY, Transform, Vector
 
 
 class JointType(StrEnum):
-    """How a child link may move (the attribute `type` in URDF)."""
+    """The possible motion of a child link: the attribute `type` in URDF."""
 
     REVOLUTE = "revolute"
     CONTINUOUS = "continuous"
@@ -27,7 +27,7 @@ ONE_DEGREE_OF_FREEDOM = frozenset({JointType.REVOLUTE, JointType.CONTINUOUS, Joi
 
 
 class Limits(Struct, frozen=True):
-    """The range of a joint in radians or meters; `soft_*`: its safety controller, None if not given."""
+    """The range of a joint in radians or meters; `soft_*` is the range of its safety controller, if given."""
 
     lower: float = 0.0
     upper: float = 0.0
@@ -86,7 +86,7 @@ class RobotModel:
 def mimic_chain(
     mimics: Mapping[str, Mimic], name: str, given: Container[str] = ()
 ) -> tuple[float, float, str]:
-    """Return factor, offset and name of the joint at the end of a chain of mimicking joints.
+    """Follow a chain of mimicking joints: return factor, offset and name of the joint at its end.
 
     Joints in `given` end the chain. Raises RobotModelError for a cycle.
     """

@@ -1,8 +1,8 @@
 """Converts joint positions to transforms, like robot_state_publisher. It uses no clock and no graph.
 
-Fixed joints and planar joints (which one number cannot describe) have fixed transforms. Floating joints have
-none here, because the localization publishes them. Moving joints are published as soon as a state contains
-them, but not more often than `publish_frequency_hz`.
+Fixed joints have fixed transforms. So do planar joints, because one number cannot describe their position.
+Floating joints have none here, because the localization publishes them. Moving joints are published as soon
+as a state contains them, but at most at `publish_frequency_hz`.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ OLD_STATE_NS = 30 * NS_PER_S
 
 
 class RobotStateSettings(Struct, frozen=True):
-    """Parameters of robot_state_publisher with its defaults."""
+    """The parameters of robot_state_publisher, with its defaults."""
 
     publish_frequency_hz: float = 50.0
     use_tf_static: bool = True
@@ -44,7 +44,7 @@ class RobotStateSettings(Struct, frozen=True):
 
 
 class RobotState:
-    """Turns a robot's joint states into transforms; `problem` describes the problem with the last state.
+    """Converts a robot's joint states to transforms; `problem` describes what is wrong with the last state.
 
     Raises RobotModelError if joints mimic each other in a cycle.
     """
@@ -72,10 +72,10 @@ class RobotState:
     def moving_transforms(
         self, names: Sequence[str], positions: Sequence[float], stamp_ns: int, now_ns: int
     ) -> list[StampedTransform]:
-        """Return the transforms for a joint state, sorted by joint; none if the last ones are too recent.
+        """Return the transforms for a joint state, sorted by joint, with those of mimicking joints.
 
-        Positions of mimicking joints are added. Sets `problem` to one line about an invalid state, or to an
-        empty string.
+        Returns none if the last ones are too recent or the lists have different lengths. Sets `problem` to
+        one line about an invalid state, or to an empty string.
         """
         self.problem = self._defect(names, positions, stamp_ns, now_ns)
         if len(names) != len(positions):
@@ -112,7 +112,7 @@ class RobotState:
     def _defect(self, names: Sequence[str], positions: Sequence[float], stamp_ns: int, now_ns: int) -> str:
         if len(names) != len(positions):
             if not positions:
-                return f"ignored a JointState of {names[0]!r} and others without positions"
+                return f"ignored a JointState without positions, with joint {names[0]!r}"
             return f"ignored a JointState with {len(names)} names and {len(positions)} positions"
         if self._last_call_ns > now_ns:
             return "time went backwards, probably because the clock was reset; publishing all joints again"
@@ -135,7 +135,7 @@ class RobotState:
 
 
 def prefixed(prefix: str, frame: str) -> str:
-    """Return a frame's name with tf_prefix; a name that starts with `/` only loses the slash."""
+    """Return a frame's name with tf_prefix; from a name that starts with `/`, only the slash is removed."""
     if frame.startswith("/"):
         return frame[1:]
     return f"{prefix.removeprefix('/')}/{frame}" if prefix else frame
@@ -173,8 +173,8 @@ def with_mimics(model: RobotModel, positions: Mapping[str, float]) -> dict[str, 
 
 
 def _unit(vector: Vector) -> Vector:
-    # Chooses the largest part like KDL: if two parts of a quaternion differ only by rounding, the last bit
-    # decides its sign.
+    # Divides by the largest part like KDL: where two parts of a quaternion differ only by rounding, the last
+    # bit determines its sign.
     x, y, z = vector
     if abs(x) >= abs(y) and abs(x) >= abs(z):
         length = abs(x) * math.sqrt(1 + (y / x) ** 2 + (z / x) ** 2)

@@ -13,18 +13,18 @@ from rostether.robot.robot_state import RobotState, RobotStateSettings
 from rostether.robot.tf_messages import tf_publisher, tf_static_publisher, to_message
 from rostether.rostime import NS_PER_S
 
-# As in robot_state_publisher. Joint states arrive fifty times a second, and each may cause an error report.
+# As in ROS. Joint states arrive fifty times a second, and each of them may have a problem.
 WARNING_INTERVAL_S = 10.0
 
 # Fixed transforms on /tf stay valid until the next ones arrive.
 _FIXED_AHEAD_NS = NS_PER_S // 2
 
-# Enough for two seconds of one source; several sources may publish some joints each.
+# Two seconds of one source; several sources may each publish some joints.
 _QUEUE_MESSAGES = 100
 
 
 async def publish_robot_state(graph: TypedGraph, warn: Callable[[str], None]) -> None:
-    """Publish until cancelled or the node is shut down; `warn` receives problems with joint states.
+    """Publish until cancelled or until the node is shut down; `warn` gets problems with joint states.
 
     Raises ConfigError and RobotModelError if robot_description or a parameter is invalid.
     """

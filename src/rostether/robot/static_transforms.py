@@ -33,7 +33,7 @@ USAGE = "write X Y Z YAW PITCH ROLL PARENT CHILD, or X Y Z QX QY QZ QW PARENT CH
 
 
 class StaticTransform(Struct, frozen=True):
-    """The transform to publish: with a period, repeatedly on /tf; without one, on /tf_static."""
+    """The transform to publish: repeatedly on /tf with a period, once on /tf_static without one."""
 
     parent: str
     child: str
@@ -42,7 +42,7 @@ class StaticTransform(Struct, frozen=True):
 
 
 def parse_static_transform(words: Sequence[str]) -> StaticTransform:
-    """Read the arguments in any of the forms above except PARAMETER. Raises ConfigError."""
+    """Read the arguments in one of the forms above, except PARAMETER. Raises ConfigError."""
     count = len(words)
     has_quaternion = count == 10 or (count == 9 and _is_number(words[6]))
     if not 8 <= count <= 10:
@@ -106,10 +106,10 @@ def _checked(static: StaticTransform) -> StaticTransform:
     if not static.parent or not static.child:
         raise ConfigError(f"the parent or child frame has no name; {USAGE}")
     if static.parent == static.child:
-        raise ConfigError(f"parent and child frame must differ, but both are {static.parent!r}")
+        raise ConfigError(f"parent and child frame are both {static.parent!r}; give two different frames")
     if not has_unit_length(static.transform.rotation):
         shown = " ".join(f"{each:g}" for each in static.transform.rotation)
-        raise ConfigError(f"the quaternion {shown} does not have length 1; tf would reject it")
+        raise ConfigError(f"the quaternion {shown} does not have length 1, so tf rejects it; normalize it")
     return static
 
 

@@ -1,8 +1,8 @@
 """The tf buffer: stores transforms, and computes the transform between any two frames at a time.
 
-Frames form a tree: each has one parent at a time. A lookup climbs from both frames towards the root until the
-paths meet, and interpolates each step to the requested time. Errors have the same text as in tf2, because
-users search for it.
+Frames form a tree: each has one parent at a time. A lookup follows the parents of both frames until the paths
+meet, and interpolates each step to the requested time. Errors have the same texts as in tf2, because users
+search for them.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from rostether.robot.transform import (
     quaternion_from_matrix,
 )
 
-# The limit of steps towards the root, as in tf2: a longer path is a loop.
+# The limit of steps to the root, as in tf2: a longer path is a loop.
 MAX_DEPTH = 1_000
 
 # Enough for hundreds of robots; peers choose the names, and each name uses memory permanently.
@@ -150,6 +150,14 @@ class TransformBuffer:
         return list(self._frames)
 
     @property
+    def tree_text(self) -> str:
+        """A line for each frame that has a parent, as in tf2."""
+        return "".join(
+            f"Frame {frame} exists with parent {self._caches[frame].latest.parent}.\n"
+            for frame in self.children
+        )
+
+    @property
     def children(self) -> list[str]:
         """The names of the frames that have a parent, in the order of their first appearance."""
         return [frame for frame in self._frames if frame in self._caches]
@@ -159,7 +167,7 @@ class TransformBuffer:
         return self._caches.get(frame)
 
     def clear(self) -> None:
-        """Remove all transforms, for instance after a jump back in time; names stay known."""
+        """Remove all transforms, for instance after a jump back in time; the names of frames stay known."""
         self._caches.clear()
 
     def _check(self, frame: str, argument: str) -> None:
@@ -209,7 +217,7 @@ class TransformBuffer:
         else:
             raise self._loop()
         if stopped is not None:
-            raise ExtrapolationError(f"{stopped}{route}") from None
+            raise ExtrapolationError(f"{stopped}{route}")
         raise _unconnected(target, source)
 
     def _common_ancestor(self, target: str, source: str) -> str:
@@ -233,11 +241,7 @@ class TransformBuffer:
         raise self._loop()
 
     def _loop(self) -> UnknownFrameError:
-        parents = "".join(
-            f"Frame {frame} exists with parent {self._caches[frame].latest.parent}.\n"
-            for frame in self.children
-        )
-        return UnknownFrameError(f"The tf tree is invalid because it contains a loop.\n{parents}\n")
+        return UnknownFrameError(f"The tf tree is invalid because it contains a loop.\n{self.tree_text}\n")
 
 
 def _unconnected(target: str, source: str) -> UnconnectedFramesError:

@@ -17,7 +17,7 @@ DEFAULT_CACHE_NS = 10 * NS_PER_S
 # stop a hostile peer.
 MAX_TRANSFORMS = 100_000
 
-# The same as in tf2, so that the rate of a single transform can be shown.
+# The shortest assumed span, as in tf2: a single transform has a rate, too.
 _SHORTEST_SPAN_S = 0.0001
 
 
@@ -31,7 +31,7 @@ class Entry(Struct, frozen=True):
 
 
 class TimeCache:
-    """The moving transforms of one frame. Stamps are nanoseconds; zero asks for the latest."""
+    """The moving transforms of one frame. Stamps are in nanoseconds; zero means the latest."""
 
     is_static = False
 
@@ -60,7 +60,10 @@ class TimeCache:
         return ""
 
     def at(self, time_ns: int) -> Entry:
-        """Return the transform at a time, interpolated between two entries. Raises ExtrapolationError."""
+        """Return the transform at a time, interpolated between two entries with the same parent.
+
+        If the parent changes between them, returns the earlier entry. Raises ExtrapolationError.
+        """
         stamps = self._stamps
         if time_ns == 0:
             return self._entries[-1]
@@ -84,7 +87,7 @@ class TimeCache:
 
     @property
     def latest_ns(self) -> int:
-        """The stamp of the newest entry; zero for static transforms."""
+        """The stamp of the newest entry."""
         return self._stamps[-1]
 
     @property
@@ -136,5 +139,5 @@ def _out_of_range(time_ns: int, stamps: list[int]) -> str:
 
 
 def seconds(time_ns: int) -> str:
-    """Return nanoseconds written as seconds, exactly."""
+    """Return nanoseconds as the exact text of seconds, with nine decimals."""
     return f"{time_ns // NS_PER_S}.{time_ns % NS_PER_S:09d}"

@@ -15,15 +15,15 @@ from rostether.robot.tf_messages import TF_STATIC_TOPIC, TF_TOPIC, TF_TYPE, from
 from rostether.robot.transform import StampedTransform
 from rostether.serde.codec import Codec
 
-# The name that tf2 gives to a publisher without a name.
+# tf2's name for a publisher that sends no name.
 UNKNOWN_AUTHORITY = "unknown_publisher"
 
-# Gets one message's transforms, their node, and whether they are static.
+# Gets the transforms of a message, the name of the node that sent it, and whether they are static.
 OnTransforms = Callable[[Sequence[StampedTransform], str, bool], None]
 
 
 class TfListener:
-    """Stores tf messages in `buffer`; each change sets `arrived`.
+    """Stores tf messages in `buffer`; each batch of messages sets `arrived`.
 
     A jump of ROS time into the past, such as a bag that starts again, clears the buffer.
     """
@@ -38,7 +38,7 @@ class TfListener:
     def batch_handler(
         self, graph: TypedGraph, codec: Codec, authority: str, *, is_static: bool
     ) -> OnMessages:
-        """Return the handler for one publisher's messages; it ignores messages that do not fit the type."""
+        """Return the handler for one publisher's messages; it reports messages that do not fit the type."""
 
         def handle_payloads(payloads: Sequence[bytes]) -> None:
             self._notice_jump(graph.now().to_ns())
@@ -75,7 +75,7 @@ class TfListener:
 async def tf_listener(
     graph: TypedGraph, on_refusal: Callable[[str], None] = lambda _: None
 ) -> AsyncIterator[TfListener]:
-    """Listen to tf while the block runs; `on_refusal` gets a line about each refused transform."""
+    """Listen to tf during the block; `on_refusal` gets a line about each refused message or transform."""
     listener = TfListener(TransformBuffer(), on_refusal)
     codec = graph.store.codec(TF_TYPE)
     message_type = graph.store.registry.message_type(TF_TYPE)

@@ -1,4 +1,4 @@
-"""Formats the content of a tf buffer: the tree of frames, dot, and transforms like tf_echo."""
+"""Formats the content of a tf buffer: the tree of frames as text or for Graphviz, and single transforms."""
 
 from __future__ import annotations
 

@@ -10,7 +10,7 @@ from msgspec import Struct, field
 from rostether.robot.transform import StampedTransform
 from rostether.rostime import NS_PER_S
 
-# The number of averaged delays, as in tf_monitor.
+# The number of delays that are averaged, as in tf_monitor.
 WINDOW = 1_000
 
 # Peers choose the names of frames and nodes; the limit is the same as in a buffer.
@@ -58,7 +58,7 @@ class TfStatistics:
     def add(
         self, transforms: Sequence[StampedTransform], authority: str, is_static: bool, now_ns: int
     ) -> None:
-        """Handle one message, with at least one transform; the delay of a node is the mean of its frames."""
+        """Count a message with at least one transform; the mean of its delays is the delay of the node."""
         delays_s = [0.0 if is_static else (now_ns - each.stamp_ns) / NS_PER_S for each in transforms]
         for stamped, delay_s in zip(transforms, delays_s, strict=True):
             _add(self.frames, stamped.child.removeprefix("/"), delay_s, now_ns, authority)

@@ -1,7 +1,7 @@
 """tf2_web_republisher: sends web pages the changed transforms that they request, at the requested rate.
 
-A page calls the service `republish_tfs`, which returns a topic for this page. Or it uses the action
-`tf2_web_republisher`, like roslibjs' `TFClient`; the feedback contains the transforms.
+A page calls the service `republish_tfs`, which returns a topic with the transforms of this page. Or it uses
+the action `tf2_web_republisher`, like roslibjs' `TFClient`; then the feedback contains the transforms.
 """
 
 from __future__ import annotations
@@ -28,10 +28,10 @@ SERVICE = "republish_tfs"
 PACKAGE = "tf2_web_republisher"
 ACTION = f"{PACKAGE}/TFSubscriptionAction"
 
-# Each page has one request or a few; each costs lookups at its rate.
+# A page has one request or a few; each of them costs lookups at its rate.
 MAX_REQUESTS = 256
 
-# Robots have a hundred frames; each is looked up at the request's rate.
+# The limit in one request. Robots have a hundred frames; each is looked up at the request's rate.
 MAX_FRAMES = 1_000
 
 # Screens show 60 frames a second; the default of ten is enough to follow a robot.
@@ -41,6 +41,7 @@ DEFAULT_RATE_HZ = 10.0
 # The lifetime of a request after its last subscriber: closed pages do not cancel their requests.
 IDLE_S = 15.0
 
+# Clients of actions need the status only to see that the server runs.
 STATUS_PERIOD_S = 1.0
 
 # States of actionlib_msgs/GoalStatus.
@@ -59,7 +60,7 @@ class Request(Struct):
 
     @classmethod
     def read(cls, message: Any) -> Request:
-        """Read a goal or a service's request. Raises ConfigError."""
+        """Read a goal or a service request. Raises ConfigError."""
         if len(message.source_frames) > MAX_FRAMES:
             raise ConfigError(
                 f"{len(message.source_frames)} frames are too many; at most {MAX_FRAMES} are allowed"
@@ -80,7 +81,8 @@ class Request(Struct):
             try:
                 stamped = buffer.lookup(self.target, source)
             except TransformError:
-                continue  # Not known yet, or no longer known.
+                # The transform is not known yet, or no longer known.
+                continue
             if self._has_moved(source, stamped.transform):
                 self.sent[source] = stamped.transform
                 found.append(stamped)
@@ -111,9 +113,8 @@ class _Republisher:
         self._report = report
         self._count = 0
         self._tasks: set[asyncio.Task[None]] = set()
-        # The tasks of the goals by goal id, the oldest first.
-        self._goals: dict[str, asyncio.Task[None]] = {}
-        self._goal_ids: dict[str, Any] = {}
+        # The tasks and GoalIDs of the goals by the text of the id, the oldest first.
+        self._goals: dict[str, tuple[asyncio.Task[None], Any]] = {}
 
     async def run(self) -> None:
         graph = self._graph
@@ -160,8 +161,8 @@ class _Republisher:
             status = {"goal_id": goal_id, "status": _ACTIVE, "text": ""}
             self._feedback.publish(header=self._header(), status=status, feedback=fields)
 
-        self._goal_ids[goal_id.id] = goal_id
-        self._goals[goal_id.id] = start_task(self._tasks, self._serve_goal(goal_id.id, request, send))
+        task = start_task(self._tasks, self._serve_goal(goal_id.id, request, send))
+        self._goals[goal_id.id] = task, goal_id
 
     async def _serve_goal(
         self, name: str, request: Request, send: Callable[[dict[str, Any]], object]
@@ -171,15 +172,15 @@ class _Republisher:
 
     async def _follow_cancels(self) -> None:
         async for goal_id in self._graph.messages(f"{NODE_NAME}/cancel", "actionlib_msgs/GoalID"):
-            # As in actionlib: an empty id cancels all goals up to a time; pages send an id, or cancel all.
+            # In actionlib, an empty id with a time cancels the goals until then; pages never send a time.
             for name in [goal_id.id] if goal_id.id else list(self._goals):
                 self._cancel(name)
 
     def _cancel(self, name: str) -> None:
-        task = self._goals.pop(name, None)
-        if task is not None:
+        if name in self._goals:
+            task, goal_id = self._goals.pop(name)
             task.cancel()
-            self._end_goal(self._goal_ids.pop(name), _PREEMPTED, "")
+            self._end_goal(goal_id, _PREEMPTED, "")
 
     def _end_goal(self, goal_id: Any, status: int, text: str) -> None:
         self._result.publish(
@@ -189,7 +190,7 @@ class _Republisher:
     async def _publish_status(self) -> None:
         while True:
             active = [
-                {"goal_id": goal_id, "status": _ACTIVE, "text": ""} for goal_id in self._goal_ids.values()
+                {"goal_id": goal_id, "status": _ACTIVE, "text": ""} for _, goal_id in self._goals.values()
             ]
             self._status.publish(header=self._header(), status_list=active)
             await asyncio.sleep(STATUS_PERIOD_S)
@@ -201,13 +202,13 @@ class _Republisher:
         timeout_s: float,
         send: Callable[[dict[str, Any]], object],
     ) -> None:
-        """Send changed transforms until there was no subscriber for `timeout_s`."""
+        """Send changed transforms until there has been no subscriber for `timeout_s`."""
         loop = asyncio.get_running_loop()
         last_subscriber_s = loop.time()
         while loop.time() - last_subscriber_s < timeout_s:
             if publisher.subscriber_count:
                 last_subscriber_s = loop.time()
-                # Without a subscriber, sent transforms would be lost, and missing later.
+                # Transforms that are sent without a subscriber would not be sent again to later subscribers.
                 changed = request.changed_transforms(self._buffer)
                 if changed:
                     send(to_message(changed))

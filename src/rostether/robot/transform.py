@@ -1,8 +1,8 @@
 """Rigid transforms: rotations as unit quaternions (x, y, z, w), translations in meters.
 
-Formulas follow tf2's and KDL's conventions down to the signs of quaternions, so that results can be compared
-number by number. Plain floats are used: a robot has tens of joints, and importing numpy would cost more time
-than it saves.
+The formulas follow tf2 and KDL, including the signs of quaternions, so that results can be compared number by
+number. They use plain floats: a robot has tens of joints, and importing numpy would cost more time than it
+saves.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ Matrix: TypeAlias = tuple[Vector, Vector, Vector]
 
 IDENTITY_ROTATION: Quaternion = (0.0, 0.0, 0.0, 1.0)
 
-# A smaller trace is zero except for rounding; KDL uses the same limit.
+# A smaller trace is zero with a rounding error; KDL uses the same limit.
 _TRACE_EPSILON = 1e-12
 
 # The tolerance of tf2 for the square of a quaternion's length.
@@ -26,7 +26,7 @@ _NORM_TOLERANCE = 10e-3
 
 
 class Transform(Struct, frozen=True):
-    """Converts points from the child's frame to the parent's: first the rotation, then the translation."""
+    """Converts points from the child's to the parent's frame: first the rotation, then the translation."""
 
     translation: Vector = (0.0, 0.0, 0.0)
     rotation: Quaternion = IDENTITY_ROTATION
@@ -36,7 +36,7 @@ class Transform(Struct, frozen=True):
         return Transform(self.apply(other.translation), multiply(self.rotation, other.rotation))
 
     def apply(self, point: Vector) -> Vector:
-        """Return a point of the child's frame in the parent's."""
+        """Return a point of the child's frame in the parent's frame."""
         x, y, z = rotate(self.rotation, point)
         tx, ty, tz = self.translation
         return x + tx, y + ty, z + tz
@@ -48,7 +48,7 @@ class Transform(Struct, frozen=True):
         return Transform(self.translation, (x / length, y / length, z / length, w / length))
 
     def inverse(self) -> Transform:
-        """Return the transform from the parent's frame into the child's."""
+        """Return the transform from the parent's frame to the child's frame."""
         conjugate = conjugated(self.rotation)
         x, y, z = self.translation
         return Transform(rotate(conjugate, (-x, -y, -z)), conjugate)
@@ -146,7 +146,7 @@ def rpy_from_quaternion(rotation: Quaternion) -> Vector:
 
 
 def matrix_from_quaternion(rotation: Quaternion) -> Matrix:
-    """Return the rotation matrix of a unit quaternion, row by row."""
+    """Return the rotation matrix of a unit quaternion as rows."""
     x, y, z, w = rotation
     xx, yy, zz, ww = x * x, y * y, z * z, w * w
     return (

@@ -1,7 +1,7 @@
 """URDF: the XML that describes a robot's links and joints.
 
-It is read as urdfdom reads it: with an error in a joint or in the tree, the robot is refused; an invalid
-shape is only reported. Unknown elements are ignored, so a .xacro file without macros also loads.
+It is read like urdfdom does: an error in a joint or in the tree is raised, an invalid shape is only reported.
+Unknown elements are ignored, so a .xacro file without macros also loads.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from rostether.robot.urdf_numbers import number, numbers, origin, vector
 # The largest robot descriptions have a few MB.
 MAX_XML_BYTES = 64 << 20
 
-# A thousand times the links of real robots; the tree is searched for each link.
+# A thousand times the links of real robots: the tree of a robot is searched for each link.
 MAX_LINKS = 100_000
 
 _NEED_LIMITS = frozenset({JointType.REVOLUTE, JointType.PRISMATIC})
@@ -60,18 +60,18 @@ def _robot(robot: XmlElement) -> RobotModel:
         link = element.get("name") or ""
         _check_link(link, element, problems)
         if link in links:
-            raise element.error(f"link {link!r} is not unique")
+            raise element.error(f"link {link!r} is not unique; rename one")
         links[link] = None
     if not links:
         raise robot.error(f"the robot has no <link>{_xacro_hint(robot)}")
     if len(links) > MAX_LINKS:
-        raise robot.error(f"more than {MAX_LINKS} links")
+        raise robot.error(f"the robot has more than {MAX_LINKS} links; simplify it")
     joints: dict[str, Joint] = {}
     children: dict[str, str] = {}
     for element in robot.all("joint"):
         joint = _joint(element)
         if joint.name in joints:
-            raise element.error(f"joint {joint.name!r} is not unique")
+            raise element.error(f"joint {joint.name!r} is not unique; rename one")
         for role, link_name in (("parent", joint.parent), ("child", joint.child)):
             if link_name not in links:
                 raise element.error(
@@ -102,7 +102,7 @@ def _root(robot: XmlElement, links: Iterable[str], children: dict[str, str]) -> 
 def _joint(element: XmlElement) -> Joint:
     name = element.get("name")
     if not name:
-        raise element.error("a joint has no name")
+        raise element.error('a joint has no name; write <joint name="..." ...>')
     kind = element.get("type")
     if kind is None:
         raise element.error(f"joint {name!r} has no type; known: {', '.join(JointType)}")

@@ -33,7 +33,7 @@ def vector(element: XmlElement, text: str, what: str) -> Vector:
 
 
 def origin(element: XmlElement, what: str) -> Transform:
-    """Return the transform of an element's <origin xyz rpy>; missing values are zero."""
+    """Return the transform in the <origin xyz rpy> of an element; missing values are zero."""
     found = element.first("origin")
     if found is None:
         return Transform()

@@ -21,18 +21,20 @@ from rostether.robot.urdf import MAX_XML_BYTES, parse_robot_xml
 
 _XACRO = re.compile(rb"<xacro:|xmlns:xacro")
 
-# A large robot has about 100,000 elements; macros that call two others, 30 levels deep, make 10**9.
+# A large robot has about 100,000 elements. Macros that call two others, 30 levels deep, create 10**9.
 MAX_ELEMENTS: Final = 250_000
+
+# The same as the limit of a URDF's bytes.
 MAX_CHARACTERS: Final = 64 * 1024 * 1024
 
 _MISSING: Final = object()
 
-# A single character class that cannot be closed early.
+# Separators that stay one character class in brackets: an unescaped `]` after the first would close it.
 _SEPARATORS: Final = re.compile(r"\^?\]?(?:[^\]\\]|\\.)*", re.DOTALL)
 
 
 def is_xacro(data: bytes) -> bool:
-    """Return whether a robot description is a xacro file, which must be expanded."""
+    """Return whether a robot description contains xacro, so that it must be expanded."""
     return _XACRO.search(data) is not None
 
 
@@ -64,7 +66,9 @@ def expand_xacro(file: Path, mappings: Mapping[str, str], *, packages: Mapping[s
         except RobotModelError:
             raise
         except RecursionError as error:
-            raise RobotModelError(f"{file}: its macros or files call each other endlessly") from error
+            raise RobotModelError(
+                f"{file}: its macros or files call each other endlessly; end it with <xacro:if>"
+            ) from error
         # Expressions in the file may raise any exception.
         except Exception as error:
             raise RobotModelError(_explain(file, xacro, error)) from error
@@ -125,7 +129,7 @@ def _explain(file: Path, xacro: Any, error: Exception) -> str:
 
 @contextmanager
 def bounded(xacro: Any, file: Path) -> Iterator[None]:
-    """Make xacro raise RobotModelError or OverflowError beyond the limits, during the block."""
+    """Make xacro raise RobotModelError or OverflowError beyond the limits during the block."""
     counter, evaluate = _Counter(xacro, file), PythonEvaluator().evaluate
     symbols, arguments = xacro._global_symbols, xacro.substitution_args
     load_yaml = _load_yaml(xacro)
@@ -160,7 +164,7 @@ def _assign(values: list[tuple[dict[str, Any], str, Any]]) -> None:
 
 
 class _Counter:
-    """Counts the elements that xacro makes, and the characters that it puts into them."""
+    """Counts the elements that xacro creates, and the characters of their texts."""
 
     def __init__(self, xacro: Any, file: Path) -> None:
         self._eval_all, self._eval_text = xacro.eval_all, xacro.eval_text
@@ -193,7 +197,7 @@ def _check_file(file: Path) -> None:
 
 
 def _parse(parse: Callable[..., Any]) -> Callable[..., Any]:
-    """Return a function that checks each included file before it calls `parse`, which is xacro.parse()."""
+    """Return xacro.parse() with a check of each included file before it."""
 
     def checked(inp: Any, filename: Any = None) -> Any:
         if inp is None:
@@ -226,7 +230,7 @@ def _load_yaml(xacro: Any) -> Callable[[str], Any]:
 
 
 def _tokenize(tokenize: Callable[..., Any]) -> Callable[..., Any]:
-    """Return a function that checks the separators: xacro.tokenize() makes a regular expression of them."""
+    """Return xacro.tokenize() with a check of the separators, which become a part of a regular expression."""
 
     def checked(text: Any, sep: str = ",; ", skip_empty: bool = True) -> Any:
         if not _SEPARATORS.fullmatch(sep):

@@ -33,7 +33,7 @@ def test_a_period_is_in_milliseconds(words: str) -> None:
         ("0 0 0 0 0 0 a", "7 arguments"),
         ("0 0 0 0 0 x a b", "'x' is not a number"),
         ("0 0 0 0 0 inf a b", "'inf' is not a number"),
-        ("0 0 0 0 0 0 a a", "must differ, but both are"),
+        ("0 0 0 0 0 0 a a", "are both 'a'; give two different frames"),
         ("0 0 0 0 0 0 2 a b", "length 1"),
         ("0 0 0 0 0 0 a b -5", "positive"),
         ("0 0 0 0 0 0 a b often", "'often' is not a number"),

@@ -124,11 +124,7 @@ class Buffer(BufferInterface):
     def all_frames_as_string(self) -> str:
         """Return a line for each frame that has a parent."""
         with self._lock:
-            return "".join(
-                f"Frame {frame} exists with parent {cache.latest.parent}.\n"
-                for frame in self._buffer.children
-                if (cache := self._buffer.cache_of(frame)) is not None
-            )
+            return self._buffer.tree_text
 
     def all_frames_as_yaml(self) -> str:
         """Return the frames with their parents as YAML."""
