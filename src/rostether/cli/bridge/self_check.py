@@ -13,7 +13,7 @@ from msgspec import Struct
 
 from rostether.cli.shell.output import json_option, write_json, write_line
 from rostether.cli.shell.verbs import verb
-from rostether.errors import BoardError, RostetherError
+from rostether.errors import BoardError, ConfigError, RostetherError
 from rostether.extras import install_command
 
 # Each extra: a module that it installs, the distribution of that module, and the purpose.
@@ -34,10 +34,12 @@ _EXTRAS = (
     ("uvloop", "uvloop", "uvloop", "a faster event loop"),
 )
 _BROWSERS = ("chromium", "google-chrome", "firefox", "xdg-open")
+# More would not fit on the line; `rostether ports` lists all.
+_SHOWN_PORTS = 4
 
 
 class OptionalPart(Struct, frozen=True):
-    """One optional part: its name, its purpose, what was found (empty: nothing), and the next step."""
+    """One optional part: its name, its purpose, what was found (empty if nothing), and the next step."""
 
     part: str
     purpose: str
@@ -52,7 +54,7 @@ def self_check(as_json: bool) -> None:
 
     Connects to nothing and starts no program. To diagnose a board, use `rostether doctor`.
     """
-    for each in findings():
+    for each in optional_parts():
         if as_json:
             write_json(
                 {
@@ -71,8 +73,8 @@ def self_check(as_json: bool) -> None:
                 write_line(f"     {each.next_step}")
 
 
-def findings() -> Iterator[OptionalPart]:
-    """Yield the findings, extras first."""
+def optional_parts() -> Iterator[OptionalPart]:
+    """Search for each optional part and yield what was found, extras first."""
     for extra, module, distribution, purpose in _EXTRAS:
         yield _extra(extra, module, distribution, purpose)
     yield _checked("avr-gcc", "sketches for AVR boards", _find_compiler)
@@ -115,10 +117,10 @@ def _program(name: str, purpose: str, next_step: str) -> OptionalPart:
 
 
 def _checked(part: str, purpose: str, find: Callable[[], str]) -> OptionalPart:
-    """Report the result of a search, or its error with the next step."""
+    """Return the part with the result of a search; the text of its error is the next step."""
     try:
         return OptionalPart(part, purpose, find())
-    except (RostetherError, OSError) as error:
+    except RostetherError as error:
         return OptionalPart(part, purpose, next_step=str(error))
 
 
@@ -143,9 +145,14 @@ def _find_multicast() -> str:
     from rostether.platform.multicast_socket import REFERENCE_GROUP
 
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
-        # Joins the group on the route's interface; nothing is sent.
+        # Joins the group on the interface that the system chooses; nothing is sent.
         group = socket.inet_aton(REFERENCE_GROUP) + bytes(4)
-        probe.setsockopt(socket.IPPROTO_IP, socket.IP_ADD_MEMBERSHIP, group)
+        try:
+            probe.setsockopt(socket.IPPROTO_IP, socket.IP_ADD_MEMBERSHIP, group)
+        except OSError as error:
+            raise ConfigError(
+                f"cannot join {REFERENCE_GROUP}: {error.strerror}; connect this machine to a network"
+            ) from None
     return f"{REFERENCE_GROUP} can be joined"
 
 
@@ -163,7 +170,7 @@ def _serial() -> OptionalPart:
     denied = [port.path for port in ports if not may_open(port.path)]
     if denied:
         return OptionalPart("serial ports", purpose, next_step=explain_permission(denied[0]))
-    return OptionalPart("serial ports", purpose, ", ".join(port.path for port in ports[:4]))
+    return OptionalPart("serial ports", purpose, ", ".join(port.path for port in ports[:_SHOWN_PORTS]))
 
 
 def _browser() -> OptionalPart:

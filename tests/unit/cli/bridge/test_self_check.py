@@ -30,3 +30,11 @@ def test_missing_parts_come_with_the_next_step(
     assert all(each["works"] or each["next_step"] for each in found.values())
     lines = shell.output("self-check").splitlines()
     assert any(line.startswith("no   zenoh") for line in lines)
+
+
+def test_a_group_that_cannot_be_joined(shell: Shell, monkeypatch: pytest.MonkeyPatch) -> None:
+    # Not a multicast group.
+    monkeypatch.setattr("rostether.platform.multicast_socket.REFERENCE_GROUP", "10.0.0.1")
+    assert "     cannot join 10.0.0.1: Invalid argument; connect this machine to a network\n" in shell.output(
+        "self-check"
+    )
