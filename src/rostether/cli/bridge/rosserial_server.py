@@ -3,7 +3,7 @@
 serial_node             ~port /dev/ttyACM0, ~baud 57600
 socket_node             ~port 11411, ~listen
 udp_socket_node         ~server_port 11411, ~listen; the boards' addresses are learned, not set by ~client_*
-message_info_service    for other programs; rostether's bridge does not need it
+message_info_service    no parameters; for other programs, as rostether's bridge does not need it
 
 ~listen is an addition: the address to listen on, for boards on the network.
 """
@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from rostether.cli.bridge.serial_node import HostRole, name_options, run_host, whole
+from rostether.cli.bridge.serial_node import HostRole, name_options, read_whole_number, run_host
 from rostether.cli.role.node import RoleVerb, node_arguments, node_words, role
 from rostether.cli.shell.verbs import verb
 from rostether.graph.typed_graph import TypedGraph
@@ -64,15 +64,15 @@ async def message_info(graph: TypedGraph, _: Arguments) -> None:
 
 def _serial_link(rest: list[str], parameters: Mapping[str, object], *, node_name: str, namespace: str) -> str:
     baud = parameters.get("baud")
-    speed = "" if baud is None else f"&baud={whole(baud, 'baud')}"
+    speed = "" if baud is None else f"&baud={read_whole_number(baud, 'baud')}"
     return f"{parameters.get('port', _DEFAULT_SERIAL_PORT)}?{name_options(node_name, namespace)}{speed}"
 
 
 def _socket_link(rest: list[str], parameters: Mapping[str, object], *, node_name: str, namespace: str) -> str:
-    port = whole(parameters.get("port", DEFAULT_PORT), "port")
+    port = read_whole_number(parameters.get("port", DEFAULT_PORT), "port")
     return f"tcp://{parameters.get('listen', '')}:{port}?{name_options(node_name, namespace)}"
 
 
 def _udp_link(rest: list[str], parameters: Mapping[str, object], *, node_name: str, namespace: str) -> str:
-    port = whole(parameters.get("server_port", DEFAULT_PORT), "server_port")
+    port = read_whole_number(parameters.get("server_port", DEFAULT_PORT), "server_port")
     return f"udp://{parameters.get('listen', '')}:{port}?{name_options(node_name, namespace)}"

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import shlex
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from functools import partial
 from pathlib import Path
 from typing import Protocol
@@ -29,6 +30,7 @@ from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import verb
 from rostether.errors import ConfigError, GraphError, UnknownNameError
 from rostether.graph.ports import Level
+from rostether.mechanisms.block_end import closed_at_end
 from rostether.names.graph_name import canonical, join, validate_name
 from rostether.names.remap import Arguments, parse_arguments
 from rostether.ports.device_book import DeviceBook
@@ -53,7 +55,7 @@ class ChooseLink(Protocol):
 
 
 class HostRole(Struct, frozen=True):
-    """An established rosserial host to replace: its node name, its parameters, and the board they select."""
+    """A rosserial host to replace: its node's name, its first line, its parameters, its choice of a link."""
 
     node_name: str
     greeting: str
@@ -104,7 +106,17 @@ def run_host(
     allowed: tuple[str, ...] = (),
     config: Path | None = None,
 ) -> None:
-    """Serve one board as that host does until cancelled."""
+    """Serve the boards on a host's link until cancelled.
+
+    Args:
+        host: The host to replace.
+        parsed: Its command line.
+        listen: The value of `--listen`, None without it.
+        allowed: The networks of `--allow`.
+        config: The settings file, None for the user's.
+
+    Raises ConfigError, GraphError, TransportOpenError.
+    """
     reporter = ConsoleReporter(show_node=False)
     for name in parsed.private_params.keys() - set(host.parameters):
         reporter.report(Level.WARN, f"unknown parameter _{name}; known: _{', _'.join(host.parameters)}")
@@ -152,7 +164,7 @@ async def _serve(
             links=Links(listen=partial(listen_for_links, board_keys=devices.board_keys())),
         )
         async with serving(supervisor, links, reporter):
-            # A killed or replaced node ends the process: respawn depends on that.
+            # The process ends with its node, even if another program ended the node: respawn depends on that.
             await supervisor.wait_done()
 
 
@@ -160,23 +172,17 @@ async def _server_parameters(
     environment: RosEnvironment, node_name: str, names: Sequence[str]
 ) -> dict[str, object]:
     """Return the private parameters on the parameter server; none if no master answers."""
-    client = MasterClient(environment.master_uri, node_name)
     found: dict[str, object] = {}
-    try:
-        for name in names:
-            try:
-                found[name] = await client.get_param(f"{node_name}/{name}")
-            except UnknownNameError:
-                continue
-    except GraphError:
-        return found
-    finally:
-        await client.close()
+    async with closed_at_end(MasterClient(environment.master_uri, node_name)) as client:
+        with suppress(GraphError):
+            for name in names:
+                with suppress(UnknownNameError):
+                    found[name] = await client.get_param(f"{node_name}/{name}")
     return found
 
 
 def choose_link(rest: list[str], parameters: Mapping[str, object], *, node_name: str, namespace: str) -> str:
-    """Return the link address from the arguments; plain ones override private parameters.
+    """Return the link address of serial_node.py's arguments; plain ones override private parameters.
 
     Raises ConfigError.
     """
@@ -186,18 +192,20 @@ def choose_link(rest: list[str], parameters: Mapping[str, object], *, node_name:
     wanted = parameters.get("port", DEFAULT_SERIAL_PORT)
     if not known and not isinstance(wanted, str | int):
         # As in ROS, a value is read as YAML: `tcp:` is a mapping.
-        raise ConfigError(f"port must be a serial port or tcp, not {wanted!r}; write _port:=tcp or a path")
+        raise ConfigError("port must be a serial port or tcp; write _port:=tcp or a path")
     target = known[0] if known else str(wanted)
     options = name_options(node_name, namespace)
     if target == "tcp":
-        port = whole(known[1] if len(known) == 2 else parameters.get("tcp_port", DEFAULT_PORT), "tcp_port")
+        port = read_whole_number(
+            known[1] if len(known) == 2 else parameters.get("tcp_port", DEFAULT_PORT), "tcp_port"
+        )
         return f"tcp://:{port}?{options}"
     path, _, given = target.partition("?")
     baud = known[1] if len(known) == 2 else parameters.get("baud")
     if baud is not None:
-        number = whole(baud, "baud")
+        number = read_whole_number(baud, "baud")
         given = given or f"baud={number}"
-    # By default devices.toml may set it.
+    # Without a baud rate here, that of devices.toml applies.
     return f"{path}?{options}" + (f"&{given}" if given else "")
 
 
@@ -207,9 +215,9 @@ def name_options(node_name: str, namespace: str) -> str:
     return f"name={name}" + (f"&ns={namespace}" if namespace != "/" else "")
 
 
-def whole(value: object, name: str) -> int:
+def read_whole_number(value: object, name: str) -> int:
     """Return a whole-number parameter. Raises ConfigError."""
     text = str(value).strip()
-    if isinstance(value, bool) or not text.isdigit():
-        raise ConfigError(f"{name} must be a whole number, not {value!r}")
+    if isinstance(value, bool) or not text.isdecimal():
+        raise ConfigError(f"{name} must be a whole number, not {text!r}")
     return int(text)

@@ -57,7 +57,7 @@ class GpioLine(Struct, frozen=True):
             bias=getattr(gpiod.line.Bias, self.bias.upper()),
             active_low=self.is_active_low,
         )
-        key: int | str = int(self.line) if self.line.isdigit() else self.line
+        key: int | str = int(self.line) if self.line.isdecimal() else self.line
         try:
             return gpiod.request_lines(self.chip, config={key: settings}, consumer="rostether")
         except (OSError, ValueError) as error:

@@ -42,14 +42,14 @@ def test_link(link: str, expected: str) -> None:
     assert link == expected
 
 
-@pytest.mark.parametrize("baud", ["fast", "", True, -9600, 9.5])
+@pytest.mark.parametrize("baud", ["fast", "", True, -9600, 9.5, "9600²"])
 def test_baud_that_is_not_a_number(baud: object) -> None:
     with pytest.raises(ConfigError, match="baud must be a whole number"):
         _link(baud=baud)
 
 
 def test_a_port_that_yaml_reads_as_a_mapping() -> None:
-    with pytest.raises(ConfigError, match=r"not \{'tcp': None\}; write _port:=tcp"):
+    with pytest.raises(ConfigError, match=r"^port must be a serial port or tcp; write _port:=tcp or a path$"):
         _link(port={"tcp": None})
 
 

@@ -129,9 +129,11 @@ async def test_a_field_that_is_not_a_number(field: str, reason: str) -> None:
 
 async def test_a_gpio_line_that_is_missing(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     pytest.importorskip("gpiod")
-    line = GpioLine("17", str(tmp_path / "gpiochip0"))
-    with pytest.raises(BoardError, match="gpiochip0: line 17 cannot be read: No such file"):
-        await anext(line.levels())
+    # A superscript is a digit, but it is not a number.
+    for name in ("17", "GPIO17", "²"):
+        line = GpioLine(name, str(tmp_path / "gpiochip0"))
+        with pytest.raises(BoardError, match=f"gpiochip0: line {name} cannot be read: No such file"):
+            await anext(line.levels())
     monkeypatch.setitem(sys.modules, "gpiod", None)
     with pytest.raises(ConfigError, match=r"GPIO lines need another package; run: .*rostether\[gpio\]"):
         await anext(line.levels())
