@@ -37,7 +37,7 @@ def reported_lines(board: BoardStatus, master_uri: str) -> Iterator[str]:
     for finding in board.findings:
         yield f"  {finding}"
     since = "" if board.connected_s is None else f" for {board.connected_s:.0f} s"
-    yield f"  board: {board.state}{since}, {board.peer}, {board.checksum_errors} damaged frames"
+    yield f"  board: {board.state}{since}, {board.peer}, {counted(board.checksum_errors, 'damaged frame')}"
     for endpoint in board.endpoints:
         rate = f", {endpoint.rate_hz:.1f} Hz" if endpoint.is_topic else ""
         yield f"    {endpoint.role} {endpoint.name} [{endpoint.type}]{rate}"

@@ -53,10 +53,11 @@ NOTHING = (
 def monitor(once: bool, as_json: bool, graph: GraphOptions) -> int:
     """Monitor the boards of all bridges on the graph, with their topics and problems.
 
-    IN/s and OUT/s are bytes per second, DROPS messages lost to a full queue, BAD frames with a wrong
-    checksum, RECON reconnects, RTT the shortest round trip, CLOCK the offset of the board's clock. -> is a
-    topic that the board publishes, <- one that it subscribes to, => a service it offers, <= one it calls. The
-    data comes from /diagnostics, which `rostether serve` publishes.
+    UP is the time since the board connected. IN/s and OUT/s are bytes per second. DROPS counts messages lost
+    to a full queue, BAD frames with a wrong checksum, and RECON reconnects. RTT is the shortest round trip,
+    and CLOCK the offset of the board's clock. -> is a topic that the board publishes, <- one that it
+    subscribes to, => a service it offers, <= one it calls. The data comes from /diagnostics, which
+    `rostether serve` publishes.
     """
     is_terminal = shows_live()
     return run(_monitor(once or not (is_terminal or as_json), as_json, graph))

@@ -9,16 +9,20 @@ from typing import Literal, TypeAlias
 from msgspec import Struct
 
 from rostether.bridge.health.board_status import BoardStatus, EndpointStatus
+from rostether.mechanisms.text import counted
 
 Style: TypeAlias = Literal["", "bold", "dim", "green", "yellow", "bold red"]
 
-MIN_WIDTH = 40
+# In characters. A narrower terminal cuts the lines, because a name and a state need 27.
+_MIN_WIDTH = 40
+# Room for `/serial_node_2`, and for a name that contains the id of a USB device.
 _NAME_MIN = 15
 _NAME_MAX = 40
-# From this width the totals fit beside the rates.
+# From this width on, the totals fit beside the rates.
 _WIDE = 100
 _ARROWS = {"publisher": "->", "subscriber": "<-", "service server": "=>", "service client": "<="}
 _STATE_STYLES: dict[str, Style] = {"connected": "green", "disconnected": "bold red", "gone": "bold red"}
+# A level of diagnostic_msgs/DiagnosticStatus.
 _ERROR = 2
 
 
@@ -53,8 +57,14 @@ _STATE_WIDTH = 11
 
 
 def table(boards: Sequence[BoardStatus], width: int, height: int | None = None) -> list[Line]:
-    """Return the lines of the table, at most `height`: topics are omitted first, then boards."""
-    width = max(width, MIN_WIDTH)
+    """Return the lines of the table; topics are omitted first, then problems, then boards.
+
+    Args:
+        boards: The boards, in any order.
+        width: The width of the terminal in characters.
+        height: The highest number of lines, None without a limit.
+    """
+    width = max(width, _MIN_WIDTH)
     boards = sorted(boards, key=lambda board: _natural(board.name))
     columns = _fitting(_COLUMNS + (_TOTALS if width >= _WIDE else ()), width)
     name_width = _name_width(boards, columns, width)
@@ -63,22 +73,22 @@ def table(boards: Sequence[BoardStatus], width: int, height: int | None = None) 
     lines = [head, *(line for block in blocks for line in block)]
     if height is None or len(lines) <= height:
         return lines
-    # Problems come before healthy boards.
     briefs = [line for board in boards for line in _brief(board, columns, name_width, width)]
     rows = [_row(board, columns, name_width, width) for board in boards]
+    # The head and the hint need a line each.
     room = max(height - 2, 0)
     if len(briefs) <= room:
         more = "topics are not shown"
     elif len(rows) <= room:
         briefs, more = rows, "problems and topics are not shown"
     else:
-        briefs, more = rows[:room], f"... and {len(rows) - room} more boards"
+        briefs, more = rows[:room], f"... and {counted(len(rows) - room, 'more board')}"
     hint = _cut(f"{more}; use a taller window or --once to show all", width)
     return [head, *briefs, Line(((hint, "dim"),))]
 
 
 def duration(seconds: float | None) -> str:
-    """Return `42s`, `5m03s`, `2h07m` or `3d04h`."""
+    """Return `42s`, `5m03s`, `2h07m` or `3d04h`; `-` for None."""
     if seconds is None:
         return "-"
     whole = int(seconds)
@@ -89,7 +99,7 @@ def duration(seconds: float | None) -> str:
 
 
 def amount(number: float) -> str:
-    """Return a count of bytes or messages in at most five characters: `999`, `1.2k`, `34M`."""
+    """Return a number of bytes or messages in at most five characters: `999`, `1.2k`, `34M`."""
     for unit in ("", "k", "M", "G"):
         if number < 9.95 and unit:
             return f"{number:.1f}{unit}"
@@ -100,7 +110,7 @@ def amount(number: float) -> str:
 
 
 def _fitting(columns: Sequence[_Column], width: int) -> Sequence[_Column]:
-    """Return the columns that fit beside a name and a state, the first ones first."""
+    """Return the first columns, as many as fit beside a name and a state."""
     kept: list[_Column] = []
     left = width - _NAME_MIN - 1 - _STATE_WIDTH
     for column in columns:
@@ -155,6 +165,7 @@ def _row(board: BoardStatus, columns: Sequence[_Column], name_width: int, width:
         "RTT ms": _milliseconds(board.round_trip_ms),
         "CLOCK": _offset(board.clock_offset_ms),
     }
+    # "disconnected" is wider than its column.
     state = "away" if board.state == "disconnected" else board.state
     pieces: list[tuple[str, Style]] = [
         (f"{_cut_middle(board.name, name_width):{name_width}} ", "bold"),
@@ -213,7 +224,7 @@ def _cut(text: str, width: int) -> str:
 
 
 def _cut_middle(name: str, width: int) -> str:
-    """Return a name that fits; its end is kept, because long names mostly differ at the end."""
+    """Return a name that fits, without its middle: long names mostly differ at the end."""
     if len(name) <= width:
         return name
     tail = (width - 2) * 2 // 3

@@ -7,6 +7,7 @@ import pytest
 from msgspec.structs import replace
 
 from rostether.bridge.health.board_status import BoardStatus, EndpointStatus, read_statuses
+from rostether.cli.bridge.doctor_report import reported_lines
 from rostether.cli.bridge.monitor_table import amount, duration, table
 
 ARM = BoardStatus(
@@ -104,6 +105,7 @@ def test_a_low_window_shows_what_is_wrong_first_and_counts_the_rest() -> None:
     lines = text(*boards, height=10)
     assert len(lines) == 10
     assert lines[-1] == "... and 12 more boards; use a taller window or --once to show all"
+    assert text(*boards, height=21)[-1].startswith("... and 1 more board;")
     assert len(text(*boards, height=500)) == 1 + 20 * 4 + 1
 
 
@@ -180,3 +182,9 @@ def test_every_status_is_read() -> None:
     ]
     assert board.findings == ("it prints \\u001b[31mred",)
     assert board.message == "a \\u001b[2Jmessage"
+
+
+def test_the_doctor_counts_damaged_frames() -> None:
+    for count, words in ((0, "0 damaged frames"), (1, "1 damaged frame"), (2, "2 damaged frames")):
+        lines = reported_lines(replace(ARM, checksum_errors=count), "http://localhost:11311")
+        assert f"  board: connected for 3723 s, /dev/ttyACM0, {words}" in lines
