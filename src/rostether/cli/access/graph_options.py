@@ -27,7 +27,7 @@ ROS2_OPTION = "--ros2"
 # The value of `--ros2` alone: the middleware in the environment, else the installed one.
 ANY_MIDDLEWARE = "any"
 
-# Names of middlewares that only rclpy reaches; none of them is an address or a topic.
+# Names of middlewares that only rclpy reaches. After --ros2, they are never addresses or topics.
 _OF_RCLPY = frozenset(
     {"connext", "connextdds", "cyclone", "cyclonedds", "dds", "fastdds", "fastrtps", "gurumdds", "opensplice"}
 )
@@ -41,7 +41,7 @@ class Middleware(StrEnum):
 
 
 class MiddlewareName(click.Choice[str]):
-    """The values of `--ros2`; the error for another middleware names the value to use."""
+    """The type of the value of `--ros2`; the error for another middleware names the value to use."""
 
     def __init__(self) -> None:
         super().__init__([*map(str, Middleware), ANY_MIDDLEWARE])
@@ -56,32 +56,33 @@ class MiddlewareName(click.Choice[str]):
 
 
 def is_middleware(word: str) -> bool:
-    """Return whether a word names a middleware and so is the value of the `--ros2` before it."""
+    """Return whether a word after `--ros2` names a middleware and is therefore its value."""
     return word in list(Middleware) or word.lower() in _OF_RCLPY or word.startswith("rmw_")
 
 
-def chosen_middleware(
-    *, ros1: bool = False, ros2: str | None = None, environ: Mapping[str, str] | None = None
-) -> Middleware | None:
+def chosen_middleware(*, ros1: bool = False, ros2: str | None = None) -> Middleware | None:
     """Return the middleware of the ROS 2 graph that a command selects, None for ROS 1 alone.
 
     Args:
         ros1: Whether `--ros1` was given.
         ros2: The value of `--ros2`, None if it was not given.
-        environ: Environment variables, os.environ if None.
     """
-    variables = os.environ if environ is None else environ
+    version, implementation = os.environ.get("ROS_VERSION"), os.environ.get("RMW_IMPLEMENTATION")
     if not ros2:
-        if ros1 or variables.get("ROS_VERSION") == "1":
+        if ros1 or version == "1":
             return None
-        if variables.get("ROS_VERSION") != "2" and not variables.get("RMW_IMPLEMENTATION"):
+        if version != "2" and not implementation:
             return None
     if ros2 in list(Middleware):
         return Middleware(ros2)
-    implementation = variables.get("RMW_IMPLEMENTATION", "")
     if implementation:
         # Only rclpy reaches middlewares other than zenoh.
         return Middleware.ZENOH if implementation == "rmw_zenoh_cpp" else Middleware.RCLPY
+    return installed_middleware()
+
+
+def installed_middleware() -> Middleware:
+    """Return rclpy if it is installed, else zenoh."""
     return Middleware.RCLPY if find_spec("rclpy") is not None else Middleware.ZENOH
 
 
@@ -139,7 +140,7 @@ _ROS1_HELP = "Use the ROS 1 graph even if ROS 2 is sourced"
 
 
 def ros2_option(explanation: str, metavar: str = "[zenoh|rclpy]") -> Callable[[Function], Function]:
-    """Return the option `--ros2 [MIDDLEWARE]`, with its help."""
+    """Return a decorator that adds `--ros2 [MIDDLEWARE]`; `explanation` is its line in the help."""
     return add_option(
         ROS2_OPTION,
         explanation,

@@ -4,17 +4,15 @@ from __future__ import annotations
 
 import re
 from collections.abc import Awaitable, Callable, Sequence
-from contextlib import AsyncExitStack
 from dataclasses import dataclass, replace
 from functools import partial
-from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
 from rostether.cli.access.console_reporter import ConsoleReporter
-from rostether.cli.access.graph_options import GraphOptions, Middleware, graph_options
+from rostether.cli.access.graph_options import GraphOptions, graph_options, installed_middleware
 from rostether.cli.access.options import listen_option, msg_path_option
 from rostether.cli.access.ros1_access import master_client, read_environment, ros1_join
 from rostether.cli.access.ros2_access import ros2_access
@@ -25,6 +23,7 @@ from rostether.cli.shell.verbs import verb
 from rostether.errors import ConfigError, UnknownTypeError
 from rostether.graph.ports import Level
 from rostether.mechanisms.anonymous import anonymous_name
+from rostether.mechanisms.block_end import closed_at_end
 from rostether.msgdef.interface import ANY_TYPE, ServiceType
 from rostether.names.graph_name import validate_name
 from rostether.relay.relay_filter import Direction, RelayFilter, Services, Topics
@@ -36,7 +35,7 @@ if TYPE_CHECKING:
     from rostether.relay.side import FindServiceType
     from rostether.ros2.types.type_support import Ros2Types
 
-_ROS1, _ROS2 = "ROS 1", "ROS 2"
+# The characters of patterns, which names do not have.
 _WILDCARDS = re.compile(r"[*?!\[\]-]")
 
 
@@ -115,14 +114,14 @@ def relay(
     if graph.master is not None and options.master_port is not None:
         raise ConfigError("--master joins a master, and --master-port starts one; give only one of them")
     environment = read_environment(graph, listen)
-    # A relay always uses both: without --ros2 it uses the installed ROS 2.
-    installed = Middleware.RCLPY if find_spec("rclpy") is not None else Middleware.ZENOH
+    # A relay always uses both graphs.
+    both = replace(graph, ros2=graph.ros2 or installed_middleware())
     run(
         relay_between(
             environment,
-            replace(graph, ros2=graph.ros2 or installed),
+            both,
             choice,
-            ConsoleReporter(),
+            ConsoleReporter().report,
             master_port=options.master_port,
             msg_paths=msg_paths,
         ),
@@ -134,7 +133,7 @@ async def relay_between(
     environment: RosEnvironment,
     graph: GraphOptions,
     choice: RelayFilter,
-    reporter: ConsoleReporter,
+    report: Callable[[Level, str], None],
     *,
     master_port: int | None = None,
     msg_paths: Sequence[Path] = (),
@@ -149,33 +148,33 @@ async def relay_between(
     async with (
         used_master(environment, is_chosen=graph.master is not None, port=master_port) as used,
         ros2_access(graph.ros2, msg_paths, reach=graph.zenoh, params_files=graph.params_files) as access,
-        AsyncExitStack() as stack,
     ):
         for line in (used.line, access.line):
-            reporter.report(Level.INFO, line)
+            report(Level.INFO, line)
         await access.types.searched()
 
         async def probe(service: str) -> str:
             async with master_client(used.environment) as client:
                 return await probe_type(client, service)
 
-        ros1 = await ros1_join(used.environment)(name)
-        stack.push_async_callback(ros1.close)
-        ros2 = await access.join(name)
-        stack.push_async_callback(ros2.close)
-        actions = BoardJoin(access.join, access.types, partial(native_session, graph, msg_paths))
-        stack.push_async_callback(actions.close)
-        leftovers = Leftovers(used.environment.master_uri, ros1.node_name)
         find = finding_types(access.types)
         # A type that no package defines is an error before the relay starts.
         for service in choice.services:
             if service.type:
                 await find(service.pattern, service.type)
-        sides = (
-            Side(_ROS1, ros1, finding_types(access.types, probe), leftovers.forget_if_gone),
-            Side(_ROS2, ros2, find),
-        )
-        await Relay(*sides, choice, lambda level, line: reporter.report(level, line), actions).run()
+        async with (
+            closed_at_end(await ros1_join(used.environment)(name)) as ros1,
+            closed_at_end(await access.join(name)) as ros2,
+            closed_at_end(
+                BoardJoin(access.join, access.types, partial(native_session, graph, msg_paths))
+            ) as actions,
+        ):
+            leftovers = Leftovers(used.environment.master_uri, ros1.node_name)
+            sides = (
+                Side("ROS 1", ros1, finding_types(access.types, probe), leftovers.forget_if_gone),
+                Side("ROS 2", ros2, find),
+            )
+            await Relay(*sides, choice, report, actions).run()
 
 
 def finding_types(types: Ros2Types, probe: Callable[[str], Awaitable[str]] | None = None) -> FindServiceType:

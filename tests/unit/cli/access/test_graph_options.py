@@ -91,7 +91,9 @@ def test_a_tool_of_one_graph_refuses_two() -> None:
 
 
 def test_ros2_alone_takes_what_is_installed(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("ROS_VERSION", "2")
+    monkeypatch.delenv("RMW_IMPLEMENTATION", raising=False)
     monkeypatch.setattr("rostether.cli.access.graph_options.find_spec", lambda name: None)
-    assert chosen_middleware(environ={"ROS_VERSION": "2"}) is Middleware.ZENOH
+    assert chosen_middleware() is Middleware.ZENOH
     monkeypatch.setattr("rostether.cli.access.graph_options.find_spec", lambda name: object())
-    assert chosen_middleware(environ={"ROS_VERSION": "2"}) is Middleware.RCLPY
+    assert chosen_middleware() is Middleware.RCLPY

@@ -89,7 +89,7 @@ async def test_an_unknown_type_of_a_service_is_reported_at_once(monkeypatch: pyt
                 RosEnvironment.read({}).with_master(master.uri),
                 GraphOptions(ros2=Middleware.ZENOH, master=master.uri),
                 RelayOptions(services=("/x=foo/Bar",)).choice(),
-                ConsoleReporter(),
+                ConsoleReporter().report,
             )
     finally:
         await master.close()
@@ -123,7 +123,7 @@ async def test_a_relay(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFi
             environment,
             GraphOptions(ros2=Middleware.ZENOH, master=master.uri),
             choice,
-            ConsoleReporter(),
+            ConsoleReporter().report,
         )
     )
     lines = ""
