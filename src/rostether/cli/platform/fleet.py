@@ -6,7 +6,6 @@ import struct
 from collections.abc import Sequence
 from contextlib import closing
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import click
 from msgspec.structs import replace
@@ -17,11 +16,10 @@ from rostether.cli.shell.option_group import POSITIVE, NumberRange, flag, option
 from rostether.cli.shell.output import json_option, warn, write_json, write_line
 from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import LazyGroup, verb, verb_entries
-
-if TYPE_CHECKING:
-    from rostether.graph.ports import Level
-    from rostether.platform.fleet import FleetSettings
-    from rostether.platform.robot_table import Robot
+from rostether.graph.ports import Level
+from rostether.platform.command_frame import ALL_GROUPS
+from rostether.platform.fleet import FleetSender, FleetSettings, has_stopped, silence_text
+from rostether.platform.robot_table import Robot
 
 _CONTROL = "arduino_control/ArduinoControl"
 _VERBS = verb_entries(
@@ -55,7 +53,7 @@ def fleet() -> None:
 
 @verb("list", "rostether fleet list --interface wlan0 --key-file fleet.key")
 @json_option
-@fleet_options()
+@fleet_options
 def list_robots(as_json: bool, fleet: FleetSettings) -> int:
     """List the robots that answer: id, address, whether they move, and which sender commands them."""
     return run(_query(fleet, as_json, detailed=False))
@@ -64,7 +62,7 @@ def list_robots(as_json: bool, fleet: FleetSettings) -> int:
 @verb("status", "rostether fleet status 3 --key-file fleet.key")
 @_robot
 @json_option
-@fleet_options()
+@fleet_options
 def status(robot: int | None, as_json: bool, fleet: FleetSettings) -> int:
     """Show the loss of multicast, the Wi-Fi signal and the sender of one robot, or of all."""
     return run(_query(for_robot(fleet, robot), as_json, detailed=True))
@@ -103,15 +101,13 @@ class DriveOptions:
     """,
 )
 @option_group("options", DriveOptions)
-@fleet_options()
+@fleet_options
 def drive(options: DriveOptions, fleet: FleetSettings) -> int:
     """Drive one robot or groups (arduino_control/ArduinoControl) for the time of --for, or until Ctrl-C.
 
     One sender commands a robot at a time. A robot stops automatically 0.3 s after the last command. The exit
     code is 1 if no robot answers.
     """
-    from rostether.platform.command_frame import ALL_GROUPS
-
     targets = (options.robot is not None, fleet.sender.target != ALL_GROUPS, options.to_all)
     if sum(targets) != 1:
         raise click.UsageError("give one of ROBOT, --groups or --all")
@@ -123,7 +119,7 @@ def drive(options: DriveOptions, fleet: FleetSettings) -> int:
 @verb("stop", "rostether fleet stop 3 --key-file fleet.key")
 @_robot
 @json_option
-@fleet_options()
+@fleet_options
 def stop(robot: int | None, as_json: bool, fleet: FleetSettings) -> int:
     """Stop one robot or all, even if another sender commands them; list those that confirm the stop.
 
@@ -134,8 +130,6 @@ def stop(robot: int | None, as_json: bool, fleet: FleetSettings) -> int:
 
 
 async def _query(settings: FleetSettings, as_json: bool, *, detailed: bool) -> int:
-    from rostether.platform.fleet import FleetSender, silence_text
-
     with closing(FleetSender(settings, _report)) as sender:
         await sender.query()
     if as_json:
@@ -149,9 +143,7 @@ async def _query(settings: FleetSettings, as_json: bool, *, detailed: bool) -> i
 
 
 async def _drive(settings: FleetSettings, payload: bytes, duration_s: float) -> int:
-
     from rostether.msgdef.registry import Registry
-    from rostether.platform.fleet import FleetSender
 
     kind = bytes.fromhex(Registry().message_type(_CONTROL).md5sum[:8])
     settings = replace(settings, sender=replace(settings.sender, kind=kind))
@@ -161,8 +153,6 @@ async def _drive(settings: FleetSettings, payload: bytes, duration_s: float) -> 
 
 
 async def _stop(settings: FleetSettings, as_json: bool) -> int:
-    from rostether.platform.fleet import FleetSender, has_stopped, silence_text
-
     with closing(FleetSender(settings, _report)) as sender:
         robots = await sender.stop()
     for robot in robots:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import shutil
-from typing import TYPE_CHECKING
 
 from rostether.cli.platform.fleet_options import fleet_options
 from rostether.cli.shell.failures import EXIT_DONE, EXIT_FAILED
@@ -11,9 +10,7 @@ from rostether.cli.shell.option_group import NumberRange, add_option
 from rostether.cli.shell.output import json_option, warn, write_finding
 from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import verb
-
-if TYPE_CHECKING:
-    from rostether.platform.fleet import FleetSettings
+from rostether.platform.fleet import FleetSettings, silence_text
 
 
 @verb(
@@ -30,7 +27,7 @@ if TYPE_CHECKING:
     default=1.0,
 )
 @json_option
-@fleet_options()
+@fleet_options
 def doctor(listen_s: float, as_json: bool, fleet: FleetSettings) -> int:
     """Find out why robots do not obey: networks, ids, clocks and disks.
 
@@ -42,8 +39,10 @@ def doctor(listen_s: float, as_json: bool, fleet: FleetSettings) -> int:
 
 
 async def examine_fleet(settings: FleetSettings, listen_s: float, *, as_json: bool) -> int:
-    """Print the findings; return the exit code. Raises ConfigError."""
-    from rostether.platform.fleet import silence_text
+    """Print the findings, after listening for an IGMP querier for `listen_s`; return the exit code.
+
+    Raises ConfigError.
+    """
     from rostether.platform.fleet_examination import examine
     from rostether.platform.fleet_findings import disk_finding, fleet_findings
 

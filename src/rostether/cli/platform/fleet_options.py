@@ -2,22 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
-from typing import TYPE_CHECKING
+from collections.abc import Iterable
 
 import click
 from msgspec.structs import replace
 
-from rostether.cli.shell.option_group import PORT, Function, add_option, option_group
+from rostether.cli.shell.option_group import PORT, add_option, option_group
 from rostether.errors import ConfigError
+from rostether.platform.command_frame import ALL_GROUPS, NO_KEY
+from rostether.platform.command_link import SenderSettings
+from rostether.platform.fleet import FLEET_GROUP, FLEET_PORT, FleetSettings
+from rostether.platform.fleet_key import read_fleet_key
+from rostether.platform.multicast_socket import GroupAddress
 
-if TYPE_CHECKING:
-    from rostether.platform.fleet import FleetSettings
-
+# A robot's id has 32 bits in a frame, and each group is one of 32 bits.
 MAX_ROBOT = 0xFFFF_FFFF
 _GROUPS = 32
-DEFAULT_GROUP = "239.255.82.83"
-DEFAULT_PORT = 11412
 
 _OPTIONS = (
     add_option("--groups N,N", "Only robots of these groups, numbers from 0 to 31."),
@@ -25,10 +25,10 @@ _OPTIONS = (
     add_option(
         "--group-address ADDRESS",
         "The multicast group, IPv4 or IPv6.",
-        default=DEFAULT_GROUP,
+        default=FLEET_GROUP,
         show_default=True,
     ),
-    add_option("--port", "The group's port.", type=PORT, default=DEFAULT_PORT, show_default=True),
+    add_option("--port", "The group's port.", type=PORT, default=FLEET_PORT, show_default=True),
     add_option(
         "--interface interfaces NAME",
         "Send on this network interface, e.g. wlan0; may be repeated.",
@@ -50,7 +50,7 @@ _OPTIONS = (
 
 
 def group_mask(words: Iterable[str], label: str) -> int:
-    """Return the mask of numbers of groups. Raises ConfigError, which begins with `label`."""
+    """Return the mask of groups, given their numbers. Raises ConfigError, whose text begins with `label`."""
     mask = 0
     for word in words:
         if not word.isdecimal() or int(word) >= _GROUPS:
@@ -59,16 +59,8 @@ def group_mask(words: Iterable[str], label: str) -> int:
     return mask
 
 
-def fleet_options() -> Callable[[Function], Function]:
-    """Return a decorator that adds the options; the verb gets them as `fleet`, without a robot's id."""
-    return option_group("fleet", fleet_settings, _OPTIONS)
-
-
 def for_robot(fleet: FleetSettings, robot: int | None) -> FleetSettings:
-    """Return the settings for one robot, or the same. Raises click.UsageError for a robot and groups."""
-
-    from rostether.platform.command_frame import ALL_GROUPS
-
+    """Return the settings for one robot, unchanged for None. Raises UsageError for a robot and groups."""
     if robot is None:
         return fleet
     if fleet.sender.target != ALL_GROUPS:
@@ -80,22 +72,20 @@ def fleet_settings(
     *,
     groups: str | None = None,
     key_file: str | None = None,
-    group_address: str = DEFAULT_GROUP,
-    port: int = DEFAULT_PORT,
+    group_address: str = FLEET_GROUP,
+    port: int = FLEET_PORT,
     interfaces: tuple[str, ...] = (),
     ttl: int = 1,
     unicast: tuple[str, ...] = (),
 ) -> FleetSettings:
     """Return the settings of the options. Raises ConfigError."""
-    from rostether.platform.command_frame import ALL_GROUPS, NO_KEY
-    from rostether.platform.command_link import SenderSettings
-    from rostether.platform.fleet import FleetSettings
-    from rostether.platform.fleet_key import read_fleet_key
-    from rostether.platform.multicast_socket import GroupAddress
-
     mask = ALL_GROUPS if groups is None else group_mask(groups.split(","), "--groups")
     return FleetSettings(
         SenderSettings(mask, key=read_fleet_key(key_file) if key_file else NO_KEY),
         GroupAddress(group_address, port, interfaces, ttl),
         unicast,
     )
+
+
+# Adds the options of a fleet; the verb gets a FleetSettings, without a robot's id, as `fleet`.
+fleet_options = option_group("fleet", fleet_settings, _OPTIONS)

@@ -26,7 +26,7 @@ class Sender:
 
 
 def test_who_confirms_a_stop(shell: Shell, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("rostether.platform.fleet.FleetSender", Sender)
+    monkeypatch.setattr("rostether.cli.platform.fleet.FleetSender", Sender)
     stopped = shell("fleet", "stop")
     assert stopped.out == "robot 1 at 10.0.0.1 has stopped\n"
     assert stopped.err == "robot 2 at 10.0.0.2 has NOT confirmed the stop\n"
