@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from rostether.recording.recorded import RecordingWriter
     from rostether.ros2.types.type_support import Ros2Types
 
-# The interval at which a board's node also retries.
+# A board's node retries at the same interval.
 MAX_JOIN_RETRY_S = 1.0
 
 
@@ -56,7 +56,7 @@ _OPTIONS = (
 def _bag_recording(
     *, record: Path | None = None, record_size: float = 1000, record_keep: int | None = None
 ) -> BagRecording | None:
-    """Return the options, or None without --record; create the folder. Raises ConfigError."""
+    """Return the options, None without --record; create the folder. Raises ConfigError."""
     if record is None:
         return None
     if record.suffix in (".jsonl", ".json", ".bag", ".mcap") or record.is_file():
@@ -78,7 +78,7 @@ async def bags_recorded(
 ) -> AsyncIterator[None]:
     """Record until the end of the block; a failure is reported and stops only the recording.
 
-    With `types`, the types of a graph that is ROS 2 alone, the recording is a ROS 2 bag.
+    On ROS 2 alone, `types` are the types of the graph, and the recording is a ROS 2 bag.
     """
     if recording is None:
         yield
@@ -151,5 +151,5 @@ async def _joined(join: JoinGraph, reporter: Reporter) -> Graph:
 def _level_of(text: str) -> Level:
     if text.startswith("WARNING: "):
         return Level.WARN
-    # A line for each new topic would hide those of the boards.
+    # Lines for all new topics would hide the lines of the boards.
     return Level.DEBUG if text.startswith("Subscribing to ") else Level.INFO

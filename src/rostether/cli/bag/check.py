@@ -7,7 +7,7 @@ from pathlib import Path
 import click
 
 from rostether.cli.access.options import msg_path_option
-from rostether.cli.shell.failures import EXIT_FAILED
+from rostether.cli.shell.failures import EXIT_DONE, EXIT_FAILED
 from rostether.cli.shell.option_group import PATH
 from rostether.cli.shell.output import write_line
 from rostether.cli.shell.verbs import verb
@@ -23,7 +23,7 @@ from rostether.mechanisms.text import counted
 )
 @click.argument("files", nargs=-1, required=True, metavar="FILE...", type=PATH)
 @msg_path_option
-def bag_check(files: tuple[Path, ...], msg_paths: tuple[Path, ...]) -> None:
+def bag_check(files: tuple[Path, ...], msg_paths: tuple[Path, ...]) -> int:
     """Read every message and report errors; the exit code is 1 if there are any.
 
     The command checks that the index is complete, that every message fits its definition in the file, and
@@ -41,5 +41,4 @@ def bag_check(files: tuple[Path, ...], msg_paths: tuple[Path, ...]) -> None:
         if not checked.faults:
             write_line(f"{path}: {counted(checked.message_count, 'message')}, no errors")
         has_errors = has_errors or bool(checked.faults)
-    if has_errors:
-        raise click.exceptions.Exit(EXIT_FAILED)
+    return EXIT_FAILED if has_errors else EXIT_DONE

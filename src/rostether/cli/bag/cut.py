@@ -1,4 +1,4 @@
-"""`rostether bag cut`: copies a span of time from many recordings into one."""
+"""`rostether bag cut`: copies a period of many recordings into one."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from rostether.errors import ConfigError
 from rostether.mechanisms.text import counted
 from rostether.rostime import NS_PER_S
 
-# A line with more is hard to read.
+# An error that lists more topics is hard to read.
 _SHOWN_TOPICS = 10
 
 

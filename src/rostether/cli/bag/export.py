@@ -60,12 +60,13 @@ class ExportOptions:
     """,
 )
 @option_group("options", ExportOptions)
-def export(options: ExportOptions) -> None:
+def export(options: ExportOptions) -> int:
     """Write the messages of RECORDING as tables: one table per topic, one row per message.
 
     The first columns are the time of recording in seconds and in nanoseconds. Arrays of variable size are
     lists. In CSV, bytes are base64, and texts that a spreadsheet would treat as formulas get an apostrophe in
     front. The format `pictures` writes compressed pictures as .jpg and .png files, in one folder per topic.
+    The exit code is 1 if messages are omitted.
     """
     from rostether.recording.export.exporting import Export
     from rostether.recording.export.picture_table import PICTURE_TYPE
@@ -88,6 +89,7 @@ def export(options: ExportOptions) -> None:
             files.remove()
             raise
     files.report(chosen.tables)
+    return EXIT_FAILED if any(table.unfit_count for table in chosen.tables) else EXIT_DONE
 
 
 class _TableFiles:
@@ -132,7 +134,7 @@ class _TableFiles:
             parquet_package()
 
     def create(self, table: ExportedTable) -> Table:
-        """Begin a table's file. Raises RecordingError."""
+        """Create the file of a table, or the folder of pictures. Raises ConfigError, RecordingError."""
         from rostether.recording.export.tables import CsvTable
 
         if self._is_stdout:
@@ -153,17 +155,17 @@ class _TableFiles:
         return created
 
     def path_of(self, table: ExportedTable) -> Path:
-        """Return a table's file."""
+        """Return the path of a table's file, or of its folder of pictures."""
         name = table.name if self._format == "pictures" else f"{table.name}.{self._format}"
         return self._file or self._folder / name
 
     def remove(self) -> None:
-        """Remove the incomplete file: half a table looks like a complete one."""
+        """Remove the created tables: an incomplete one looks like a complete one. Pictures are kept."""
         for path in self._created:
             path.unlink(missing_ok=True)
 
     def report(self, tables: list[ExportedTable]) -> None:
-        """Report the written files; exits with 1 if messages were omitted."""
+        """Report the written files and the omitted messages."""
         for table in tables:
             if not self._is_stdout:
                 rows = f"{counted(table.row_count, 'row')}, {len(table.columns) + 2} columns"
@@ -172,5 +174,3 @@ class _TableFiles:
                 write_line(f"{self.path_of(table)}: {rows} of {table.topic}")
             if table.unfit_count:
                 warn(f"{table.topic}: {misfit_text(table.unfit_count)}: {table.why}")
-        if any(table.unfit_count for table in tables):
-            raise click.exceptions.Exit(EXIT_FAILED)

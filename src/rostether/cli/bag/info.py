@@ -27,8 +27,7 @@ if TYPE_CHECKING:
 
 # 2 MB for each topic. The median of this sample differs from that of all messages by less than a percent.
 MAX_PERIODS = 262_144
-
-
+# A step in the value of --key: `.name` or `[0]`.
 _STEP = re.compile(r"\.?(?:(\w+)|\[(-?\d+)\])")
 
 
@@ -118,7 +117,7 @@ def _add_rates(facts: Mapping[str, Any], reader: RecordingReader) -> None:
 
 
 class _Periods:
-    """The times between a topic's messages, in s: all of them, or an even selection of very many."""
+    """The times between messages of a topic, in s: all, or an even selection of at most MAX_PERIODS."""
 
     def __init__(self) -> None:
         self.kept = array("d")
@@ -127,7 +126,7 @@ class _Periods:
         self._count = 0
 
     def add(self, time_s: float) -> None:
-        """Add a message."""
+        """Count a message that was recorded at this time."""
         if self._last_s is not None:
             if self._count % self._stride == 0:
                 self.kept.append(time_s - self._last_s)
@@ -218,7 +217,7 @@ def _rate_text(hz: float) -> str:
 
 
 def yaml_text(facts: Mapping[str, Any], reader: RecordingReader) -> str:
-    """Return the facts of a recording as YAML; `frequency` only for topics whose rate is known."""
+    """Return the facts of a recording as rosbag's YAML; `frequency` only for topics whose rate is known."""
     lines = [f"path: {_word(facts['path'])}", f"version: {facts['version']}"]
     if (span := reader.span_ns) is None:
         return "\n".join([*lines, f"size: {reader.size_bytes}", "indexed: False\n"])
@@ -244,7 +243,7 @@ def yaml_text(facts: Mapping[str, Any], reader: RecordingReader) -> str:
 
 
 def yaml_value(text: str, key: str) -> str:
-    """Return the value of a key such as `duration` or `topics[0].messages`. Raises ConfigError."""
+    """Return the value of a key of YAML, such as `duration` or `topics[0].messages`. Raises ConfigError."""
     value = whole = load(text)
     position = 0
     while position < len(key):
@@ -268,7 +267,7 @@ def _shown(value: Any, indent: int = 0) -> str:
 
 
 def _word(text: str) -> str:
-    """Return a word in YAML, without quotes if possible."""
+    """Return a text as YAML, without quotes if possible."""
     try:
         is_plain = load(f"a: {text}") == {"a": text}
     except YamlError:

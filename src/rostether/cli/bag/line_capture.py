@@ -1,4 +1,4 @@
-"""The options for recording a bridge's links, and the capture file."""
+"""The recording of the bytes on a bridge's lines: its size limit, and the capture file."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ record_limit_option = add_option(
 async def recorded(
     path: Path | None, limit_mb: float, reporter: Reporter
 ) -> AsyncIterator[Callable[[Transport], Transport] | None]:
-    """Provide the tap that records each link into a new file; None without a path. Raises ConfigError."""
+    """Yield a function that records a transport into a new file, None without a path. Raises ConfigError."""
     if path is None:
         yield None
         return

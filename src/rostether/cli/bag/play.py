@@ -31,6 +31,7 @@ from rostether.cli.shell.output import warn, write_line
 from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import verb
 from rostether.errors import ConfigError
+from rostether.mechanisms.block_end import task_beside
 from rostether.mechanisms.run_until import run_until
 from rostether.mechanisms.text import counted, did_you_mean
 from rostether.rostime import NS_PER_S
@@ -38,7 +39,8 @@ from rostether.rostime import NS_PER_S
 if TYPE_CHECKING:
     from rostether.recording.player import Player, PlaySettings
 
-PROGRESS_PERIOD_S = 0.1
+# The time on the line seems to run continuously.
+_PROGRESS_PERIOD_S = 0.1
 _KEYS_SHOWN = "Space pauses, s plays one message while paused, q quits."
 
 
@@ -118,9 +120,7 @@ def bag_play(options: PlayOptions, files: tuple[str, ...], graph: GraphOptions) 
     """
     from rostether.recording.player import PlaySettings
 
-    topics = options.topics
-
-    environment = read_environment(graph)
+    environment, topics = read_environment(graph), options.topics
     plain = [*files, *options.bags]
     remappings = dict(each.split(":=", 1) for each in plain if ":=" in each and not each.startswith("_"))
     # As in rosbag, `--topics /a /b`: words that are not files are topics.
@@ -190,15 +190,13 @@ async def _play(
 def _check_topics(settings: PlaySettings, recorded: set[str]) -> None:
     missing = sorted((settings.topics | settings.pause_topics) - recorded)
     if missing:
-        near = did_you_mean(missing[0], recorded)
-        hint = near or "`rostether bag info` lists its topics"
+        hint = did_you_mean(missing[0], recorded) or "`rostether bag info` lists its topics"
         raise ConfigError(f"the recording has no topic {missing[0]}; {hint}")
 
 
 @asynccontextmanager
 async def _keys(player: Player, end: Callable[[], object], *, is_quiet: bool) -> AsyncIterator[None]:
-    """Handle keys and show the progress during the block; without a terminal do neither."""
-    loop = asyncio.get_running_loop()
+    """Handle keys and show the progress during the block, if there is a terminal; `end` ends the playback."""
 
     def press(typed: bytes) -> None:
         for key in typed.decode(errors="replace"):
@@ -209,18 +207,18 @@ async def _keys(player: Player, end: Callable[[], object], *, is_quiet: bool) ->
             elif key == "q":
                 end()
 
-    showing = None
     with typed_keys(press) as has_keys:
-        try:
-            if has_keys and not is_quiet:
-                write_line(_KEYS_SHOWN)
-                if sys.stderr.isatty():
-                    showing = loop.create_task(_show(player))
+        is_shown = has_keys and not is_quiet
+        if is_shown:
+            write_line(_KEYS_SHOWN)
+        if not is_shown or not sys.stderr.isatty():
             yield
+            return
+        try:
+            async with task_beside(_show(player)):
+                yield
         finally:
-            if showing is not None:
-                showing.cancel()
-                show("")
+            show("")
 
 
 async def _show(player: Player) -> None:
@@ -230,4 +228,4 @@ async def _show(player: Player) -> None:
         passed_s = max(player.time_ns - player.start_ns, 0) / NS_PER_S
         line = f"[{word}]  time {player.time_ns / NS_PER_S:.3f}   {passed_s:.2f} of {span_s:.2f} s"
         show(f"{line}   {counted(player.played_count, 'message')}")
-        await asyncio.sleep(PROGRESS_PERIOD_S)
+        await asyncio.sleep(_PROGRESS_PERIOD_S)

@@ -1,4 +1,4 @@
-"""The progress line of a recording or playback in a terminal; each update overwrites it."""
+"""The progress line of a recording or playback on a terminal; each update overwrites the line."""
 
 from __future__ import annotations
 
@@ -13,18 +13,19 @@ from rostether.mechanisms.text import counted
 if TYPE_CHECKING:
     from rostether.recording.recorder import Recorder
 
-PROGRESS_PERIOD_S = 1.0
+# Rates are the messages and bytes of one period.
+_PROGRESS_PERIOD_S = 1.0
 
 
 def show(line: str) -> None:
-    """Overwrite the current line, no wider than the terminal: a second line would stay."""
+    """Overwrite the current line, cut to the terminal's width: a second line would remain."""
     columns = shutil.get_terminal_size().columns
     sys.stderr.write(f"\r\033[K{line[: columns - 1]}")
     sys.stderr.flush()
 
 
 class ProgressLine:
-    """The line of a recording, with rates and sizes; `is_shown` only on a terminal."""
+    """The line of a recording, with rates and sizes; nothing is written unless `is_shown`."""
 
     def __init__(self, *, is_shown: bool) -> None:
         self._is_shown = is_shown
@@ -35,7 +36,7 @@ class ProgressLine:
         began_s = before_s = loop.time()
         before = (0, 0)
         while self._is_shown:
-            await asyncio.sleep(PROGRESS_PERIOD_S)
+            await asyncio.sleep(_PROGRESS_PERIOD_S)
             now_s = loop.time()
             now = (recorder.progress.message_count, recorder.size_bytes)
             rate, speed = ((new - old) / (now_s - before_s) for new, old in zip(now, before, strict=True))

@@ -40,6 +40,7 @@ from rostether.cli.shell.output import warn, write_line
 from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import verb
 from rostether.errors import ConfigError
+from rostether.mechanisms.block_end import task_beside
 from rostether.mechanisms.run_until import run_until
 from rostether.mechanisms.text import counted, misfit_text
 
@@ -48,10 +49,10 @@ if TYPE_CHECKING:
     from rostether.recording.recorded import RecordingWriter
     from rostether.recording.recording_plan import RecordLimits, TopicChoice
 
+# As in rosbag.
 BEGIN_TOPIC = "/begin_write"
-# The buffer for -b 0, which means no limit in rosbag.
+# The buffer for -b 0, which means no limit in rosbag: a larger one could use up the memory of the machine.
 MAX_BUFFER_MB = 4096
-
 KILOBYTE = 1024
 _UNITS_S = {"": 1, "s": 1, "m": 60, "h": 3600}
 
@@ -228,13 +229,12 @@ async def _record(
             if options.bz2 or options.lz4
             else None,
         )
-        showing = asyncio.create_task(line.refresh(recorder))
         try:
             # A signal and `rosnode kill` are the normal ends of a recording.
             with suppress(asyncio.CancelledError):
-                await run_until(recorder.run(), graph.raw.wait_closed())
+                async with task_beside(line.refresh(recorder)):
+                    await run_until(recorder.run(), graph.raw.wait_closed())
         finally:
-            showing.cancel()
             line.clear()
             # If the first file cannot be created, the error is enough.
             if written := [str(each) for each in recorder.progress.files if each.exists()]:

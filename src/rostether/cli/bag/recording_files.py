@@ -1,4 +1,4 @@
-"""The files of a recording (names, kind of messages, compression) and the graph that it belongs to."""
+"""The files of recordings (names, ROS version, compression), and the node that records or replays."""
 
 from __future__ import annotations
 
@@ -52,16 +52,16 @@ def create_folder(folder: Path) -> None:
 
 
 def asked_form(typed: str | None) -> Form | None:
-    """Return the format that `--format` names, None if it was not given."""
+    """Return the value of `--format`, None if it was not given."""
     from rostether.recording.files import Form
 
     return None if typed is None else Form(typed)
 
 
 def open_for(source: Path, target: Path, asked: Form | None = None) -> tuple[RecordingReader, Form]:
-    """Open a recording to copy it to `target`, and return the format to write.
+    """Open a recording to copy it to `target`; return its reader and the format to write.
 
-    Between two ROS 2 bags, messages are read as values of ROS 2, with its names of fields.
+    From ROS 2 to ROS 2, messages keep ROS 2's own fields. Raises RecordingError, ConfigError.
     """
     from rostether.recording.files import Form, form_for, form_of, open_recording
 
@@ -89,7 +89,8 @@ class Packing(Struct, frozen=True):
 class NewFiles:
     """The files of one recording, named like those of rosbag and rosbag2. Raises ConfigError.
 
-    `types` and `unfit` are set later, when the graph is known.
+    The caller sets `types` (the graph's ROS 2 types) and `unfit` (which counts the messages that do not fit)
+    before it creates a file.
     """
 
     def __init__(
@@ -127,13 +128,13 @@ class NewFiles:
 
     @property
     def is_of_ros2(self) -> bool:
-        """Whether the files hold messages of ROS 2."""
+        """Whether the files contain messages of ROS 2."""
         from rostether.recording.files import Form
 
         return self._form is Form.ROS2
 
     def path_of(self, number: int) -> Path:
-        """Return the path of the file with a number."""
+        """Return the path of the file with a number, counted from 0."""
         if not self._suffix:
             return self._ros2_bag().path_of(number)
         stem = f"{self._stem}_{number}" if self._is_splitting else self._stem
@@ -174,13 +175,13 @@ def _check_compression(packing: Packing, suffix: str) -> None:
     if packing.compression == "none" or suffix == ".bag":
         return
     if suffix == ".db3" or (not suffix and packing.storage != "mcap"):
-        raise ConfigError(".db3 files cannot be compressed; use MCAP")
+        raise ConfigError(".db3 files cannot be compressed; use MCAP, or no compression")
     if packing.compression == "bz2":
         raise ConfigError("MCAP does not support bz2; use --lz4, or no compression")
 
 
 class RecordingGraph(Struct, frozen=True):
-    """This command's node; `types` are its known ROS 2 types, None if it is on ROS 1 only."""
+    """The node of this command; `types` are its ROS 2 types, None on ROS 1 alone."""
 
     raw: Graph
     types: Ros2Types | None
@@ -195,10 +196,10 @@ async def recording_graph(
     origins: Iterable[Ros2Origin] = (),
     msg_paths: Iterable[Path] = (),
 ) -> AsyncIterator[RecordingGraph]:
-    """Join as a node during the block. Raises GraphError, ConfigError.
+    """Run a node until the end of the block; its name begins with `purpose`. Raises GraphError, ConfigError.
 
-    If `is_native`, messages on ROS 2 alone have ROS 2's own fields. `origins` are the types in recordings:
-    their definitions need not be installed.
+    If `is_native`, messages on ROS 2 alone have ROS 2's own fields. `origins` are the types in recordings,
+    whose definitions need not be installed.
     """
     from rostether.mechanisms.anonymous import anonymous_name
 
@@ -227,7 +228,7 @@ async def recording_graph(
 
 
 def recording_types(origins: Iterable[Ros2Origin], msg_paths: tuple[Path, ...] = ()) -> Ros2Types:
-    """Return the installed and the recorded ROS 2 types, with their own fields; unknown types stay CDR."""
+    """Return the installed and the recorded types with ROS 2's own fields; unknown types remain CDR."""
     from rostether.msgdef.registry import Registry
     from rostether.msgdef.ros2.definitions import Ros2Definitions
     from rostether.recording.ros2_types import RecordedDefinitions

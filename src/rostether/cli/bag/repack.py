@@ -30,7 +30,10 @@ class RepackOptions:
 
 
 def new_paths(path: Path, options: RepackOptions) -> tuple[Path, Path | None]:
-    """Return the path of the new recording, and that of the old one if it is moved. Raises ConfigError."""
+    """Return the path of the new recording and of the backup, None if the old one is not moved.
+
+    Raises ConfigError.
+    """
     name, output_dir = path.name.removesuffix(".active"), options.output_dir
     if output_dir is not None:
         create_folder(output_dir)
@@ -39,7 +42,7 @@ def new_paths(path: Path, options: RepackOptions) -> tuple[Path, Path | None]:
     stem, _, suffix = name.rpartition(".")
     backup = path.with_name(f"{name}.orig" if path.is_dir() else f"{stem}.orig.{suffix}")
     if backup.exists() and not options.force:
-        raise ConfigError(f"{backup} already exists; -f overwrites it")
+        raise ConfigError(f"{backup} already exists; overwrite it with -f, or use --output-dir")
     if output != path and output.exists():
         raise ConfigError(f"{output} already exists, so {path} cannot be written there; use --output-dir")
     return output, backup
@@ -81,7 +84,7 @@ def bag_decompress(options: RepackOptions) -> None:
 def _repack(path: Path, compression: str, options: RepackOptions) -> None:
     from rostether.recording.reindexing import repack
 
-    # This also rejects a file that is not a recording, before a folder is created.
+    # Reading the size also rejects a file that is not a recording, before a folder is created.
     before = _size_bytes(path)
     output, backup = new_paths(path, options)
     count = repack(path, output, compression, keep_original=backup)

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from rostether.platform.sensors.cascade import CascadeDetector
     from rostether.platform.sensors.picture_sources import PictureSource
 
-# In pixels; the cameras of robots have smaller pictures.
+# In pixels. The pictures of robots' cameras are smaller.
 _MAX_SIDE = 8192
 
 

@@ -12,7 +12,8 @@ from typing import TYPE_CHECKING
 
 import click
 
-from rostether.cli.platform.systemd import UNIT, clean, is_lingering, linger, run_program, systemctl
+from rostether.cli.platform.systemd import UNIT, clean, is_lingering, linger, output_of, systemctl
+from rostether.cli.shell.failures import EXIT_DONE, EXIT_FAILED
 from rostether.cli.shell.option_group import (
     EXISTING_FILE,
     Function,
@@ -32,12 +33,13 @@ if TYPE_CHECKING:
     from rostether.platform.boot.service_files import Installation
 
 _KINDS = ("base", "robot", "both")
+# The address of `rostether dashboard` without options.
 _DASHBOARD = "http://127.0.0.1:8765"
 
 
 @dataclass(frozen=True, slots=True)
 class Answers:
-    """The answers about this machine; missing ones are requested from the user."""
+    """What the user says about this machine; the command asks for what is missing."""
 
     machine: str | None = option(
         "--machine", "Set up a base station, a robot, or both.", type=click.Choice(_KINDS)
@@ -115,7 +117,7 @@ def _enabling_link(root: Path, installation: Installation) -> Path:
 
 
 def _enable_below(root: Path, installation: Installation) -> None:
-    """Make systemd start the unit in an image: `systemctl` enables units of the running machine only."""
+    """Make systemd start the unit in an image: `systemctl` only enables units of the running machine."""
     link = _enabling_link(root, installation)
     try:
         link.parent.mkdir(exist_ok=True)
@@ -155,15 +157,15 @@ def uninstall(for_user: bool | None, root: Path | None) -> None:
 
 @verb("status", "rostether status")
 @_target_options
-def status(for_user: bool | None, root: Path | None) -> None:
-    """Show what starts at boot, and whether it runs."""
+def status(for_user: bool | None, root: Path | None) -> int:
+    """Show what starts at boot, and whether it runs. The exit code is 1 if nothing is installed."""
     from rostether.cli.platform.robot_check import check_robot, read_robot
 
     installation = _installation(for_user)
     file = path_below(root, installation.robot_file)
     if not path_below(root, installation.unit).exists():
         write_line("nothing starts at boot; to change that: rostether install")
-        raise click.exceptions.Exit(1)
+        return EXIT_FAILED
     robot = read_robot(file)
     write_line(f"{robot.name or 'this machine'}: {', '.join(part.name for part in robot.parts)}  ({file})")
     try:
@@ -173,10 +175,11 @@ def status(for_user: bool | None, root: Path | None) -> None:
         warn(f"{error}; a part with wrong arguments does not run")
     if root is None:
         scope = [] if installation.is_system else ["--user"]
-        shown = run_program(["systemctl", *scope, "show", UNIT, "-p", "ActiveState,SubState"])
+        shown = output_of(["systemctl", *scope, "show", UNIT, "-p", "ActiveState,SubState"])
         states = dict(line.split("=", 1) for line in shown.splitlines() if "=" in line)
         write_line(f"{states.get('ActiveState', 'unknown')} ({states.get('SubState', 'unknown')})")
         write_line(f"log: journalctl {'--user ' if scope else ''}-u rostether")
+    return EXIT_DONE
 
 
 def _installation(for_user: bool | None) -> Installation:
@@ -270,7 +273,10 @@ def _write(files: Mapping[Path, str], root: Path | None) -> None:
         try:
             target.parent.mkdir(parents=True, exist_ok=True)
             target.write_text(content, encoding="utf-8")
+        except PermissionError as error:
+            raise ConfigError(
+                f"cannot write {target}: {error.strerror}; run the command with sudo, or add --user"
+            ) from None
         except OSError as error:
-            hint = "; run it with sudo, or add --user" if isinstance(error, PermissionError) else ""
-            raise ConfigError(f"cannot write {target}: {error.strerror}{hint}") from None
+            raise ConfigError(write_failure(target, error)) from None
         write_line(f"wrote {target}")

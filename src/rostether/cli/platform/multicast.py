@@ -1,4 +1,4 @@
-"""The multicast bridge, its counterpart and the fleet's monitor as roles."""
+"""The multicast bridge, the multicast receiver and the fleet's monitor as roles."""
 
 from __future__ import annotations
 
@@ -15,6 +15,7 @@ from rostether.names.remap import Arguments
 if TYPE_CHECKING:
     from rostether.platform.multicast_socket import GroupAddress
 
+# The nodes of the reference spell this parameter in three ways.
 _ADDRESS_NAMES = ("multicast_group_addr", "mulicast_group_addr", "multicating_group_addr")
 
 

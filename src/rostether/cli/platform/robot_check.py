@@ -19,14 +19,14 @@ _NOT_PARTS = ("up", "install", "uninstall")
 
 
 def read_robot(path: Path) -> RobotFile:
-    """Return the content of a robot.toml; the arguments of its parts are not checked. Raises ConfigError."""
+    """Return the content of a robot.toml, without checking the arguments of its parts. Raises ConfigError."""
     from rostether.platform.boot.robot_file import read_robot_text
 
     return parse_robot(read_robot_text(path), str(path))
 
 
 def parse_robot(text: str, file: str) -> RobotFile:
-    """Return the content of the text of a robot.toml; `file` is its name in errors. Raises ConfigError."""
+    """Return what the text of a robot.toml contains; `file` is the name in errors. Raises ConfigError."""
     from rostether.cli.verb_table import VERBS
     from rostether.platform.boot.robot_file import parse_robot_file
 
@@ -68,8 +68,8 @@ def _check_command(words: Sequence[str]) -> None:
             with command.make_context(name, rest, parent=context):
                 pass
     except click.exceptions.Exit:
-        raise ConfigError("--help and --version start nothing") from None
+        raise ConfigError("--help and --version start nothing; omit them") from None
     except click.BadParameter as error:
-        # A file belongs to the machine that runs the part, and a relative path to the folder of its service.
+        # A file may exist only on the machine that runs the part, or in the folder of its service.
         if error.param is None or not isinstance(error.param.type, click.Path | click.File):
             raise

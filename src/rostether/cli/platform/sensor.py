@@ -61,7 +61,7 @@ def sensor() -> None:
 @json_option
 @graph_options(allow=True)
 def list_sensors(as_json: bool, graph: GraphOptions) -> None:
-    """List the sensors by platform: id, type, state, topic, name, and the reason for the state."""
+    """List the sensors by platform: id, type, state, topic and name, with the reason for the state."""
 
     async def main() -> None:
         async with joined(graph, purpose="sensor") as node:

@@ -18,7 +18,7 @@ from rostether.platform.sensors.registered_sensor import platform_word
 
 
 def sensor_node_name(word: str, arguments: Arguments) -> str:
-    """Return the name of a sensor's node; it begins with the robot's, so that robots can share a graph."""
+    """Return the name of a sensor's node; it begins with the robot's name: robots may share a graph."""
     given = arguments.private_params
     platform = str(given.get("platform_name") or default_platform())
     return f"{platform_word(platform)}_{platform_word(str(given.get('id', word)))}"
@@ -74,7 +74,6 @@ async def gps(graph: TypedGraph, _: Arguments) -> None:
     Parameters: ~port (/dev/ttyACM0; a link address), ~baud (9600), ~frame_id (gps), ~id (gps), ~name,
     ~platform_name.
     """
-
     from rostether.platform.sensors.gps import MESSAGE_TYPE, publish_positions
     from rostether.transports.address import SerialAddress
     from rostether.transports.address_parser import parse_address
@@ -138,9 +137,9 @@ async def _publish_value(word: str, graph: TypedGraph) -> None:
 async def _value_source(
     graph: TypedGraph, parameters: NodeParameters, word: str
 ) -> tuple[Callable[[], AsyncGenerator[float, None]], str, str]:
-    """Return a function that opens the source in the parameters, its unit, and the text while it is silent.
+    """Return a function that opens the source of values, their unit, and the text to show without values.
 
-    Raises ConfigError.
+    The parameters select the source. Raises ConfigError.
     """
     from rostether.platform.sensors.gpio_line import BIASES, GpioLine, gpio_package
     from rostether.platform.sensors.number_file import NumberFile

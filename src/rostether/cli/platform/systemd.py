@@ -17,16 +17,17 @@ if TYPE_CHECKING:
 UNIT = "rostether.service"
 # Where logind keeps the users whose services start at boot.
 _LINGERING = Path("/var/lib/systemd/linger")
+# Stopping the service takes a few seconds for each part.
 _LIMIT_S = 60.0
 
 
 def systemctl(installation: Installation, *words: str) -> None:
-    """Run a command of `systemctl` on the service. Raises ConfigError."""
-    run_program(["systemctl", *([] if installation.is_system else ["--user"]), *words])
+    """Run a command of `systemctl` for the system's or the user's services. Raises ConfigError."""
+    output_of(["systemctl", *([] if installation.is_system else ["--user"]), *words])
 
 
-def run_program(command: Sequence[str]) -> str:
-    """Run a program and return its output. Raises ConfigError if it fails."""
+def output_of(command: Sequence[str]) -> str:
+    """Run a program of systemd and return its output. Raises ConfigError if it fails."""
     try:
         done = subprocess.run(  # noqa: S603 - systemd's programs
             command, capture_output=True, text=True, timeout=_LIMIT_S, check=False
@@ -34,7 +35,9 @@ def run_program(command: Sequence[str]) -> str:
     except FileNotFoundError:
         raise ConfigError(f"this machine has no {command[0]}; it needs systemd") from None
     except subprocess.TimeoutExpired:
-        raise ConfigError(f"{' '.join(command)} did not end within {_LIMIT_S:.0f} s") from None
+        raise ConfigError(
+            f"{' '.join(command)} did not end within {_LIMIT_S:.0f} s; try again, or restart this machine"
+        ) from None
     if done.returncode:
         raise ConfigError(f"{' '.join(command)} failed: {done.stderr.strip() or done.stdout.strip()}")
     return done.stdout
@@ -47,7 +50,7 @@ def linger() -> None:
     """
     command = ["loginctl", "enable-linger", getpass.getuser()]
     try:
-        run_program(command)
+        output_of(command)
     except ConfigError:
         raise ConfigError(
             "rostether runs now, and each time you log in; to start it at boot, type: "
@@ -61,7 +64,7 @@ def is_lingering() -> bool:
 
 
 def clean(installation: Installation) -> None:
-    """Remove the service's own folders, unless its parts have written files there, such as recordings."""
+    """Remove the service's cache, and its state unless parts have written files there, such as recordings."""
     from rostether.platform.boot.service_files import STATE
 
     is_written = any(each.is_file() for each in STATE.resolve().rglob("*"))

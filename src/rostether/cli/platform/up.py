@@ -1,4 +1,4 @@
-"""`rostether up`: everything that one machine of a robot runs."""
+"""`rostether up`: runs the parts of a robot on one machine."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import sys
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NoReturn
 
 import click
 
@@ -25,6 +25,7 @@ if TYPE_CHECKING:
 
 # If the part `core` does not answer for this time, the other parts start without it.
 MASTER_LIMIT_S = 30.0
+# Parts start or restart soon after the interface gets an address.
 ADDRESS_PERIOD_S = 0.5
 
 
@@ -70,7 +71,7 @@ def up(file: Path, check: bool) -> None:
             await parts.run()
         while True:
             environ["ROS_IP"] = await _wait_for_address(interface)
-            # Nodes have registered their address: they cannot be reached at another one.
+            # Nodes have registered the old address: they cannot be reached at a new one.
             await run_until(parts.run(), _wait_for_address(interface, other_than=environ["ROS_IP"]))
             write_line(f"the network interface {interface} has a new address; all parts start again")
 
@@ -86,7 +87,7 @@ def up(file: Path, check: bool) -> None:
 
 
 class _Parts:
-    """Runs all parts of a file; `wrong` has the names of those whose arguments are wrong."""
+    """Runs all parts of a file; `wrong` has the names of the parts with wrong arguments."""
 
     def __init__(
         self,
@@ -103,14 +104,14 @@ class _Parts:
         self._report = report
         self.wrong: set[str] = set()
 
-    async def run(self) -> None:
+    async def run(self) -> NoReturn:
         """Run the parts until cancelled. Raises ConfigError if no part can run."""
         self.wrong.clear()
         async with asyncio.TaskGroup() as group:
             for part in sorted(self._parts, key=_is_core, reverse=True):
                 running = group.create_task(self._keep_running(part))
                 if _is_core(part):
-                    # The core may not be able to start.
+                    # Do not wait for a core that cannot start.
                     await run_until(_wait_for_master(self._environ), asyncio.shield(running))
         hint = f"to see what is wrong: rostether up {self._file} --check"
         raise ConfigError(f"{self._file}: no part can run; {hint}")
@@ -123,7 +124,7 @@ class _Parts:
 
 
 async def _wait_for_address(interface: str, *, other_than: str = "") -> str:
-    """Return the address of an interface when it has one: at boot, Wi-Fi connects later."""
+    """Return the address of an interface, as soon as it has one: at boot, Wi-Fi connects later."""
     from rostether.platform.boot.interface import interface_address
 
     reported = bool(other_than)
@@ -141,7 +142,7 @@ def _is_core(part: Part) -> bool:
 
 
 async def _wait_for_master(environ: Mapping[str, str]) -> None:
-    """Wait until the robot's master answers: until then, other parts would start one of their own."""
+    """Wait until the robot's master answers: earlier, other parts would start another master."""
     from rostether.cli.access.served_graphs import wait_for_answer
     from rostether.ros1.environment import RosEnvironment
 

@@ -238,7 +238,7 @@ def test_compressed_in_its_place_and_back(tmp_path: Path, bag: Path, shell: Shel
     before = list(BagReader(bag).messages())
     assert "30 messages" in shell.output("bag", "compress", str(bag))
     assert BagReader(bag).compressions[0].name == "bz2"
-    assert "-f overwrites it" in shell.failure("bag", "decompress", str(bag))
+    assert "overwrite it with -f" in shell.failure("bag", "decompress", str(bag))
     shell.output("bag", "decompress", "-f", "-q", str(bag))
     assert BagReader(bag).compressions[0].name == "none"
     shell.output("bag", "compress", "--lz4", "--output-dir", str(tmp_path / "small"), str(bag))
