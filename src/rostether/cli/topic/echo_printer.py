@@ -13,11 +13,12 @@ from rostether.errors import SerializationError
 if TYPE_CHECKING:
     from rostether.serde.field_path import FieldPath
 
+# The sequence that rostopic writes.
 CLEAR_SCREEN = "\033[2J\033[;H"
 
 
 class EchoPrinter(ABC):
-    """Prints messages in one style and counts them; `received_count` includes those the filter omits."""
+    """Prints messages in one style and counts them; `received_count` includes those that the filter omits."""
 
     def __init__(self, topic: str, options: EchoOptions) -> None:
         self.options = options
@@ -33,7 +34,7 @@ class EchoPrinter(ABC):
         return self.options.wanted_count is not None and self.shown_count >= self.options.wanted_count
 
     def print_field(self, message: Any, path: FieldPath | None) -> None:
-        """Print a field of a message, or with None all of it, if the filter lets it through."""
+        """Print the field at a path, or the whole message for None, unless the filter omits the message."""
         self.received_count += 1
         if self._filter is not None and not self._filter(message, self._topic):
             return

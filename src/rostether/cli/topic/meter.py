@@ -18,6 +18,7 @@ from rostether.graph.typed_graph import TypedGraph
 from rostether.mechanisms.tasks import cancel_all
 from rostether.msgdef.interface import ANY_MESSAGE
 
+# As in rostopic and ros2 topic.
 REPORT_PERIOD_S = 1.0
 
 
@@ -31,7 +32,7 @@ class TopicMeter:
         self.names = names
         self._quiet = quiet
         self.is_ros2 = is_ros2
-        # By topic: the function that makes the bytes on the wire from a message's ROS 1 bytes.
+        # By topic: the function that converts a message's ROS 1 bytes to those on the wire.
         self.encoders: dict[str, Callable[[bytes], bytes]] = {}
         self._listening: set[asyncio.Task[None]] = set()
 

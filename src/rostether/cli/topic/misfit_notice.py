@@ -1,4 +1,4 @@
-"""Reports messages that do not have their type's layout, on stderr, without one line for each."""
+"""Reports messages that do not have their type's layout on stderr, many of them in one line."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ NOTICE_PERIOD_S = 10.0
 async def shown_messages(stream: MessageStream[Any]) -> AsyncIterator[AsyncGenerator[Any, None]]:
     """Yield a stream's messages; those that cannot be decoded are counted on stderr.
 
-    The first is reported with its reason, later ones every 10 s and when the stream is left.
+    The first of these is reported immediately, later ones every 10 s and at the end of the block.
     """
     reported_count = 0
     next_s = 0.0

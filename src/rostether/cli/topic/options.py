@@ -36,7 +36,7 @@ class TopicListing:
 
 @dataclass(frozen=True, slots=True)
 class EchoOptions:
-    """The options of `topic echo`; `expression` decides which messages are shown."""
+    """The options of `topic echo`; `expression` selects the messages to print."""
 
     bag: Path | None = option("-b --bag FILE", "Print the messages of this recording.", type=PATH)
     all_topics: bool = flag("-a --all", "With -b, print the messages of all topics.")
@@ -68,11 +68,11 @@ class EchoOptions:
 
     @property
     def wanted_count(self) -> int | None:
-        """How many messages to show, None without a limit."""
+        """The number of messages to print, None without a limit."""
         return 1 if self.once else self.count
 
     def refuse_ros2_only(self) -> None:
-        """Raise UsageError if an option of ROS 2 is given."""
+        """Raise UsageError if an option of ROS 2 was given."""
         refuse_ros2_only(
             csv=self.csv,
             full_length=self.full_length,
@@ -91,7 +91,7 @@ class EchoOptions:
 
 
 def with_field(topic: str, options: EchoOptions) -> str:
-    """Return `TOPIC/FIELD`, ROS 1's form of ROS 2's `--field`."""
+    """Return `TOPIC/FIELD`, the form of rostopic for ROS 2's `--field`."""
     return f"{topic}/{options.field.replace('.', '/')}" if options.field else topic
 
 

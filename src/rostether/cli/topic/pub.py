@@ -61,13 +61,13 @@ def pub(
 ) -> None:
     """Publish messages.
 
-    VALUES are YAML: one mapping of the message's fields, the rest being zero, or the value of each field in
-    order; write -- before the number -1. `now` becomes the current time, `auto` a header with the
-    current time. Without -1 and -r the message is latched until Ctrl-C. Without VALUES, messages come from a
-    file (-f) or a pipe, in YAML documents separated by ---.
+    VALUES are YAML: a mapping of fields, where missing fields are zero, or the values of all fields in order.
+    Write -- before the number -1. `now` becomes the current time, and `auto` a header with the current time.
+    Without -1 and -r, the message is latched until Ctrl-C. Without VALUES, messages come from a file (-f) or
+    a pipe, as YAML documents separated by ---.
 
-    With --ros2 it works like `ros2 topic pub`: without -1 and -t it publishes repeatedly, once a second
-    unless -r is given, and missing fields have their defaults.
+    With --ros2, the command works like `ros2 topic pub`: without -1 and -t it publishes repeatedly, once a
+    second unless -r is given, and missing fields have their defaults.
     """
     if values and options.file is not None:
         raise click.UsageError("give values or a file, not both")

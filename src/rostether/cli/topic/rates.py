@@ -45,7 +45,7 @@ _count_option = add_option("-n --count COUNT", "Stop after COUNT reports.", type
 
 @dataclass(frozen=True, slots=True)
 class MeterOptions:
-    """The options that the three commands share."""
+    """The options that `hz` and `delay` share."""
 
     window: int | None = shared(window_option(None), None)
     count: int | None = shared(_count_option, None)
@@ -88,7 +88,7 @@ def hz(
             topics, options.msg_paths, quiet=options.as_json, needs_definitions=test is not None
         )
         async with meter as measuring:
-            windows = {name: IntervalWindow(options.window or -1) for name in measuring.names}
+            windows = {name: IntervalWindow(options.window) for name in measuring.names}
 
             def now_s() -> float:
                 return time.time() if wall_time else measuring.graph.now().to_s()
@@ -178,7 +178,7 @@ def bw(topic: str, window: int, count: int | None, as_json: bool, graph: GraphOp
 @graph_options(allow=True)
 def delay(topic: str, options: MeterOptions, graph: GraphOptions) -> None:
     """Measure the age of messages on arrival, from the stamp in their header."""
-    delays = DelayWindow(options.window or -1)
+    delays = DelayWindow(options.window)
 
     async def measure() -> None:
         meter = topics_of(graph).meter(

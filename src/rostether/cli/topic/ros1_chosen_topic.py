@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from rostether.graph.typed_graph import TypedGraph
     from rostether.serde.store import TypeStore
 
-# How often the master is asked for a topic that does not exist yet, as in rostopic.
+# The interval at which the master is asked for a topic that does not exist yet, as in rostopic.
 POLL_S = 0.1
 
 
@@ -39,7 +39,10 @@ def resolve_with_field(text: str, environment: RosEnvironment) -> str:
 
 
 def choose_topic(name: str, topics: Sequence[TopicView], store: TypeStore) -> ChosenTopic | None:
-    """Return the topic that a full name means: itself, else the longest topic that has such a field."""
+    """Return the topic of a full name, else the longest topic that has the rest of the name as a field.
+
+    None if there is no such topic, or if its type is not known yet.
+    """
     known = {topic.name: topic.type for topic in topics if topic.known_type is not None}
     name = name.rstrip("/") or "/"
     if name in known:
@@ -52,14 +55,14 @@ def choose_topic(name: str, topics: Sequence[TopicView], store: TypeStore) -> Ch
         except ConfigError:
             continue
         except DefinitionError:
-            # A type that is not known here may well have the field: its publisher decides.
+            # A type that is not installed may have the field: its publisher sends the definition.
             pass
         return ChosenTopic(topic, known[topic], field)
     return None
 
 
 async def wait_for_topic(name: str, graph: TypedGraph, environment: RosEnvironment) -> ChosenTopic:
-    """Return the topic that a full name means, as soon as its type is known.
+    """Return the topic of a full name, or of a topic and a field, as soon as its type is known.
 
     Raises ConfigError for a field that a topic's type does not have, GraphError if the node is shut down
     before that.
@@ -89,7 +92,8 @@ def _refuse_wrong_field(name: str, topics: Sequence[TopicView], store: TypeStore
         if topic.known_type is None or not name.startswith(f"{topic.name}/"):
             continue
         if any(each.name.startswith(f"{topic.name}/") for each in topics):
-            continue  # the typed name may be a topic below this one that does not exist yet
+            # The typed name may be that of a topic below this one that does not exist yet.
+            continue
         try:
             FieldPath(store.codec(topic.type), name[len(topic.name) + 1 :])
         except ConfigError as error:

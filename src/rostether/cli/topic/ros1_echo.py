@@ -14,6 +14,7 @@ from rostether.cli.topic.misfit_notice import shown_messages
 from rostether.cli.topic.options import EchoOptions
 from rostether.cli.topic.ros1_chosen_topic import resolve_with_field, wait_for_topic
 from rostether.errors import GraphError
+from rostether.mechanisms.block_end import task_beside
 from rostether.rostime import Time
 
 if TYPE_CHECKING:
@@ -21,7 +22,7 @@ if TYPE_CHECKING:
     from rostether.serde.codec import Codec
     from rostether.serde.field_path import FieldPath
 
-# As long as rostopic waits: a simulator publishes immediately.
+# As in rostopic. A simulator publishes immediately.
 SILENCE_WARNING_S = 2.0
 
 
@@ -32,17 +33,16 @@ async def echo(graph_options: GraphOptions, topic: str, options: EchoOptions) ->
     async with joined(graph_options, options.msg_paths, purpose="rostopic") as graph:
         chosen = await wait_for_topic(name, graph, environment)
         printer = Ros1Printer(chosen.topic, chosen.field, options)
-        hint = asyncio.ensure_future(_hint_at_silence(graph, chosen.topic, printer))
-        try:
-            stream = graph.messages(chosen.topic)
-            async with shown_messages(stream) as messages:
-                async for message in messages:
-                    assert stream.codec is not None
-                    printer.show(message, stream.codec, graph.now())
-                    if printer.is_done:
-                        break
-        finally:
-            hint.cancel()
+        stream = graph.messages(chosen.topic)
+        async with (
+            task_beside(_hint_at_silence(graph, chosen.topic, printer)),
+            shown_messages(stream) as messages,
+        ):
+            async for message in messages:
+                assert stream.codec is not None
+                printer.show(message, stream.codec, graph.now())
+                if printer.is_done:
+                    break
 
 
 class Ros1Printer(EchoPrinter):
@@ -56,7 +56,7 @@ class Ros1Printer(EchoPrinter):
         self._path: FieldPath | None = None
 
     def show(self, message: Any, codec: Codec, now: Time) -> None:
-        """Print a message that the filter lets through. Raises ConfigError for a field its type lacks."""
+        """Print a message, unless the filter omits it. Raises ConfigError for a field that its type lacks."""
         self._now = now
         if self._field and codec is not self._codec:
             from rostether.serde.field_path import FieldPath
@@ -96,7 +96,7 @@ class Ros1Printer(EchoPrinter):
 
 
 async def _hint_at_silence(graph: TypedGraph, topic: str, printer: Ros1Printer) -> None:
-    # Another part reports an unreachable master.
+    # The node itself reports an unreachable master.
     with contextlib.suppress(GraphError):
         is_simulated = await graph.get_param("/use_sim_time", False)
         await asyncio.sleep(SILENCE_WARNING_S)

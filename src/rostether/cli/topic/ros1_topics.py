@@ -33,13 +33,13 @@ if TYPE_CHECKING:
     from rostether.serde.codec import Codec
     from rostether.serde.values import Message
 
-# How long `-1` stays, like rostopic: subscribers need a moment to connect.
+# How long `-1` runs, as in rostopic: subscribers need a moment to connect.
 ONCE_S = 3.0
 # The rate of messages from files and pipes, like rostopic's.
 FILE_RATE_HZ = 10.0
-# Every graph has them, so a topic with a similar name is not a typing error.
+# Every graph has these topics, so a similar name is not a typing error.
 LOG_TOPICS = ("/rosout", "/rosout_agg")
-# Messages from files and pipes wait this long for a subscriber.
+# Messages from files and pipes are not latched, so they wait this long for a subscriber.
 SUBSCRIBER_TIMEOUT_S = 5.0
 
 
@@ -116,7 +116,10 @@ async def _publish(
 
 
 async def _check_type(graph: TypedGraph, topic: str, codec: Codec) -> None:
-    """Refuse a type that the topic does not have: no subscriber would get the message."""
+    """Warn about a name that may be mistyped. Raises TypeMismatchError if the topic has another type.
+
+    No subscriber would get messages of another type.
+    """
     topics = (await graph.snapshot()).topics
     known = topics.get(topic)
     subscribed = (name for name in topics if topics[name].subscribers and name not in LOG_TOPICS)
@@ -137,7 +140,7 @@ async def _check_type(graph: TypedGraph, topic: str, codec: Codec) -> None:
 
 
 class _Output:
-    """Publishes in the ways that the options ask for, until the node is asked to leave."""
+    """Publishes as the options demand, until the node is shut down."""
 
     def __init__(
         self, publisher: TypedPublisher[...], wait_closed: Callable[[], Any], options: PubOptions
@@ -147,7 +150,7 @@ class _Output:
         self._options = options
 
     async def publish_latched(self, message: Message) -> None:
-        """Publish one latched message, for 3 seconds with -1, else until the end."""
+        """Publish one latched message, for 3 seconds with -1, else until the node is shut down."""
         what = f"message [{_shown(message)}]" if self._options.verbose else "message"
         end = f" for {ONCE_S} seconds" if self._options.once else ". Press ctrl-C to terminate"
         write_line(f"publishing and latching {what}{end}")
@@ -155,7 +158,7 @@ class _Output:
         await self._sleep(ONCE_S if self._options.once else None)
 
     async def repeat(self, make: Callable[[], Message], rate_hz: float) -> None:
-        """Publish at a rate until the end."""
+        """Publish what `make` returns at a rate, until the node is shut down."""
         due_s = time.monotonic()
         while not self._leaving.done():
             self._publish(make())
@@ -163,7 +166,10 @@ class _Output:
             await self._sleep(max(due_s - time.monotonic(), 0.0))
 
     async def publish_documents(self, messages: AsyncIterator[Message]) -> None:
-        """Publish the content of a file or pipe; a file's only message repeatedly."""
+        """Publish the messages of a file or pipe; the only message of a file is published repeatedly.
+
+        Raises ConfigError without a message.
+        """
         options = self._options
         rate_hz = options.rate_hz or (None if options.once or options.latch else FILE_RATE_HZ)
         await self._publisher.wait_for_subscriber(SUBSCRIBER_TIMEOUT_S)

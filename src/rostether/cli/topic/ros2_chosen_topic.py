@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from rostether.ros2.types.native_registry import NativeRegistry
     from rostether.serde.field_path import FieldPath
 
-# How often the graph is asked for a topic that does not exist yet.
+# The interval at which a snapshot is searched for a topic that does not exist yet; a user waits no longer.
 POLL_S = 0.1
 
 
@@ -43,10 +43,10 @@ class ChosenRos2Topic(Struct, frozen=True):
 async def choose_ros2_topic(
     tool: ToolNode, text: str, type_name: str | None = None, field: str = "", *, needs_definition: bool = True
 ) -> ChosenRos2Topic:
-    """Return the topic that was typed, waiting for its first publisher unless its type was typed too.
+    """Return the typed topic; wait for its first publisher, unless its type was typed too.
 
-    `/imu/angular_velocity` is a field where there is no topic of that name. Raises UnknownTypeError,
-    ConfigError for a field that the type lacks, TypeMismatchError for a topic of several types.
+    `/imu/angular_velocity` is a field if there is no topic with this name. Raises UnknownTypeError,
+    ConfigError for a field that the type lacks, TypeMismatchError for a topic with several types.
     """
     name, bracket, indices = text.partition("[")
     name = tool.graph.resolve(name.rstrip("/") or "/")
@@ -73,7 +73,7 @@ async def choose_ros2_topic(
 
 
 def _published(view: GraphView, name: str) -> str | None:
-    """Return the topic of that name, else the longest one that it may be a field of."""
+    """Return the topic with this name, else the longest topic of which the name may be a field."""
     topics = view.names([EndpointKind.PUBLISHER], with_hidden=True)
     if name in topics:
         return name
@@ -93,7 +93,10 @@ def _with_field(tool: ToolNode, topic: str, type_name: str, field: str) -> Chose
 
 
 def field_type(registry: NativeRegistry, type_name: str, path: str) -> Ros2Type:
-    """Return the ROS 2 type of the field at a path, of one element where elements are selected."""
+    """Return the ROS 2 type of the field at a path, or of one of its elements for `[0]`.
+
+    Raises ConfigError for a field that the type lacks.
+    """
     definition: Ros2Message | None = registry.ros2_message(type_name)
     found: Ros2Type | None = None
     for part in path.split("/"):

@@ -129,7 +129,7 @@ def unknown_topic(name: str, known: Iterable[str]) -> UnknownNameError:
 
 
 def format_end(end: EndpointInfo) -> str:
-    """Return one end as `ros2 topic info -v` prints it."""
+    """Return one endpoint as `ros2 topic info -v` prints it."""
     node = end.node_name.rpartition("/")[2]
     lines = [
         f"Node name: {node}",
@@ -156,7 +156,7 @@ def format_end(end: EndpointInfo) -> str:
 
 
 def end_record(end: EndpointInfo) -> dict[str, Any]:
-    """Return one end for `--json`."""
+    """Return one endpoint for `--json`."""
     return {
         "node": end.node_name,
         "type": end.type,

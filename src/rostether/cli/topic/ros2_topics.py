@@ -32,10 +32,12 @@ if TYPE_CHECKING:
     from rostether.cli.topic.meter import TopicMeter
     from rostether.graph.typed_handles import TypedPublisher
 
+# As in `ros2 topic pub`: the rate without -r, and the interval of the lines about missing subscribers.
 DEFAULT_RATE_HZ = 1.0
 WAIT_LINE_S = 1.0
+# The count of subscribers comes from memory; -1 should not be noticeably later than its subscriber.
 MATCH_POLL_S = 0.02
-# As in ros2: how long a message needs to be sent before the publisher ends.
+# As in `ros2 topic pub`: the last message is sent before the publisher ends.
 KEEP_ALIVE_S = 0.1
 # A subscriber on a busy machine may take seconds to discover the publisher; the limit is for one that hangs.
 ACKNOWLEDGE_S = 10.0
@@ -83,7 +85,7 @@ async def _publish(
         messages = [form.fill(codec, definition, each) for each in values]
         support = tool.types.by_name(definition.full_name)
         for checked in messages:
-            # Bounds of texts and arrays: a publisher would only leave the message out.
+            # Raises an error for texts and arrays beyond their bounds; a publisher only omits the message.
             support.converter.to_cdr(codec.encode(checked))
         text = MessageText(tool.registry.ros2_message, TextStyle(truncate_length=None))
         is_latched = options.latch or options.qos_durability == "transient_local"
@@ -97,7 +99,7 @@ async def _publish(
         count = 0
         leaving = asyncio.ensure_future(tool.graph.raw.wait_closed())
         while not leaving.done():
-            # `now` and `auto` are the time of each message.
+            # `now` and `auto` get the time of each message.
             message: Any = messages[0]
             if count:
                 message = form.fill(codec, definition, values[count % len(values)])
@@ -170,7 +172,7 @@ class _Printer(EchoPrinter):
         self._lookup = tool.registry.ros2_message
 
     def show(self, message: Any) -> None:
-        """Print a message that the filter lets through."""
+        """Print a message, unless the filter omits it."""
         field = self._chosen.field
         self.print_field(message, None if field is None else field.path)
 

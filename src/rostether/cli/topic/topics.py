@@ -1,4 +1,4 @@
-"""The interface of `rostether topic` to a graph, and the choice between ROS 1 and ROS 2."""
+"""What `rostether topic` needs of a graph, and the choice between ROS 1 and ROS 2."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ class Topics(Protocol):
     ) -> AbstractAsyncContextManager[TopicMeter]:
         """Join the graph and wait for the topics; `quiet` omits the progress lines.
 
-        Definitions are needed only to decode messages.
+        Without `needs_definitions`, the meter only gets undecoded messages.
         """
 
 

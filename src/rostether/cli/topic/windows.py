@@ -9,8 +9,8 @@ from collections.abc import Sequence
 from msgspec import Struct
 from msgspec.structs import asdict
 
-# Messages in a window that was not limited: about 15 minutes at 50 Hz, 400 kB.
-UNBOUNDED_WINDOW = 50_000
+# The messages in a window without --window: about 15 minutes at 50 Hz, 400 kB.
+DEFAULT_WINDOW = 50_000
 
 # As in `rostopic bw`: short enough to follow a change within seconds.
 DEFAULT_BANDWIDTH_WINDOW = 100
@@ -39,15 +39,15 @@ def _spread(values: Sequence[float], window: int) -> Spread:
 
 
 class IntervalWindow:
-    """The intervals between a topic's messages."""
+    """The intervals between a topic's messages; `window` counts messages, None for the default."""
 
-    def __init__(self, window: int = -1) -> None:
-        self._intervals: deque[float] = deque(maxlen=_bounded(window) - 1)
+    def __init__(self, window: int | None = None) -> None:
+        self._intervals: deque[float] = deque(maxlen=(window or DEFAULT_WINDOW) - 1)
         self._last_s: float | None = None
         self._reported_s: float | None = None
 
     def add(self, now_s: float) -> None:
-        """Count a message; restart if the clock went back."""
+        """Count a message; start again if the clock went back, as a simulated one does at a restart."""
         if self._last_s is None or now_s < self._last_s:
             self._intervals.clear()
         else:
@@ -63,14 +63,14 @@ class IntervalWindow:
 
 
 class DelayWindow:
-    """The age of a topic's messages, by the stamps in their headers."""
+    """The ages of a topic's messages on arrival; `window` counts messages, None for the default."""
 
-    def __init__(self, window: int = -1) -> None:
-        self._delays: deque[float] = deque(maxlen=_bounded(window))
+    def __init__(self, window: int | None = None) -> None:
+        self._delays: deque[float] = deque(maxlen=window or DEFAULT_WINDOW)
         self._is_changed = False
 
     def add(self, now_s: float, stamp_s: float) -> None:
-        """Count a message."""
+        """Count a message that arrived at `now_s`; `stamp_s` is the time in its header."""
         self._delays.append(now_s - stamp_s)
         self._is_changed = True
 
@@ -83,7 +83,7 @@ class DelayWindow:
 
 
 class Bandwidth(Struct, frozen=True):
-    """Bytes a second, and the sizes of the messages in the window."""
+    """Bytes per second, and the sizes of the messages in the window; `window` counts messages."""
 
     bytes_per_s: float
     mean_bytes: float
@@ -96,7 +96,7 @@ class SizeWindow:
     """The sizes and arrival times of a topic's messages."""
 
     def __init__(self, window: int = DEFAULT_BANDWIDTH_WINDOW) -> None:
-        self._arrivals: deque[tuple[float, int]] = deque(maxlen=max(window, 2))
+        self._arrivals: deque[tuple[float, int]] = deque(maxlen=window)
 
     def add(self, now_s: float, size_bytes: int) -> None:
         """Count a message."""
@@ -174,7 +174,3 @@ def _format_spread(spread: Spread) -> str:
         f"\tmin: {spread.min_s:.3f}s max: {spread.max_s:.3f}s "
         f"std dev: {spread.std_dev_s:.5f}s window: {spread.window}"
     )
-
-
-def _bounded(window: int) -> int:
-    return UNBOUNDED_WINDOW if window < 0 else max(window, 2)

@@ -14,8 +14,8 @@ from rostether.cli.topic.windows import (
 )
 
 
-def steady(count: int, period_s: float, window: int = -1) -> IntervalWindow:
-    rates = IntervalWindow(window)
+def steady(count: int, period_s: float) -> IntervalWindow:
+    rates = IntervalWindow()
     for index in range(count):
         rates.add(100.0 + index * period_s)
     return rates
