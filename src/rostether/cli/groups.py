@@ -133,7 +133,7 @@ def param() -> None:
 def bag() -> None:
     """Record and replay topics, in ROS 1 .bag files, MCAP files and ROS 2 bags.
 
-    Files end with .bag, .mcap or .db3; a ROS 2 bag is a folder. LZ4 and Zstandard come with
+    Files end with .bag, .mcap or .db3; a ROS 2 bag is a folder. For LZ4 and Zstandard, run
     `pip install 'rostether[recording]'`.
     """
 

@@ -1,4 +1,4 @@
-"""The `rostether` command: the table of its verbs and the entry point."""
+"""The `rostether` command: its entry point, its ROS arguments, and its output streams."""
 
 from __future__ import annotations
 
@@ -61,7 +61,10 @@ def split_special(arguments: Sequence[str]) -> tuple[list[str], dict[str, str]]:
 
 
 def _flush_output(code: int) -> int:
-    """Write buffered output, because Python would print a traceback at its exit; return the exit code."""
+    """Write buffered output; return the exit code, which is EXIT_FAILED if output is lost.
+
+    If the output cannot be written at Python's exit, Python prints a traceback.
+    """
     for stream in (sys.stdout, sys.stderr):
         try:
             stream.flush()
@@ -77,11 +80,11 @@ def _flush_output(code: int) -> int:
 
 
 def _prepare_output() -> None:
-    # A caller may have closed them (`>&-`); Python then leaves None.
+    # A stream that the caller has closed (`>&-`) is None.
     for name in ("stdout", "stderr"):
         if getattr(sys, name) is None:
             setattr(sys, name, open(os.devnull, "w"))  # noqa: PTH123, SIM115 - for the rest of the process
-    # Strings from boards may hold bytes that are not UTF-8 (kept as surrogates): print them unchanged.
+    # Strings from boards may contain bytes that are not UTF-8, as surrogates: print these bytes unchanged.
     for stream in (sys.stdout, sys.stderr):
         reconfigure = getattr(stream, "reconfigure", None)
         if reconfigure is not None:

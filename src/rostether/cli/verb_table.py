@@ -150,7 +150,7 @@ _PORT = re.compile(r"/dev/\w.*|COM\d+|[a-z]+://.*")
 
 
 def suggest(word: str) -> Iterator[str]:
-    """Yield the commands that a user may mean with a first word that is no command."""
+    """Yield the commands that a user may mean by a first word that is not a command."""
     yield from WORDS_OF_OTHER_TOOLS.get(word, ())
     if (tool := word.removeprefix("ros")) != word and tool in VERBS:
         yield tool

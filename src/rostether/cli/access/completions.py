@@ -18,11 +18,10 @@ if TYPE_CHECKING:
     from rostether.ros2.graph_view import GraphView
 
 # The longest wait after Tab; a master on this machine answers in milliseconds.
-TIMEOUT_S = 1.0
+ROS1_TIMEOUT_S = 1.0
 
 # DDS takes a second or two to discover other nodes.
 ROS2_TIMEOUT_S = 3.0
-
 
 # The state of the ROS 1 master: publishers, subscribers and services, each with their nodes.
 State: TypeAlias = tuple[Mapping[str, list[str]], Mapping[str, list[str]], Mapping[str, list[str]]]
@@ -72,12 +71,12 @@ def complete_services(ctx: click.Context, _param: click.Parameter, incomplete: s
 
 def complete_params(ctx: click.Context, _param: click.Parameter, incomplete: str) -> list[str]:
     """Return the parameters that begin with the typed text."""
-    # On ROS 2 the node comes before the parameter.
+    # On ROS 2, commands take the name of the node first.
     return _complete(ctx, lambda client: client.param_names(), _nodes, incomplete)
 
 
 def field_names(registry: Registry, types: Mapping[str, str], typed: str) -> list[str]:
-    """Return the fields that a typed path may continue with, as whole paths; `types` are those of topics."""
+    """Return the whole paths of the fields that may follow in a typed path; `types` has the topics' types."""
     topic = max((each for each in types if typed.startswith(f"{each}/")), key=len, default=None)
     if topic is None:
         return []
@@ -102,12 +101,12 @@ def complete_service_types(ctx: click.Context, _param: click.Parameter, incomple
 
 
 def complete_ports(_ctx: click.Context, _param: click.Parameter, incomplete: str) -> list[CompletionItem]:
-    """Return the serial ports that begin with the typed text; else let the shell complete files."""
+    """Return the serial ports that begin with the typed text; without any, the shell completes files."""
     from rostether.transports.opening import list_serial_ports
 
     ports = [CompletionItem(port.path, help=port.description) for port in list_serial_ports()]
     found = [each for each in ports if each.value.startswith(incomplete)]
-    # The shell does not know that `pty:` and `sim:` come before a path.
+    # Shells do not complete the path after `pty:` or `sim:`.
     return found or [CompletionItem(incomplete, type="file")]
 
 
@@ -174,7 +173,7 @@ def _complete(
                 return ros2_names(await tool.settled_snapshot())
         from rostether.cli.access.ros1_access import master_client, read_environment
 
-        async with asyncio.timeout(TIMEOUT_S), master_client(read_environment(graph)) as client:
+        async with asyncio.timeout(ROS1_TIMEOUT_S), master_client(read_environment(graph)) as client:
             return await names(client)
 
     try:

@@ -11,9 +11,9 @@ from rostether.graph.ports import Level
 
 
 class ConsoleReporter:
-    """Prints `[INFO] [1700000000.123456]: text`; warnings and worse go to stderr.
+    """Prints `[INFO] [1700000000.123456]: text`; warnings and errors go to stderr.
 
-    With `show_node` a line about a board begins with its node name: one process serves many.
+    With `show_node`, a line about a board begins with its node name: one process may serve many boards.
     """
 
     def __init__(
@@ -24,7 +24,7 @@ class ConsoleReporter:
         self._clock = clock
 
     def report(self, level: Level, text: str, *, node: str = "") -> None:
-        """Print one line."""
+        """Print one line, unless its level is below `lowest`."""
         if level < self._lowest:
             return
         prefix = f"{node}: " if node and self._show_node else ""
@@ -33,5 +33,5 @@ class ConsoleReporter:
             stream.write(f"[{level.name}] [{self._clock():.6f}]: {prefix}{text}\n")
             stream.flush()
         except OSError:
-            # The program that reads the lines has ended (`| head`, a closed terminal); keep serving boards.
+            # The reader of the lines has ended (`| head`, a closed terminal); keep serving boards.
             discard_output(stream)

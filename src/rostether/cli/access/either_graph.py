@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 @asynccontextmanager
 async def joined_either(graph: GraphOptions, *, purpose: str) -> AsyncIterator[tuple[TypedGraph, str]]:
-    """Join the graph; yield it with its name for users. Raises ConfigError, GraphError with advice.
+    """Join the graph; yield it with its name for users. Raises UsageError, ConfigError, GraphError.
 
     `purpose` is the beginning of a ROS 1 node's name; a ROS 2 node is hidden.
     """

@@ -9,7 +9,7 @@ import click
 from rostether.cli.access.graph_options import GraphOptions
 from rostether.cli.shell.option_group import PATH, Function, add_option, ignored_options
 
-# Hints for the commands with a link address.
+# Hints for users who give these options to a command that reads link addresses.
 ADDRESS_HINTS = dict.fromkeys(
     ("--baud", "--baudrate", "-b"), 'write it after the port: "/dev/ttyACM0?baud=115200"'
 )
@@ -20,7 +20,6 @@ msg_path_option = add_option(
     multiple=True,
     type=PATH,
 )
-
 
 ignored_qos_options = ignored_options(
     "--qos-profile", "--qos-depth", "--qos-history", "--qos-reliability", "--qos-liveliness"
@@ -44,12 +43,12 @@ listen_option = add_option(
 
 
 def refuse_ros1_only(**given: object) -> None:
-    """Raise UsageError for an option that was given and works on ROS 1 only."""
+    """Raise UsageError for an option of ROS 1 that was given; the keywords are parameters of the command."""
     _refuse(given, "works on ROS 1 only; omit it or add --ros1")
 
 
 def refuse_ros2_only(**given: object) -> None:
-    """Raise UsageError for an option that was given and works on ROS 2 only."""
+    """Raise UsageError for an option of ROS 2 that was given; the keywords are parameters of the command."""
     _refuse(given, "works on ROS 2 only; omit it or add --ros2")
 
 
@@ -60,6 +59,7 @@ def _refuse(given: dict[str, object], why: str) -> None:
 
 
 def _spelled(name: str) -> str:
+    """Return how the user spells a parameter of the running command: `--host`, or `TYPE` of an argument."""
     context = click.get_current_context(silent=True)
     for parameter in context.command.params if context is not None else ():
         if parameter.name == name:
@@ -70,6 +70,6 @@ def _spelled(name: str) -> str:
 
 
 def refuse_ros2(graph: GraphOptions, command: str, instead: str) -> None:
-    """Raise UsageError for a command that does not exist on ROS 2."""
+    """Raise UsageError for a ROS 2 graph, which does not have this command; `instead` names what to do."""
     if graph.ros2 is not None:
         raise click.UsageError(f"`{command}` works on ROS 1 only: {instead}")

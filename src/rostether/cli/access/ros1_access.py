@@ -1,4 +1,4 @@
-"""Connects commands to the graph: through the master for listings, as a node for messages and calls."""
+"""Connects commands to a ROS 1 graph: through the master for listings, as a node for messages and calls."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ def read_environment(graph: GraphOptions, listen: str | None = None) -> RosEnvir
 
 
 def type_store(msg_paths: Iterable[Path] = ()) -> TypeStore:
-    """Return the types of messages; definitions in the folders `msg_paths` come first."""
+    """Return the message types; definitions in the folders `msg_paths` take precedence."""
     from rostether.msgdef.registry import Registry
     from rostether.serde.store import TypeStore
 
@@ -63,14 +63,12 @@ def resolve(name: str, environment: RosEnvironment) -> str:
 
 @asynccontextmanager
 async def master_client(environment: RosEnvironment) -> AsyncIterator[MasterClient]:
-    """Ask the master without starting a node. Raises MasterUnreachableError with advice."""
-    client = MasterClient(environment.master_uri, TOOL_NAME)
-    try:
-        yield client
-    except MasterUnreachableError as error:
-        raise no_master(environment, error) from error
-    finally:
-        await client.close()
+    """Yield a client of the master, without a node. Raises MasterUnreachableError with advice."""
+    async with closed_at_end(MasterClient(environment.master_uri, TOOL_NAME)) as client:
+        try:
+            yield client
+        except MasterUnreachableError as error:
+            raise no_master(environment, error) from error
 
 
 @asynccontextmanager
@@ -82,14 +80,16 @@ async def joined(
     store: TypeStore | None = None,
     environment: RosEnvironment | None = None,
 ) -> AsyncIterator[TypedGraph]:
-    """Run a node with a unique name. Raises MasterUnreachableError with advice.
+    """Run a node with a unique name, or with that of `__name:=`, until the end of the block.
+
+    Raises MasterUnreachableError with advice.
 
     Args:
         graph: The graph to join.
         msg_paths: Folders with definitions, unless there is a `store`.
         purpose: The beginning of the node's name.
-        store: The types to use.
-        environment: The environment of `graph`, if the caller has already read it.
+        store: The types to use, None for the installed ones.
+        environment: The environment of `graph`, None to read it.
     """
     from rostether.graph.typed_graph import TypedGraph
     from rostether.mechanisms.anonymous import anonymous_name

@@ -22,8 +22,8 @@ if TYPE_CHECKING:
 class Ros2Access(Struct, frozen=True):
     """A session on a ROS 2 graph: its node factory, its types, and a line for users.
 
-    Over zenoh, `listens_on` and `connects_to` are endpoints of the session, `is_router` is true if it is the
-    router of this machine, and `is_linked` returns whether a router or another peer is connected.
+    Over zenoh, `listens_on` and `connects_to` are endpoints of the session. `is_router` is true for this
+    machine's router; `is_linked` returns whether a router or another peer is connected.
     """
 
     join: JoinGraph
@@ -44,9 +44,10 @@ async def ros2_access(
     params_files: Iterable[Path] = (),
     types: Ros2Types | None = None,
 ) -> AsyncIterator[Ros2Access]:
-    """Join the ROS 2 graph until the end of the block. Raises ConfigError that names a missing package.
+    """Join the ROS 2 graph until the end of the block.
 
-    `types` replace those from `msg_paths` and the environment.
+    `types` replace those from `msg_paths` and the environment. Raises ConfigError, which names a missing
+    package, and GraphError if the middleware cannot open a session.
     """
     from rostether.msgdef.registry import Registry
     from rostether.msgdef.ros2.definitions import Ros2Definitions
@@ -86,6 +87,7 @@ async def _over_zenoh(
     from rostether.ros2.parameters.parameter_file import read_parameter_files
     from rostether.ros2.session import zenoh_sessions
 
+    # Reports a missing zenoh, which the next import needs.
     sessions = zenoh_sessions()
     from rostether.ros2.zenoh.configuration import Reach, RouterChoice
 

@@ -28,10 +28,12 @@ if TYPE_CHECKING:
 T = TypeVar("T")
 
 HIDDEN_NAME = "/_rostether"
+# A snapshot comes from memory; a user does not notice this delay.
 POLL_INTERVAL_S = 0.05
 # The longest wait for a given name. DDS announces it immediately, and again after 3 s if that is lost;
 # zenoh's router has announced it before the command starts.
 PATIENCE_S = {Middleware.ZENOH: 1.0, Middleware.RCLPY: 4.0}
+# A longer warning would not fit on a line.
 MAX_SHOWN_DOMAINS = 8
 # A listing is complete when nothing new arrived for this long.
 QUIET_S = {Middleware.ZENOH: 0.1, Middleware.RCLPY: 0.8}
@@ -65,9 +67,9 @@ class ToolNode:
     async def learn_type(
         self, view: GraphView, name: str, kind: EndpointKind = EndpointKind.PUBLISHER
     ) -> None:
-        """Ask the first publisher of a topic, or server of a service, for its type if it is not known here.
+        """Ask the first publisher of a topic, or server of a service, for its type, unless the type is known.
 
-        Raises UnknownTypeError if that node does not describe it.
+        Raises UnknownTypeError if that node does not describe the type.
         """
         from rostether.ros2.type_description import learn_type
 
@@ -100,7 +102,7 @@ class ToolNode:
         return view
 
     async def snapshot_when(self, condition: Callable[[GraphView], bool]) -> GraphView:
-        """Return the graph as soon as it meets the condition, or after the time limit."""
+        """Return the graph as soon as it meets the condition, or at a time limit."""
         deadline_s = asyncio.get_running_loop().time() + PATIENCE_S[self.middleware]
         view = await self.snapshot()
         while not condition(view) and asyncio.get_running_loop().time() < deadline_s:
@@ -139,7 +141,7 @@ async def tool_node(
     needs_router: bool = False,
     needs_definitions: bool = True,
 ) -> AsyncIterator[ToolNode]:
-    """Run a hidden node until the end of the block; a quiet one gives no advice.
+    """Run a hidden node until the end of the block; if `is_quiet`, without advice about a missing router.
 
     With `needs_router`, a missing zenoh router is an error, not a warning. Without `needs_definitions`,
     messages of unknown types are delivered as CDR.
@@ -190,11 +192,14 @@ async def warn_without_router(*, is_error: bool = False) -> None:
 
 
 def asked(options: GraphOptions, question: Callable[[ToolNode], Awaitable[T]]) -> T:
-    """Run a query of the graph as a whole command. Raises the errors of `tool_node` and of the query."""
+    """Run a command that asks the graph one question; return the answer.
+
+    Raises the errors of `tool_node` and of the question.
+    """
     from rostether.cli.shell.running import run
 
     async def ask() -> T:
-        # A list without a router would be empty, as if no node ran.
+        # Without a router, a list would be empty, as if no nodes were running.
         async with tool_node(options, needs_router=True) as tool:
             answer = await question(tool)
             if not tool.is_linked():

@@ -21,6 +21,7 @@ from rostether.graph.ports import JoinGraph
 from rostether.mechanisms.block_end import closed_at_end
 from rostether.ros1.environment import RosEnvironment, format_uri
 from rostether.ros1.node.master_client import MasterClient
+from rostether.ros1.node.node_calls import TOOL_NAME
 
 if TYPE_CHECKING:
     from rostether.ros2.actions.board_graph import NativeSession
@@ -51,7 +52,14 @@ async def served_graphs(
     master_port: int | None = None,
     msg_paths: Sequence[Path] = (),
 ) -> AsyncIterator[ServedGraphs]:
-    """Join the graphs until the end of the block. Raises GraphError, ConfigError."""
+    """Join the graphs until the end of the block. Raises GraphError, ConfigError.
+
+    Args:
+        environment: The ROS 1 environment.
+        graph: The graphs to join.
+        master_port: The port of a new ROS 1 master, None for that of the environment's URI.
+        msg_paths: Folders with definitions.
+    """
     joins: list[JoinGraph] = []
     lines: list[str] = []
     used_environment = None
@@ -83,7 +91,7 @@ async def served_graphs(
 
 @asynccontextmanager
 async def native_session(graph: GraphOptions, msg_paths: Sequence[Path]) -> AsyncIterator[NativeSession]:
-    """Join the same ROS 2 graph with ROS 2's own types; the boards' session has ROS 1 types."""
+    """Join the boards' ROS 2 graph again, with ROS 2's own types: the boards' session has ROS 1 types."""
     from rostether.ros2.actions.board_graph import NativeSession
     from rostether.ros2.types.native_registry import NativeRegistry
     from rostether.ros2.types.native_types import NativeTypes
@@ -92,7 +100,7 @@ async def native_session(graph: GraphOptions, msg_paths: Sequence[Path]) -> Asyn
     registry = NativeRegistry.from_environment(msg_paths)
     types = NativeTypes(registry)
     await types.searched()
-    # If this process has the router, it is the boards' session.
+    # If this process has the router, the boards' session is the router.
     reach = ZenohReach(graph.zenoh.connect, (), "never")
     async with ros2_access(graph.ros2, msg_paths, reach=reach, types=types) as access:
         yield NativeSession(access.join, types, registry)
@@ -148,7 +156,7 @@ async def own_master(environment: RosEnvironment) -> AsyncIterator[UsedMaster]:
 
 
 async def wait_for_answer(environment: RosEnvironment, poll_s: float) -> None:
-    """Wait until a ROS master answers at the environment's URI; nothing announces one."""
+    """Wait until a ROS master answers at the environment's URI. No event reports one, so it is polled."""
     while True:
         if await master_answers(environment):
             return
@@ -157,12 +165,10 @@ async def wait_for_answer(environment: RosEnvironment, poll_s: float) -> None:
 
 async def master_answers(environment: RosEnvironment) -> bool:
     """Return whether a ROS master answers at the environment's URI."""
-    client = MasterClient(environment.master_uri, "/rostether")
-    try:
-        async with asyncio.timeout(_ANSWER_LIMIT_S):
-            await client.get_pid()
-    except (MasterUnreachableError, TimeoutError):
-        return False
-    finally:
-        await client.close()
+    async with closed_at_end(MasterClient(environment.master_uri, TOOL_NAME)) as client:
+        try:
+            async with asyncio.timeout(_ANSWER_LIMIT_S):
+                await client.get_pid()
+        except (MasterUnreachableError, TimeoutError):
+            return False
     return True

@@ -36,7 +36,7 @@ def check_mdns(*, is_wanted: bool | None) -> bool:
 
 
 def network_listeners(listening_on: Sequence[str]) -> list[TcpAddress]:
-    """Return the TCP listeners that other machines can reach; only these are announced."""
+    """Return the listeners to announce: those for TCP without TLS that other machines can reach."""
     links = [parse_address(address) for address in listening_on]
     # Boards that find a listener by mDNS do not support TLS.
     plain = [link for link in links if isinstance(link, TcpAddress) and link.tls is None]
@@ -50,13 +50,19 @@ async def announced(
     """Announce the listeners that are reachable from the network, until the end of the block.
 
     A failure is reported in one line, and serving continues.
+
+    Args:
+        listening_on: The addresses of all listeners.
+        reporter: Gets the lines.
+        is_on: The result of `check_mdns`.
+        is_wanted: Whether --mdns was given; then it is reported that there is nothing to announce.
     """
     listeners = network_listeners(listening_on)
     if is_wanted and not listeners:
         reporter.report(
             Level.WARN,
-            "--mdns announces nothing: no TCP listener is reachable from the network; add --listen "
-            "0.0.0.0 tcp://:11411",
+            "--mdns announces nothing: no TCP listener without TLS is reachable from the network; add "
+            "--listen 0.0.0.0 tcp://:11411",
         )
     if not is_on or not listeners:
         yield

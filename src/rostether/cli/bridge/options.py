@@ -30,7 +30,7 @@ probe_option = add_option(
     multiple=True,
 )
 
-# The limits of `bridge.settings.BridgeSettings`, by their names on the command line.
+# The limits of `bridge.settings.BridgeSettings`, by their names on the command line, with the values allowed.
 BRIDGE_LIMITS = {
     **{key.replace("_", "-"): limit for key, limit in BOARD_LIMITS.items()},
     "connections": Limit("connections", 1, 4096),
@@ -38,7 +38,7 @@ BRIDGE_LIMITS = {
     "grace-s": Limit("grace_s", 0, 86400),
 }
 
-# The limits of `ros1.graph_limits.GraphLimits`.
+# The limits of `ros1.graph_limits.GraphLimits`. The lowest values are enough for a few small nodes.
 GRAPH_LIMITS = {
     "xmlrpc-bytes": Limit("body_bytes", 65536, 1024 << 20),
     "xmlrpc-connections": Limit("xmlrpc_connections", 8, 65536),
@@ -46,6 +46,7 @@ GRAPH_LIMITS = {
     "xmlrpc-request-s": Limit("xmlrpc_request_s", 1, 3600),
     "parameter-bytes": Limit("parameter_bytes", 1024, 4096 << 20),
     "parameters-bytes": Limit("parameters_bytes", 65536, 4096 << 20),
+    # The length of a message on the wire is a uint32.
     "message-bytes": Limit("message_bytes", 1024, 4095 << 20),
     "header-bytes": Limit("header_bytes", 4096, 64 << 20),
     "header-s": Limit("header_s", 1, 3600),

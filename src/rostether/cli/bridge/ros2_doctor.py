@@ -39,7 +39,7 @@ async def _examine(middleware: Middleware) -> AsyncIterator[_Finding]:
     elif left := find_leftover_files():
         # Checked first, because leftover files can also delay the join below.
         text = (
-            f"killed programs have left {counted(len(left), 'file')}, such as {left[0]}. If programs hang at "
+            f"killed programs have left {counted(len(left), 'file')}, such as {left[0]}; if programs hang at "
             "their start, stop all ROS 2 programs and run `rm -f /dev/shm/*fastdds* /dev/shm/*fastrtps*`"
         )
         yield _Finding(True, f"shared memory of Fast DDS in {SHARED_MEMORY}", text)
@@ -78,7 +78,7 @@ async def _routers(environment: Ros2Environment) -> AsyncIterator[_Finding]:
         return
     if not configures_endpoints(environment):
         fault = await find_fault(ROUTER_ENDPOINT, {})
-        advice = f"{fault} Start one with `rostether core --ros2 zenoh`, or use ROS 2's own"
+        advice = f"{fault} Start one with `rostether core --ros2 zenoh`, or with ROS 2's rmw_zenohd"
         yield _Finding(
             not fault, f"router of this machine, {ROUTER_ENDPOINT}", advice if fault else "answers"
         )
@@ -102,4 +102,4 @@ async def _routers(environment: Ros2Environment) -> AsyncIterator[_Finding]:
         if listening:
             fault = find_listen_fault(configuration)
             where = f"listens on {', '.join(listening)}"
-            yield _Finding(not fault, f"{path}", f"{where}, but {fault}" if fault else where)
+            yield _Finding(not fault, str(path), f"{where}, but {fault}" if fault else where)

@@ -178,7 +178,7 @@ def serve(
         show_debug_records()
     reporter = ConsoleReporter(lowest=Level.DEBUG if options.verbose else Level.INFO)
     access = replace(gateways, allow=graph.allow)
-    if dashboard is gateways.foxglove is gateways.rosbridge is None:
+    if (dashboard, gateways.foxglove, gateways.rosbridge) == (None, None, None):
         _refuse_token()
     dashboard_settings = (
         DashboardSettings(dashboard, access, boards=web_boards) if dashboard is not None else None

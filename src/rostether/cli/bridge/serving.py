@@ -34,12 +34,16 @@ def check_addresses(_ctx: click.Context, _param: click.Parameter, texts: tuple[s
 
 
 def read_links(text: str, hosts: Sequence[str] = (LOOPBACK,), allowed: tuple[str, ...] = ()) -> list[Address]:
-    """Read a link address; a listener without a host listens on `hosts` (from --listen).
+    """Return the links of a link address, several for a listener without a host.
 
-    A listener without its own `allow=` accepts boards from the networks `allowed` (from --allow).
+    ROS_IP and ROS_HOSTNAME do not allow boards from the network: scripts set them for the graph.
 
-    ROS_IP and ROS_HOSTNAME do not allow boards from the network: scripts set them for the graph. Raises
-    ConfigError, for example for a mistyped serial port.
+    Args:
+        text: The link address.
+        hosts: The hosts of a listener without a host, from --listen.
+        allowed: The networks whose boards a listener without `allow=` accepts, from --allow.
+
+    Raises ConfigError, for example for a mistyped serial port.
     """
     link = parse_address(text)
     check_typed_port(link, list_serial_ports)
@@ -51,16 +55,17 @@ def read_links(text: str, hosts: Sequence[str] = (LOOPBACK,), allowed: tuple[str
 
 
 def read_web_boards(links: list[Address], *, is_served: bool, is_refused: bool) -> WebBoards | None:
-    """Return the boards that pages of the dashboard connect, None if there can be none; add a missing link.
+    """Return the boards that pages of the dashboard connect, None if there can be none.
 
-    Raises ConfigError for a link that cannot be served.
+    The link of these boards is added to `links` if it is missing. Raises ConfigError for a link that cannot
+    be served.
     """
     typed = [link for link in links if isinstance(link, WebAddress)]
     if len(typed) > 1:
         raise ConfigError("web: is given twice; give it once")
     if typed and is_refused:
         raise ConfigError(
-            "web: serves the boards that pages connect, --no-web-boards refuses them; give one of them"
+            "web: serves the boards of pages, but --no-web-boards refuses them; give only one of them"
         )
     if typed and not is_served:
         raise ConfigError("web: needs --dashboard, whose page connects the boards")
@@ -76,9 +81,9 @@ def read_web_boards(links: list[Address], *, is_served: bool, is_refused: bool) 
 def loopback_lines(
     environment: RosEnvironment | None, links: Sequence[Address], *, consent: str = "--listen 0.0.0.0"
 ) -> list[str]:
-    """Return a line for each listener on loopback that other machines would need.
+    """Return a line for each listener that only this machine can reach, and one for a master elsewhere.
 
-    `environment` is that of ROS 1, None if there is none; `consent` is what to add for boards on the network.
+    `environment` is that of ROS 1, None without ROS 1; `consent` is what to add for boards on the network.
     """
     listeners = [link for link in links if isinstance(link, TcpAddress | UdpAddress) and link.listens]
     wide = {(type(link), link.port) for link in listeners if not is_loopback(link.host)}
@@ -100,9 +105,9 @@ def loopback_lines(
 
 
 def shortage_lines(connections: int | None, links: Sequence[Address]) -> list[str]:
-    """Return a warning if `connections` boards for each listener (--limit) need too many open files.
+    """Return a warning if `connections` boards on each listener would need too many open files.
 
-    `connections` is None without --limit; listeners then accept fewer boards.
+    `connections` is from --limit; without it (None), listeners accept only as many boards as files permit.
     """
     listeners = sum(isinstance(link, TcpAddress | UdpAddress) and link.listens for link in links)
     line = shortage((connections or 0) * listeners)
@@ -115,8 +120,8 @@ async def serving(
 ) -> AsyncIterator[None]:
     """Serve boards as nodes; the end of the block stops them and leaves the graph.
 
-    `reporter` also gets the log records of our packages. Raises TransportOpenError for an address that cannot
-    be listened on, InvalidNameError.
+    `reporter` also gets what rostether's packages and asyncio log. Raises TransportOpenError for an address
+    that cannot be listened on, InvalidNameError.
     """
     show_library_logs(reporter.report)
     async with closed_at_end(supervisor):

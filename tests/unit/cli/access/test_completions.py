@@ -17,7 +17,7 @@ PARAMETER = click.Argument(["any"])
 
 @pytest.fixture(autouse=True)
 def _on_a_busy_machine(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(completions, "TIMEOUT_S", 60.0)
+    monkeypatch.setattr(completions, "ROS1_TIMEOUT_S", 60.0)
     # Nodes that do not answer stay registered until the test has ended.
     monkeypatch.setattr("rostether.ros1.master.node_calls._REFUSALS_UNTIL_GONE", 10**9)
 
@@ -71,7 +71,7 @@ def test_without_a_master_there_is_nothing_to_complete(capsys: pytest.CaptureFix
 def test_a_master_that_hangs_costs_a_moment(shell: Shell, monkeypatch: pytest.MonkeyPatch) -> None:
     import socket
 
-    monkeypatch.setattr(completions, "TIMEOUT_S", 0.05)
+    monkeypatch.setattr(completions, "ROS1_TIMEOUT_S", 0.05)
     with socket.create_server(("127.0.0.1", 0)) as silent:
         monkeypatch.setenv("ROS_MASTER_URI", f"http://127.0.0.1:{silent.getsockname()[1]}")
         assert completions.complete_services(CONTEXT, PARAMETER, "") == []

@@ -72,7 +72,7 @@ def test_one_line_reports_too_many_open_files_for_the_connections(
         (["/dev/ttyACM0?bad=1"], 1, "bad"),
         (["usb:/dev/ttyACM0"], 1, "unknown kind of link 'usb'"),
         (["web:"], 1, "web: needs --dashboard"),
-        (["web:", "--dashboard", "--no-web-boards"], 1, "give one of them"),
+        (["web:", "--dashboard", "--no-web-boards"], 1, "give only one of them"),
         (["/dev/ttyACM0", "--master", "nonsense"], 1, "nonsense"),
         (["/dev/ttyACM0", "--master", "http://a:1", "--master-port", "5"], 1, "give only one of them"),
         (["/dev/ttyACM0", "--msg-path", "/no/such/folder"], 1, "no such folder"),
