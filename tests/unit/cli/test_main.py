@@ -161,7 +161,7 @@ def test_completion_of_verbs_and_names(
 ) -> None:
     graph.do(graph.node("setter").set_param("/blink_hz", 2))
     # A busy machine answers late.
-    monkeypatch.setattr("rostether.cli.access.completions.TIMEOUT_S", 60.0)
+    monkeypatch.setattr("rostether.cli.access.completions.ROS1_TIMEOUT_S", 60.0)
 
     def complete(words: str) -> str:
         monkeypatch.setenv("_ROSTETHER_COMPLETE", "bash_complete")
