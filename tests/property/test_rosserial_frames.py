@@ -9,8 +9,7 @@ from hypothesis import strategies as st
 
 from rostether.rosserial.events import FrameDiscarded
 from rostether.rosserial.frame import FORMS, encode_frame, encode_frames
-from rostether.rosserial.frame_decoder import MAX_SEARCH_S, Decoded, FrameDecoder
-from rostether.rosserial.payload_limits import PayloadLimits
+from rostether.rosserial.frame_decoder import MAX_SEARCH_S, Decoded, FrameDecoder, PayloadLimits
 from unit.rosserial.decoding import by_topic, frame
 
 versions = st.sampled_from(tuple(FORMS))

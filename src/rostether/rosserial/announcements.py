@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections import OrderedDict
 from collections.abc import Iterable
-from typing import TypeAlias
 
 from rostether.rosserial.control_rate import ControlRate
 from rostether.rosserial.events import (
@@ -20,25 +19,24 @@ from rostether.rosserial.topic_id import (
     SERVICE_SERVER_REQUEST,
     SERVICE_SERVER_RESPONSE,
 )
-from rostether.rosserial.topic_table import EndpointKey, TopicTable, key_of
+from rostether.rosserial.topic_table import Announcement, EndpointKey, TopicTable, key_of
 
-# The pause between two topic requests for one unknown id. An answer takes less; messages may come each 10 ms.
+# The pause between two topic requests for one unknown id. An answer takes less time; messages may
+# arrive every 10 ms.
 FIRST_PAUSE_S = 1.0
 
 # The pause grows to this for a device that never announces an id that it uses.
 MAX_PAUSE_S = 60.0
 
-# Remembered ids; noise may look like messages, so the oldest id is forgotten.
+# The limit of remembered ids: noise may look like messages on any id. Beyond it, the oldest is forgotten.
 MAX_IDS = 256
 
-# As many as endpoints; limits the reports about a device that keeps announcing new names.
+# As many as the endpoints of a link; limits the reports about a device that keeps announcing new names.
 MAX_REFUSALS = 256
-
-_Announcement: TypeAlias = tuple[int, TopicInfo]
 
 
 class Announcements:
-    """Keeps `table`, and remembers other ids on which the device sends."""
+    """Enters announcements in `table`, and remembers refused ones and unknown topic ids."""
 
     def __init__(self, table: TopicTable, rate: ControlRate) -> None:
         self._table = table
@@ -49,7 +47,7 @@ class Announcements:
     def handle_packet(
         self, kind: int, payload: bytes, now_s: float
     ) -> tuple[TopicInfo | None, list[HostEvent]]:
-        """Handle a packet on reserved id `kind`; return the announcement, None if it is dropped."""
+        """Handle a packet on reserved id `kind`; return the announcement (None if dropped) and the events."""
         info = TopicInfo.read(payload)
         if info is None:
             return None, [FrameDiscarded(DiscardReason.PACKET, payload, kind)]
@@ -109,8 +107,8 @@ class Refusals:
     """Remembers the refused announcements of one device."""
 
     def __init__(self) -> None:
-        self._once: OrderedDict[_Announcement, None] = OrderedDict()
-        self._reported: set[_Announcement] = set()
+        self._once: OrderedDict[Announcement, None] = OrderedDict()
+        self._reported: set[Announcement] = set()
 
         # The refused endpoints of the device, which are not bridged.
         self.keys: set[EndpointKey] = set()
@@ -128,7 +126,7 @@ class Refusals:
             self.keys.add(key_of(kind, info))
         return self._report(announcement, reason)
 
-    def refuse_incomplete_services(self, topics: Iterable[_Announcement]) -> list[AnnouncementRefused]:
+    def refuse_incomplete_services(self, topics: Iterable[Announcement]) -> list[AnnouncementRefused]:
         """Record requests without a response, and responses without a request."""
         return [event for topic in topics for event in self._report(topic, _reason_for_incomplete(topic[0]))]
 
@@ -140,7 +138,7 @@ class Refusals:
         """Return whether the device sends messages on this id that are not bridged."""
         return EndpointKey(True, topic_id) in self.keys
 
-    def _report(self, announcement: _Announcement, reason: str) -> list[AnnouncementRefused]:
+    def _report(self, announcement: Announcement, reason: str) -> list[AnnouncementRefused]:
         if announcement in self._reported or len(self._reported) >= MAX_REFUSALS:
             return []
         self._reported.add(announcement)

@@ -64,7 +64,7 @@ MAX_DAMAGE = 0.25
 # Noise looks like text of this length once in a million tries.
 MIN_TEXT_BYTES = 16
 
-# Bytes at the right rate are passed on, so that no announcement is lost.
+# Bytes at the right rate are passed on, so that no announcement is lost: room for 256 of 250 bytes.
 MAX_KEPT_BYTES = 64 * 1024
 
 # The bytes of another protocol that are shown: a line of text.
@@ -96,7 +96,7 @@ class NoBoard(Struct, frozen=True):
 
 
 class BaudProbe:
-    """Probes one open port. Set the line to `baud` whenever that changes, send `data_to_send()`.
+    """Probes one open port. Set the line to `baud` whenever that changes, and send `data_to_send()`.
 
     With `listens_first`, nothing is sent before the line has been silent, and never to a device that sends
     other data. `known_baud` is the rate at which the board answered last time.

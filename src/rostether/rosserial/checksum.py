@@ -18,7 +18,7 @@ _PAIR_BYTES = 2 * PIECE_BYTES
 
 
 def one_plus_sum(data: bytes) -> int:
-    """Return a number whose low byte is that of 1 + the sum of all bytes; `data` of any length."""
+    """Return a number with the same low byte as 1 + the sum of all bytes; `data` may have any length."""
     size = len(data)
     if size <= PIECE_BYTES:
         return adler32(data)
@@ -43,7 +43,7 @@ def sum_function(size: int) -> Callable[[bytes], int]:
 class RunningSums:
     """Sums of any stretch of one buffer in constant time, after one pass over it.
 
-    A rescan of hostile bytes stays linear with it, although each byte may begin a frame of many kilobytes.
+    With it, a scan of hostile bytes takes linear time, although each may begin a frame of many kilobytes.
     """
 
     def __init__(self, buffer: bytes) -> None:

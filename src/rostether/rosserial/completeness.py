@@ -8,19 +8,9 @@ fewer announcements than before), none if the round equals the last complete sta
 
 from __future__ import annotations
 
-from typing import TypeAlias
-
 from rostether.rosserial.packets import TopicInfo
-from rostether.rosserial.topic_id import (
-    ANNOUNCEMENTS,
-    SERVICE_CLIENT_REQUEST,
-    SERVICE_CLIENT_RESPONSE,
-    SERVICE_SERVER_REQUEST,
-    SERVICE_SERVER_RESPONSE,
-)
-from rostether.rosserial.topic_table import EndpointKey, key_of
-
-Announcement: TypeAlias = tuple[int, TopicInfo]
+from rostether.rosserial.topic_id import ANNOUNCEMENTS
+from rostether.rosserial.topic_table import SERVICE_KINDS, Announcement, EndpointKey, key_of
 
 # Each costs a healthy board one more burst, so one must be enough.
 CLEAN_CONFIRMATIONS = 1
@@ -79,7 +69,7 @@ class Completeness:
         self._has_changed = False
 
     def resume_round(self) -> None:
-        """Continue the last round: a part of its burst came late."""
+        """Continue the last round: a part of its burst arrived late."""
         self.rounds, self._quiet_rounds = self._before_close
 
     def is_known(self, kind: int, info: TopicInfo) -> bool:
@@ -146,9 +136,5 @@ def _looks_complete(announced: dict[EndpointKey, Announcement]) -> bool:
     for kind, info in announced.values():
         names[kind].append(info.topic_name)
     return all(
-        sorted(names[one]) == sorted(names[other])
-        for one, other in (
-            (SERVICE_SERVER_REQUEST, SERVICE_SERVER_RESPONSE),
-            (SERVICE_CLIENT_REQUEST, SERVICE_CLIENT_RESPONSE),
-        )
+        sorted(names[request]) == sorted(names[response]) for request, response in SERVICE_KINDS.values()
     )

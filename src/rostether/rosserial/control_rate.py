@@ -25,7 +25,7 @@ ANNOUNCEMENTS = Allowance(512.0, 2048)
 # Each opens or closes an endpoint in the graph. The largest device can start immediately, and change in 5 s.
 CHANGES = Allowance(50.0, 256)
 
-# Log lines: as many as fit a full line of 115200 baud; users cannot read more.
+# Log lines: as many short ones as 115200 baud can transfer; users cannot read more.
 LOGS = Allowance(500.0, 2000)
 
 # A board asks every 2.5 s, and again for each probe and topic request.

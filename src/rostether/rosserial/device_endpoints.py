@@ -23,7 +23,10 @@ class ServiceIds(NamedTuple):
 
 
 class DeviceEndpoints:
-    """Declared endpoints by direction; buffer sizes in bytes are announced with each."""
+    """Declared endpoints by direction; buffer sizes in bytes are announced with each.
+
+    Declaring one raises LocalProtocolError if there is no room for it, or if a host would reject it.
+    """
 
     def __init__(
         self, *, max_publishers: int, max_subscribers: int, input_buffer_bytes: int, output_buffer_bytes: int
@@ -46,7 +49,7 @@ class DeviceEndpoints:
     def add_service_server(
         self, service: str, service_type: str, request_md5sum: str, response_md5sum: str
     ) -> ServiceIds:
-        """Declare a service the device serves."""
+        """Declare a service that the device serves."""
         self._require_room_for_both()
         response_id = self._add(ids.SERVICE_SERVER_RESPONSE, service, service_type, response_md5sum)
         request_id = self._add(ids.SERVICE_SERVER_REQUEST, service, service_type, request_md5sum)
@@ -55,7 +58,7 @@ class DeviceEndpoints:
     def add_service_client(
         self, service: str, service_type: str, request_md5sum: str, response_md5sum: str
     ) -> ServiceIds:
-        """Declare a service the device calls."""
+        """Declare a service that the device calls."""
         self._require_room_for_both()
         request_id = self._add(ids.SERVICE_CLIENT_REQUEST, service, service_type, request_md5sum)
         response_id = self._add(ids.SERVICE_CLIENT_RESPONSE, service, service_type, response_md5sum)
@@ -82,15 +85,21 @@ class DeviceEndpoints:
             declared, limit, noun = self._listeners, self._max_subscribers, "subscribers"
             first_id, buffer_bytes = ids.FIRST_USER_ID, self._input_buffer_bytes
         if len(declared) >= limit:
-            raise LocalProtocolError(f"no room for {name}: all {limit} {noun} are declared")
+            raise LocalProtocolError(
+                f"no room for {name}: all {limit} {noun} are declared; declare fewer, or raise max_{noun}"
+            )
         info = TopicInfo(first_id + len(declared), name, message_type, md5sum, buffer_bytes)
         if TopicInfo.decode(info.encode()) != info:
             raise LocalProtocolError(
-                f"a host would reject {info}; give a valid name, package/Type and its md5sum"
+                f"a host would reject {name!r} [{message_type}] with md5sum {md5sum!r}; give a valid name, "
+                "package/Type and its md5sum"
             )
         declared[info.topic_id] = kind, info
         return info.topic_id
 
     def _require_room_for_both(self) -> None:
         if len(self._senders) >= self._max_publishers or len(self._listeners) >= self._max_subscribers:
-            raise LocalProtocolError("no room for a service, which needs one publisher and one subscriber")
+            raise LocalProtocolError(
+                "no room for a service, which needs one publisher and one subscriber; declare fewer, "
+                "or raise max_publishers and max_subscribers"
+            )

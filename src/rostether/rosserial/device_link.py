@@ -128,7 +128,10 @@ class DeviceLink:
     def add_service_server(
         self, service: str, service_type: str, request_md5sum: str, response_md5sum: str
     ) -> ServiceIds:
-        """Declare a service the device serves: requests arrive on request_id, publish on response_id."""
+        """Declare a service that the device serves: requests arrive on request_id, publish on response_id.
+
+        Raises LocalProtocolError if full.
+        """
         service_ids = self._endpoints.add_service_server(
             service, service_type, request_md5sum, response_md5sum
         )
@@ -138,7 +141,10 @@ class DeviceLink:
     def add_service_client(
         self, service: str, service_type: str, request_md5sum: str, response_md5sum: str
     ) -> ServiceIds:
-        """Declare a service the device calls: publish on request_id, responses arrive on response_id."""
+        """Declare a service that the device calls: publish on request_id, responses arrive on response_id.
+
+        Raises LocalProtocolError if full.
+        """
         service_ids = self._endpoints.add_service_client(
             service, service_type, request_md5sum, response_md5sum
         )
@@ -158,7 +164,7 @@ class DeviceLink:
         return self._handle_decoded(self._decoder.feed(data, now_s), now_s)
 
     def get_timer(self) -> float | None:
-        """Return when to call `handle_timer`, on the clock of `now_s`."""
+        """Return when to call `handle_timer`, on the clock of `now_s`; None while nothing is due."""
         timers = [self._decoder.get_timer(), self._parameters.get_timer()]
         if self._state is State.CONFIGURED:
             timers += [self._time_due_s, self._time_lost_s]

@@ -53,7 +53,7 @@ DAMAGE = frozenset({DiscardReason.LENGTH_CHECKSUM, DiscardReason.PAYLOAD_CHECKSU
 
 
 class MessagesReceived(Struct, frozen=True):
-    """Payloads of one announced topic id, in order; at most one event for each topic id a chunk."""
+    """Payloads of one announced topic id, in order; at most one event per topic id and chunk."""
 
     topic_id: int
     payloads: list[bytes]

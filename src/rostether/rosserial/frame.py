@@ -12,8 +12,8 @@ Version 1 (Groovy and earlier), 7 bytes around the payload, no check before its 
     | 0xff | 0xff | id low   high | N low high| payload, N    | c(id, N, payload)
     +------+------+-------+-------+-----+-----+= = = = = = = =+------+
 
-c(...) is 255 minus the sum of the bytes named, modulo 256; numbers are unsigned and little endian; N may be
-0.
+c(...) is 255 minus the sum of the bytes in the brackets, modulo 256. Numbers are unsigned and little endian.
+N may be 0.
 """
 
 from __future__ import annotations

@@ -21,15 +21,14 @@ network may still deliver.
 
 from __future__ import annotations
 
-from collections.abc import Container
+from collections.abc import Container, Mapping
 from typing import TypeAlias
 
-from msgspec import Struct
+from msgspec import Struct, field
 
 from rostether.rosserial.events import FrameDiscarded
 from rostether.rosserial.frame import FORMS, MAX_PAYLOAD_BYTES, SYNC, Header, read_header
 from rostether.rosserial.frame_scan import FrameScanner, Patience, Scan
-from rostether.rosserial.payload_limits import NO_LIMITS, PayloadLimits
 
 # Longer than pauses inside a frame on a working line (USB polls, operating system), usually below 20 ms.
 FIRST_SEARCH_S = 0.1
@@ -61,6 +60,19 @@ class Frames(Struct):
 
 
 Decoded: TypeAlias = Frames | FrameDiscarded
+
+
+class PayloadLimits(Struct, frozen=True):
+    """The longest possible payload of each topic id, and the length above which a header is noise.
+
+    `refused_above` has the limit of all other ids under None.
+    """
+
+    possible: Mapping[int, int] = field(default_factory=dict)
+    refused_above: Mapping[int | None, int] = field(default_factory=dict)
+
+
+NO_LIMITS = PayloadLimits()
 
 
 class FrameDecoder:
@@ -96,7 +108,7 @@ class FrameDecoder:
 
     @property
     def version(self) -> int:
-        """The protocol version it reads."""
+        """The protocol version that it reads."""
         return self._version
 
     @property
@@ -106,7 +118,7 @@ class FrameDecoder:
 
     @property
     def pending_header(self) -> Header | None:
-        """The header of the incomplete frame, or None."""
+        """The header of the unfinished frame, None if it is incomplete or there is none."""
         if len(self._pending) < self._header_bytes:
             return None
         return read_header(self._version, bytes(self._pending[: self._header_bytes]))
@@ -144,7 +156,7 @@ class FrameDecoder:
         return self._accept(buffer, self._scan(buffer, Patience.WAIT, now_s), now_s)
 
     def get_timer(self) -> float | None:
-        """Return when to call `handle_timer`."""
+        """Return when to call `handle_timer`, None while nothing is due."""
         timers = (self._search_at_s, self._tail_search_at_s, self._abandon_at_s())
         return min((timer for timer in timers if timer is not None), default=None)
 

@@ -97,14 +97,12 @@ class FrameScanner:
     other ids is under None.
     """
 
-    def __init__(
-        self, version: int, max_payload_bytes: int, refused_above: Mapping[int | None, int] | None = None
-    ) -> None:
+    def __init__(self, version: int, max_payload_bytes: int, refused_above: Mapping[int | None, int]) -> None:
         self._version = version
         self._version_byte, self._header_bytes, self._overhead_bytes = FORMS[version]
         self._start = bytes((SYNC, self._version_byte))
         self._max_payload_bytes = max_payload_bytes
-        self._refused_above = {} if refused_above is None else refused_above
+        self._refused_above = refused_above
         self._known: dict[bytes, _KnownHeader] = {}
 
     def refuse_above(self, refused_above: Mapping[int | None, int]) -> None:
@@ -125,12 +123,10 @@ class FrameScanner:
             return None
         return known.topic_id, payload
 
-    def scan(
-        self, buffer: bytes, patience: Patience = Patience.WAIT, max_false_starts: int | None = None
-    ) -> Scan:
+    def scan(self, buffer: bytes, patience: Patience, max_false_starts: int) -> Scan:
         """Split a buffer that begins where a frame may begin.
 
-        After more than `max_false_starts` (None: any number), only its end is searched; the rest is noise.
+        After more than `max_false_starts`, only its end is searched; the rest is noise.
         """
         result = Scan()
         discarded = _DiscardedStretches(buffer, self._start, max_false_starts)
@@ -263,8 +259,7 @@ def _split_run(buffer: bytes, position: int, header: bytes, known: _KnownHeader)
 class _DiscardedStretches:
     """The stretches between the frames of a buffer, as [start, end, reason], and the cost of the search.
 
-    After more than `max_false_starts` (None: any number) positions where no frame begins, only the end of the
-    buffer is searched.
+    After more than `max_false_starts` positions without a frame, only the end of the buffer is searched.
     """
 
     __slots__ = (
@@ -281,13 +276,13 @@ class _DiscardedStretches:
         "is_open",
     )
 
-    def __init__(self, buffer: bytes, start: bytes, max_false_starts: int | None) -> None:
+    def __init__(self, buffer: bytes, start: bytes, max_false_starts: int) -> None:
         self.is_open = False
         self.false_starts = 0
         self._buffer = buffer
         self._total = len(buffer)
         self._frame_start = start
-        self._max_false_starts = self._total if max_false_starts is None else max_false_starts
+        self._max_false_starts = max_false_starts
         self._wasted_bytes = 0
         self._stretches: list[tuple[int, int, DiscardReason]] = []
         self._start = 0

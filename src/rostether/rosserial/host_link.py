@@ -118,7 +118,7 @@ class HostLink:
         return events
 
     def rescan(self, payload: bytes, now_s: float) -> list[HostEvent]:
-        """Return the frames inside a message that does not have its type's layout."""
+        """Return the events of the frames inside a message that does not have its type's layout."""
         if isinstance(self._line, ProtocolDetector) or self._is_stopped:
             return []
         events = self._handle_decoded(self._line.rescan(payload, now_s), now_s)
@@ -126,7 +126,7 @@ class HostLink:
         return events
 
     def get_timer(self) -> float | None:
-        """Return when to call `handle_timer`, on the clock of `now_s`."""
+        """Return when to call `handle_timer`, on the clock of `now_s`; None while nothing is due."""
         if self._is_stopped:
             return None
         timers = (
@@ -177,7 +177,10 @@ class HostLink:
     def answer_parameter(
         self, ints: Sequence[int] = (), floats: Sequence[float] = (), strings: Sequence[str] = ()
     ) -> None:
-        """Answer ParameterRequested. Raises LocalProtocolError if it does not fit in the device's buffer."""
+        """Answer ParameterRequested.
+
+        Raises LocalProtocolError if it does not fit in the device's buffer, or a number not in 32 bits.
+        """
         self._output.queue_parameter(ParameterResponse(tuple(ints), tuple(floats), tuple(strings)))
 
     def service_call_started(self) -> None:

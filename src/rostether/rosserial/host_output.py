@@ -117,12 +117,12 @@ class HostOutput:
         self.pump(now_s)
 
     def device_reset(self) -> None:
-        """Forget calls: a device that was reset waits for none."""
+        """Forget calls and unread bytes: a device that was reset waits for nothing."""
         self._gate.forget_calls()
         self._unread.read_all()
 
     def get_timer(self) -> float | None:
-        """Return when to call `pump`."""
+        """Return when to call `pump`, None if no frame waits."""
         return self._gate.get_timer()
 
     def pump(self, now_s: float) -> None:

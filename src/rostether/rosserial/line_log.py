@@ -40,7 +40,7 @@ class LineEntry(Struct, frozen=True):
 
 
 class LineLog:
-    """Reads both directions of one link; `version` is the protocol's."""
+    """Reads both directions of one link; `version` is the protocol version."""
 
     def __init__(self, version: int = 2) -> None:
         self._decoders = {True: FrameDecoder(version), False: FrameDecoder(version)}

@@ -17,8 +17,8 @@ request and the burst that answers it.
 
 During a burst nothing is sent: at 57600 baud fifty announcements take 0.8 s, and a board that sends may lose
 received bytes. The pause that ends a burst depends on the pauses within it. The requests to a device that
-has sent nothing alternate between the two protocol versions. Fewer requests are repeated while earlier ones
-may fill the UART of a sketch that sleeps.
+has sent nothing alternate between the two protocol versions. Requests are repeated less often while
+earlier ones may fill the UART of a sketch that sleeps.
 """
 
 from __future__ import annotations
@@ -224,7 +224,7 @@ class Negotiation:
         self._completeness.note_announcement(kind, info)
 
     def get_timer(self) -> float | None:
-        """Return when to call `handle_timer`."""
+        """Return when to call `handle_timer`, None while nothing is due."""
         return self._due_s
 
     def handle_timer(self, now_s: float, *, is_flowing: bool) -> bool:

@@ -27,8 +27,7 @@ from rostether.rostime import NS_PER_S, Time
 # Longer names and types fit no board's buffer (150 to 512 bytes), so they are damage.
 MAX_NAME_BYTES = 255
 
-# A frame holds at most 65535 bytes; devices with more memory may round up, but none announces more than 1
-# MiB.
+# A frame holds at most 65535 bytes. Devices with more memory may round up, but to no more than 1 MiB.
 MAX_BUFFER_BYTES = 1 << 20
 
 TIME_BYTES = 8
@@ -56,7 +55,7 @@ class LogLevel(IntEnum):
 
 
 class TopicInfo(msgspec.Struct, frozen=True):
-    """One announced endpoint; `buffer_size`: the bytes that it receives, or sends including 8 of framing."""
+    """One announced endpoint; `buffer_size` is its buffer in bytes, with 8 bytes of framing if it sends."""
 
     topic_id: int
     topic_name: str
@@ -68,8 +67,11 @@ class TopicInfo(msgspec.Struct, frozen=True):
         """Return the payload. Raises LocalProtocolError for an id or a size that does not fit."""
         try:
             head, tail = _ID.pack(self.topic_id), _BUFFER_SIZE.pack(self.buffer_size)
-        except struct.error as error:
-            raise LocalProtocolError(f"cannot announce {self}: {error}; use a smaller number") from None
+        except struct.error:
+            raise LocalProtocolError(
+                f"cannot announce {self.topic_name}: topic id {self.topic_id} does not fit in uint16, or "
+                f"buffer size {self.buffer_size} not in int32; use smaller numbers"
+            ) from None
         return head + _string(self.topic_name) + _string(self.message_type) + _string(self.md5sum) + tail
 
     @classmethod
@@ -126,7 +128,10 @@ class Log(NamedTuple):
 
     @classmethod
     def decode(cls, payload: bytes) -> Log | None:
-        """Decode a log line; a level above FATAL becomes FATAL, and invalid UTF-8 is replaced."""
+        """Decode a log line; a level above FATAL becomes FATAL, and invalid UTF-8 is replaced.
+
+        None if the payload has another layout.
+        """
         if not payload:
             return None
         reader = _Reader(payload, 1)
@@ -145,7 +150,7 @@ class ParameterRequest(NamedTuple):
 
     @classmethod
     def decode(cls, payload: bytes) -> ParameterRequest | None:
-        """Decode a request; a printable name is enough, because the device waits for an answer."""
+        """Decode a request; None unless the name is printable (the device waits for an answer)."""
         reader = _Reader(payload)
         name = reader.text(MAX_NAME_BYTES)
         return cls(name) if reader.is_complete and name and name.isprintable() else None
@@ -163,15 +168,15 @@ class ParameterResponse(NamedTuple):
         try:
             ints = struct.pack(f"<I{len(self.ints)}i", len(self.ints), *self.ints)
             floats = struct.pack(f"<I{len(self.floats)}f", len(self.floats), *self.floats)
-        except (struct.error, OverflowError) as error:
+        except (struct.error, OverflowError):
             raise LocalProtocolError(
-                f"a parameter value does not fit in int32 or float32 ({error}); use smaller numbers"
+                "a parameter value does not fit in int32 or float32; use smaller numbers"
             ) from None
         return ints + floats + _COUNT.pack(len(self.strings)) + b"".join(map(_string, self.strings))
 
     @classmethod
     def decode(cls, payload: bytes) -> ParameterResponse | None:
-        """Read an answer."""
+        """Decode an answer; None if the payload has another layout."""
         reader = _Reader(payload)
         ints = reader.array("i")
         floats = reader.array("f")

@@ -44,13 +44,13 @@ EARLY_S = 2.0
 # A timer that is handled this late means that this process was stopped: its intervals are wrong.
 LATE_S = 0.2
 
-# After such a pause of this process, its timers are handled before the data that came meanwhile.
+# After a pause of this process of this length, its timers are handled before the data that arrived meanwhile.
 PAUSED_S = 1.0
 
 # A healthy board may be silent for 3 s: it requests the time every 2.5 s, and sketches sleep.
 OVERDUE_S = 3.0
 
-# A second for the answers to several topic requests, in case some are lost.
+# One more second for the answers to several topic requests, in case some are lost.
 SILENT_AFTER_S = 4.0
 
 # A configured device that answers probes seems to be reset repeatedly. After each reset, no other one is
@@ -175,7 +175,7 @@ class Presence:
         return verdict
 
     def get_timer(self, *, probes: bool) -> float | None:
-        """Return when to call `handle_timer`. `probes`: whether the device may be asked now."""
+        """Return when to call `handle_timer`, None if absent; `probes`: the device may be asked now."""
         if self.state is State.ABSENT:
             self._due_s = float("inf")
             return None

@@ -11,9 +11,8 @@ from collections.abc import Container
 
 from rostether.rosserial import topic_id as ids
 from rostether.rosserial.events import FrameDiscarded
-from rostether.rosserial.frame_decoder import Decoded, FrameDecoder, Frames
+from rostether.rosserial.frame_decoder import NO_LIMITS, Decoded, FrameDecoder, Frames, PayloadLimits
 from rostether.rosserial.packets import TIME_BYTES, Log, ParameterRequest, TopicInfo
-from rostether.rosserial.payload_limits import NO_LIMITS, PayloadLimits
 
 # An announcement takes 0.1 s at 9600 baud; text that a board prints is shown after this delay at most.
 HOLD_NOISE_S = 0.25
@@ -50,7 +49,7 @@ class ProtocolDetector:
         )
 
     def get_timer(self) -> float | None:
-        """Return when to call `handle_timer`."""
+        """Return when to call `handle_timer`, None while nothing is due."""
         timers = [reader.get_timer() for reader in self._candidates.values()]
         return min((timer for timer in (*timers, self._release_s) if timer is not None), default=None)
 

@@ -19,8 +19,7 @@ OUR_REQUEST_PERIOD_S = 2.2
 # Without an answer for this time, a device becomes unconfigured (established library: 5 * 2.2 s).
 SYNC_LOST_S = 11.0
 
-# A device sets its clock back only by more than this: longer than any round trip, and the same as in the C++
-# client.
+# A device sets its clock back only by more than this: longer than any round trip, as in the C++ client.
 MAX_HOLD_S = 10.0
 
 # With 2.5 s between requests, a held answer comes 7.5 s after the last: well before the board gives up.
@@ -93,5 +92,5 @@ class AnswerGate:
         self._held_since_s = None
 
     def get_timer(self) -> float | None:
-        """Return the latest time to release the waiting frames."""
+        """Return the latest time to release the waiting frames, None if no frame waits."""
         return None if self._held_since_s is None else self._held_since_s + HOLD_LIMIT_S

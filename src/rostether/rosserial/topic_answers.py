@@ -23,8 +23,8 @@ OPENING_S = 0.25
 # A request is lost if this time has passed since it was sent, and since the last answer.
 LATE_ANSWER_S = 5.0
 
-# An unconfigured board requests the time for each byte that it does not understand. All of them together are
-# one answer at most; each takes 17 ms at 9600 baud.
+# An unconfigured board requests the time for each byte that it does not understand. These requests together
+# are at most one answer; each takes 17 ms at 9600 baud.
 REPEATED_S = 0.05
 
 
@@ -94,8 +94,7 @@ class TopicAnswers:
         if before is _Burst.INTRODUCTION and pause_s <= CLOSING_S:
             return TimeRequestMeaning.INTRODUCTION if self._is_repetition else TimeRequestMeaning.ALONE
         if before is _Burst.OPENED and has_topics:
-            # The last one was counted as an answer, but was not. This one may be an answer; later ones are
-            # not.
+            # The last one was counted as an answer, but was not. This one may be; later ones are not.
             if pause_s <= OPENING_S:
                 self._burst = _Burst.OPENED
             else:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from typing import NamedTuple
+from typing import NamedTuple, TypeAlias
 
 from msgspec import Struct
 
@@ -18,8 +18,8 @@ from rostether.rosserial.events import (
     TopicWithdrawn,
 )
 from rostether.rosserial.frame import MAX_PAYLOAD_BYTES
+from rostether.rosserial.frame_decoder import PayloadLimits
 from rostether.rosserial.packets import TopicInfo
-from rostether.rosserial.payload_limits import PayloadLimits
 
 # The largest payload that makes sense from a device on each reserved id.
 CONTROL_LIMITS = {
@@ -29,8 +29,11 @@ CONTROL_LIMITS = {
     ids.TIME: 8,
 }
 
+Announcement: TypeAlias = tuple[int, TopicInfo]
+
 _ROLES = {ids.PUBLISHER: TopicRole.PUBLISHER, ids.SUBSCRIBER: TopicRole.SUBSCRIBER}
-_SERVICES = {
+# The kinds of announcements of a service: of its request, and of its response.
+SERVICE_KINDS = {
     ServiceRole.SERVER: (ids.SERVICE_SERVER_REQUEST, ids.SERVICE_SERVER_RESPONSE),
     ServiceRole.CLIENT: (ids.SERVICE_CLIENT_REQUEST, ids.SERVICE_CLIENT_RESPONSE),
 }
@@ -84,14 +87,14 @@ class TopicTable:
             self._limits = self._make_limits()
         return self._limits
 
-    def incomplete_services(self) -> list[tuple[int, TopicInfo]]:
+    def incomplete_services(self) -> list[Announcement]:
         """Return the requests without a response and the responses without a request, each with its kind."""
         paired = {
             key
             for pair in self._services.values()
             for key in (
-                key_of(_SERVICES[pair.role][0], pair.request),
-                key_of(_SERVICES[pair.role][1], pair.response),
+                key_of(SERVICE_KINDS[pair.role][0], pair.request),
+                key_of(SERVICE_KINDS[pair.role][1], pair.response),
             )
         }
         return [
@@ -119,7 +122,7 @@ class TopicTable:
         return known is not None and (known.kind, known.info) == (kind, info)
 
     def announce(self, kind: int, info: TopicInfo) -> list[HostEvent] | None:
-        """Add an announcement on reserved id `kind`; None if there are already too many endpoints."""
+        """Add an announcement on reserved id `kind`; return the changes, None beyond the limit."""
         key = key_of(kind, info)
         known = self._endpoints.get(key)
         if known is not None and known.is_current and (known.kind, known.info) == (kind, info):
@@ -197,7 +200,7 @@ class TopicTable:
     def _pair_services(self) -> list[HostEvent]:
         """Pair the requests and responses of each service in the order of their ids; return the changes."""
         pairs: dict[tuple[ServiceRole, int, int], ServiceAnnounced] = {}
-        for role, kinds in _SERVICES.items():
+        for role, kinds in SERVICE_KINDS.items():
             found: dict[tuple[str, str], tuple[list[TopicInfo], list[TopicInfo]]] = {}
             for _, endpoint in sorted(self._endpoints.items()):
                 if endpoint.kind in kinds:
@@ -211,8 +214,7 @@ class TopicTable:
                         )
         gone = [service for key, service in self._services.items() if pairs.get(key) != service]
         names = {(service.role, service.name) for service in gone}
-        # Endpoints of the same name with other ids come first, so that the server of the name continues with
-        # them.
+        # Unchanged endpoints of the same name come first, so that the server of the name continues with them.
         events: list[HostEvent] = [
             pair
             for key, pair in pairs.items()

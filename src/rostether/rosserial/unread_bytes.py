@@ -32,8 +32,8 @@ LOOP_MARGIN = 1.5
 # A sketch with shorter loops reads faster than requests are sent.
 SHORT_LOOP_S = 0.2
 
-# Publishers of our library announce this size, and it introduces itself without a request. It reads all, and
-# answers all requests at once.
+# Publishers of our library announce this size. The library introduces itself without a request, reads all
+# bytes, and answers all requests at once.
 STREAMED_BYTES = 0xFFFF
 
 _OTHER = 0
@@ -125,7 +125,7 @@ class UnreadBytes:
         self._update()
 
     def get_timer(self) -> float | None:
-        """Return when to call `handle_timer`."""
+        """Return when to call `handle_timer`, None while nothing is due."""
         if not self._frames or self.version is None:
             return None
         due_s = self._expiry_s(self._frames[0])

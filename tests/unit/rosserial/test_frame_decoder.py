@@ -7,8 +7,14 @@ from collections.abc import Callable
 import pytest
 
 from rostether.rosserial.events import DiscardReason, FrameDiscarded
-from rostether.rosserial.frame_decoder import FIRST_SEARCH_S, MAX_SEARCH_S, Decoded, FrameDecoder, Frames
-from rostether.rosserial.payload_limits import PayloadLimits
+from rostether.rosserial.frame_decoder import (
+    FIRST_SEARCH_S,
+    MAX_SEARCH_S,
+    Decoded,
+    FrameDecoder,
+    Frames,
+    PayloadLimits,
+)
 from unit.rosserial.decoding import (
     by_topic,
     discards,

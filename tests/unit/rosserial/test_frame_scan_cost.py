@@ -11,9 +11,14 @@ import pytest
 from rostether.rosserial import frame_scan
 from rostether.rosserial.events import FrameDiscarded
 from rostether.rosserial.frame import encode_frame
-from rostether.rosserial.frame_decoder import FALSE_STARTS_PER_S, MAX_SAVED_FALSE_STARTS, FrameDecoder, Frames
+from rostether.rosserial.frame_decoder import (
+    FALSE_STARTS_PER_S,
+    MAX_SAVED_FALSE_STARTS,
+    FrameDecoder,
+    Frames,
+    PayloadLimits,
+)
 from rostether.rosserial.frame_scan import FrameScanner, Patience
-from rostether.rosserial.payload_limits import PayloadLimits
 
 CHUNK_BYTES = 64 * 1024
 LIMITS = {100: 512, 125: 512}

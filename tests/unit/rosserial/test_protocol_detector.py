@@ -4,9 +4,8 @@ import pytest
 
 from rostether.rosserial import topic_id as ids
 from rostether.rosserial.events import DiscardReason, FrameDiscarded
-from rostether.rosserial.frame_decoder import Frames
+from rostether.rosserial.frame_decoder import Frames, PayloadLimits
 from rostether.rosserial.packets import Log, LogLevel, TopicInfo
-from rostether.rosserial.payload_limits import PayloadLimits
 from rostether.rosserial.protocol_detector import HOLD_NOISE_S, MAX_HELD, ProtocolDetector
 from rostether.rosserial.topic_table import CONTROL_LIMITS
 from unit.rosserial.decoding import by_topic, frame
