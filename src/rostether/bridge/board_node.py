@@ -16,6 +16,7 @@ from rostether.bridge.reporter import Notices, Reporter
 from rostether.bridge.settings import DEFAULT_SETTINGS, BridgeSettings
 from rostether.errors import RostetherError
 from rostether.graph.ports import Graph, Level
+from rostether.mechanisms.token_bucket import TokenBucket
 from rostether.ports.settings import NO_SETTINGS, DeviceSettings
 from rostether.rosserial.events import (
     AnnouncementRefused,
@@ -29,7 +30,7 @@ from rostether.rosserial.packets import TopicInfo
 from rostether.serde.store import TypeStore
 from rostether.transports.address import ProgramSize
 
-# Lines reported at once: twice those of the largest board, which has 256 endpoints.
+# Lines reported at once: twice those of the largest board, which has 256 endpoints, and some reserve.
 SAVED_LINES = 600
 # After that limit, one line per this many seconds.
 LINE_PERIOD_S = 5.0
@@ -114,8 +115,7 @@ class SetupLines:
         self._notices = notices
         self._clock = clock
         self._noted_sizes: set[TopicRole] = set()
-        self._room = float(SAVED_LINES)
-        self._counted_s = clock()
+        self._lines = TokenBucket(1 / LINE_PERIOD_S, SAVED_LINES, clock())
         self._left_out = 0
         self._summed_s = float("-inf")
 
@@ -147,12 +147,10 @@ class SetupLines:
 
     def _report(self, text: str, level: Level = Level.INFO) -> None:
         now_s = self._clock()
-        self._room = min(self._room + (now_s - self._counted_s) / LINE_PERIOD_S, float(SAVED_LINES))
-        self._counted_s = now_s
-        if self._room < (RESUME_LINES if self._left_out else 1):
+        if self._lines.room(now_s) < (RESUME_LINES if self._left_out else 1):
             self._leave_out(now_s)
             return
-        self._room -= 1
+        self._lines.admit(1, now_s)
         self._left_out = 0
         self._notices.report(level, text)
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+from rostether.mechanisms.token_bucket import TokenBucket
 from rostether.rosserial import topic_id as ids
 
 
@@ -39,10 +40,10 @@ class ControlRate:
     """The allowances of one link; the clock is that of `now_s`."""
 
     def __init__(self) -> None:
-        self._buckets = dict.fromkeys(ids.ANNOUNCEMENTS, _Bucket(ANNOUNCEMENTS))
-        self._buckets |= {ids.LOG: _Bucket(LOGS), ids.TIME: _Bucket(TIME_REQUESTS)}
-        self._others = _Bucket(OTHERS)
-        self._changes = _Bucket(CHANGES)
+        self._buckets = dict.fromkeys(ids.ANNOUNCEMENTS, TokenBucket(*ANNOUNCEMENTS))
+        self._buckets |= {ids.LOG: TokenBucket(*LOGS), ids.TIME: TokenBucket(*TIME_REQUESTS)}
+        self._others = TokenBucket(*OTHERS)
+        self._changes = TokenBucket(*CHANGES)
 
     def admit(self, topic_id: int, count: int, now_s: float) -> int:
         """Return how many of `count` frames on a reserved id may be processed now."""
@@ -51,18 +52,3 @@ class ControlRate:
     def admit_change(self, now_s: float) -> bool:
         """Return whether an announcement may change the graph now."""
         return self._changes.admit(1, now_s) == 1
-
-
-class _Bucket:
-    def __init__(self, allowance: Allowance) -> None:
-        self._allowance = allowance
-        self._room = float(allowance.burst)
-        self._seen_s = 0.0
-
-    def admit(self, count: int, now_s: float) -> int:
-        per_s, burst = self._allowance
-        self._room = min(self._room + (now_s - self._seen_s) * per_s, float(burst))
-        self._seen_s = now_s
-        admitted = min(count, int(self._room))
-        self._room -= admitted
-        return admitted

@@ -1,4 +1,4 @@
-"""Creates the endpoint for a board's announcement, or the line that reports why there is none."""
+"""Creates the endpoint for a board's announcement, or raises the reason why there is none."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import time
 from collections.abc import Callable
 
 from rostether.bridge.endpoint.access import check_endpoint
-from rostether.bridge.endpoint.publisher import MessageRate, PublisherEndpoint
+from rostether.bridge.endpoint.publisher import PublisherEndpoint
 from rostether.bridge.endpoint.service_client import ServiceClientEndpoint
 from rostether.bridge.endpoint.service_server import ServiceServerEndpoint
 from rostether.bridge.endpoint.subscriber import SubscriberEndpoint
@@ -15,6 +15,7 @@ from rostether.bridge.reporter import Notices
 from rostether.bridge.settings import BridgeSettings
 from rostether.errors import TypeMismatchError
 from rostether.graph.ports import Graph
+from rostether.mechanisms.token_bucket import TokenBucket
 from rostether.ports.settings import NO_SETTINGS, DeviceSettings
 from rostether.rosserial.events import ServiceAnnounced, ServiceRole, TopicAnnounced, TopicRole
 from rostether.serde.store import TypeStore
@@ -41,7 +42,10 @@ class EndpointFactory:
         self._settings = settings
         self._access = device.access
         # One limit for all topics: a flood costs the same, however many topics it uses.
-        self._rate = MessageRate(settings.messages_hz, clock) if settings.messages_hz is not None else None
+        self._admit: Callable[[int], int] | None = None
+        if settings.messages_hz is not None:
+            bucket = TokenBucket(settings.messages_hz, settings.messages_hz, clock())
+            self._admit = lambda count: bucket.admit(count, clock())
         self._queue_depths = {graph.resolve(name): depth for name, depth in device.queue_depths.items()}
         self._mismatches: dict[tuple[str, str], str] = {}
 
@@ -64,7 +68,7 @@ class EndpointFactory:
                 self._graph,
                 self._notices,
                 self._settings,
-                self._rate,
+                self._admit,
                 has_header=has_header(self._store.registry, info.message_type),
             )
         return SubscriberEndpoint(

@@ -29,7 +29,7 @@ SETUP_PAUSE_S = 1.0
 
 
 class PublisherEndpoint:
-    """One topic id on which the board sends."""
+    """One topic id on which the board sends; `admit` returns how many of a number of messages may pass."""
 
     def __init__(
         self,
@@ -39,7 +39,7 @@ class PublisherEndpoint:
         graph: Graph,
         notices: Notices,
         settings: BridgeSettings,
-        rate: MessageRate | None = None,
+        admit: Callable[[int], int] | None = None,
         *,
         has_header: bool = False,
     ) -> None:
@@ -53,7 +53,7 @@ class PublisherEndpoint:
         self._graph = graph
         self._notices = notices
         self._settings = settings
-        self._rate = rate
+        self._admit = admit
         self._has_header = has_header
         self._sequence = 0
         self._line: BoardLine | None = None
@@ -112,8 +112,8 @@ class PublisherEndpoint:
             self._sort_out(payloads)
 
     def _publish_or_hold(self, payloads: list[bytes]) -> None:
-        if self._rate is not None:
-            payloads = self._keep_rate(self._rate, payloads)
+        if self._admit is not None:
+            payloads = self._keep_rate(payloads, self._admit(len(payloads)))
         if not payloads:
             return
         self.message_count += len(payloads)
@@ -143,16 +143,15 @@ class PublisherEndpoint:
             ]
         return [pack(number) + payload[size:] for number, payload in enumerate(payloads, first)]
 
-    def _keep_rate(self, rate: MessageRate, payloads: list[bytes]) -> list[bytes]:
-        admitted = rate.admit(len(payloads))
+    def _keep_rate(self, payloads: list[bytes], admitted: int) -> list[bytes]:
         dropped = len(payloads) - admitted
         if dropped:
             self.dropped_count += dropped
             self._notices.report_episode(
                 "messages_hz",
                 Level.WARN,
-                f"the board sends more than {rate.per_s:g} messages a second (its limit messages_hz), and "
-                "the rest is dropped; publish less often, or raise the limit",
+                f"the board sends more than {self._settings.messages_hz:g} messages a second (its limit "
+                "messages_hz), and the rest is dropped; publish less often, or raise the limit",
                 count=dropped,
             )
         return payloads[:admitted]
@@ -213,22 +212,3 @@ class PublisherEndpoint:
             f"{self.info.topic_name} is not advertised yet: its oldest messages are lost",
             count=dropped,
         )
-
-
-class MessageRate:
-    """Decides how many messages may pass; after a pause, a board may send `per_s` (1 or more) at once."""
-
-    def __init__(self, per_s: float, clock: Callable[[], float]) -> None:
-        self.per_s = per_s
-        self._clock = clock
-        self._room = per_s
-        self._seen_s = clock()
-
-    def admit(self, count: int) -> int:
-        """Return how many of `count` messages may pass now, at most all."""
-        now_s = self._clock()
-        self._room = min(self._room + (now_s - self._seen_s) * self.per_s, self.per_s)
-        self._seen_s = now_s
-        admitted = min(count, int(self._room))
-        self._room -= admitted
-        return admitted

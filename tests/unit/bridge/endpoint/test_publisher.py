@@ -2,13 +2,15 @@ from __future__ import annotations
 
 import asyncio
 import struct
+from collections.abc import Callable
 
 import pytest
 
-from rostether.bridge.endpoint.publisher import HELD_BYTES, MessageRate, PublisherEndpoint
+from rostether.bridge.endpoint.publisher import HELD_BYTES, PublisherEndpoint
 from rostether.bridge.outbound.stamps import has_header
-from rostether.bridge.settings import DEFAULT_SETTINGS
+from rostether.bridge.settings import BridgeSettings
 from rostether.graph.ports import Graph
+from rostether.mechanisms.token_bucket import TokenBucket
 from unit.bridge.doubles import FakeLine
 from unit.bridge.nodes import STORE, World, text, topic_info
 from waiting import until
@@ -18,7 +20,8 @@ def endpoint(
     world: World,
     type_name: str = "std_msgs/String",
     graph: Graph | None = None,
-    rate: MessageRate | None = None,
+    messages_hz: float | None = None,
+    admit: Callable[[int], int] | None = None,
 ) -> PublisherEndpoint:
     return PublisherEndpoint(
         topic_info("chatter", type_name),
@@ -26,8 +29,8 @@ def endpoint(
         STORE.layout(type_name),
         graph if graph is not None else world.board,
         world.notices,
-        DEFAULT_SETTINGS,
-        rate,
+        BridgeSettings(messages_hz=messages_hz),
+        admit,
         has_header=has_header(STORE.registry, type_name),
     )
 
@@ -169,8 +172,9 @@ async def test_attached_again_it_takes_the_new_id_only(world: World) -> None:
 
 async def test_a_board_brings_no_more_than_its_rate(world: World) -> None:
     now_s = 100.0
-    rate = MessageRate(10.0, lambda: now_s)
-    received, line, chatter = await world.listen("/chatter"), FakeLine(), endpoint(world, rate=rate)
+    bucket = TokenBucket(10.0, 10.0, now_s)
+    chatter = endpoint(world, messages_hz=10.0, admit=lambda count: bucket.admit(count, now_s))
+    received, line = await world.listen("/chatter"), FakeLine()
     chatter.attach(line, chatter.info)
     await chatter.open()
     line.receivers[125]([text(str(number)) for number in range(25)])
