@@ -6,7 +6,6 @@ import asyncio
 import math
 from collections import deque
 from collections.abc import Callable
-from typing import NamedTuple
 
 from rostether.bridge.endpoint.access import check_parameter
 from rostether.bridge.reporter import Notices, reason_of
@@ -21,6 +20,7 @@ from rostether.errors import (
 from rostether.graph.ports import Graph, Level, ParamValue
 from rostether.ports.settings import ANY_ACCESS, Access
 from rostether.rosserial.host_link import HostLink
+from rostether.rosserial.packets import ParameterResponse
 
 # A board waits for each answer before its next request, so more than a few waiting requests are damage.
 MAX_WAITING = 16
@@ -31,25 +31,19 @@ _FLOAT32_MAX = 3.4028234663852886e38
 _INT32_MIN, _INT32_MAX = -(2**31), 2**31 - 1
 
 
-class Answer(NamedTuple):
-    """A parameter in wire format; if all lists are empty, the parameter does not exist."""
-
-    ints: tuple[int, ...] = ()
-    floats: tuple[float, ...] = ()
-    strings: tuple[str, ...] = ()
-
-
-def to_answer(value: ParamValue) -> Answer | None:
+def to_answer(value: ParamValue) -> ParameterResponse | None:
     """Return a value as a board can receive it; None for mappings, mixed lists and huge integers."""
     items = value if isinstance(value, list) else [value]
     if all(isinstance(item, int) for item in items):
         ints = tuple(int(item) for item in items if isinstance(item, int))
-        return Answer(ints=ints) if all(_INT32_MIN <= item <= _INT32_MAX for item in ints) else None
+        return (
+            ParameterResponse(ints=ints) if all(_INT32_MIN <= item <= _INT32_MAX for item in ints) else None
+        )
     if all(isinstance(item, int | float) and not isinstance(item, bool) for item in items):
         floats = tuple(float(item) for item in items if isinstance(item, int | float))
-        return Answer(floats=floats) if all(map(_fits_float32, floats)) else None
+        return ParameterResponse(floats=floats) if all(map(_fits_float32, floats)) else None
     if all(isinstance(item, str) for item in items):
-        return Answer(strings=tuple(item for item in items if isinstance(item, str)))
+        return ParameterResponse(strings=tuple(item for item in items if isinstance(item, str)))
     return None
 
 
@@ -78,7 +72,9 @@ class ParameterRelay:
         """Handle a parameter request of the board."""
         if len(self._names) >= MAX_WAITING:
             self._notices.report_episode(
-                "parameters", Level.WARN, f"too many parameter requests at once; {name} gets no answer"
+                "parameters",
+                Level.WARN,
+                f"too many parameter requests at once; {name} gets no answer; request one after the other",
             )
             return
         self._names.append(name)
@@ -99,13 +95,13 @@ class ParameterRelay:
                 answer = await self._find(name)
             except Exception as error:  # noqa: BLE001 - the board waits, and asks again
                 self._report(name, reason_of(error))
-                answer = Answer()
+                answer = ParameterResponse()
             self._names.popleft()
             self._send(name, answer)
             self._on_answered()
         self._working = None
 
-    def _send(self, name: str, answer: Answer) -> None:
+    def _send(self, name: str, answer: ParameterResponse) -> None:
         try:
             self._link.answer_parameter(*answer)
         except Exception as error:  # noqa: BLE001 - as above
@@ -118,14 +114,14 @@ class ParameterRelay:
                 )
             self._report(name, f"{reason}; {outcome}")
 
-    async def _find(self, name: str) -> Answer:
+    async def _find(self, name: str) -> ParameterResponse:
         timeout_s = self._settings.parameter_timeout_s
         if self._access is not ANY_ACCESS:
             try:
                 check_parameter(self._access, self._graph.resolve(name))
             except (InvalidNameError, AccessDeniedError) as error:
                 self._report(name, str(error))
-                return Answer()
+                return ParameterResponse()
         failure = f"no answer from the master within {timeout_s:g} s"
         try:
             async with asyncio.timeout(timeout_s):
@@ -135,16 +131,16 @@ class ParameterRelay:
                         break
                     except UnknownNameError:
                         self._report(name, "it is not set")
-                        return Answer()
+                        return ParameterResponse()
                     except InvalidNameError as error:
                         self._report(name, str(error))
-                        return Answer()
+                        return ParameterResponse()
                     except GraphError as error:
                         failure = str(error)
                         await asyncio.sleep(RETRY_S)
         except TimeoutError:
             self._report(name, failure)
-            return Answer()
+            return ParameterResponse()
         answer = to_answer(value)
         if answer is None:
             self._report(
@@ -152,7 +148,7 @@ class ParameterRelay:
                 "a board can read a 32-bit integer, a float, a string, a bool or a list of one of these, "
                 f"but this is {_describe(value)}",
             )
-            return Answer()
+            return ParameterResponse()
         return answer
 
     def _report(self, name: str, reason: str) -> None:

@@ -8,6 +8,7 @@ from __future__ import annotations
 from rostether.rosserial import topic_id as ids
 from rostether.rosserial.frame import MAX_PAYLOAD_BYTES, encode_frame
 from rostether.rosserial.frame_decoder import Frames
+from rostether.rosserial.host_output import PROBE
 from rostether.rosserial.protocol_detector import ProtocolDetector
 from rostether.transports.peers import PeerEntry
 
@@ -35,9 +36,6 @@ def _frames_in(data: bytes) -> list[Frames]:
     return [each for each in decoded if isinstance(each, Frames)]
 
 
-# A sync byte and no protocol version: a board without a host requests the time, another one ignores it.
-_CALL = b"\xff\x00"
-
 BOARD_ENTRY = PeerEntry(
-    is_frame=holds_frame, request=encode_frame(ids.TOPIC_REQUEST, b""), is_answer=holds_answer, call=_CALL
+    is_frame=holds_frame, request=encode_frame(ids.TOPIC_REQUEST, b""), is_answer=holds_answer, call=PROBE
 )

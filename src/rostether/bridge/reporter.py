@@ -32,14 +32,12 @@ class SilentReporter:
 
 
 class LimitedReporter:
-    """Passes lines on, at most `count` of them in `period_s`: for lines that remote peers can cause."""
+    """Passes on a limited number of lines: for lines that remote peers can cause."""
 
-    def __init__(
-        self, reporter: Reporter, clock: Callable[[], float], *, count: int = 20, period_s: float = 10.0
-    ) -> None:
+    def __init__(self, reporter: Reporter, clock: Callable[[], float]) -> None:
         self._reporter = reporter
         self._clock = clock
-        self._budget = LineBudget(count, period_s)
+        self._budget = LineBudget()
 
     def report(self, level: Level, text: str, *, node: str = "") -> None:
         """Show one line, or count it."""
@@ -52,7 +50,7 @@ class LimitedReporter:
 
 
 def shown_line(text: str) -> str:
-    """Return the text as one line that cannot control a terminal, cut at 500 characters."""
+    """Return the text as one line that cannot control a terminal, cut at MAX_LINE_CHARS."""
     return escape_line(text.rstrip("\r\n"), MAX_LINE_CHARS)
 
 

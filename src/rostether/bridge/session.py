@@ -14,7 +14,6 @@ from collections.abc import Awaitable, Callable
 from typing import Any
 
 from rostether.bridge.board_node import BoardNode
-from rostether.bridge.endpoint.rescan import Rescan
 from rostether.bridge.findings.line_watch import NO_ANSWER_S
 from rostether.bridge.findings.medium import Medium
 from rostether.bridge.outbound.held_events import HeldEvents
@@ -48,6 +47,10 @@ from rostether.rosserial.events import (
 from rostether.rosserial.host_link import HostLink
 from rostether.transports.transport import Transport
 
+# Nested searches for frames inside messages. Noise within noise passes its checksum once in 65,536 times. A
+# board that sends only noise makes the scanner read each byte that many more times.
+MAX_RESCAN_DEPTH = 2
+
 _FLOODED = {ids.LOG: "log lines", ids.TIME: "time requests", ids.PARAMETER: "parameter requests"}
 
 _LOG = logging.getLogger(__name__)
@@ -67,7 +70,6 @@ class Session:
         self.baud = None if transport.can_pause else baud
         self.link = HostLink(node.link_config())
         self.receivers: dict[int, Callable[[list[bytes]], None]] = {}
-        self.unbridged_count = 0
         self._loop = asyncio.get_running_loop()
         self.received_at_s = self._loop.time()
         self._notices = node.notices
@@ -93,20 +95,20 @@ class Session:
         self._setup = node.setup
         self._setup.connected()
         self._was_reset = False
-        self._rescan = Rescan(self.link, self._handle)
+        self._rescan_depth = 0
         self._held = HeldEvents(node.store.registry, self._act, self._fail)
         self._ended: asyncio.Future[TransportError | None] = self._loop.create_future()
         self._handlers: dict[type[Any], Callable[[Any], None]] = {
             TopicAnnounced: self._topic_announced,
-            TopicWithdrawn: self._withdrawn,
+            TopicWithdrawn: node.endpoints.withdraw,
             ServiceAnnounced: self._service_announced,
-            ServiceWithdrawn: self._withdrawn,
+            ServiceWithdrawn: node.endpoints.withdraw,
             MessagesReceived: lambda event: self._deliver(event.topic_id, event.payloads),
             AnnouncementRefused: self._setup.report_refusal,
             NegotiationSettled: self._settled,
             TimeRequested: self._time_requested,
             LogReceived: lambda event: node.notices.report(Level[event.level.name], event.text),
-            ParameterRequested: self._parameter_requested,
+            ParameterRequested: lambda event: self._parameters.ask(event.name),
             UnknownTopicId: self._unknown_id,
             ControlFlood: self._control_flood,
             DeviceReset: self._device_reset,
@@ -136,7 +138,7 @@ class Session:
         self._after_link()
 
     async def wait_ended(self) -> TransportError | None:
-        """Wait until the connection ends; return the error, None if we ended it."""
+        """Wait until the connection ends; return the error, None if the bridge ended it."""
         return await asyncio.shield(self._ended)
 
     async def stop(self) -> None:
@@ -187,7 +189,13 @@ class Session:
 
     def rescan(self, payload: bytes) -> None:
         """Handle frames inside a message that does not have its type's layout: noise covered them."""
-        self._rescan.rescan(payload, self._loop.time())
+        if self._rescan_depth < MAX_RESCAN_DEPTH:
+            self._rescan_depth += 1
+            try:
+                for event in self.link.rescan(payload, self._loop.time()):
+                    self._handle(event)
+            finally:
+                self._rescan_depth -= 1
         self._after_link()
 
     def call_started(self) -> None:
@@ -225,8 +233,8 @@ class Session:
         receive = self.receivers.get(topic_id)
         if receive is not None:
             receive(payloads)
-        elif not self._held.keep(MessagesReceived(topic_id, payloads)):
-            self.unbridged_count += len(payloads)
+        else:
+            self._held.keep(MessagesReceived(topic_id, payloads))
         if topic_id in self._stamps.offsets:
             self._stamps.track(topic_id, payloads, self._loop.time())
 
@@ -258,9 +266,6 @@ class Session:
         if self.node.endpoints.announce_service(event, self):
             self._setup.report_service(event)
 
-    def _withdrawn(self, event: TopicWithdrawn | ServiceWithdrawn) -> None:
-        self.node.endpoints.withdraw(event)
-
     def _settled(self, _event: NegotiationSettled) -> None:
         self.node.endpoints.settle()
         self.node.health.required.compare(self.node.endpoints.announced_topics())
@@ -274,9 +279,6 @@ class Session:
         self.link.answer_time(time, now_s)
         self._stamps.answered(time, now_s)
         self.node.endpoints.time_requested(now_s)
-
-    def _parameter_requested(self, event: ParameterRequested) -> None:
-        self._parameters.ask(event.name)
 
     def _unknown_id(self, event: UnknownTopicId) -> None:
         self._notices.report_episode(
@@ -331,7 +333,7 @@ class Session:
         if self._ended.done():
             return
         self._ended.set_result(error)
-        _LOG.debug("%r: ended: %s", self, error or "closed by us")
+        _LOG.debug("%r: ended: %s", self, error or "closed by the bridge")
         for timer in (self._timer, self._no_answer):
             if timer is not None:
                 timer.cancel()

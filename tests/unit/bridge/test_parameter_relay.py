@@ -6,11 +6,12 @@ from typing import cast
 
 import pytest
 
-from rostether.bridge.parameter_relay import MAX_WAITING, Answer, ParameterRelay, to_answer
+from rostether.bridge.parameter_relay import MAX_WAITING, ParameterRelay, to_answer
 from rostether.bridge.settings import BridgeSettings
 from rostether.errors import LocalProtocolError, MasterUnreachableError
 from rostether.graph.ports import Graph, ParamValue
 from rostether.rosserial.host_link import HostLink
+from rostether.rosserial.packets import ParameterResponse
 from unit.bridge.nodes import World
 from waiting import until
 
@@ -19,7 +20,7 @@ class Answers:
     """The link's half: keeps what the board would get."""
 
     def __init__(self) -> None:
-        self.given: list[Answer] = []
+        self.given: list[ParameterResponse] = []
         self.sent = 0
         self.limit = 100
         self.takes_nothing = False
@@ -31,7 +32,7 @@ class Answers:
             raise LocalProtocolError("the answer needs 12 bytes, but the device's buffer has 11")
         if len(ints) > self.limit:
             raise LocalProtocolError("412 bytes do not fit in the board's buffer of 280")
-        self.given.append(Answer(tuple(ints), tuple(floats), tuple(strings)))
+        self.given.append(ParameterResponse(tuple(ints), tuple(floats), tuple(strings)))
 
     def send(self) -> None:
         self.sent += 1
@@ -69,18 +70,18 @@ async def world() -> World:
 @pytest.mark.parametrize(
     ("value", "answer"),
     [
-        (42, Answer(ints=(42,))),
-        (-(2**31), Answer(ints=(-(2**31),))),
-        (True, Answer(ints=(1,))),
-        ([True, False], Answer(ints=(1, 0))),
-        (2.5, Answer(floats=(2.5,))),
-        (float("inf"), Answer(floats=(float("inf"),))),
-        ([1, 2.5], Answer(floats=(1.0, 2.5))),
-        ("left arm", Answer(strings=("left arm",))),
-        ("", Answer(strings=("",))),
-        (["a", "b"], Answer(strings=("a", "b"))),
-        ([1, 2, 3], Answer(ints=(1, 2, 3))),
-        ([], Answer()),
+        (42, ParameterResponse(ints=(42,))),
+        (-(2**31), ParameterResponse(ints=(-(2**31),))),
+        (True, ParameterResponse(ints=(1,))),
+        ([True, False], ParameterResponse(ints=(1, 0))),
+        (2.5, ParameterResponse(floats=(2.5,))),
+        (float("inf"), ParameterResponse(floats=(float("inf"),))),
+        ([1, 2.5], ParameterResponse(floats=(1.0, 2.5))),
+        ("left arm", ParameterResponse(strings=("left arm",))),
+        ("", ParameterResponse(strings=("",))),
+        (["a", "b"], ParameterResponse(strings=("a", "b"))),
+        ([1, 2, 3], ParameterResponse(ints=(1, 2, 3))),
+        ([], ParameterResponse()),
         (2**31, None),
         (1e300, None),
         ({"p": 1.0}, None),
@@ -90,7 +91,7 @@ async def world() -> World:
         (b"binary", None),
     ],
 )
-def test_values_sent_to_a_board(value: ParamValue, answer: Answer | None) -> None:
+def test_values_sent_to_a_board(value: ParamValue, answer: ParameterResponse | None) -> None:
     assert to_answer(value) == answer
 
 
@@ -102,7 +103,7 @@ async def test_questions_are_answered_in_their_order(world: World) -> None:
     for number in range(5):
         asking.ask(f"p{number}")
     await until(lambda: len(answers.given) == 5, "five answers")
-    assert answers.given == [Answer(ints=(number,)) for number in range(5)]
+    assert answers.given == [ParameterResponse(ints=(number,)) for number in range(5)]
     assert answers.sent == 5
 
 
@@ -111,7 +112,7 @@ async def test_a_private_name_is_the_boards_own(world: World) -> None:
     answers = Answers()
     relay(world, answers).ask("~gain")
     await until(lambda: answers.given, "the answer")
-    assert answers.given == [Answer(floats=(2.5,))]
+    assert answers.given == [ParameterResponse(floats=(2.5,))]
 
 
 @pytest.mark.parametrize("name", ["missing", "no spaces", "tree", ""])
@@ -122,7 +123,7 @@ async def test_unknown_answers_are_empty_with_one_line(world: World, name: str) 
     for _ in range(3):
         asking.ask(name)
     await until(lambda: len(answers.given) == 3, "the answers")
-    assert answers.given == [Answer()] * 3
+    assert answers.given == [ParameterResponse()] * 3
     assert len(world.reporter.texts) == 1
 
 
@@ -144,7 +145,7 @@ async def test_a_master_that_was_away_for_a_moment_is_asked_again(world: World) 
     answers = Answers()
     relay(world, answers, BrokenGraph(2)).ask("gain")
     await until(lambda: answers.given, "the answer")
-    assert answers.given == [Answer(ints=(7,))]
+    assert answers.given == [ParameterResponse(ints=(7,))]
     assert world.reporter.texts == []
 
 
@@ -152,7 +153,7 @@ async def test_a_master_that_stays_away_costs_the_board_less_than_its_patience(w
     answers = Answers()
     relay(world, answers, BrokenGraph(1000), timeout_s=0.15).ask("gain")
     await until(lambda: answers.given, "the answer")
-    assert answers.given == [Answer()]
+    assert answers.given == [ParameterResponse()]
     assert "no master answers" in world.reporter.texts[0]
 
 
@@ -161,7 +162,7 @@ async def test_an_answer_too_large_for_the_board_is_replaced(world: World) -> No
     answers = Answers()
     relay(world, answers).ask("list")
     await until(lambda: answers.given, "the answer")
-    assert answers.given == [Answer()]
+    assert answers.given == [ParameterResponse()]
     assert "buffer of 280" in world.reporter.texts[0]
 
 
@@ -181,7 +182,7 @@ async def test_a_board_that_accepts_no_answer_is_reported_and_later_requests_are
     answers.takes_nothing = False
     asking.ask("gain")
     await until(lambda: answers.given, "the answer")
-    assert answers.given == [Answer(ints=(2,))]
+    assert answers.given == [ParameterResponse(ints=(2,))]
 
 
 async def test_a_defect_costs_one_answer_and_is_one_line(world: World) -> None:
@@ -196,7 +197,7 @@ async def test_a_defect_costs_one_answer_and_is_one_line(world: World) -> None:
     asking.ask("odd")
     asking.ask("gain")
     await until(lambda: len(answers.given) == 2, "the answers")
-    assert answers.given == [Answer(), Answer(ints=(7,))]
+    assert answers.given == [ParameterResponse(), ParameterResponse(ints=(7,))]
     assert world.reporter.texts == [
         "parameter odd, requested by the board: KeyError: 'odd'; please report it"
     ]

@@ -24,7 +24,7 @@ _PACKETS: dict[int | None, str] = {
 }
 
 
-class Announcements:
+class AnnouncementFindings:
     """The invalid announcements of one connection."""
 
     def __init__(self) -> None:

@@ -52,9 +52,7 @@ class BoardHealth:
         self._resets = Resets()
         self._was_closed = False
         self._ledger = FindingLedger()
-        self._endpoints = EndpointFindings(
-            endpoints, lambda type_name: store.layout(type_name).smallest_size_bytes
-        )
+        self._endpoints = EndpointFindings(endpoints, store)
 
     def connected(
         self, baud: int | None, statistics: LinkStatistics, now_s: float, medium: Medium = Medium.SERIAL
@@ -146,8 +144,3 @@ class FindingLedger:
         while len(self._reported) > MAX_KEYS:
             self._reported.popitem(last=False)
         return due
-
-    def forget(self, *codes: Code) -> None:
-        """Report the next finding of these codes again, because its cause has certainly ended."""
-        for key in [key for key in self._reported if key[0] in codes]:
-            del self._reported[key]

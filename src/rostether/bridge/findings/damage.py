@@ -6,12 +6,13 @@ from collections import deque
 
 from rostether.bridge.findings.finding import Code, Finding, warning
 from rostether.bridge.findings.medium import Medium
-from rostether.rosserial.events import DiscardReason, FrameDiscarded
+from rostether.rosserial.events import DAMAGE, DiscardReason, FrameDiscarded
 
 # Long enough for a percentage on a board that sends once a second, short enough to show the effect of a new
 # cable soon.
 WINDOW_S = 30.0
 
+# One or two may be a plug that was touched.
 MIN_DAMAGED = 3
 # A reset within a frame damages two frames, together with the output of the bootloader.
 RESET_DAMAGES = 2
@@ -34,7 +35,6 @@ _ADVICE = {
     ),
 }
 
-_CHECKS = frozenset({DiscardReason.LENGTH_CHECKSUM, DiscardReason.PAYLOAD_CHECKSUM, DiscardReason.PACKET})
 _REMAINS = frozenset({DiscardReason.NOISE, DiscardReason.VERSION, DiscardReason.UNFINISHED})
 # Stray bytes shorter than a frame do not count.
 _MIN_REMAINS_BYTES = 8
@@ -59,7 +59,7 @@ class Damage:
         Discarded bytes at the same moment are the rest of it.
         """
         is_remains = event.reason in _REMAINS and len(event.data) >= _MIN_REMAINS_BYTES
-        if event.reason in _CHECKS or (is_remains and now_s > self._last_s):
+        if event.reason in DAMAGE or (is_remains and now_s > self._last_s):
             self._count += 1
             self._unconfirmed = self._unconfirmed + 1 if frame_count == self._frame_count else 1
             self._frame_count = frame_count

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 from rostether.bridge.endpoint.openings import Endpoint, ServiceEndpoint, name_of
 from rostether.bridge.endpoint.publisher import PublisherEndpoint
 from rostether.bridge.endpoint.subscriber import SubscriberEndpoint
@@ -11,30 +9,27 @@ from rostether.bridge.endpoint.table import EndpointTable
 from rostether.bridge.findings.finding import Code, Finding, error, warning
 from rostether.bridge.findings.oversize import Oversizes
 from rostether.errors import DefinitionError, RostetherError, TypeMismatchError, UnknownTypeError
+from rostether.rosserial.device_link import PUBLISHER_OVERHEAD_BYTES
 from rostether.rosserial.events import ServiceRole
 from rostether.rosserial.packets import TopicInfo
+from rostether.serde.store import TypeStore
 
 # How long a loss is reported after it happened.
 RECENT_S = 30.0
 
+# One damaged frame in 256 passes the checksum; more misfits than this mean another definition.
 MIN_MISFITS = 3
-# One damaged frame in 256 passes the checksum; more misfits mean another definition.
 MISFIT_SHARE = 0.05
-
-# The bytes of a frame beside the payload in a board's output buffer.
-PUBLISHER_OVERHEAD_BYTES = 8
 
 _LARGER = "enlarge it in the sketch: ros::NodeHandle_<ArduinoHardware, 25, 25, INPUT, OUTPUT>, in bytes"
 
-SmallestSize = Callable[[str], int]
-
 
 class EndpointFindings:
-    """Judges the endpoints of one board; `smallest_bytes` gives the size of a type's smallest message."""
+    """Judges the endpoints of one board."""
 
-    def __init__(self, endpoints: EndpointTable, smallest_bytes: SmallestSize) -> None:
+    def __init__(self, endpoints: EndpointTable, store: TypeStore) -> None:
         self._endpoints = endpoints
-        self._smallest_bytes = smallest_bytes
+        self._store = store
         self._losses: dict[str, tuple[int, float]] = {}
 
     def find(self, now_s: float, too_large_s: float, oversizes: Oversizes) -> list[Finding]:
@@ -79,7 +74,7 @@ class EndpointFindings:
     def _publisher(self, endpoint: PublisherEndpoint) -> list[Finding]:
         found = []
         info = endpoint.info
-        needed = self._smallest_bytes(info.message_type) + PUBLISHER_OVERHEAD_BYTES
+        needed = self._store.layout(info.message_type).smallest_size_bytes + PUBLISHER_OVERHEAD_BYTES
         if needed > info.buffer_size:
             found.append(
                 error(
@@ -106,7 +101,8 @@ class EndpointFindings:
     def _subscriber(self, endpoint: SubscriberEndpoint, now_s: float) -> list[Finding]:
         found = []
         info = endpoint.info
-        largest = max(endpoint.largest_oversize_bytes, self._smallest_bytes(info.message_type))
+        smallest_bytes = self._store.layout(info.message_type).smallest_size_bytes
+        largest = max(endpoint.largest_oversize_bytes, smallest_bytes)
         if largest > info.buffer_size:
             found.append(
                 error(

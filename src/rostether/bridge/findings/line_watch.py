@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from rostether.bridge.findings.announcements import Announcements
+from rostether.bridge.findings.announcements import AnnouncementFindings
 from rostether.bridge.findings.damage import Damage
 from rostether.bridge.findings.finding import Code, Finding, error, warning
 from rostether.bridge.findings.loop_speed import LoopSpeed
@@ -84,7 +84,7 @@ class LineWatch:
         self._opened_s = self._found_s = now_s
         self._medium = medium
         self._damage = Damage(medium)
-        self._announcements = Announcements()
+        self._announcements = AnnouncementFindings()
         self._version: int | None = None
         self._alive_s: float | None = None
         self._silence_s: float | None = None

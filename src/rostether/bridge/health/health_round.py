@@ -48,7 +48,7 @@ class HealthRound:
         self._reporter = reporter
         self._clock = clock
         self._publishes = publishes
-        self._publications: WeakKeyDictionary[BoardNode, _Publication] = WeakKeyDictionary()
+        self._publishers: WeakKeyDictionary[BoardNode, _StatusPublisher] = WeakKeyDictionary()
         self._tasks: list[asyncio.Task[None]] = []
         self._is_broken = False
         self._shared_topics = SharedTopics(reporter)
@@ -63,8 +63,8 @@ class HealthRound:
     async def close(self) -> None:
         """Stop, and unadvertise. Idempotent."""
         await cancel_all(*self._tasks)
-        for publication in list(self._publications.values()):
-            await publication.close()
+        for publisher in list(self._publishers.values()):
+            await publisher.close()
 
     def _check_boards(self, boards: Iterable[Board]) -> None:
         now_s = self._clock()
@@ -91,8 +91,8 @@ class HealthRound:
             self._check_boards(board for board in list(self._boards()) if self._has_new_subscriber(board))
 
     def _has_new_subscriber(self, board: Board) -> bool:
-        publication = self._publications.get(board.node) if board.node is not None else None
-        return publication is not None and publication.has_new_subscriber()
+        publisher = self._publishers.get(board.node) if board.node is not None else None
+        return publisher is not None and publisher.has_new_subscriber()
 
     def _check_board(self, board: Board, node: BoardNode, now_s: float) -> None:
         session = board.session
@@ -101,11 +101,11 @@ class HealthRound:
         node.health.report(findings, now_s)
         if not self._publishes:
             return
-        publication = self._publications.get(node)
-        if publication is None:
-            publication = self._publications[node] = _Publication(node, self._store)
-        if publication.is_wanted:
-            publication.publish(publication.writer.array(node, view_board(node, session), findings, now_s))
+        publisher = self._publishers.get(node)
+        if publisher is None:
+            publisher = self._publishers[node] = _StatusPublisher(node, self._store)
+        if publisher.is_wanted:
+            publisher.publish(publisher.writer.array(node, view_board(node, session), findings, now_s))
 
     def _report_defect(self, error: Exception) -> None:
         if not self._is_broken:
@@ -115,8 +115,8 @@ class HealthRound:
             )
 
 
-class _Publication:
-    """One board's publication of /diagnostics, advertised in the background."""
+class _StatusPublisher:
+    """One board's publisher of /diagnostics, advertised in the background."""
 
     def __init__(self, node: BoardNode, store: TypeStore) -> None:
         self.writer = StatusWriter()

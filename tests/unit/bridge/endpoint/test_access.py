@@ -9,13 +9,14 @@ import pytest
 from rostether.bridge.endpoint.access import check_endpoint, check_parameter
 from rostether.bridge.endpoint.factory import EndpointFactory
 from rostether.bridge.endpoint.table import EndpointTable
-from rostether.bridge.parameter_relay import Answer, ParameterRelay
+from rostether.bridge.parameter_relay import ParameterRelay
 from rostether.bridge.settings import DEFAULT_SETTINGS
 from rostether.errors import AccessDeniedError
 from rostether.ports.devices_toml import parse_devices_toml
 from rostether.ports.settings import ANY_ACCESS, Access, DeviceSettings, NameRule
 from rostether.rosserial.events import ServiceRole, TopicRole
 from rostether.rosserial.host_link import HostLink
+from rostether.rosserial.packets import ParameterResponse
 from unit.bridge.doubles import FakeLine
 from unit.bridge.nodes import STORE, World, publisher, service, subscriber
 from unit.bridge.test_parameter_relay import Answers
@@ -86,7 +87,12 @@ async def test_a_denied_parameter_is_answered_with_nothing() -> None:
     for name in ("/secret", "secret", "/gains/p", "~gains//p"):
         relay.ask(name)
     await until(lambda: len(answers.given) == 4, "the answers")
-    assert answers.given == [Answer(), Answer(), Answer(ints=(3,)), Answer()]
+    assert answers.given == [
+        ParameterResponse(),
+        ParameterResponse(),
+        ParameterResponse(ints=(3,)),
+        ParameterResponse(),
+    ]
 
 
 async def test_rules_of_a_file_reach_the_endpoints() -> None:

@@ -1,14 +1,14 @@
 from __future__ import annotations
 
 import asyncio
-from typing import Any
+
+import pytest
 
 from rostether.bridge.board_node import BoardNode
-from rostether.bridge.endpoint.rescan import MAX_DEPTH, Rescan
-from rostether.bridge.session import Session
+from rostether.bridge.session import MAX_RESCAN_DEPTH, Session
 from rostether.bridge.settings import BridgeSettings
 from rostether.rosserial import topic_id as ids
-from rostether.rosserial.events import HostEvent, TimeRequested
+from rostether.rosserial.events import HostEvent, MessagesReceived
 from rostether.rosserial.frame import encode_frame
 from rostether.transports.memory import memory_pair
 from unit.bridge.nodes import STORE, World, text, topic_info
@@ -25,23 +25,26 @@ def lucky_header(topic_id: int, following: bytes) -> bytes:
     return b""
 
 
-class Swallower:
-    """A link in which every payload holds another."""
-
+async def test_looks_end(monkeypatch: pytest.MonkeyPatch) -> None:
+    world = await World().open()
+    node = BoardNode(world.board, STORE, world.reporter, asyncio.get_running_loop().time, BridgeSettings())
+    ours, _ = memory_pair()
+    session = Session(ours, node)
     looks = 0
 
-    def rescan(self, payload: bytes, now_s: float) -> list[HostEvent]:
-        self.looks += 1
-        return [TimeRequested()]
+    def rescan(payload: bytes, now_s: float) -> list[HostEvent]:
+        nonlocal looks
+        looks += 1
+        return [MessagesReceived(125, [payload])]
 
-
-def test_looks_end() -> None:
-    link: Any = Swallower()
-    look = Rescan(link, lambda event: look.rescan(b"", 0.0))
-    look.rescan(b"", 0.0)
-    assert link.looks == MAX_DEPTH
-    look.rescan(b"", 0.0)
-    assert link.looks == 2 * MAX_DEPTH
+    monkeypatch.setattr(session.link, "rescan", rescan)
+    session.receivers[125] = lambda payloads: session.rescan(payloads[0])
+    session.rescan(b"")
+    assert looks == MAX_RESCAN_DEPTH
+    session.rescan(b"")
+    assert looks == 2 * MAX_RESCAN_DEPTH
+    await session.stop()
+    await node.close()
 
 
 async def test_header_garbage_between_messages_loses_hardly_any() -> None:

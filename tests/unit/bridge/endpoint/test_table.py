@@ -213,7 +213,7 @@ async def test_a_name_that_another_spelling_held_is_bridged_when_that_has_gone(w
     await world.advertised("/level")
     world.table.announce_topic(publisher("level", "std_msgs/UInt16", topic_id=125), line)
     await until(lambda: world.reporter.having("level is not bridged"), "the refusal")
-    findings = EndpointFindings(world.table, lambda _: 0)
+    findings = EndpointFindings(world.table, STORE)
     (finding,) = findings.find(0.0, -math.inf, Oversizes())
     assert finding.seen.startswith("level is not bridged: ")
     assert finding.code is Code.NOT_BRIDGED

@@ -2,7 +2,7 @@ from __future__ import annotations
 
 from msgspec.structs import replace
 
-from rostether.bridge.findings.announcements import MAX_KEPT, Announcements, is_overwritten
+from rostether.bridge.findings.announcements import MAX_KEPT, AnnouncementFindings, is_overwritten
 from rostether.bridge.findings.finding import Code
 from rostether.rosserial import topic_id as ids
 from rostether.rosserial.events import AnnouncementRefused, DiscardReason, FrameDiscarded
@@ -23,7 +23,7 @@ def test_names_that_no_compiler_has_put_there() -> None:
 
 
 def test_once_may_be_the_line_and_twice_is_the_board() -> None:
-    announcements = Announcements()
+    announcements = AnnouncementFindings()
     announcements.discarded(refused(GARBLED))
     assert announcements.find() == []
     announcements.discarded(refused(replace(GARBLED, topic_name="te\x7fmp")))
@@ -33,7 +33,7 @@ def test_once_may_be_the_line_and_twice_is_the_board() -> None:
 
 
 def test_lengths_that_were_overwritten() -> None:
-    announcements = Announcements()
+    announcements = AnnouncementFindings()
     packet = FrameDiscarded(DiscardReason.PACKET, b"\x65\x00\xff\xff\x00\x00temp")
     announcements.discarded(packet)
     announcements.discarded(FrameDiscarded(DiscardReason.PACKET, b"noise that passed its checksum"))
@@ -44,7 +44,7 @@ def test_lengths_that_were_overwritten() -> None:
 
 
 def test_it_is_reported_which_packets_are_damaged() -> None:
-    announcements = Announcements()
+    announcements = AnnouncementFindings()
     for _ in range(3):
         announcements.discarded(FrameDiscarded(DiscardReason.PACKET, b"", ids.LOG))
     (finding,) = announcements.find()
@@ -52,7 +52,7 @@ def test_it_is_reported_which_packets_are_damaged() -> None:
 
 
 def test_a_readable_name_that_is_wrong_is_the_sketch() -> None:
-    announcements = Announcements()
+    announcements = AnnouncementFindings()
     reason = "a name must start with a letter; write my_topic in the sketch"
     announcements.refused(AnnouncementRefused("my topic", "std_msgs/String", reason))
     (finding,) = announcements.find()
@@ -63,13 +63,13 @@ def test_a_readable_name_that_is_wrong_is_the_sketch() -> None:
 
 
 def test_a_damaged_name_is_reported_once() -> None:
-    announcements = Announcements()
+    announcements = AnnouncementFindings()
     announcements.refused(AnnouncementRefused("te\x00mp", "std_msgs/String", "a name must; write it"))
     assert announcements.find() == []
 
 
 def test_a_board_that_makes_up_names_fills_no_memory() -> None:
-    announcements = Announcements()
+    announcements = AnnouncementFindings()
     for number in range(1000):
         announcements.discarded(refused(replace(GARBLED, topic_name=f"\x00{number}")))
         announcements.refused(AnnouncementRefused(str(number), "a/B", "no; change it"))

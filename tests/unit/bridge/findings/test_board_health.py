@@ -103,10 +103,3 @@ def test_a_board_that_makes_up_names_fills_no_memory() -> None:
     for number in range(2 * MAX_KEYS):
         ledger.due([error(Code.NOT_BRIDGED, "", "", str(number))], 0.0)
     assert len(ledger._reported) == MAX_KEYS
-
-
-def test_a_finding_that_was_gone_for_certain_is_reported_again() -> None:
-    ledger = FindingLedger()
-    ledger.due([slow()], 0.0)
-    ledger.forget(Code.SLOW_LOOP)
-    assert ledger.due([slow()], 1.0) == [slow()]

@@ -85,7 +85,7 @@ async def test_a_type_is_searched_while_the_loop_goes_on_and_no_message_is_lost(
     await until(lambda: received, "a message")
     assert watch.folders > 20
     assert watch.held == 0
-    assert session.unbridged_count == 0
+    assert [endpoint.message_count for _, endpoint in node.endpoints] == [4]
     await session.stop()
     await node.close()
 
