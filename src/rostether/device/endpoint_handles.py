@@ -47,7 +47,7 @@ class Publisher(Declared, Generic[P]):
 
     @property
     def message_class(self) -> type[Message]:
-        """The class of the topic's messages; publishing one object again and again is the fastest way."""
+        """The class of the topic's messages; publishing one object repeatedly is the fastest way."""
         return self._codec.message_class
 
     @overload
