@@ -69,7 +69,7 @@ def as_snapshot(view: GraphView) -> Snapshot:
         {
             name: TopicEntry(
                 name,
-                ", ".join(view.types(TOPIC_KINDS, name)),
+                " ".join(view.types(TOPIC_KINDS, name)),
                 _nodes(view, EndpointKind.PUBLISHER, name),
                 _nodes(view, EndpointKind.SUBSCRIPTION, name),
             )
@@ -77,7 +77,7 @@ def as_snapshot(view: GraphView) -> Snapshot:
         },
         {
             name: ServiceEntry(
-                name, _nodes(view, EndpointKind.SERVER, name), ", ".join(view.types(SERVICE_KINDS, name))
+                name, _nodes(view, EndpointKind.SERVER, name), " ".join(view.types(SERVICE_KINDS, name))
             )
             for name in view.names([EndpointKind.SERVER], with_hidden=True)
         },

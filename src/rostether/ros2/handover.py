@@ -16,6 +16,14 @@ MAX_BATCH = 1000
 MAX_BATCH_BYTES = 1 << 20
 
 
+def loss_text(topic: str) -> str:
+    """Return the warning about dropped messages of a topic."""
+    return (
+        f"messages of {topic} arrive faster than this node handles them, and the oldest are dropped; publish "
+        "them less often"
+    )
+
+
 class Handover(Generic[_Item]):
     """Passes items on in order; beyond `limit` (bytes, or items of size 1), the oldest are dropped.
 

@@ -1,6 +1,6 @@
 """Asks nodes for the definitions of their types with the service `~/get_type_description`.
 
-Source: type_description_interfaces/srv/GetTypeDescription and REP 2016. Nodes of Jazzy and later offer it;
+Source: type_description_interfaces/srv/GetTypeDescription and REP-2016. Nodes of Jazzy and later offer it;
 Humble has no hashes of types, and no such service.
 """
 

@@ -23,8 +23,8 @@ from rostether.ros2.types.type_support import Ros2Types
 class RclpyContext:
     """Opens nodes on a ROS 2 graph through rclpy and its installed middleware.
 
-    The middleware reads its settings from the environment of the process: RMW_IMPLEMENTATION,
-    ROS_AUTOMATIC_DISCOVERY_RANGE, ROS_STATIC_PEERS and its own.
+    rclpy and the middleware read other settings from the environment of the process: RMW_IMPLEMENTATION,
+    ROS_AUTOMATIC_DISCOVERY_RANGE, ROS_STATIC_PEERS, and the middleware's own variables.
     """
 
     def __init__(self, context: Any, types: Ros2Types, arguments: Sequence[str]) -> None:
@@ -37,10 +37,8 @@ class RclpyContext:
         self._is_closed = False
 
     @classmethod
-    async def open(
-        cls, types: Ros2Types, *, domain_id: int | None = None, arguments: Sequence[str] = ()
-    ) -> RclpyContext:
-        """Start rclpy; `domain_id` overrides ROS_DOMAIN_ID.
+    async def open(cls, types: Ros2Types, *, domain_id: int, arguments: Sequence[str] = ()) -> RclpyContext:
+        """Start rclpy in a domain.
 
         `arguments` are passed to every node, such as `["--ros-args", "--params-file", "a.yaml"]`.
         Raises ConfigError if rclpy is not installed, GraphError if it does not start.

@@ -1,4 +1,4 @@
-"""The publishers, subscribers, service servers and service clients of one node."""
+"""The publishers, subscribers, service servers and service clients of one node, over rclpy."""
 
 from __future__ import annotations
 
@@ -12,26 +12,29 @@ from rostether.graph.publisher_handle import PublisherHandle, check_same_type
 from rostether.msgdef.interface import ANY_TYPE, MessageType, ServiceType
 from rostether.ros2.listed_client import ListedClient
 from rostether.ros2.rclpy.own_node import OwnNode
-from rostether.ros2.rclpy.publication import Publication
+from rostether.ros2.rclpy.publication import RclpyPublication
 from rostether.ros2.rclpy.service_client import DISCOVERY_S, SERVICE_POLL_INTERVAL_S, RclpyServiceClient
 from rostether.ros2.rclpy.service_server import RclpyServiceServer
 from rostether.ros2.rclpy.subscription import RclpySubscriber
 from rostether.ros2.types.type_support import ServiceSupport
 
-# How often a subscriber looks for publishers, as rclpy does not report them; users do not notice 0.2 s.
+# How often a subscriber to which rclpy reports no new publishers looks for them; users do not notice 0.2 s.
 PUBLISHER_POLL_INTERVAL_S = 0.2
 
 
 class Endpoints:
-    """Makes and ends the endpoints of a node; names are fully resolved."""
+    """Makes and ends the endpoints of a node; names are fully resolved.
+
+    The methods raise the same errors as those of `RclpyGraph`.
+    """
 
     def __init__(self, own: OwnNode) -> None:
         self._own = own
-        self._publications: dict[str, Publication] = {}
+        self._publications: dict[str, RclpyPublication] = {}
         self._subscribers: set[RclpySubscriber] = set()
         self._servers: dict[str, RclpyServiceServer] = {}
         self._clients: dict[tuple[str, str], RclpyServiceClient] = {}
-        # The number of handles that list each client; other clients exist as long as the node.
+        # The number of handles that list each client; clients without handles exist as long as the node.
         self._listed: Counter[tuple[str, str]] = Counter()
         # Endpoints with the same name are created and ended one at a time.
         self._lock = asyncio.Lock()
@@ -40,13 +43,13 @@ class Endpoints:
 
     async def advertise(
         self, topic: str, message_type: MessageType, *, latch: bool
-    ) -> PublisherHandle[Publication]:
+    ) -> PublisherHandle[RclpyPublication]:
         """Advertise a topic."""
         support = self._own.types.message(message_type)
         async with self._lock:
             publication = self._publications.get(topic)
             if publication is None:
-                publication = Publication(self._own, topic, message_type, support, latch=latch)
+                publication = RclpyPublication(self._own, topic, message_type, support, latch=latch)
                 await self._own.thread.run(publication.open)
                 self._publications[topic] = publication
             else:
@@ -118,7 +121,7 @@ class Endpoints:
             await self._own.thread.run(client.end)
 
     async def _client(self, service: str, support: ServiceSupport) -> RclpyServiceClient:
-        """Return the one client of a service and type; call it with the lock held."""
+        """Return the only client of a service and type; call it while holding the lock."""
         client = self._clients.get((service, support.name))
         if client is None:
             client = RclpyServiceClient(self._own, service, support)
@@ -153,7 +156,7 @@ class Endpoints:
                 if subscriber.needs_polling:
                     await self._own.thread.run(subscriber.adapt)
 
-    async def _end_publication(self, publication: Publication) -> None:
+    async def _end_publication(self, publication: RclpyPublication) -> None:
         async with self._lock:
             # In the meantime, a new handle may exist, or the node may have ended.
             is_open = self._publications.get(publication.topic) is publication

@@ -1,8 +1,8 @@
 """rclpy's executor in its own thread, and the calls between that thread and the event loop.
 
-rclpy waits by blocking, so it cannot live in an event loop. Everything that creates, changes or destroys the
-executor's entities runs in its thread (`run`), so that there are no races. Received messages come back to the
-event loop (`call_in_loop`), many in one call.
+rclpy blocks while it waits, so it cannot run in an event loop. Everything that creates, changes or destroys
+the executor's entities runs in its thread (`run`), so that there are no races. Callbacks pass their results
+to the event loop (`call_in_loop`).
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from typing import Any, TypeVar
 from rostether.errors import GraphError
 from rostether.ros2.rclpy.installation import load_rclpy
 
-# The time limit for the end of the thread; its longest task, creating a node, needs much less.
+# The time limit for the end of the thread; its longest task, creating a node, takes much less.
 MAX_JOIN_S = 5.0
 
 _Result = TypeVar("_Result")
@@ -28,7 +28,7 @@ class NoAnswerError(Exception):
 
 
 class ExecutorThread:
-    """Spins one node of a context. Create it in the event loop that gets the messages."""
+    """Spins one node of a context. Create it in the event loop that receives the results."""
 
     def __init__(self, context: Any) -> None:
         self._loop = asyncio.get_running_loop()
@@ -39,7 +39,7 @@ class ExecutorThread:
         self._thread.start()
 
     async def run(self, function: Callable[[], _Result]) -> _Result:
-        """Run a function in the thread, and return its result. Raises its error, or GraphError."""
+        """Run a function in the thread; return its result. Raises its error, and GraphError after `stop`."""
         if self._is_stopping:
             raise GraphError("rclpy has been shut down; open it again")
         future: asyncio.Future[_Result] = self._loop.create_future()
@@ -56,7 +56,7 @@ class ExecutorThread:
         return await future
 
     def submit(self, function: Callable[[], object]) -> None:
-        """Run a function in the thread soon; an exception becomes a line in the log."""
+        """Run a function in the thread soon; an exception is logged. After `stop`, do nothing."""
         if not self._is_stopping:
             self.executor.create_task(function)
 

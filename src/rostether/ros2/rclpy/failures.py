@@ -14,7 +14,7 @@ _NAME_ERRORS = frozenset({"NameValidationException", "InvalidTopicNameException"
 
 
 def attempt(what: str, function: Callable[[], _Result]) -> _Result:
-    """Call a function of rclpy for `what`, as in "subscribe to /chat".
+    """Call a function of rclpy; `what` describes the call in errors, such as "subscribe to /chat".
 
     Raises InvalidNameError, TypeMismatchError or GraphError for rclpy's exceptions.
     """

@@ -16,7 +16,7 @@ from rostether.ros2.rclpy.endpoint_handles import Endpoints
 from rostether.ros2.rclpy.installation import rclpy_distribution
 from rostether.ros2.rclpy.own_node import OwnNode
 from rostether.ros2.rclpy.own_parameters import RclpyParameters
-from rostether.ros2.rclpy.publication import Publication
+from rostether.ros2.rclpy.publication import RclpyPublication
 from rostether.ros2.rclpy.service_server import RclpyServiceServer
 from rostether.ros2.rclpy.subscription import RclpySubscriber
 from rostether.ros2.rclpy.view import UNKNOWN_NODE, ask_node, full_name, take_snapshot, watch_changes
@@ -42,8 +42,8 @@ class RclpyGraph(Ros2Membership):
 
     async def advertise(
         self, topic: str, message_type: MessageType, *, latch: bool = False, queue_bytes: int | None = None
-    ) -> PublisherHandle[Publication]:
-        """Advertise a topic; the middleware's queues count messages.
+    ) -> PublisherHandle[RclpyPublication]:
+        """Advertise a topic. `queue_bytes` has no effect: the middleware's queues are limited in messages.
 
         Raises UnknownTypeError for a type whose package is not installed, TypeMismatchError if this process
         uses the topic with another type.
@@ -105,7 +105,7 @@ class RclpyGraph(Ros2Membership):
         return await self._own.thread.run(lambda: list_endpoints(self._own.node))
 
     async def distribution(self) -> str:
-        """Return the distribution of the installed rclpy."""
+        """Return the distribution of the installed rclpy; empty if its version is unknown."""
         return rclpy_distribution()
 
     def changes(self) -> AsyncIterator[Snapshot]:
@@ -123,7 +123,7 @@ class RclpyGraph(Ros2Membership):
 
 
 def list_endpoints(node: Any) -> list[EndpointInfo]:
-    """Ask rclpy for everything, in the executor's thread."""
+    """Return all endpoints of topics and services; call it in the executor's thread."""
     return [*_topic_ends(node), *_service_ends(node)]
 
 

@@ -16,7 +16,7 @@ from rostether.extras import install_command
 from rostether.mechanisms.text import fold_line
 from rostether.msgdef.ros2.action_parts import action_of_part
 
-# The distribution for each major version of rclpy.
+# The distribution for each major version of rclpy; newer versions belong to `_NEWEST_DISTRIBUTION`.
 _DISTRIBUTIONS = {"3": "humble", "4": "iron", "7": "jazzy", "9": "kilted"}
 _NEWEST_DISTRIBUTION = "rolling"
 
@@ -48,8 +48,7 @@ def load_rclpy() -> Rclpy:
     """Import rclpy. Raises ConfigError with what to install."""
     try:
         with warnings.catch_warnings():
-            # The warnings come from code that rclpy loads: rosidl's parser uses modules that Python will
-            # remove.
+            # Users cannot act on these warnings: rosidl's parser uses modules that Python will remove.
             warnings.simplefilter("ignore")
             import_module("rosidl_generator_py")
             modules = {name: import_module(f"rclpy.{name}") for name in Rclpy._fields if name != "events"}
@@ -63,7 +62,7 @@ def load_rclpy() -> Rclpy:
 
 @functools.cache
 def interface_class(name: str) -> Any:
-    """Return the Python class of `pkg/msg/Name` or `pkg/srv/Name`.
+    """Return the Python class of `pkg/msg/Name`, `pkg/srv/Name` or a part of an action, `pkg/action/A_Goal`.
 
     Raises UnknownTypeError if it is not installed.
     """
@@ -117,5 +116,5 @@ def _import_events() -> Any:
     try:
         return import_module("rclpy.event_handler")
     except ModuleNotFoundError:
-        # The name of the function in Humble.
+        # The name of the module in Humble.
         return import_module("rclpy.qos_event")

@@ -1,4 +1,4 @@
-"""Finds shared memory segments of killed programs, which Fast DDS waits for when another program starts."""
+"""Finds shared memory segments of killed programs, for which Fast DDS waits when another program starts."""
 
 from __future__ import annotations
 

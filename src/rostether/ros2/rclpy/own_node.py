@@ -18,6 +18,7 @@ from rostether.ros2.rosout import logger_name
 from rostether.ros2.types.type_support import MessageSupport, Ros2Types
 
 _HASH_PREFIX = "RIHS01_"
+# Eight digits of a hash are enough to distinguish two definitions.
 _SHOWN_HASH = len(_HASH_PREFIX) + 8
 
 _Result = TypeVar("_Result")
@@ -25,7 +26,10 @@ _log = logging.getLogger("rostether.ros2")
 
 
 class OwnNode:
-    """Created and destroyed in the executor's thread; `node` and `group` are rclpy's."""
+    """A node of rclpy, `node`, with the callback group of its endpoints, `group`.
+
+    Create and destroy it in the executor's thread. Raises GraphError, InvalidNameError.
+    """
 
     def __init__(
         self,
@@ -108,11 +112,11 @@ class OwnNode:
         return self._create(what, type_name, function, lambda: self.service_types(service))
 
     def topic_types(self, topic: str) -> list[str]:
-        """Return the types that a topic has, in the executor's thread."""
+        """Return the types of a topic; call it in the executor's thread."""
         return list(dict(self.node.get_topic_names_and_types()).get(topic, ()))
 
     def service_types(self, service: str) -> list[str]:
-        """Return the types of a service's servers, in the executor's thread."""
+        """Return the types of a service's servers; call it in the executor's thread."""
         return offered_types(self.node, service)
 
     def destroy(self) -> None:
@@ -121,10 +125,11 @@ class OwnNode:
         self.node.destroy_node()
 
     def check_definition(self, endpoints: Sequence[Any], support: MessageSupport) -> None:
-        """Compare the hash of an installed type with the known one, using this node's endpoint of a topic.
+        """Compare the hash of an installed type with the known one.
 
-        Raises TypeMismatchError if they differ, because the serialized bytes would also differ. Humble has no
-        hashes.
+        `endpoints` are rclpy's descriptions of a topic's endpoints; that of this node has the installed hash.
+        Raises TypeMismatchError if the hashes differ, because the serialized bytes would also differ. Humble
+        has no hashes.
         """
         for endpoint in endpoints:
             installed = str(getattr(endpoint, "topic_type_hash", ""))

@@ -1,4 +1,4 @@
-"""The parameters of our own node, which rclpy stores and offers through services."""
+"""The parameters of this program's node, which rclpy stores and offers through services."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ class RclpyParameters:
         if add is not None:
             add(self._note)
         else:
-            # Humble calls back only before it sets the value; the event loop reads the value later.
+            # Humble calls back only before it sets the value; the event loop reports the change afterwards.
             self._node.add_on_set_parameters_callback(self._note_and_agree)
 
     def get(self, name: str) -> TypedValue:

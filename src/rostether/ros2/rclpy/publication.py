@@ -1,4 +1,4 @@
-"""The publisher of one topic, shared by all handles of a node."""
+"""The publisher of one topic over rclpy, shared by all handles of a node."""
 
 from __future__ import annotations
 
@@ -28,11 +28,11 @@ ACKNOWLEDGE_POLL_S = 0.002
 MAX_BACKLOG = 1000
 
 
-class Publication:
+class RclpyPublication:
     """One publisher of rclpy. Opened and closed in the executor's thread.
 
-    A latched publisher keeps one message, even for connected subscribers that have not acknowledged it: the
-    next message waits, so that a burst arrives whole.
+    A latched publisher keeps only one message. Therefore the next one waits until all connected subscribers
+    have acknowledged it, so that a burst arrives whole.
     """
 
     # The middleware does not report the losses of slow subscribers to publishers.
@@ -83,10 +83,9 @@ class Publication:
         return 0 if publisher is None else int(publisher.get_subscription_count())
 
     def publish(self, payloads: Sequence[bytes]) -> bool:
-        """Send to every subscriber, in order; in the event loop.
+        """Send messages to every subscriber, in order; call it in the event loop.
 
-        Returns False if latched messages wait for acknowledgements. Otherwise a publisher never waits for its
-        subscribers.
+        Returns False if latched messages wait for acknowledgements; other messages never wait.
         """
         publisher = self._publisher
         # Without subscribers, messages cost nothing.
@@ -119,12 +118,12 @@ class Publication:
             await asyncio.sleep(ACKNOWLEDGE_POLL_S)
 
     def send_rest(self) -> None:
-        """Send the waiting messages at once, before the publisher closes; called in the event loop."""
+        """Send the waiting messages at once, before the publisher closes; call it in the event loop."""
         while self._backlog:
             self._send(self._backlog.popleft())
 
     def close(self) -> None:
-        """Unadvertise."""
+        """Unadvertise, after waiting at most `ACKNOWLEDGE_S` for acknowledgements."""
         publisher, self._publisher = self._publisher, None
         if publisher is not None:
             publisher.wait_for_all_acked(load_rclpy().duration.Duration(seconds=ACKNOWLEDGE_S))

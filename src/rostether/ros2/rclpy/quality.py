@@ -1,7 +1,7 @@
 """Quality of service of this node's endpoints, and the reasons for mismatches.
 
-A subscriber gets nothing from a publisher that offers less than requested. So the publishers of this node
-offer the most, and its subscribers request what all current publishers offer.
+A subscriber receives nothing from a publisher that offers less than it requests. So the publishers of this
+node offer the maximum, and its subscribers request what all current publishers offer.
 """
 
 from __future__ import annotations
@@ -18,8 +18,8 @@ from rostether.ros2.rclpy.view import node_name_of
 # not lost on a machine that is busy for a moment.
 PUBLISHER_DEPTH: Final = 1000
 
-# Messages kept until the executor's thread reads them: 200 ms at that rate, longer than it takes to create a
-# node.
+# Messages kept until the executor's thread reads them: 200 ms at that rate. Creating a node, which blocks the
+# thread, takes less.
 SUBSCRIBER_DEPTH: Final = 4000
 
 # A latched topic of ROS 1 sends only its last message to new subscribers.
@@ -99,6 +99,6 @@ def publisher_fields(publisher: Any, topic: str, message_type: MessageType) -> d
 
 
 def name_policy(event: Any) -> str:
-    """Return the policy that an incompatibility event is about, as `durability`."""
+    """Return the name of the policy in an incompatibility event, such as `durability`."""
     name = getattr(event.last_policy_kind, "name", str(event.last_policy_kind))
     return str(name).removeprefix("RMW_QOS_POLICY_").replace("_", " ").lower()

@@ -25,7 +25,7 @@ SERVER_CHECK_INTERVAL_S = 0.25
 
 
 class RclpyServiceClient:
-    """One client of rclpy, kept as long as the node: finding the server again would delay each call."""
+    """One client of rclpy, kept for later calls: finding the server again would delay each of them."""
 
     def __init__(self, own: OwnNode, service: str, support: ServiceSupport) -> None:
         self.service = service
@@ -55,7 +55,11 @@ class RclpyServiceClient:
             self._own.node.destroy_client(client)
 
     async def call(self, request: bytes, timeout_s: float | None) -> bytes:
-        """Call the service. Raises ServiceUnavailableError, ServiceTimeoutError, ServiceCallError."""
+        """Call the service.
+
+        Raises ServiceUnavailableError, ServiceTimeoutError, ServiceCallError, TypeMismatchError,
+        SerializationError.
+        """
         cdr = self._support.request.to_cdr(request)
         await self._find_server(DISCOVERY_S if timeout_s is None else min(timeout_s, DISCOVERY_S))
         answer: asyncio.Future[bytes] = asyncio.get_running_loop().create_future()

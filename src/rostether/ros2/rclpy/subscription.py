@@ -2,7 +2,7 @@
 
     known publishers                 requested QoS
     none                             reliable; for any type: nothing yet, because the type is unknown
-    all transient local              transient local, so that their last messages come
+    all transient local              transient local, to receive their last messages
     some volatile                    volatile
     some best effort                 best effort
 
@@ -21,7 +21,7 @@ from rostether.graph.flow_control import DEFAULT_QUEUE_BYTES
 from rostether.graph.ports import Level, OnMessages, SubscribeOptions
 from rostether.msgdef.interface import ANY_TYPE, MessageType
 from rostether.ros2.early_conversion import Received, convert_if_large, payload_of
-from rostether.ros2.handover import Handover
+from rostether.ros2.handover import Handover, loss_text
 from rostether.ros2.rclpy.failures import first_lines
 from rostether.ros2.rclpy.installation import interface_class, load_rclpy
 from rostether.ros2.rclpy.own_node import OwnNode
@@ -35,7 +35,7 @@ from rostether.ros2.rclpy.quality import (
 from rostether.ros2.rclpy.view import node_name_of
 from rostether.ros2.types.type_support import ANY_HASH, MessageSupport
 
-# Messages received before the executor serves the other subscriptions again: a few milliseconds.
+# Messages received before the executor serves the other subscriptions again, which takes a few milliseconds.
 MAX_BATCH = 1000
 
 # The number of different reports of one subscription, so that invalid messages cannot fill the log.
@@ -287,6 +287,8 @@ class RclpySubscriber:
                 self._report_once(f"dropped a message of {self.topic}: {first_lines(str(error))}")
         if payloads:
             call_safely(f"on_messages of {self.topic}", self._on_messages, payloads)
+        if self._queue.dropped_count:
+            self._report_once(loss_text(self.topic))
 
     def _report_once(self, text: str) -> None:
         # Reported once: the next check or message would report the same.

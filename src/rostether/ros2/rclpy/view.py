@@ -24,14 +24,14 @@ def full_name(name: str, namespace: str) -> str:
 
 
 def node_name_of(endpoint: Any) -> str:
-    """Return the full name of an endpoint's node; empty if only the endpoint is discovered."""
+    """Return the full name of an endpoint's node; empty if only the endpoint has been discovered."""
     return (
         "" if endpoint.node_name == UNKNOWN_NODE else full_name(endpoint.node_name, endpoint.node_namespace)
     )
 
 
 def take_snapshot(node: Any) -> Snapshot:
-    """Ask rclpy for everything, in the executor's thread."""
+    """Return all nodes, topics and services; call it in the executor's thread."""
     names = sorted(
         (namespace, name) for name, namespace in node.get_node_names_and_namespaces() if name != UNKNOWN_NODE
     )
@@ -71,7 +71,7 @@ def take_snapshot(node: Any) -> Snapshot:
 
 
 def offered_types(node: Any, service: str) -> list[str]:
-    """Return the types of a service's servers, in the executor's thread.
+    """Return the types of a service's servers; call it in the executor's thread.
 
     rclpy's list of all services also contains clients, so each node is asked.
     """
@@ -86,7 +86,7 @@ def offered_types(node: Any, service: str) -> list[str]:
 async def watch_changes(
     take: Callable[[], Awaitable[Snapshot]], closed: asyncio.Event, interval_s: float = POLL_INTERVAL_S
 ) -> AsyncIterator[Snapshot]:
-    """Yield a snapshot now and one after each change, until `closed` is set."""
+    """Yield a snapshot from `take` now and one after each change, until `closed` is set."""
     latest = await take()
     yield latest
     while not closed.is_set():

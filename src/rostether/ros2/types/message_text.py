@@ -18,7 +18,7 @@ from rostether.serde.values import Message
 DEFAULT_TRUNCATE_LENGTH = 128
 _CUT = "..."
 _ESCAPED = "\\U000"
-# Columns that no line has: YAML would fold longer ones.
+# The line length for YAML, so that it folds no line.
 _WIDE = (1 << 31) - 1
 
 # The names of primitives in IDL.
@@ -32,7 +32,7 @@ _IDL_NAMES = {
 
 
 class TextStyle(Struct, frozen=True):
-    """The parts that `ros2 topic echo` can omit."""
+    """The options of `ros2 topic echo` for the text of a message."""
 
     truncate_length: int | None = DEFAULT_TRUNCATE_LENGTH
     no_arrays: bool = False
@@ -64,7 +64,7 @@ class MessageText:
 
         fields = self._fields(message, definition)
         text = dump(getattr(yaml, "CSafeDumper", yaml.SafeDumper))
-        # libyaml is faster, but it escapes emoji and all else that needs four bytes in UTF-8.
+        # libyaml is faster, but it escapes emoji and all other characters with four bytes in UTF-8.
         return dump(yaml.SafeDumper) if _ESCAPED in text else text
 
     def csv(self, message: Message, definition: Ros2Message) -> str:

@@ -42,7 +42,7 @@ class NativeRegistry(Registry):
     def from_environment(
         cls, msg_paths: Iterable[Path | str] = (), environ: Mapping[str, str] | None = None
     ) -> NativeRegistry:
-        """Use --msg-path folders and the environment variables of ROS 1 and ROS 2.
+        """Use the folders of --msg-path and of the environment variables of ROS 1 and ROS 2.
 
         Raises ConfigError for a missing folder.
         """
@@ -138,6 +138,6 @@ def _is_known(look: Callable[[], object]) -> bool:
     except DefinitionError as error:
         if not error.file or declared_by(Path(error.file)) is not Declared.ROS2:
             raise
-        # A package of ROS 2 near the current folder.
+        # The definition in ROS 2's syntax belongs to a ROS 2 package near the current folder.
         return False
     return True

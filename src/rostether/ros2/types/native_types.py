@@ -74,7 +74,7 @@ class NativeTypes(Ros2Types):
 
 
 class NativeClasses(MessageClasses):
-    """Message classes for a `NativeRegistry`'s store: a Quaternion's w is 1, as with rclpy."""
+    """Message classes with the default values of ROS 2 definitions: as in rclpy, a Quaternion's w is 1."""
 
     are_shared = False
 

@@ -27,7 +27,7 @@ _MD5SUM_OF_NOTHING = digest("")
 
 
 class MessageSupport(Struct, frozen=True):
-    """One message type: `name` as `sensor_msgs/msg/Imu`, its RIHS01 hash, and its form and type in ROS 1."""
+    """One message type: `name` as `sensor_msgs/msg/Imu`, its RIHS01 hash, its ROS 1 type, and a converter."""
 
     name: str
     type_hash: str
@@ -36,7 +36,7 @@ class MessageSupport(Struct, frozen=True):
 
 
 class ServiceSupport(Struct, frozen=True):
-    """One service type: `name` as `std_srvs/srv/SetBool`, its RIHS01 hash, and its converters."""
+    """One service type: `name` as `std_srvs/srv/SetBool`, its RIHS01 hash, its converters and ROS 1 type."""
 
     name: str
     type_hash: str
@@ -126,7 +126,7 @@ class Ros2Types:
         return support
 
     def by_name(self, name: str) -> MessageSupport:
-        """Return a ROS 2 message: as the ROS 1 message with the same name if one fits, else unchanged.
+        """Return a ROS 2 message: in the form of the ROS 1 message with its name if that fits, else natively.
 
         Raises UnknownTypeError, DefinitionError.
         """
@@ -137,11 +137,14 @@ class Ros2Types:
         return support
 
     def received(self, name: str, type_hash: str) -> MessageSupport:
-        """Return a ROS 2 message by its publisher's definition. Raises the same errors as `by_name`."""
+        """Return the type of received messages by its name and its publisher's hash (or `ANY_HASH`).
+
+        This class uses only the name. Raises the same errors as `by_name`.
+        """
         return self.by_name(name)
 
     def service_by_name(self, name: str) -> ServiceSupport:
-        """Return a ROS 2 service, as `by_name` does."""
+        """Return a ROS 2 service like `by_name`. Raises the same errors."""
         support = self._services_by_name.get(name)
         if support is None:
             support = self._paired_service(name) or self._native_service(name)

@@ -1,4 +1,4 @@
-"""Types for tools that do not need fields: messages of a type without a definition stay CDR."""
+"""Types for tools that do not need fields: messages of a type without a definition remain in CDR."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ class UndefinedTypes(NativeTypes):
         self._undefined: dict[str, MessageSupport] = {}
 
     def received(self, name: str, type_hash: str) -> MessageSupport:
-        """Return a message type's support; payloads stay CDR if no definition has the publisher's hash."""
+        """Return a message type's support; payloads remain CDR if no definition has the publisher's hash."""
         try:
             support = self.by_name(name)
         except UnknownTypeError:

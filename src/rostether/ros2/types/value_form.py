@@ -1,4 +1,4 @@
-"""Messages as people type them for `ros2 topic pub`: YAML, with the defaults that ROS 2 definitions have."""
+"""Messages as users type them for `ros2 topic pub`: YAML, with the default values of ROS 2 definitions."""
 
 from __future__ import annotations
 
@@ -27,7 +27,8 @@ class ValueForm:
     def fill(self, codec: Codec, definition: Ros2Message, values: Sequence[Any]) -> Message:
         """Return the message of loaded arguments: one mapping, or the value of each field in order.
 
-        `now` is a time, `auto` a header that is stamped now. Raises SerializationError naming the field.
+        The text `now` becomes the current time, and `auto` a header with this time. Raises SerializationError
+        naming the field.
         """
         from rostether.serde.yaml_form import fill_message
 

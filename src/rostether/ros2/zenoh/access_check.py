@@ -18,7 +18,7 @@ import zenoh
 from rostether.ros2.zenoh.thread_state import keep_thread_state
 from rostether.ros2.zenoh.tokens import Kind, Token, all_tokens, data_key, parse_token
 
-# The number of topics to probe; rules usually cover groups of topics.
+# The maximum number of topics to probe; rules usually cover groups of topics.
 MAX_TOPICS = 64
 
 # The time limit of a probe: about 1 s on busy Wi-Fi, a few seconds on a busy machine.
@@ -37,9 +37,9 @@ _log = logging.getLogger("rostether.ros2")
 async def find_denied_topics(
     configuration: zenoh.Config, endpoint: str, domain_id: int, ends: Iterable[Token] | None = None
 ) -> list[str] | None:
-    """Return the topics that the router at an endpoint denies, among `ends` or the whole graph.
+    """Return the topics that the router at an endpoint denies, sorted, or None if zenoh cannot connect to it.
 
-    The result is None if zenoh cannot connect to the router.
+    Without `ends`, the topics of the whole graph are checked.
     """
     ended = threading.Event()
     try:

@@ -1,7 +1,9 @@
-"""The 33 bytes that rmw_zenoh attaches to every sample: i64 sequence, i64 ns since the epoch, 16, GID[16].
+"""The 33 bytes that rmw_zenoh attaches to every sample: i64 sequence, i64 ns since the epoch, u8 16, GID[16].
 
-All little endian. Samples without them are dropped by rmw_zenoh. In a service call, the reply repeats the
-sequence and the GID of the request, which identify the request.
+All numbers are little-endian; 16 is the size of the GID. rmw_zenoh drops samples without these bytes. In a
+service call, the reply repeats the sequence and the GID of the request, which identify the request.
+
+Source: the design document of rmw_zenoh.
 """
 
 from __future__ import annotations
@@ -23,7 +25,7 @@ class Attachment(msgspec.Struct, frozen=True):
     gid: bytes
 
     def encode(self) -> bytes:
-        """Return the bytes."""
+        """Return the attachment's bytes."""
         return ATTACHMENT.pack(self.sequence, self.stamp_ns, GID_BYTES, self.gid)
 
 

@@ -23,11 +23,11 @@ from rostether.ros2.environment import Ros2Environment
 ROUTER_PORT = 7447
 ROUTER_ENDPOINT = f"tcp/localhost:{ROUTER_PORT}"
 _ALL_ADDRESSES = ("/0.0.0.0:", "/[::]:")
-# A local router accepts within a millisecond, or within this time if the machine swaps.
+# A local router accepts a connection within a millisecond, or within this time if the machine swaps.
 PROBE_TIMEOUT_S = 1.0
 
-# The time that a full link may block: the same as the limit for a slow subscriber to pause a board. A process
-# that is not scheduled for this time loses nothing. Zenoh does not wait for this link again until it has sent
+# How long a put waits for room on a full link: as long as a slow subscriber may pause a board. A process that
+# is not scheduled for this time loses nothing. Zenoh does not wait for this link again until it has sent
 # something.
 WAIT_BEFORE_DROP_US = 100_000
 
@@ -38,6 +38,7 @@ _SHARED = {
     "scouting/delay": "0",
     # Latched messages are stored by timestamp.
     "timestamping/enabled": "{router: true, peer: true, client: true}",
+    # In ms, as in rmw_zenoh's configuration: service calls may take minutes.
     "queries_default_timeout": "600000",
     # 16 batches of 64 KiB for each link: a burst from a board never fills the queue.
     "transport/link/tx/queue/size/data": "16",
@@ -76,7 +77,7 @@ class Reach(Struct, frozen=True):
 
 
 async def is_router_there(endpoint: str = ROUTER_ENDPOINT) -> bool:
-    """Return whether something accepts connections at a tcp endpoint."""
+    """Return whether something accepts connections at a tcp or tls endpoint; True for other protocols."""
     protocol, _, address = endpoint.partition("/")
     host, _, port = address.rpartition(":")
     if protocol not in ("tcp", "tls") or not port.isdecimal():
@@ -91,7 +92,7 @@ async def is_router_there(endpoint: str = ROUTER_ENDPOINT) -> bool:
 
 
 def peer_configuration(environment: Ros2Environment, reach: Reach) -> zenoh.Config:
-    """Return the configuration of a session that uses a router. Raises ConfigError."""
+    """Return the configuration of a session that connects to a router. Raises ConfigError."""
     if environment.zenoh_session_config is not None:
         return _override(_from_file(environment.zenoh_session_config), environment, reach)
     settings = {**_SHARED, **_PEER, "connect/endpoints": json.dumps([ROUTER_ENDPOINT])}

@@ -18,14 +18,17 @@ Describe = Callable[[str, str, str], Awaitable[None]]
 
 
 class DescribedTypes:
-    """The types of one topic; `on_waiting` is called when a node is asked, `on_found` after its answer."""
+    """The types of one topic, by their names in the middleware and their hashes.
+
+    `on_waiting` is called before a node is asked with `describe`, `on_found` after its answer.
+    """
 
     def __init__(
         self,
         topic: str,
         types: Ros2Types,
         *,
-        describe: Describe | None,
+        describe: Describe,
         report: Callable[[Level, str], None],
         on_waiting: Callable[[], None],
         on_found: Callable[[], None],
@@ -45,17 +48,17 @@ class DescribedTypes:
         return any(task is not None for task in self._asking.values())
 
     def has(self, type_name: str, type_hash: str) -> bool:
-        """Return whether a type is already known, by its name in the middleware."""
+        """Return whether a type was looked up before, even without success."""
         return f"{type_name}/{type_hash}" in self._found
 
     def find(self, type_name: str, type_hash: str, node_name: str = "") -> MessageSupport | None:
-        """Return a type; None if it is unknown, or as long as `node_name` has not answered."""
+        """Return a type; None if it is unknown, or until the node `node_name` has described it."""
         key = f"{type_name}/{type_hash}"
         if self._found.get(key) is None and key not in self._asking:
             name = type_of_dds_name(type_name)
             if len(self._found.keys() | self._asking.keys()) >= MAX_DESCRIBED_TYPES:
                 return self._found.get(key)
-            if self._describe is not None and node_name and self._is_unknown(name):
+            if node_name and self._is_unknown(name):
                 self._on_waiting()
                 asking = self._describe(node_name, name, type_hash)
                 self._asking[key] = asyncio.ensure_future(self._find_after(asking, type_name, type_hash))
@@ -64,7 +67,7 @@ class DescribedTypes:
         return self._found.get(key)
 
     def get(self, type_name: str, type_hash: str) -> MessageSupport | None:
-        """Return a type that was found before; can be called in any thread."""
+        """Return a type that was found before, else None; may be called in any thread."""
         return self._found.get(f"{type_name}/{type_hash}")
 
     def close(self) -> None:

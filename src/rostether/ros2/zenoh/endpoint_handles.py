@@ -1,4 +1,4 @@
-"""The publishers, subscribers, services and clients of one node; names are resolved."""
+"""The publishers, subscribers, service servers and service clients of one node, over zenoh."""
 
 from __future__ import annotations
 
@@ -17,43 +17,42 @@ from rostether.ros2.qos import ROSOUT_QOS
 from rostether.ros2.types.type_support import ServiceSupport
 from rostether.ros2.zenoh.described_types import Describe
 from rostether.ros2.zenoh.entities import NodeEntities
-from rostether.ros2.zenoh.publication import Publication
-from rostether.ros2.zenoh.service_client import ServiceClient
-from rostether.ros2.zenoh.service_server import ServiceServer
+from rostether.ros2.zenoh.publication import ZenohPublication
+from rostether.ros2.zenoh.service_client import ZenohServiceClient
+from rostether.ros2.zenoh.service_server import ZenohServiceServer
 from rostether.ros2.zenoh.shared_session import LiveToken
-from rostether.ros2.zenoh.subscription import Receiver, Subscription
+from rostether.ros2.zenoh.subscription import Receiver, ZenohSubscriber
 from rostether.ros2.zenoh.tokens import Kind, Token
 
-# The time to wait for news of an unknown service: it takes 1 ms on one machine, and less than this through
-# several routers.
-NEWS_TIME_S = 0.2
+# The time to wait until an unknown service is announced: 1 ms on one machine, longer through several routers.
+ANNOUNCEMENT_S = 0.2
 
-# The number of service clients that a node keeps; a board's sketch has only a few.
+# The maximum number of unlisted service clients that a node keeps; a board's sketch has only a few.
 MAX_CLIENTS = 256
 
 Report = Callable[[Level, str], None]
 
 
 class Endpoints:
-    """Creates the endpoints of a node, and ends them with the node."""
+    """Creates the endpoints of a node, and ends them with the node; names are fully resolved."""
 
     def __init__(self, node: NodeEntities, *, report: Report) -> None:
         self._node = node
         self._report = report
-        self._publications: dict[str, Publication] = {}
-        self._subscriptions: dict[Subscription, None] = {}
-        self._servers: dict[str, ServiceServer] = {}
-        self._clients: dict[tuple[str, str], ServiceClient] = {}
-        # The number of handles that list each client; other clients are kept until there are too many.
+        self._publications: dict[str, ZenohPublication] = {}
+        self._subscriptions: dict[ZenohSubscriber, None] = {}
+        self._servers: dict[str, ZenohServiceServer] = {}
+        self._clients: dict[tuple[str, str], ZenohServiceClient] = {}
+        # The number of handles that list each client; clients without handles are kept up to `MAX_CLIENTS`.
         self._listed: Counter[tuple[str, str]] = Counter()
         self._node_token: LiveToken | None = None
-        self._rosout: Publication | None = None
+        self._rosout: ZenohPublication | None = None
 
     def open(self) -> None:
         """Appear in the graph, with /rosout."""
         self._node_token = self._node.declare_node()
         support = self._node.session.types.message(LOG_TYPE)
-        self._rosout = Publication(
+        self._rosout = ZenohPublication(
             ROSOUT, LOG_TYPE, support, node=self._node, report=self._report, latch=True, qos=ROSOUT_QOS
         )
         # This publisher stays: closing a handle does not end it.
@@ -67,12 +66,12 @@ class Endpoints:
 
     def advertise(
         self, topic: str, message_type: MessageType, *, latch: bool, queue_bytes: int | None
-    ) -> PublisherHandle[Publication]:
-        """Publish a topic. Raises TypeMismatchError, UnknownTypeError."""
+    ) -> PublisherHandle[ZenohPublication]:
+        """Advertise a topic. Raises TypeMismatchError, UnknownTypeError."""
         publication = self._publications.get(topic)
         if publication is None:
             support = self._node.session.types.message(message_type)
-            publication = Publication(
+            publication = ZenohPublication(
                 topic,
                 message_type,
                 support,
@@ -94,12 +93,12 @@ class Endpoints:
         *,
         options: SubscribeOptions,
         describe: Describe,
-    ) -> Subscription:
+    ) -> ZenohSubscriber:
         """Subscribe to a topic. Raises TypeMismatchError, UnknownTypeError."""
         is_any = message_type.name == ANY_TYPE
         on_connection = options.get("on_connection")
         receiver = Receiver(on_messages, on_connection, self._release_subscription, self._report, describe)
-        subscription = Subscription(
+        subscription = ZenohSubscriber(
             topic,
             None if is_any else self._node.session.types.message(message_type),
             receiver,
@@ -113,12 +112,12 @@ class Endpoints:
 
     def advertise_service(
         self, service: str, service_type: ServiceType, handler: ServiceHandler
-    ) -> ServiceServer:
+    ) -> ZenohServiceServer:
         """Offer a service. Raises GraphError if this node already offers it."""
         if service in self._servers:
             raise GraphError(f"this node already offers the service {service}; choose another name")
         support = self._node.session.types.service(service_type)
-        server = ServiceServer(service, support, handler, node=self._node, on_close=self._release_server)
+        server = ZenohServiceServer(service, support, handler, node=self._node, on_close=self._release_server)
         self._servers[service] = server
         return server
 
@@ -146,7 +145,7 @@ class Endpoints:
         return ListedClient(lambda: self._unlist(key))
 
     async def close(self) -> None:
-        """End everything, and disappear."""
+        """Close all endpoints, and withdraw the node from the graph."""
         await asyncio.gather(
             *(each.close() for each in list(self._subscriptions)),
             *(each.close() for each in list(self._servers.values())),
@@ -162,14 +161,14 @@ class Endpoints:
             self._node_token.withdraw()
             self._node_token = None
 
-    def _client(self, service: str, support: ServiceSupport) -> ServiceClient:
+    def _client(self, service: str, support: ServiceSupport) -> ZenohServiceClient:
         key = (service, support.name)
         client = self._clients.get(key)
         if client is None:
             unlisted = [each for each in self._clients if each not in self._listed]
             if len(unlisted) >= MAX_CLIENTS:
                 self._clients.pop(unlisted[0]).close()
-            client = self._clients[key] = ServiceClient(service, support, node=self._node)
+            client = self._clients[key] = ZenohServiceClient(service, support, node=self._node)
         return client
 
     async def _unlist(self, key: tuple[str, str]) -> None:
@@ -188,7 +187,7 @@ class Endpoints:
             changed = asyncio.Event()
             graph.listen(Kind.SERVER, service, changed.set)
             try:
-                async with asyncio.timeout(NEWS_TIME_S):
+                async with asyncio.timeout(ANNOUNCEMENT_S):
                     await changed.wait()
             except TimeoutError:
                 pass
@@ -203,14 +202,14 @@ class Endpoints:
         publication = self._publications.get(topic)
         return set() if publication is None else publication.gids
 
-    async def _release_publication(self, publication: Publication) -> None:
+    async def _release_publication(self, publication: ZenohPublication) -> None:
         if self._publications.pop(publication.topic, None) is not None:
             await publication.close()
 
-    def _release_subscription(self, subscription: Subscription) -> None:
+    def _release_subscription(self, subscription: ZenohSubscriber) -> None:
         self._subscriptions.pop(subscription, None)
 
-    def _release_server(self, server: ServiceServer) -> None:
+    def _release_server(self, server: ZenohServiceServer) -> None:
         self._servers.pop(server.service, None)
 
 

@@ -1,4 +1,4 @@
-"""The liveliness tokens of a node: its own, and one for each of its endpoints."""
+"""The liveliness tokens of a node: one for the node, and one for each of its endpoints."""
 
 from __future__ import annotations
 

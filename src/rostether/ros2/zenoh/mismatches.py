@@ -11,7 +11,7 @@ from rostether.ros2.zenoh.tokens import Kind, Token
 
 
 class Mismatches:
-    """Reports once every endpoint of a topic that has a different type."""
+    """Reports each endpoint of a topic with a different type once."""
 
     def __init__(self, topic: str, support: MessageSupport, report: Callable[[Level, str], None]) -> None:
         self._topic = topic
@@ -21,7 +21,7 @@ class Mismatches:
         self._reported: set[Token] = set()
 
     def report(self, ends: Sequence[Token]) -> None:
-        """Check the current endpoints; forget those that have ended."""
+        """Report the mismatches among the current endpoints; forget endpoints that have ended."""
         wrong = {end for end in ends if not self._matches(end)}
         for end in wrong - self._reported:
             self._report(Level.WARN, self._explain(end))

@@ -25,10 +25,10 @@ from rostether.ros2.types.type_hash import TYPE_HASH_NOT_SUPPORTED
 from rostether.ros2.zenoh.attachment import gid_of
 from rostether.ros2.zenoh.endpoint_handles import Endpoints
 from rostether.ros2.zenoh.entities import NodeEntities
-from rostether.ros2.zenoh.publication import Publication
-from rostether.ros2.zenoh.service_server import ServiceServer
+from rostether.ros2.zenoh.publication import ZenohPublication
+from rostether.ros2.zenoh.service_server import ZenohServiceServer
 from rostether.ros2.zenoh.shared_session import SharedSession
-from rostether.ros2.zenoh.subscription import Subscription
+from rostether.ros2.zenoh.subscription import ZenohSubscriber
 from rostether.ros2.zenoh.tokens import ADMIN_SPACE, Kind, Token, parse_token
 from rostether.rostime import Time
 
@@ -67,12 +67,11 @@ class ZenohGraph(Ros2Membership):
 
     async def advertise(
         self, topic: str, message_type: MessageType, *, latch: bool = False, queue_bytes: int | None = None
-    ) -> PublisherHandle[Publication]:
+    ) -> PublisherHandle[ZenohPublication]:
         """Advertise a topic.
 
-        `queue_bytes` limits the messages that wait while a link is full; zenoh itself queues 1 MiB.
-
-        Raises TypeMismatchError, UnknownTypeError, InvalidNameError.
+        `queue_bytes` limits the messages that wait while a link is full; zenoh itself queues 1 MiB. Raises
+        TypeMismatchError, UnknownTypeError, InvalidNameError.
         """
         self._check_open()
         return self._endpoints.advertise(
@@ -85,7 +84,7 @@ class ZenohGraph(Ros2Membership):
         message_type: MessageType,
         on_messages: OnMessages,
         **options: Unpack[SubscribeOptions],
-    ) -> Subscription:
+    ) -> ZenohSubscriber:
         """Subscribe. `ANY_MESSAGE` accepts every type; `on_connection` is called for each publisher."""
         self._check_open()
         return self._endpoints.subscribe(
@@ -98,7 +97,7 @@ class ZenohGraph(Ros2Membership):
 
     async def advertise_service(
         self, service: str, service_type: ServiceType, handler: ServiceHandler
-    ) -> ServiceServer:
+    ) -> ZenohServiceServer:
         """Offer a service. A handler that raises RostetherError fails the call with that error's text."""
         self._check_open()
         return self._endpoints.advertise_service(self._resolve_ros2(service), service_type, handler)
@@ -137,14 +136,14 @@ class ZenohGraph(Ros2Membership):
         return list_endpoints(self._session.graph.all_endpoints())
 
     async def distribution(self) -> str:
-        """Return "humble" if an endpoint of another session has no type hash, as only in Humble; else ""."""
+        """Return "humble" if an endpoint of another session has no type hash, else an empty string."""
         own = self._session.session_id
         ends = (end for _, end in self._session.graph.all_endpoints() if end.session_id != own)
         is_humble = any(end.type_hash == TYPE_HASH_NOT_SUPPORTED for end in ends)
         return "humble" if is_humble else ""
 
     async def other_domains(self) -> list[int]:
-        """Return the domains of this zenoh network that have nodes, without this node's own, sorted."""
+        """Return the other domains of this zenoh network that have nodes, sorted."""
         key = f"{ADMIN_SPACE}/*/*/*/*/{Kind.NODE.value}/**"
         texts = await self._session.query_tokens(key, DOMAINS_TIMEOUT_S)
         found = {token.domain_id for token in map(parse_token, texts) if token is not None}
@@ -155,7 +154,7 @@ class ZenohGraph(Ros2Membership):
         return self._session.graph.changes(self._closed)
 
     async def open(self) -> None:
-        """Appear in the graph; `ZenohSession.join` does it."""
+        """Appear in the graph; `ZenohSession.join` calls it. Raises GraphError."""
         self._endpoints.open()
         await self._clock.open()
         await self._parameter_services.open()

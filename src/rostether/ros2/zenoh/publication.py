@@ -1,4 +1,4 @@
-"""One topic that a node publishes: its zenoh publisher, its token, and the handles to it."""
+"""One topic that a node publishes: its zenoh publisher and its token, shared by all handles of the node."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ from rostether.ros2.zenoh.tokens import Kind, Token, data_key
 # A put that takes this long has waited for room; other puts take a hundredth of this time.
 STALL_NS = 300_000
 
-# The number of slow puts before a thread does the rest of a batch: the scheduler may cause a single one.
+# The number of slow puts before a thread puts the rest of a batch: the scheduler may cause a single one.
 MAX_STALLS = 2
 
 # A put that takes this long has timed out, and zenoh has dropped its message.
@@ -43,7 +43,7 @@ class _Putting(Protocol):
     def undeclare(self) -> object: ...
 
 
-class Publication:
+class ZenohPublication:
     """Converts every batch to CDR and passes it to zenoh, which sends it to all subscribers."""
 
     def __init__(
@@ -97,7 +97,7 @@ class Publication:
         return len(self._subscribers) if self._subscribers and self._has_route() else 0
 
     def share(self, message_type: MessageType, *, latch: bool) -> None:
-        """Add a handle to this publication. Raises TypeMismatchError if it has a different type."""
+        """Prepare for another handle, which may latch the topic. Raises TypeMismatchError."""
         check_same_type(self.topic, self.type, message_type)
         if latch and not self._qos.is_latching:
             self._undeclare()
@@ -105,7 +105,7 @@ class Publication:
             self._declare()
 
     def publish(self, payloads: Sequence[bytes]) -> bool:
-        """Put a batch, or queue it while a link is full; see `Publisher.publish_raw`."""
+        """Put a batch, or queue it while a link is full; see `graph.ports.Publisher.publish_raw`."""
         if self._is_closed or not (self._is_matched or self._subscribers or self._qos.is_latching):
             return True
         queue = self._queue
@@ -119,7 +119,7 @@ class Publication:
         return queue.is_open
 
     async def drained(self, timeout_s: float) -> None:
-        """Wait until the queue for a full link is short, `timeout_s` at most."""
+        """Wait until the queue for a full link is short, at most `timeout_s`."""
         await self._queue.drained(timeout_s)
 
     async def close(self) -> None:
@@ -176,7 +176,7 @@ class Publication:
 
     def _declare(self) -> None:
         session = self._node.session.zenoh
-        # zenoh reports every subscriber, even one without a token.
+        # zenoh's matching status includes subscribers without a token.
         self._is_matched = False
         if self._qos.is_latching:
             self._matching = None
@@ -214,7 +214,7 @@ class Publication:
         self._is_matched = status.matching
 
     def _has_route(self) -> bool:
-        """Return whether messages reach a subscriber or are stored. It may ask zenoh, which takes 1 us."""
+        """Return whether messages reach a subscriber or are stored. A query of zenoh takes 1 us."""
         if self._is_matched or not isinstance(self._publisher, zenoh.Publisher):
             return True
         # The type stubs declare the status as bool.

@@ -26,8 +26,8 @@ from msgspec import Struct
 from rostether.errors import SerializationError
 from rostether.graph.flow_control import PublicationFlow, SubscriberFlow
 
-# The size of a batch in the thread, the same as zenoh's; in the meantime, the queue may drop its oldest
-# messages.
+# The size of a batch in the thread, the same as zenoh's. The queue can drop only messages that are not yet in
+# a batch.
 BATCH_BYTES = 64 << 10
 
 # A put that takes this long has waited for a link; the scheduler alone does not cause it.
@@ -51,8 +51,8 @@ _log = logging.getLogger("rostether.ros2")
 class BatchResult(Struct):
     """The result of a batch: `done` messages are finished, the others were not started.
 
-    `misfits` of them did not fit their type; `error` is the reason for the last one. Zenoh dropped `lost`.
-    `longest_ns`: the longest put.
+    `misfits` of them did not fit their type; `error` is the reason for the last one. Zenoh dropped `lost` of
+    them. The longest put took `longest_ns`.
     """
 
     done: int = 0
@@ -109,7 +109,7 @@ class PutQueue:
             self._continue()
 
     def note_longest(self, longest_ns: int) -> None:
-        """Record the duration of a put: after long puts, the thread is used for some time."""
+        """Record the longest put of a batch: after long puts, the thread is used for `THREAD_IN_USE_S`."""
         if longest_ns < LONG_NS:
             return
         loop = asyncio.get_running_loop()
@@ -122,11 +122,11 @@ class PutQueue:
             self._thread_timer = loop.call_later(THREAD_IN_USE_S, self._leave_thread)
 
     async def drained(self, timeout_s: float) -> None:
-        """Wait until the queue is short, `timeout_s` at most."""
+        """Wait until the queue is short, at most `timeout_s`."""
         await self._flow.drained(timeout_s)
 
     async def finish(self) -> None:
-        """Put the waiting messages within a second; later messages are dropped."""
+        """Put the waiting messages within `FINISH_LIMIT_S`; drop the rest."""
         try:
             async with asyncio.timeout(FINISH_LIMIT_S):
                 while self._job is not None:

@@ -1,4 +1,4 @@
-"""Whether the routers that a zenoh configuration names can be reached, and why not. Zenoh does not report it.
+"""Finds out why the routers of a zenoh configuration cannot be reached, which zenoh does not report.
 
 A TLS endpoint is tried with a handshake and the certificates of the configuration, so the reason is exact.
 """
@@ -38,7 +38,7 @@ _LISTEN_FILES = ("root_ca_certificate", "listen_certificate", "listen_private_ke
 
 
 def endpoints_of(configuration: zenoh.Config, what: str) -> tuple[str, ...]:
-    """Return the endpoints of a configuration; `what` is `connect` or `listen`."""
+    """Return the endpoints of a configuration for its mode; `what` is `connect` or `listen`."""
     found: Any = _value(configuration, f"{what}/endpoints")
     if isinstance(found, dict):
         found = found.get(str(_value(configuration, "mode")), [])
@@ -113,7 +113,7 @@ def uses_tls(endpoints: Iterable[str]) -> bool:
 
 
 def find_listen_fault(configuration: zenoh.Config) -> str:
-    """Return why the TLS endpoints of a configuration cannot listen; empty if they can."""
+    """Return why the TLS endpoints of a configuration cannot listen; empty if no reason is found."""
     tls = tls_of(configuration)
     if not uses_tls(endpoints_of(configuration, "listen")):
         return ""
@@ -125,7 +125,7 @@ def find_listen_fault(configuration: zenoh.Config) -> str:
 def _find_file_fault(tls: Mapping[str, Any], *names: str) -> str:
     """Return why a file cannot be used; empty if all can.
 
-    `names` are the settings of the authority's certificate, our own certificate and its key.
+    `names` are the settings of the authority's certificate, this program's certificate and its key.
     """
     files = {f"{_TLS}/{name}": str(path) for name in names if (path := tls.get(name))}
     for name, path in files.items():
@@ -147,7 +147,10 @@ def _find_file_fault(tls: Mapping[str, Any], *names: str) -> str:
     except ssl.SSLError as error:
         if error.reason == "KEY_VALUES_MISMATCH":
             return f"{key} is not the key of the certificate {certificate}; check {_TLS}/{names[2]}"
-        return f"{certificate} is not a certificate, or {key} is not a key or has a password"
+        return (
+            f"{certificate} is not a certificate, or {key} is not a key or has a password; check {_TLS}/"
+            f"{names[1]} and {names[2]}"
+        )
     return ""
 
 

@@ -16,7 +16,7 @@ import time
 
 import zenoh
 
-# A machine that is refused tries again every few seconds.
+# A refused machine tries again every few seconds; one line in this time is enough.
 REPEAT_S = 60.0
 
 # The number of different refusals remembered, so that peers cannot fill the memory.
@@ -48,7 +48,7 @@ _started = threading.Lock()
 
 
 def report_refusals() -> None:
-    """Log a line for each kind of refusal from now on. Call it once per process."""
+    """Log a line for each kind of refusal from now on. Later calls in the same process have no effect."""
     if os.environ.get("RUST_LOG") or not _started.acquire(blocking=False):
         return
     sys.stdout.flush()

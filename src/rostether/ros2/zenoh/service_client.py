@@ -1,4 +1,4 @@
-"""Calls one service: queries with rmw_zenoh's attachment, and the client's liveliness token."""
+"""Calls one service with queries that have rmw_zenoh's attachment, and announces the client with a token."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ REACH_POLL_S = 0.001
 MAX_ERROR_CHARACTERS = 2000
 
 
-class ServiceClient:
+class ZenohServiceClient:
     """Calls one service; calls may run concurrently."""
 
     def __init__(self, service: str, support: ServiceSupport, *, node: NodeEntities) -> None:
@@ -112,7 +112,10 @@ class ServiceClient:
         self._querier.undeclare()
 
     async def _reach(self, timeout_s: float | None) -> None:
-        """Wait until zenoh has a route to the server: its token may come earlier."""
+        """Wait until zenoh has a route to the server: its token may arrive earlier.
+
+        Raises ServiceUnavailableError.
+        """
         deadline_s = time.monotonic() + (REACH_S if timeout_s is None else min(timeout_s, REACH_S))
         # The type stubs declare the status as bool.
         while not cast(zenoh.MatchingStatus, self._querier.matching_status).matching:

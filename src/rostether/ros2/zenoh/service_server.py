@@ -37,7 +37,7 @@ CLOSING_REPLY_S = 0.2
 _log = logging.getLogger("rostether.ros2")
 
 
-class ServiceServer:
+class ZenohServiceServer:
     """Implements `graph.ports.ServiceServer`; calls run concurrently."""
 
     def __init__(
@@ -47,7 +47,7 @@ class ServiceServer:
         handler: ServiceHandler,
         *,
         node: NodeEntities,
-        on_close: Callable[[ServiceServer], None],
+        on_close: Callable[[ZenohServiceServer], None],
     ) -> None:
         self.service = service
         self._support = support

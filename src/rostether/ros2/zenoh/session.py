@@ -42,7 +42,7 @@ from rostether.ros2.zenoh.shared_session import SharedSession
 from rostether.ros2.zenoh.thread_state import keep_thread_state
 from rostether.ros2.zenoh.tokens import all_tokens
 
-# Changes of the graph between two iterations of the event loop: twice the limit of tokens.
+# The limit of changes of the graph that wait for the event loop: twice the limit of tokens.
 MAX_WAITING_NEWS = 200_000
 
 # How long a new session waits for the state of the graph; a running router answers immediately.
@@ -51,12 +51,14 @@ FIRST_QUERY_TIMEOUT_S = 2.0
 # How long a session waits for its first connection (zenoh does not wait); a local router needs 10 ms.
 FIRST_LINK_TIMEOUT_S = 0.5
 
-# By then the program has its first topics; access rules for later ones are usually the same.
+# The delay of the access check: by then, the program has its first topics, and rules for later ones are
+# usually the same.
 ACCESS_CHECK_AFTER_S = 1.0
 
+# The interval between checks for the first connection; each check takes microseconds.
 LINK_POLL_S = 0.005
 
-# The interval of checks whether a router is connected; each takes microseconds.
+# The interval between checks whether a router is connected; each check takes microseconds.
 _CHECK_S = 1.0
 
 _log = logging.getLogger("rostether.ros2")
@@ -79,14 +81,15 @@ class ZenohSession(SharedSession):
     async def open(
         cls, environment: Ros2Environment, types: Ros2Types, *, reach: Reach | None = None
     ) -> ZenohSession:
-        """Open a session, as a client of a router or as the router of this machine, according to `reach`.
+        """Open a session that connects to a router or is the router of this machine, according to `reach`.
 
         Raises ConfigError, and MasterUnreachableError if zenoh cannot open it.
         """
         reach = reach or Reach()
         if await _replaces_router(environment, reach):
             try:
-                session = await _open_session(configuration := router_configuration(environment, reach))
+                configuration = router_configuration(environment, reach)
+                session = await _open_session(configuration)
             except MasterUnreachableError:
                 # Another process became the router first.
                 if reach.router is RouterChoice.ALWAYS or not await is_router_there():
@@ -138,7 +141,7 @@ class ZenohSession(SharedSession):
 
     async def _start(self, configuration: zenoh.Config) -> ZenohSession:
         self.listens_on = endpoints_of(configuration, "listen")
-        # Without other programs, the default endpoint is known to be free.
+        # The default endpoint is on this machine: nothing but a missing router can be wrong there.
         named = [each for each in endpoints_of(configuration, "connect") if each != ROUTER_ENDPOINT]
         self.connects_to = tuple(named)
         if not self.is_router:
@@ -235,10 +238,10 @@ async def _open_session(configuration: zenoh.Config) -> zenoh.Session:
 
 
 async def _watch_router(session: zenoh.Session, named: Sequence[str], report: Callable[[str], None]) -> None:
-    """Report when no router is connected, and an empty text when one is connected again: zenoh does not.
+    """Report when no router is connected, and an empty text when one is connected again, until cancelled.
 
-    Runs until it is cancelled. `named` are the endpoints that the configuration names: one that never
-    answered is also a problem, unless other peers are connected: a network of peers needs no router.
+    Zenoh does not report it. `named` are the endpoints in the configuration: if none ever answered, that is
+    also a problem, unless other peers are connected, because a network of peers needs no router.
     """
     where = f" at {', '.join(named)}" if named else ""
     problem = f"the zenoh router{where} does not answer"

@@ -14,17 +14,17 @@ from rostether.ros2.types.type_support import Ros2Types
 from rostether.ros2.zenoh.graph_cache import GraphCache
 from rostether.ros2.zenoh.tokens import Token
 
-# The number of publications that may wait for room at the same time, each in a thread.
+# The maximum number of publications that wait for room at the same time, each in a thread.
 MAX_PUT_THREADS = 8
 
-# The number of service requests and responses that may wait for room; zenoh closes a full link after 5 s.
+# The maximum number of service requests and responses that wait for room; zenoh closes a full link after 5 s.
 MAX_CALL_THREADS = 8
 
 _log = logging.getLogger("rostether.ros2")
 
 
 class SharedSession:
-    """A session as its nodes see it."""
+    """The part of a session that its nodes use."""
 
     def __init__(self, session: zenoh.Session, domain_id: int, types: Ros2Types) -> None:
         self.zenoh = session
@@ -53,7 +53,7 @@ class SharedSession:
         self.graph.apply_tokens([(text, is_there)])
 
     async def query_tokens(self, key: str, timeout_s: float) -> list[str]:
-        """Query the network for the current tokens that match a key expression."""
+        """Return the key expressions of the tokens that match a key expression; wait at most `timeout_s`."""
         loop = asyncio.get_running_loop()
         found: list[str] = []
         done = asyncio.Event()
@@ -80,7 +80,7 @@ class LiveToken:
         self.token = token
         self.text = token.format()
         self._session = session
-        self._declared = session.zenoh.liveliness().declare_token(self.text)
+        self._declared = session.liveliness.declare_token(self.text)
         session.apply_own_token(self.text, is_there=True)
 
     def withdraw(self) -> None:

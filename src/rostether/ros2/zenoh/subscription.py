@@ -12,10 +12,9 @@ from rostether.errors import SerializationError
 from rostether.graph.callbacks import call_safely
 from rostether.graph.flow_control import DEFAULT_QUEUE_BYTES
 from rostether.graph.ports import Level, OnConnection, OnMessages
-from rostether.msgdef.interface import ANY_MESSAGE, MessageType
 from rostether.ros2.early_conversion import Received, convert_if_large, payload_of
 from rostether.ros2.endpoint_info import connection_fields
-from rostether.ros2.handover import Handover
+from rostether.ros2.handover import Handover, loss_text
 from rostether.ros2.naming import dds_name
 from rostether.ros2.qos import DEFAULT_QOS, Qos
 from rostether.ros2.types.type_support import ANY_HASH, MessageSupport
@@ -27,26 +26,28 @@ from rostether.ros2.zenoh.shared_session import LiveToken
 from rostether.ros2.zenoh.thread_state import keep_thread_state
 from rostether.ros2.zenoh.tokens import Kind, Token, data_key
 
-# The number of past messages requested from a latched publisher: one, as in ROS 1.
+# The number of earlier messages requested from a latched publisher: one, as in ROS 1.
 LATCHED_SAMPLES = 1
 
 Report = Callable[[Level, str], None]
 
 
 class Receiver(Struct, frozen=True):
-    """The receiver of a subscription's messages."""
+    """The callbacks of a subscription."""
 
     on_messages: OnMessages
     on_connection: OnConnection | None
-    on_close: Callable[[Subscription], None]
+    on_close: Callable[[ZenohSubscriber], None]
     report: Report
-    describe: Describe | None = None
+    describe: Describe
 
 
-class Subscription:
+class ZenohSubscriber:
     """Implements `graph.ports.Subscriber`.
 
-    Without a type it accepts every type, learned from tokens and samples.
+    Without `support`, it accepts every type, which it learns from tokens and samples; with `one_type`, only
+    the type of the first publisher. `own_gids` returns the publishers whose messages are omitted, and
+    messages of `skip_nodes` are also omitted.
     """
 
     def __init__(
@@ -61,7 +62,6 @@ class Subscription:
         one_type: bool = False,
     ) -> None:
         self.topic = topic
-        self.type: MessageType = ANY_MESSAGE if support is None else support.ros1_type
         self._support = support
         self._receiver = receiver
         self._node = node
@@ -74,8 +74,8 @@ class Subscription:
         self._node_names: dict[bytes, str] = {}
         self._what = f"on_messages of {topic}"
         self._is_closed = False
-        self._is_reported = False
-        self._undecodable_count = 0
+        self._is_misfit_reported = False
+        self._is_loss_reported = False
         self._publishers: set[Token] = set()
         self._is_paused = False
         self._tokens: dict[str, LiveToken] = {}
@@ -115,11 +115,6 @@ class Subscription:
     def publisher_count(self) -> int:
         """The number of publishers of the same type."""
         return len(self._publishers)
-
-    @property
-    def dropped_count(self) -> int:
-        """How many messages arrived too fast, or did not fit their type."""
-        return self._queue.dropped_count + self._undecodable_count
 
     def pause(self) -> None:
         """Keep messages in the queue, which drops the oldest if it is full."""
@@ -189,6 +184,9 @@ class Subscription:
                 self._refuse(error)
         if payloads and not self._is_closed:
             call_safely(self._what, self._receiver.on_messages, payloads)
+        if self._queue.dropped_count and not self._is_loss_reported:
+            self._is_loss_reported = True
+            self._receiver.report(Level.WARN, loss_text(self.topic))
 
     @property
     def _accepts_all(self) -> bool:
@@ -248,7 +246,7 @@ class Subscription:
         is_new = not self._types.has(type_name, type_hash)
         support = self._only_learned(self._types.find(type_name, type_hash))
         if is_new and support is not None:
-            # A publisher without a token.
+            # The publisher has no token.
             self._connect(support, "", DEFAULT_QOS)
         return support
 
@@ -265,7 +263,6 @@ class Subscription:
             )
 
     def _refuse(self, error: SerializationError) -> None:
-        self._undecodable_count += 1
-        if not self._is_reported:
-            self._is_reported = True
-            self._receiver.report(Level.WARN, f"{self.topic}: a message that does not fit its type: {error}")
+        if not self._is_misfit_reported:
+            self._is_misfit_reported = True
+            self._receiver.report(Level.WARN, f"{self.topic}: a message does not fit its type: {error}")

@@ -4,6 +4,7 @@
     @ros2_lv/<domain>/<session>/<node id>/<id>/MP|MS|SS|SC/<enclave>/<ns>/<node>/<name>/<type>/<hash>/<qos>
 
 Names are mangled: `/` is written as `%`. Newer distributions append one more part (backends); it is ignored.
+Source: the design document of rmw_zenoh.
 """
 
 from __future__ import annotations
@@ -15,7 +16,9 @@ from msgspec import Struct
 from rostether.names.graph_name import join
 from rostether.ros2.qos import DEFAULT_QOS, Durability, History, Qos, Reliability
 
+# rmw_zenoh's default depth, which tokens omit.
 DEFAULT_DEPTH = 42
+# The end of a text for quality of service: default values of deadline, lifespan and liveliness.
 _TAIL = ":,:,:,,"
 
 ADMIN_SPACE = "@ros2_lv"
@@ -138,7 +141,7 @@ def _is_number(text: str) -> bool:
 
 
 def format_qos(qos: Qos) -> str:
-    """Return the text; deadline, lifespan and liveliness are the defaults."""
+    """Return the quality of service as in a token, with default deadline, lifespan and liveliness."""
     reliability = "" if qos.reliability is Reliability.RELIABLE else str(int(qos.reliability))
     durability = "" if qos.durability is Durability.VOLATILE else str(int(qos.durability))
     history = "" if qos.history is History.KEEP_LAST else str(int(qos.history))
@@ -147,7 +150,7 @@ def format_qos(qos: Qos) -> str:
 
 
 def parse_qos(text: str) -> Qos:
-    """Read a peer's text; missing, unknown and 0 (system default) values become the default."""
+    """Read a peer's quality of service; missing, unknown and 0 (system default) values become the default."""
     reliability, durability, history = [*text.split(":"), "", "", ""][:3]
     kind, _, depth = history.partition(",")
     return Qos(
