@@ -1,4 +1,5 @@
-// All texts that people read, in one file so that they can be translated. Keep them short and plain.
+// The texts of the page, in one file so that they can be translated. Keep them short and plain. Errors of messages and
+// files have their texts where they are found.
 
 export const texts = {
   panels: {
@@ -60,7 +61,6 @@ export const texts = {
     hide: "Remove",
     waiting: "Waiting for the robot",
     waitingText: "This page shows the robot as soon as it answers.",
-    more: (count: number) => `${count} more in Plots`,
   },
   boards: {
     none: "No board is reporting",
@@ -139,7 +139,6 @@ export const texts = {
     copyCommand: "Copy as a command",
     choose: "Choose a topic to see its messages",
     definition: "Definition",
-    message: "Message",
     elements: (count: number) => (count === 1 ? "1 element" : `${count} elements`),
     characters: (count: number) => `${count} characters`,
     showMore: (count: number) => `Show ${count} more`,
@@ -221,7 +220,7 @@ export const texts = {
     follow: "Follow",
     none: "No robot publishes its position",
     noneText:
-      "Robots that publish sensor_msgs/NavSatFix appear here. To use the GPS of a phone, open “This phone” there.",
+      "Robots that publish sensor_msgs/NavSatFix appear here. To use the GPS of a phone, open “This phone” on the phone.",
     noFix: (topics: string) => `No GPS fix: ${topics}`,
     noTiles: "No map tiles. Start the dashboard with --tiles FILE.mbtiles to see streets without internet.",
   },

@@ -71,7 +71,7 @@ test("rates, and values that are stale after three periods", () => {
 });
 
 test("the robot's clock follows one that was set", () => {
-  const clock = new RobotClock();
+  const clock = new RobotClock(() => undefined);
   const at = () => clock.nowS() - performance.now() / 1000;
   clock.note(1000, 0);
   clock.note(1001, 1200);
@@ -81,7 +81,10 @@ test("the robot's clock follows one that was set", () => {
 });
 
 test("a table of what a plot shows", () => {
-  const [a, b] = ["/a.x", '/b.y["]'].map((id) => new Series(id, new RobotClock())) as [Series, Series];
+  const [a, b] = ["/a.x", '/b.y["]'].map((id) => new Series(id, new RobotClock(() => undefined))) as [
+    Series,
+    Series,
+  ];
   for (let index = 0; index < 3; index++) a.buffer.push(index, index);
   b.buffer.push(1, 5);
   assert.equal(toCsv([a, b], 0.5, 10), 'time,/a.x,"/b.y[""]"\n1.000000,1,5\n2.000000,2,\n');

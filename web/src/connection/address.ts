@@ -1,4 +1,4 @@
-// Where the gateway is, and the token for it. The token is in the URL's fragment only, which no server sees.
+// The address of the gateway, and its token. The token is in the fragment of the page's URL, which browsers do not send.
 
 const TOKEN_KEY = "rostether.token";
 
@@ -23,7 +23,7 @@ export function recordingUrl(name: string): string {
   return `/recordings/${encodeURIComponent(name)}${token ? `?token=${encodeURIComponent(token)}` : ""}`;
 }
 
-/** Where boards on this device's serial ports are connected. */
+/** The address at which the robot accepts boards on this device's serial ports. */
 export function serialUrl(): string {
   const url = new URL(gatewayUrl());
   url.pathname = "/serial";

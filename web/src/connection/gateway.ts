@@ -141,7 +141,7 @@ export class Gateway {
     this.command.send({ op: "unadvertise", channelIds: [id] });
   }
 
-  /** Publishes on an advertised topic; false when there is no connection: nothing is sent later. */
+  /** Publishes on an advertised topic; false without a connection: the message is then dropped. */
   publish(id: number, payload: Uint8Array): boolean {
     return this.command.send(messageData(id, payload));
   }
@@ -174,7 +174,7 @@ export class Gateway {
     this.command.send({ op: "subscribeParameterUpdates", parameterNames: names });
   }
 
-  /** Reports recordings to `onRecordings`, now and at every change; again after a reconnection. */
+  /** Reports recordings to `onRecordings`, now, at every change and after a reconnection. */
   followRecordings(): void {
     this.followsRecordings = true;
     this.command.send({ op: "listRecordings" });
@@ -214,7 +214,7 @@ export class Gateway {
   }
 
   private sendAdvertise(id: number, channel: ClientChannel): void {
-    // A connection that opens later advertises all topics; one that may only view would be refused.
+    // A connection that opens later advertises all topics; a page that may only view would be refused.
     if (!this.isCommandOpen || !this.mayPublish) return;
     const described = { id, encoding: "ros1", schemaEncoding: "ros1msg", ...channel };
     this.command.send({ op: "advertise", channels: [described] });

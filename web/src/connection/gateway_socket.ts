@@ -3,7 +3,7 @@ import { parseExact } from "./exact_json.ts";
 import { parseBinary, type ServerBinary, type ServerText, SUBPROTOCOL } from "./protocol.ts";
 import { ReconnectingSocket } from "./socket.ts";
 
-// As the gateway writes it.
+// The beginning of a message with parameters, as the gateway writes it.
 const PARAMETERS = '{"op":"parameterValues"';
 
 export interface GatewaySocketHandlers {
@@ -11,8 +11,7 @@ export interface GatewaySocketHandlers {
   onOpen(): void;
   onText(message: ServerText): void;
   onBinary(message: ServerBinary): void;
-  /** `retryMs` is how long it waits until it tries again. */
-  onClose(reason: string, retryMs: number): void;
+  onClose(reason: string): void;
   /** The gateway does not answer: the network has failed. The connection is closed next. */
   onSilence?(): void;
 }

@@ -34,11 +34,9 @@ export interface Status {
 }
 export interface GraphUpdate {
   publishedTopics: { name: string; publisherIds: string[] }[];
-  /** Our gateway adds the type of a topic that no node publishes, so that the page can publish it. */
+  /** rostether's gateway adds the type of a topic that no node publishes, so that the page can publish it. */
   subscribedTopics: { name: string; subscriberIds: string[]; schemaName?: string; schema?: string }[];
-  advertisedServices: { name: string; providerIds: string[] }[];
   removedTopics: string[];
-  removedServices: string[];
 }
 export interface ServerInfo {
   name: string;
@@ -46,7 +44,7 @@ export interface ServerInfo {
   sessionId: string;
   metadata?: Record<string, string>;
 }
-/** The driver of a command topic: none, this page, or another client (an extension of our gateway). */
+/** The driver of a command topic: none, this page, or another client (an extension of rostether's gateway). */
 export interface Lease {
   state: "free" | "driving" | "taken";
   /** The driver's name; empty without a driver. */
@@ -67,7 +65,7 @@ export interface Playing {
   paused: boolean;
   prefix: string;
 }
-/** The current and the finished recordings of the gateway (an extension of our gateway). */
+/** The current and the finished recordings of the gateway (an extension of rostether's gateway). */
 export interface Recordings {
   folder: string;
   active: { name: string; seconds: number; messages: number; topics: number; bytes: number } | null;

@@ -2,6 +2,7 @@
 
 import { stringifyExact } from "./exact_json.ts";
 
+// A gateway that restarts is back within a second; one that is switched off must not be asked often.
 const FIRST_RETRY_MS = 250;
 const MAX_RETRY_MS = 5000;
 // A server that accepts the connection must answer within this time.
@@ -15,8 +16,8 @@ export interface SocketHandlers {
   onStart?(): void;
   /** A message; returns whether the connection can be used from now on. */
   onMessage(data: string | ArrayBuffer): boolean;
-  /** `retryMs` is how long it waits until it tries again. */
-  onClose(reason: string, retryMs: number): void;
+  /** The connection was closed, for example with the server's reason; the socket connects again later. */
+  onClose(reason: string): void;
   /** A request that the server answers immediately, to find out whether the network has failed. */
   probe?: object;
   /** The probe was not answered; the connection is closed next. */
@@ -55,7 +56,7 @@ export class ReconnectingSocket {
     return this.socket?.bufferedAmount ?? 0;
   }
 
-  /** Closes a connection on a network that has failed, without waiting for the server. */
+  /** Closes the connection without waiting for the server, if the network has failed. */
   drop(): void {
     if (!this.socket) return;
     clearInterval(this.watch);
@@ -127,6 +128,6 @@ export class ReconnectingSocket {
     const wait = this.retryMs * (0.75 + Math.random() / 2);
     this.retryMs = Math.min(this.retryMs * 2, MAX_RETRY_MS);
     this.timer = setTimeout(() => this.connect(), wait);
-    this.handlers.onClose(reason, wait);
+    this.handlers.onClose(reason);
   }
 }

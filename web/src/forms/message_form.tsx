@@ -5,8 +5,9 @@ import { useEffect, useRef } from "preact/hooks";
 import { texts } from "../texts.ts";
 import type { Field, Node, Primitive, StructNode } from "../wire/schema.ts";
 import { typeName } from "../wire/schema.ts";
+import { type Stamp, stampNow } from "../wire/stamp.ts";
 import { type Choice, choicesOf } from "./choices.ts";
-import { formatList, formatStamp, parseList, parseNumber, parseStamp, type Stamp } from "./numbers.ts";
+import { formatList, formatStamp, parseList, parseNumber, parseStamp } from "./numbers.ts";
 
 /** The edited value: missing fields are zero. */
 export type Draft = Record<string, unknown>;
@@ -20,6 +21,7 @@ interface FieldProps {
 
 // Deeper than any message; a deeper form would not fit on a screen.
 const MAX_DEPTH = 8;
+// A longer list of structures is too long to edit in a form.
 const MAX_ITEMS = 50;
 
 export function MessageForm(props: {
@@ -240,10 +242,6 @@ function StampField(props: Omit<FieldProps, "node"> & { kind: "time" | "duration
     if (typeof result !== "string") onChange(result);
     input.reportValidity();
   };
-  const now = () => {
-    const ms = Date.now();
-    onChange({ sec: Math.floor(ms / 1000), nsec: (ms % 1000) * 1_000_000 });
-  };
   return (
     <span class="form-stamp">
       <input
@@ -256,7 +254,7 @@ function StampField(props: Omit<FieldProps, "node"> & { kind: "time" | "duration
         onChange={(event) => read(event.currentTarget)}
       />
       {kind === "time" && (
-        <button type="button" class="button" onClick={now}>
+        <button type="button" class="button" onClick={() => onChange(stampNow())}>
           {texts.forms.now}
         </button>
       )}

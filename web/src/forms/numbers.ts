@@ -1,7 +1,8 @@
-// Reads the input of fields.
+// Reads the values that the user types into fields, and formats values for fields.
 
 import { texts } from "../texts.ts";
 import type { Node, Primitive } from "../wire/schema.ts";
+import type { Stamp } from "../wire/stamp.ts";
 
 const LIMITS: Readonly<Record<string, readonly [bigint, bigint]>> = {
   int8: [-128n, 127n],
@@ -41,18 +42,12 @@ export function parseNumber(type: Primitive, text: string): number | bigint | st
   return type.endsWith("64") ? whole : Number(whole);
 }
 
-export interface Stamp {
-  sec: number;
-  nsec: number;
-}
-
 /** Reads a time or a duration in seconds, to the nanosecond; a string is the error text. */
 export function parseStamp(kind: "time" | "duration", text: string): Stamp | string {
   const [, sign, whole, fraction = ""] =
     /^([+-]?)(\d{1,12})(?:[.,](\d{0,9}))?$/.exec(text.trim() || "0") ?? [];
   if (whole === undefined) return texts.forms.seconds;
   const ns = (BigInt(whole) * BILLION + BigInt(fraction.padEnd(9, "0"))) * (sign === "-" ? -1n : 1n);
-  // The nanoseconds are positive even below zero: -0.5 s is -1 s and 500,000,000 ns.
   const nsec = ((ns % BILLION) + BILLION) % BILLION;
   const sec = (ns - nsec) / BILLION;
   const [low, high] = LIMITS[kind === "time" ? "uint32" : "int32"]!;

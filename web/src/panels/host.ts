@@ -10,7 +10,7 @@ import type { Settings } from "./setting_checks.ts";
 
 // A robot that restarts is back within seconds.
 const RETRY_MS = 1000;
-// A late card does not wait longer than this for a pause.
+// A card that is loaded late waits no longer than this for the others.
 const MAX_WAIT_MS = 1500;
 
 /** Mounts `panel` in `host`; returns a function that removes it. */

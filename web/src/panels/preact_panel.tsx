@@ -1,4 +1,4 @@
-// A panel that is a Preact component.
+// Makes a Preact component a panel.
 import { type ComponentType, render } from "preact";
 import type { PanelContext, PanelModule } from "./panel.ts";
 

@@ -1,4 +1,4 @@
-// Checks of a panel's settings. They come from links and from the browser's storage, which may hold anything.
+// Checks of a panel's settings. They come from links and from the browser's storage, which may contain anything.
 
 /** Settings of one instance of a panel; must survive JSON. */
 export type Settings = Record<string, unknown>;

@@ -1,5 +1,5 @@
 // The robot's clock, seen from this page: the server answers with its time, as in NTP.
-import type { Stamp } from "../wire/decode.ts";
+import type { Stamp } from "../wire/stamp.ts";
 
 // Old answers are dropped, so that the offset follows a clock that drifts or is set.
 const KEPT = 8;
@@ -25,7 +25,7 @@ export class ClockOffset {
     if (this.samples.length > KEPT) this.samples.shift();
   }
 
-  /** The offset of the fastest answer, which had the least delay. Undefined without an answer. */
+  /** The offset of the fastest answer, which is the most exact. Undefined without an answer. */
   get best(): Sample | undefined {
     return this.samples.reduce<Sample | undefined>(
       (best, each) => (best && best.roundTripMs <= each.roundTripMs ? best : each),

@@ -4,7 +4,7 @@ import { pageTimeMs } from "./clock_offset.ts";
 import { rateLimiter, type Sensor, SensorError } from "./sensor.ts";
 
 const RADIANS = Math.PI / 180;
-// Browsers without sensors send no event, or one without values.
+// Browsers without sensors send no event, or an event without values.
 const FIRST_EVENT_MS = 3000;
 const UNKNOWN = [-1, 0, 0, 0, 0, 0, 0, 0, 0];
 

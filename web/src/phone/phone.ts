@@ -1,6 +1,6 @@
-// This device as a source of sensor topics: which sensors are on, under which name. It pauses while the page is hidden.
+// This device as a source of sensor topics: its name, and the sensors that are on. They pause while the page is hidden.
 import { effect, type Signal, signal } from "@preact/signals";
-import { randomHex } from "../store/random_hex.ts";
+import { newDeviceName } from "../store/device_name.ts";
 import { RateMeter } from "../store/rate.ts";
 import { loadSetting, saveSetting } from "../store/storage.ts";
 import { pageHidden } from "../store/visibility.ts";
@@ -13,7 +13,6 @@ import { imu } from "./imu.ts";
 import { PhoneLink } from "./phone_link.ts";
 import { type Problem, type Sensor, SensorError, type SensorSettings } from "./sensor.ts";
 
-const NAME = /^[A-Za-z][A-Za-z0-9_]{0,39}$/;
 const DEFAULTS: SensorSettings = { hertz: 0, width: 640, height: 480, isFront: false };
 const DEFAULT_HERTZ = { imu: 50, gps: 0, camera: 5, battery: 0 };
 
@@ -48,7 +47,7 @@ export class PhoneSensor {
     }
   }
 
-  /** Switches the sensor on or off; must be called from a tap: only then do browsers ask for permission. */
+  /** Switches the sensor on or off. Must be called in a tap's event, because browsers ask for permission only then. */
   toggle(): void {
     this.isOn.value = !this.isOn.value;
     this.problem.value = undefined;
@@ -104,16 +103,12 @@ export const sensors: readonly PhoneSensor[] = [imu, gps, camera, battery].map(
 );
 
 /** The first part of all topics, and the frame of the messages. */
-export const phoneName: Signal<string> = signal(loadSetting("phone.name", `phone_${randomHex()}`));
+export const phoneName: Signal<string> = signal(loadSetting("phone.name", newDeviceName("phone")));
 saveSetting("phone.name", phoneName.peek());
 
 /** The connection while a sensor is on and the page is visible. */
 export const phoneLink: Signal<PhoneLink | undefined> = signal(undefined);
 let link: PhoneLink | undefined;
-
-export function isPhoneName(name: string): boolean {
-  return NAME.test(name);
-}
 
 /** Renames the topics; sensors that are on start again. */
 export function renamePhone(name: string): void {

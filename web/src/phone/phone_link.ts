@@ -1,13 +1,13 @@
-// A separate connection for the phone's sensors: its pictures never delay a stop, which uses another one.
+// A separate connection for the phone's sensors, so that pictures never delay a stop.
 import { type Signal, signal } from "@preact/signals";
 import { gatewayUrl } from "../connection/address.ts";
 import { gatewaySocket } from "../connection/gateway_socket.ts";
 import { messageData } from "../connection/protocol.ts";
 import type { ReconnectingSocket } from "../connection/socket.ts";
-import type { Stamp } from "../wire/decode.ts";
+import type { Stamp } from "../wire/stamp.ts";
 import { ClockOffset, pageTimeMs } from "./clock_offset.ts";
 
-// Quickly at first, then often enough for the drift of any clock.
+// The page asks for the robot's time quickly at first, then often enough for the drift of any clock.
 const FIRST_ASKS = 5;
 const FIRST_ASK_MS = 200;
 const ASK_MS = 10_000;
@@ -15,8 +15,7 @@ const ASK_MS = 10_000;
 const MAX_WAITING_BYTES = 64 * 1024;
 
 export class PhoneLink {
-  readonly clock = new ClockOffset();
-  readonly isOpen = signal(false);
+  private readonly clock = new ClockOffset();
   /** The offset of the robot's clock and the time of the answer, in milliseconds. */
   readonly offset: Signal<{ offsetMs: number; roundTripMs: number } | undefined> = signal(undefined);
   /** An error of the robot. */
@@ -25,6 +24,7 @@ export class PhoneLink {
   private readonly topics = new Map<number, { topic: string; schemaName: string }>();
   private readonly asked = new Map<number, number>();
   private simulated: Stamp | undefined;
+  private isOpen = false;
   private timer: ReturnType<typeof setTimeout> | undefined;
   private asks = 0;
   private nextId = 1;
@@ -37,7 +37,7 @@ export class PhoneLink {
         this.clock.clear();
         this.asks = 0;
         this.ask();
-        this.isOpen.value = true;
+        this.isOpen = true;
       },
       onText: (message) => {
         if (message.op === "timeAnswer") this.learn(message.id, message);
@@ -53,7 +53,7 @@ export class PhoneLink {
       onClose: () => {
         clearTimeout(this.timer);
         this.asked.clear();
-        this.isOpen.value = false;
+        this.isOpen = false;
       },
     });
   }
@@ -71,13 +71,13 @@ export class PhoneLink {
   }
 
   /** The robot's time at a time of the page; undefined before it is known. */
-  stamp(pageMs = pageTimeMs()): Stamp | undefined {
+  stamp(pageMs: number): Stamp | undefined {
     return this.simulated ?? this.clock.stamp(pageMs);
   }
 
   /** Whether a message would leave soon. */
   get hasRoom(): boolean {
-    return this.isOpen.peek() && this.socket.waitingBytes < MAX_WAITING_BYTES;
+    return this.isOpen && this.socket.waitingBytes < MAX_WAITING_BYTES;
   }
 
   /** Publishes a message; returns false, and drops it, when the connection is slow or lost. */

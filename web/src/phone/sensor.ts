@@ -33,7 +33,7 @@ export interface SensorSettings {
 
 export interface SensorOutput {
   readonly settings: SensorSettings;
-  /** Whether a message would be sent soon; otherwise a large message need not be made. */
+  /** Whether a message would be sent soon; otherwise, a sensor with large messages makes none. */
   hasRoom(): boolean;
   /** Publishes the fields other than the header, measured at a time of the page in milliseconds. */
   publish(fields: Record<string, unknown>, measuredMs: number): void;

@@ -34,7 +34,10 @@ export function receiveSeries(robot: Robot, series: Series, visible: ReadonlySig
   };
 }
 
-/** Receives these series, instead of those of the last call, until the page is hidden: a plot has no gap when the user returns from another panel. */
+/**
+ * Receives these series, instead of those of the last call, while the page is visible. So a plot has no gap when the user
+ * returns from another panel.
+ */
 export function keepSeries(robot: Robot, wanted: readonly Series[]): void {
   const running = kept.get(robot) ?? new Map<Series, () => void>();
   kept.set(robot, running);

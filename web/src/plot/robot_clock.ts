@@ -1,8 +1,8 @@
-// The robot's clock now, from the times of its messages: the right edge of plots that run.
+// The robot's current time, from the times of its messages: the right edge of a running plot.
 
 // A larger difference is not a delay of the line: one of the two clocks was set.
 const MAX_DELAY_S = 2;
-// The estimate follows a drifting clock slowly; delays only ever make messages late.
+// The estimate follows a drifting clock slowly, because a message may be late but never early.
 const SHARE_OF_A_MESSAGE = 0.0005;
 
 export class RobotClock {
@@ -10,7 +10,7 @@ export class RobotClock {
   private readonly simulatedNs: () => bigint | undefined;
 
   /** `simulatedNs` is the simulated time, undefined while there is none. It may run fast, slowly or not at all. */
-  constructor(simulatedNs: () => bigint | undefined = () => undefined) {
+  constructor(simulatedNs: () => bigint | undefined) {
     this.simulatedNs = simulatedNs;
   }
 

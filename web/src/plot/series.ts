@@ -17,6 +17,8 @@ export class Series {
   readonly path: string;
   readonly buffer = new SeriesBuffer();
   unit = "";
+  /** Whether the series keeps a value until the next one, as a bool does. */
+  isStepped = false;
   /** Why the series cannot be read; empty when it can. */
   error = "";
   /** For a path with `[:]`: the last numbers. */
@@ -28,7 +30,6 @@ export class Series {
   private topic: Topic | undefined;
   private reader: PathReader | undefined;
   private lastArrival: Arrival | undefined;
-  private stepped = false;
 
   constructor(id: string, clock: RobotClock) {
     this.id = id;
@@ -39,12 +40,7 @@ export class Series {
     this.clock = clock;
   }
 
-  /** Whether it keeps a value until the next, as a bool does. */
-  get isStepped(): boolean {
-    return this.stepped;
-  }
-
-  /** Follows the topic's type; call it before `receive` and to learn the unit. */
+  /** Sets the topic, whose type has the unit and is needed by `receive`. */
   follow(topic: Topic | undefined): void {
     if (topic === this.topic || topic === undefined) return;
     this.topic = topic;
@@ -54,7 +50,7 @@ export class Series {
       const type = topic.type();
       this.reader = pathReader(type, this.path);
       this.unit = unitOf(type, this.path);
-      this.stepped = this.reader.isFlag;
+      this.isStepped = this.reader.isFlag;
     } catch (error) {
       this.error = (error as Error).message;
     }

@@ -1,6 +1,6 @@
 // The last five minutes of one number, in typed arrays. A gap in the data is a NaN.
 
-/** The minimum history of a plot. */
+/** The history of a plot, in seconds. */
 export const KEPT_S = 300;
 const FIRST_POINTS = 1024;
 // Five minutes at 1.7 kHz; faster series keep less.

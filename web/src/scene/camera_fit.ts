@@ -1,4 +1,4 @@
-// The camera's distance from a box that it shows completely.
+// The distance from which a camera shows a whole box.
 import { type Box3, Vector3 } from "three";
 
 /** The part of the picture's width and height that the box fills. */

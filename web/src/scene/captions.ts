@@ -22,7 +22,7 @@ export class Caption extends Sprite {
 /**
  * Gives captions their size in a picture of this many pixels, and hides those that would cover an earlier one.
  *
- * Things behind the camera have a position in the picture too, but cover nothing.
+ * Captions behind the camera have a position in the picture too, but cover nothing.
  */
 export function arrangeCaptions(captions: Iterable<Caption>, camera: PerspectiveCamera, size: Vector2): void {
   const unitsPerPx = (2 * Math.tan((camera.fov * Math.PI) / 360)) / size.y;

@@ -1,4 +1,5 @@
-// Colors of values.
+// Colors of values, and colors of messages as amounts of light.
+
 /** Writes the color of a value from 0 to 1, blue over green to red ("turbo", approximated), as components from 0 to 1. */
 export function rainbow(share: number, out: Float32Array, at: number): void {
   const s = share < 0 ? 0 : Math.min(share, 1);
@@ -12,7 +13,7 @@ export function toLinear(shown: number): number {
   return shown <= 0.04045 ? shown / 12.92 : ((shown + 0.055) / 1.055) ** 2.4;
 }
 
-/** The same for colors of 8 bits. */
+/** The linear light of each component of 8 bits. */
 export const LINEAR: ArrayLike<number> = Float32Array.from({ length: 256 }, (_, byte) =>
   toLinear(byte / 255),
 );

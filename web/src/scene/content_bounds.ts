@@ -9,7 +9,7 @@ import {
   Vector3,
 } from "three";
 
-/** The number of points of an object that are measured: enough to find its extent. */
+/** How many points of an object are measured: enough to find its extent. */
 const MAX_POINTS = 1000;
 /** A few wrong points far away must not make the rest a dot. */
 const MAX_DISTANCE_M = 200;

@@ -15,9 +15,9 @@ export interface Placed {
 export interface Display {
   /** Draws a decoded message. */
   update(message: unknown): void;
-  /** The placed things. Most displays have one, markers many. */
+  /** The placed objects. Most displays have one, markers many. */
   placed(): Iterable<Placed>;
-  /** The names in placed things, the most important first. */
+  /** The names in placed objects, the most important first. */
   readonly captions?: readonly Caption[];
   dispose(): void;
 }
@@ -27,7 +27,7 @@ export interface DisplayContext {
   fetchAsset(uri: string): Promise<Uint8Array>;
   /** Something has changed outside of `update`, such as a mesh that was loaded. */
   invalidate(): void;
-  /** A sentence for the user about this display; empty when all is well. */
+  /** A sentence for the user about this display; empty without a problem. */
   report(problem: string): void;
   /** Color of this topic, from the page's series colors. */
   readonly color: string;
@@ -81,7 +81,7 @@ export function disposeTree(root: Object3D): void {
   });
 }
 
-/** Puts an object at a pose. An orientation of all zeros counts as none. */
+/** Puts an object at a pose. An orientation of all zeros means no rotation. */
 export function setPose(object: Object3D, position: Xyz, orientation: Xyzw): void {
   object.position.set(position.x, position.y, position.z);
   object.quaternion.set(...normalized([orientation.x, orientation.y, orientation.z, orientation.w]));

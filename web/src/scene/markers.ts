@@ -43,7 +43,7 @@ const TRIANGLE_LIST = 11;
 const DELETE = 2;
 const DELETE_ALL = 3;
 
-/** More than RViz draws fluently; a flood of new ids must not fill the memory. */
+/** More than RViz draws smoothly; a flood of new ids must not fill the memory. */
 const MAX_MARKERS = 5000;
 const MAX_MARKER_POINTS = 500_000;
 // A timer of a browser counts milliseconds in 31 bits.
@@ -274,7 +274,7 @@ function instances(marker: Marker, geometry: BufferGeometry): InstancedMesh {
   return mesh;
 }
 
-/** Length x and width y along the pose's x axis, or from the first point to the second. */
+/** An arrow of length x and width y along the pose's x axis, or from the first point to the second. */
 function arrowOf(marker: Marker): Object3D {
   const [from, to] = marker.points;
   const color = `#${colorOf(marker.color).getHexString()}`;

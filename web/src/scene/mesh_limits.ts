@@ -6,7 +6,7 @@ const STL_TRIANGLE_BYTES = 50;
 /** The name after the last triangle of a text file. */
 const MAX_STL_REST = 10_000;
 
-/** A thousand times the parts of a robot's link. */
+/** A thousand times as many as a robot's link has. */
 const MAX_NODES = 100_000;
 const MAX_DEPTH = 100;
 // A tag has no `<` inside: otherwise each tag without an end would be searched through the whole file.
@@ -19,10 +19,10 @@ interface Content {
 }
 
 /**
- * Throw an Error if an STL file is incomplete.
+ * Throws an Error if an STL file is incomplete.
  *
- * For a binary file, a loader makes room for the number of triangles in the header. For a triangle or solid without
- * an end in a text file, it searches the whole rest of the file each time.
+ * For a binary file, a loader allocates memory for the number of triangles in the header. In a text file, it searches
+ * the whole rest of the file for each triangle or solid without an end.
  */
 export function checkStl(bytes: Uint8Array): void {
   if (new TextDecoder().decode(bytes.subarray(0, 200)).trimStart().startsWith("solid")) {

@@ -39,7 +39,7 @@ function parse(kind: string, uri: string, bytes: Uint8Array): Object3D {
       checkCollada(text);
       const scene = new ColladaLoader().parse(text, "")?.scene;
       if (scene === undefined) throw new Error("it has no scene");
-      // In Collada files of robots, z points up as in ROS; the loader rotates them, because in three.js y does.
+      // In Collada files of robots, z points up as in ROS; the loader rotates them, because in three.js y points up.
       scene.rotation.set(0, 0, 0);
       return scene;
     }
@@ -50,7 +50,7 @@ function parse(kind: string, uri: string, bytes: Uint8Array): Object3D {
   throw new Error(`${uri} is not drawn: meshes are STL, Collada (.dae) or OBJ files.`);
 }
 
-/** A buffer of these bytes alone, as loaders read from the buffer's start. */
+/** A buffer of only these bytes, because loaders read from the buffer's start. */
 function ownBuffer(bytes: Uint8Array): ArrayBuffer {
   return bytes.slice().buffer as ArrayBuffer;
 }

@@ -1,10 +1,8 @@
 // The fields of message types that the 3D view reads, as the decoder gives them.
-export interface Time {
-  sec: number;
-  nsec: number;
-}
+import type { Stamp } from "../wire/stamp.ts";
+
 export interface Header {
-  stamp: Time;
+  stamp: Stamp;
   frame_id: string;
 }
 export interface Xyz {
@@ -90,7 +88,7 @@ export interface Marker {
   pose: Pose;
   scale: Xyz;
   color: Rgba;
-  lifetime: Time;
+  lifetime: Stamp;
   frame_locked: boolean;
   points: Xyz[];
   colors: Rgba[];

@@ -1,4 +1,4 @@
-// The robot of a URDF: its links at their frames, or moved by joint states where nothing publishes them.
+// The robot of a URDF: its links at their frames, or moved by joint states if no node publishes the frames.
 import { type Color, Group, LoadingManager, type Material, Mesh, type Object3D } from "three";
 import URDFLoader, { type URDFRobot } from "urdf-loader";
 import { type DisplayContext, disposeTree, type Placed } from "./display.ts";
@@ -7,11 +7,10 @@ import { loadMesh } from "./meshes.ts";
 const EMPTY_TEXTURE = "data:image/gif;base64,R0lGODlhAQABAIAAAP///wAAACH5BAEAAAAALAAAAAABAAEAAAICRAEAOw==";
 
 export class RobotModel {
-  readonly joints: readonly string[];
   readonly links: readonly string[];
   private readonly robot: URDFRobot;
   private readonly visuals = new Map<string, Group>();
-  /** The whole robot in one piece, for when there is no tf. */
+  /** The whole robot as one object, which is placed if tf has no frames of its links. */
   readonly whole: Object3D;
 
   /** @throws Error with a sentence when the description is not a URDF. */
@@ -48,9 +47,6 @@ export class RobotModel {
     for (const each of materials) if ("color" in each) (each.color as Color).convertSRGBToLinear();
     this.links = Object.keys(this.robot.links);
     if (this.links.length === 0) throw new Error("The robot description has no links.");
-    this.joints = Object.entries(this.robot.joints)
-      .filter(([, joint]) => joint.jointType !== "fixed")
-      .map(([name]) => name);
     this.whole = new Group();
     this.whole.add(this.robot);
     for (const [name, link] of Object.entries(this.robot.links)) {
@@ -66,7 +62,7 @@ export class RobotModel {
     return this.links[0] as string;
   }
 
-  /** Each link at its own frame, as tf has them. */
+  /** Each link at its frame of tf. */
   *placed(): Iterable<Placed> {
     for (const [frame, object] of this.visuals) yield { frame, stampS: null, object };
   }

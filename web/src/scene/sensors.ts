@@ -225,7 +225,7 @@ export class PointCloudDisplay extends PointsDisplay<PointCloud2> {
         positions[count * 3 + 1] = py;
         positions[count * 3 + 2] = pz;
         if (packed) {
-          // Bytes b, g, r, whatever number the field claims to be (pcl's convention).
+          // The bytes are b, g and r, whatever type the field has (the convention of PCL).
           const rgb = view.getUint32(at + packed.offset, little);
           colors[count * 3] = LINEAR[(rgb >> 16) & 255] as number;
           colors[count * 3 + 1] = LINEAR[(rgb >> 8) & 255] as number;

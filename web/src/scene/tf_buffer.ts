@@ -1,4 +1,4 @@
-// The tree of frames with 10 s of history, as tf2's buffer (REP 105, tf2 BufferCore).
+// The tree of frames with 10 s of history, like tf2's buffer (REP 105, tf2 BufferCore).
 import { compose, IDENTITY, interpolate, invert, normalized, type Transform } from "./rigid.ts";
 
 /** tf2 keeps 10 s too. */
@@ -26,7 +26,6 @@ export interface Edge {
   samples: Sample[];
   /** When the newest transform arrived, on the page's clock. */
   receivedMs: number;
-  broadcaster: string;
 }
 
 export interface Found {
@@ -47,7 +46,7 @@ export class TfBuffer {
   /** Grows with each new frame or parent, so that views know when the tree has changed. */
   treeVersion = 0;
 
-  /** Stores where `child` is in `parent`. Like tf2, it ignores invalid transforms. */
+  /** Stores the pose of `child` in `parent`. Like tf2, it ignores invalid transforms. */
   insert(
     parent: string,
     child: string,
@@ -55,7 +54,6 @@ export class TfBuffer {
     transform: Transform,
     isStatic: boolean,
     receivedMs: number,
-    broadcaster = "",
   ): void {
     const name = frameName(child);
     const above = frameName(parent);
@@ -70,7 +68,7 @@ export class TfBuffer {
     let edge = this.edges.get(name);
     if (edge === undefined) {
       if (this.edges.size >= MAX_FRAMES) return;
-      edge = { child: name, parent: above, isStatic, samples: [], receivedMs, broadcaster };
+      edge = { child: name, parent: above, isStatic, samples: [], receivedMs };
       this.edges.set(name, edge);
       this.treeVersion++;
     } else if (edge.parent !== above) {
@@ -80,7 +78,6 @@ export class TfBuffer {
     }
     edge.isStatic = isStatic;
     edge.receivedMs = receivedMs;
-    edge.broadcaster = broadcaster;
     if (isStatic) edge.samples = [sample];
     else insertSample(edge, sample);
   }
@@ -117,7 +114,7 @@ export class TfBuffer {
   }
 
   /**
-   * Where `source` is in `target`.
+   * The pose of `source` in `target`.
    *
    * @param atS the time in seconds; null means the newest time that all transforms between the two have.
    * @returns the transform, or a sentence with the reason.

@@ -7,7 +7,7 @@ import { MAX_FRAMES, TfBuffer } from "./tf_buffer.ts";
 
 const STATIC_TOPIC = "/tf_static";
 
-// Panels share one subscription, which receives each static transform once: a new panel starts with those received before.
+// Panels share one subscription, which receives each static transform once. A new panel starts with the earlier ones.
 const staticTransforms = new WeakMap<Feed, Map<string, Received>>();
 
 interface Received {

@@ -64,7 +64,7 @@ export class SceneView {
   private lastDrawMs = 0;
   private isChanged = true;
   private hasMoved = false;
-  /** The user moves the camera. */
+  /** Whether the user moves the camera. */
   private isTurning = false;
   private timer: ReturnType<typeof setTimeout> | undefined;
 
@@ -165,7 +165,7 @@ export class SceneView {
     this.frame.markDirty();
   }
 
-  /** Draws again if a thing has moved: most frames of most robots stay where they are. */
+  /** Draws again if an object has moved: most transforms repeat the last pose. */
   markMoved(): void {
     this.frame.markDirty();
   }
@@ -201,12 +201,12 @@ export class SceneView {
     this.controls.dispose();
     this.ground.dispose();
     this.renderer.dispose();
-    // Browsers allow only about 16 contexts, and otherwise free them with the next garbage collection.
+    // Browsers allow only about 16 contexts, and free a forgotten one only with the next garbage collection.
     this.renderer.forceContextLoss();
     this.renderer.domElement.remove();
   }
 
-  /** The pose of a thing in the fixed frame. Without a transform it is drawn at the origin, with a notice. */
+  /** The pose of an object in the fixed frame. Without a transform, it is drawn at the origin, with a notice. */
   place(frame: string, stampS: number | null): Placement {
     const from = frameName(frame);
     if (from === "" || from === frameName(this.fixedFrame)) return { transform: undefined, problem: "" };

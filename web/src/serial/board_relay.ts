@@ -1,4 +1,4 @@
-// Relays one serial port of this device to the robot, which serves the board as any other.
+// Relays one serial port of this device to the robot, which serves the board like any other.
 import { effect, type Signal, signal } from "@preact/signals";
 import { serialUrl } from "../connection/address.ts";
 import { ReconnectingSocket } from "../connection/socket.ts";
@@ -11,7 +11,7 @@ export type RelayState = "opening" | "connected" | "away" | "hidden" | "unplugge
 
 // The robot disconnects a page that reports nothing for 4 s.
 const REPORT_MS = 1000;
-// More waits in the serial port, whose buffer then overflows as on any slow host.
+// Further bytes wait in the serial port, whose buffer may then overflow, as on any slow host.
 const MAX_WAITING_BYTES = 64 * 1024;
 const ROOM_POLL_MS = 20;
 
@@ -20,12 +20,12 @@ export class BoardRelay {
   readonly name: string;
   readonly baud: number;
   readonly state: Signal<RelayState> = signal("opening");
-  /** Why it is not connected: the robot's or the browser's text. */
+  /** Why the board is not connected, as a text of the robot or the browser; may be empty. */
   readonly problem = signal("");
   /** Bytes from the board and to it, since the start. */
   receivedBytes = 0;
   sentBytes = 0;
-  // By this key, the robot recognizes the board after a reconnection.
+  // The robot recognizes the board by this key after a reconnection.
   private readonly key = crypto.randomUUID();
   private line: SerialLine | undefined;
   private socket: ReconnectingSocket | undefined;

@@ -1,6 +1,6 @@
 // The boards that this page relays; they stay connected while other panels are shown.
 import { effect, type Signal, signal } from "@preact/signals";
-import { randomHex } from "../store/random_hex.ts";
+import { newDeviceName } from "../store/device_name.ts";
 import { loadSetting, saveSetting } from "../store/storage.ts";
 import { pageHidden } from "../store/visibility.ts";
 import { BoardRelay } from "./board_relay.ts";
@@ -8,7 +8,6 @@ import { type SerialPort, serialPorts } from "./web_serial.ts";
 
 export const BAUDS = [9600, 19200, 38400, 57600, 115200, 230400, 250000, 500000, 1000000, 2000000] as const;
 const DEFAULT_BAUD = 57600;
-const NAME = /^[A-Za-z][A-Za-z0-9_]{0,39}$/;
 
 /** The settings of a kind of board on this device. */
 export interface BoardSettings {
@@ -18,15 +17,11 @@ export interface BoardSettings {
 
 export const relays: Signal<readonly BoardRelay[]> = signal([]);
 
-export function isBoardName(name: string): boolean {
-  return NAME.test(name);
-}
-
-/** The last settings of this kind of board; of a new one, a name that no other device uses. */
+/** The last settings of this kind of board; for a new kind, a new name and the usual baud rate. */
 export function boardSettings(port: SerialPort): BoardSettings {
   const known = loadSetting<BoardSettings | undefined>(settingsKey(port), undefined);
   if (known) return known;
-  const settings = { name: `board_${randomHex()}`, baud: DEFAULT_BAUD };
+  const settings = { name: newDeviceName("board"), baud: DEFAULT_BAUD };
   saveSetting(settingsKey(port), settings);
   return settings;
 }

@@ -1,7 +1,7 @@
 // One open serial port: reads until it is lost, writes in order, resets the board by DTR.
 import type { SerialPort } from "./web_serial.ts";
 
-// The default is 255 bytes: 20 ms of a fast line.
+// The default of 255 bytes is only 20 ms of a fast line.
 const BUFFER_BYTES = 16 * 1024;
 // An Arduino is reset through a capacitor when DTR is asserted again.
 const RESET_MS = 100;

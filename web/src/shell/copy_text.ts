@@ -1,4 +1,4 @@
-// Copies a text; works on plain http as well, where the clipboard's interface is missing.
+// Copies a text, also on plain http, where browsers offer no clipboard.
 
 export async function copyText(text: string): Promise<boolean> {
   try {

@@ -5,7 +5,7 @@ import { Badge, IconButton, type Level } from "./parts.tsx";
 import { StopButton } from "./stop_button.tsx";
 import { theme, toggleTheme } from "./theme.ts";
 
-/** The status of the server that the graph cannot be read. */
+/** The id of the gateway's status while it cannot read the graph. */
 const GRAPH_STATUS_ID = "graph";
 // A reason may contain text that a page has sent.
 const MAX_REASON = 500;

@@ -11,7 +11,7 @@ export interface AddedCard {
 }
 
 export interface Layout {
-  /** The cards in the user's order; empty as long as nothing was moved. Others follow. */
+  /** Ids of cards in the user's order; empty until a card is moved. Other cards follow. */
   order: string[];
   hidden: string[];
   widths: Record<string, Width>;
@@ -19,7 +19,7 @@ export interface Layout {
 }
 
 export const NO_LAYOUT: Layout = { order: [], hidden: [], widths: {}, added: [] };
-// Links and storage may hold anything.
+// Links and storage may contain anything.
 const MAX_ITEMS = 200;
 
 /** Reads a layout from a link or from storage; invalid parts are omitted. */

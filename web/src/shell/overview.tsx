@@ -1,4 +1,4 @@
-// The first screen: a card for each thing that the graph has, without configuration; and the user's changes.
+// The first screen: cards for what the graph contains, without configuration, and the user's changes.
 import { computed, signal, useSignal } from "@preact/signals";
 import type { ComponentChildren } from "preact";
 import { useEffect, useLayoutEffect, useMemo, useRef } from "preact/hooks";
@@ -25,7 +25,7 @@ interface Card extends Suggestion {
 // More cards are not readable, and each card needs a subscription.
 const MAX_CARDS = 40;
 
-// On a wide screen, wide cards follow the boards: then narrow ones fill the columns beside them.
+// On a wide screen, wide cards follow the boards, so that narrow ones fill the columns beside them.
 const WIDE_CARD_ORDER = 1;
 const wideScreen = matchMedia("(min-width: 1000px)");
 const isWide = signal(wideScreen.matches);

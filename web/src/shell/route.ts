@@ -5,7 +5,7 @@ import type { Settings } from "../panels/setting_checks.ts";
 export interface Route {
   /** Empty for the overview. */
   panelId: string;
-  /** Settings that the link carries; undefined when it has none. */
+  /** The settings in the link; undefined if it has none. */
   settings: Settings | undefined;
 }
 

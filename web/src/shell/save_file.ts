@@ -6,6 +6,6 @@ export function saveFile(name: string, data: BlobPart | BlobPart[], type: string
   link.href = url;
   link.download = name;
   link.click();
-  // The browser has read it by then.
+  // Until then, the browser has read the data.
   setTimeout(() => URL.revokeObjectURL(url), 10_000);
 }

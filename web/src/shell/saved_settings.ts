@@ -1,4 +1,4 @@
-// The settings of panels that stay when the page is closed: the user's changes, not the values of links and cards.
+// The settings of panels that are kept when the page is closed: the user's changes, not the values of links and cards.
 import { effect, type Signal } from "@preact/signals";
 import type { Panel } from "../panels/panel.ts";
 import { type Settings, validSettings } from "../panels/setting_checks.ts";
@@ -28,7 +28,7 @@ export function saveChanges(panel: Panel, settings: Signal<Settings>, given: () 
     if (changed.length === 0) return;
     const saved = savedSettings(panel);
     for (const [name, each] of changed) {
-      // A card knows the values of other topics only as they were when it was built.
+      // A card has old values of other topics: those from when it was built.
       saved[name] = panel.shared?.includes(name) ? { ...(saved[name] as object), ...(each as object) } : each;
     }
     saveSetting(keyOf(panel.id), saved);

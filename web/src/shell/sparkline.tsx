@@ -1,7 +1,8 @@
-// A small line of the last values, without axes.
+// A small chart of the last values, without axes.
 
 const WIDTH = 120;
 const HEIGHT = 28;
+// The smallest number of values that fill the width.
 const MIN_SHOWN = 20;
 
 export function Sparkline({ values, length }: { values: readonly number[]; length: number }) {

@@ -1,4 +1,4 @@
-// Calls a service with a message, and returns its response as one.
+// Calls a service with a message; the response is a message too.
 import type { Service } from "../connection/protocol.ts";
 import { decoder, type Message } from "../wire/decode.ts";
 import { parseDefinition } from "../wire/definition.ts";

@@ -1,7 +1,7 @@
 // One requestAnimationFrame loop for the whole page. Only views marked dirty are drawn.
 
 export interface FrameTask {
-  /** Draws once in the next frame, even if called several times before it. */
+  /** Draws once in the next frame, however often it is called before. */
   markDirty(): void;
   dispose(): void;
 }
@@ -11,7 +11,7 @@ let isRequested = false;
 let periodMs = 0;
 let ranMs = 0;
 
-/** Sets the shortest time between two frames; 0 for the screen's rate. Without a graphics card, each one is expensive. */
+/** Sets the shortest time between two frames; 0 is the screen's rate. Without a graphics card, each frame is expensive. */
 export function limitFrames(shortestMs: number): void {
   periodMs = shortestMs;
 }

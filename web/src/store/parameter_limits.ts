@@ -17,7 +17,7 @@ export interface ParameterLimits {
 const SERVICE = "/describe_parameters";
 const TYPE = /^rcl_interfaces\/(srv\/)?DescribeParameters$/;
 
-/** Groups full names by the node that can describe them; in the groups, they are names of ROS 2, with dots. */
+/** Groups full names by the node that can describe them; `name` is the name in ROS 2, with dots. */
 export function byNode(
   names: Iterable<string>,
   services: ReadonlyMap<string, Pick<Service, "name" | "type">>,

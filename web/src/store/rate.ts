@@ -24,7 +24,7 @@ export class RateMeter {
   /** The arrival time of the last message. */
   lastMs = Number.NEGATIVE_INFINITY;
 
-  /** Messages arrive from now on, perhaps after a pause that does not count for their rate. */
+  /** Starts to measure; an earlier pause does not count. */
   start(nowMs: number): void {
     this.count = 0;
     this.startMs = nowMs;
@@ -65,7 +65,7 @@ export class RateMeter {
     return nowMs - this.lastMs > this.staleAfterMs();
   }
 
-  /** How long a value counts, in milliseconds. */
+  /** The age, in milliseconds, from which a value is stale. */
   staleAfterMs(): number {
     const kept = Math.min(this.count, KEPT);
     if (kept < 3) return FIRST_STALE_MS;

@@ -12,10 +12,10 @@ export type ConnectionState = "connecting" | "open" | "lost";
 
 // A quick change of pages must not end and begin subscriptions.
 const UNSUBSCRIBE_DELAY_MS = 300;
+// More are not readable.
 const MAX_STATUSES = 50;
 // Long enough to read a sentence twice.
 const REFUSAL_MS = 10_000;
-// The offers of a large graph arrive in parts; panels are laid out after all of them.
 const NONE: ReadonlyMap<string, readonly string[]> = new Map();
 
 interface Use {
@@ -46,17 +46,9 @@ export class Robot {
    */
   readonly topics: Signal<ReadonlyMap<string, Topic>> = signal(new Map());
   readonly services: Signal<ReadonlyMap<string, Service>> = signal(new Map());
-  /** Nodes that publish each topic, subscribe to it, and offer each service. */
+  /** Nodes that publish each topic, and nodes that subscribe to it. */
   readonly publishers = signal(NONE);
   readonly subscribers = signal(NONE);
-  readonly providers = signal(NONE);
-  readonly nodes: ReadonlySignal<string[]> = computed(() => {
-    const names = new Set<string>();
-    for (const table of [this.publishers.value, this.subscribers.value, this.providers.value]) {
-      for (const each of table.values()) for (const name of each) names.add(name);
-    }
-    return [...names].sort();
-  });
   readonly statuses: Signal<readonly Status[]> = signal([]);
   /** Why the robot refused the page's last request; empty after some time. */
   readonly refusal = signal("");
@@ -78,7 +70,7 @@ export class Robot {
   private refusalTimer: ReturnType<typeof setTimeout> | undefined;
   /**
    * How many times the page could be loaded since the connection was lost. Once does not prove a refusal: the robot
-   * may have just come back.
+   * may have just restarted.
    */
   private loadCount = 0;
   private awaitsServices = false;
@@ -232,13 +224,13 @@ export class Robot {
       this.info.value = info;
       this.simulatedTimeNs.value = undefined;
       this.statuses.value = [];
-      // The old offers stay until this connection's offers replace them, so that the page does not flicker.
+      // The old topics and services stay until new ones replace them, so that the page does not flicker.
       this.channels.clear();
       this.awaitsServices = this.awaitsGraph = true;
     });
   }
 
-  /** If the robot serves the page but not the connection, it refuses the page. Browsers do not report this. */
+  /** Sets the reason if the robot refuses the page: it then serves the page, but not the connection. Browsers do not report this. */
   private async explainLoss(): Promise<void> {
     const answer = await fetch(location.pathname, { cache: "no-store" }).catch(() => undefined);
     if (answer?.ok && this.connection.value === "lost" && this.loadCount++ > 0)
@@ -288,7 +280,6 @@ export class Robot {
     if (isFirst && this.awaitsServices) this.onServices([], []);
     const publishers = without(isFirst ? NONE : this.publishers.value, update.removedTopics);
     const subscribers = without(isFirst ? NONE : this.subscribers.value, update.removedTopics);
-    const providers = without(isFirst ? NONE : this.providers.value, update.removedServices);
     for (const each of update.publishedTopics) publishers.set(each.name, each.publisherIds);
     for (const name of update.removedTopics) this.unpublished.delete(name);
     for (const { name, subscriberIds, schemaName, schema } of update.subscribedTopics) {
@@ -296,11 +287,9 @@ export class Robot {
       if (schemaName === undefined || schema === undefined) this.unpublished.delete(name);
       else this.unpublished.set(name, new Topic(name, schemaName, schema, undefined));
     }
-    for (const each of update.advertisedServices) providers.set(each.name, each.providerIds);
     batch(() => {
       this.publishers.value = publishers;
       this.subscribers.value = subscribers;
-      this.providers.value = providers;
       this.mergeTopics();
     });
   }

@@ -1,5 +1,5 @@
-// Settings that stay when the page is closed. Private windows and full disks refuse storage; the page also works
-// without it.
+// Settings that are kept when the page is closed. Private windows and full disks refuse storage; the page also works
+// without storage.
 
 const PREFIX = "rostether.";
 

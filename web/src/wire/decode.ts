@@ -1,4 +1,5 @@
-// Compiles a message type into closures that read a message. No code is generated, so a strict CSP holds.
+// Compiles a message type into closures that read a message. No code is generated, because the page's Content Security
+// Policy forbids it.
 import {
   fixedSize,
   type Node,
@@ -7,11 +8,8 @@ import {
   type StructNode,
   smallestSize,
 } from "./schema.ts";
+import type { Stamp } from "./stamp.ts";
 
-export interface Stamp {
-  sec: number;
-  nsec: number;
-}
 export type NumberArray =
   | Int8Array
   | Uint8Array
@@ -35,7 +33,7 @@ export class DecodeError extends Error {}
 // Elements without content have no bytes, so the payload's length does not limit their number.
 const MAX_EMPTY_ELEMENTS = 256;
 
-/** Reads through one payload; every read is checked against its end. */
+/** A position in a payload; every read is checked against the end of the payload. */
 export class Cursor {
   view: DataView;
   bytes: Uint8Array;
@@ -96,7 +94,7 @@ const SCALARS: Record<Primitive, Read> = {
   float64: (cursor) => cursor.view.getFloat64(cursor.skip(8), true),
 };
 
-// A byte order mark is a part of the text, as in Python.
+// As in Python, a byte order mark is a part of the text.
 const text = new TextDecoder("utf-8", { ignoreBOM: true });
 
 function readString(cursor: Cursor): string {
@@ -115,7 +113,7 @@ function readDuration(cursor: Cursor): Stamp {
   return { sec: cursor.view.getInt32(start, true), nsec: cursor.view.getInt32(start + 4, true) };
 }
 
-/** Returns a typed array over the payload; its bytes are copied only where alignment asks for it. */
+/** Returns a typed array over the payload; the bytes are copied only if they are not aligned. */
 export function numberArray(cursor: Cursor, type: Primitive, count: number): NumberArray {
   const size = PRIMITIVE_BYTES[type];
   const start = cursor.bytes.byteOffset + cursor.skip(count * size);

@@ -6,7 +6,7 @@ const MAX_CHARACTERS = 1 << 20;
 const MAX_FIELDS = 20_000;
 const MAX_DEPTH = 32;
 const MAX_FIXED_LENGTH = 1 << 24;
-// Counts every value in the fixed part of a message, so that nested fixed arrays cannot multiply.
+// The limit of values in the fixed part of a message: nested fixed arrays multiply.
 const MAX_FIXED_VALUES = 1 << 24;
 
 const PRIMITIVES: Record<string, Node> = {
@@ -24,6 +24,7 @@ for (const type of "bool int8 uint8 int16 uint16 int32 uint32 int64 uint64 float
 const FIELD = /^([A-Za-z][\w/]*)(\[(\d*)\])?\s+([A-Za-z]\w*)$/;
 const CONSTANT = /^([a-z]\w*)\s+([A-Za-z]\w*)\s*=(.*)$/;
 
+/** A definition that cannot be read; the message is the reason. */
 export class DefinitionError extends Error {}
 
 interface RawField {
@@ -57,7 +58,7 @@ export function parseDefinition(name: string, text: string): StructNode {
     if (fieldCount > MAX_FIELDS) throw new DefinitionError(`${name} has more than ${MAX_FIELDS} fields`);
     raw.set(full, parsed);
     const last = full.slice(full.lastIndexOf("/") + 1);
-    // A bare name that two packages have is resolved by package only.
+    // A name that two packages have is found only with its package.
     short.set(last, short.has(last) ? undefined : full);
   }
   const built = new Map<string, { node: StructNode; values: number; depth: number }>();

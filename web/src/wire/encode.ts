@@ -1,4 +1,4 @@
-// Compiles a message type into closures that write a message. Fields that are not given are zero.
+// Compiles a message type into closures that write a message. Missing fields are zero.
 import { type Node, PRIMITIVE_BYTES, type Primitive, type StructNode } from "./schema.ts";
 
 /** A value that does not fit its field; the text names the field. */

@@ -1,4 +1,4 @@
-// One board: its state, findings with the next step, the line, the clock, its topics.
+// One board: its state, findings with the next step, line, clock and topics.
 import type { ComponentChildren } from "preact";
 import { formatBandwidth, formatBytes, formatDuration, formatRate } from "../../shell/format.ts";
 import { Icon } from "../../shell/icons.tsx";
@@ -12,6 +12,7 @@ import { type Endpoint, type Finding, numberOf } from "./board_status.ts";
 
 // With start and stop bits, a byte is ten bits on the line.
 const BITS_PER_BYTE = 10;
+// Above this, bursts of messages begin to wait.
 const HIGH_LOAD = 0.8;
 
 const t = texts.boards;
@@ -65,7 +66,7 @@ export function BoardCard({ board, nowMs, robot }: { board: Board; nowMs: number
   );
 }
 
-/** The memory use of its sketch, if the robot knows the sketch. */
+/** The memory use of the board's sketch, if the robot knows the sketch. */
 function ProgramSize({ board }: { board: Board }) {
   const bytes = (key: string) => numberOf(board.status.values, key);
   const [flash, ram] = [bytes("flash [bytes]"), bytes("RAM [bytes]")];
@@ -223,7 +224,7 @@ function topicOf({ topic }: Endpoint, namespace: string): string {
   return topic.startsWith("/") ? topic : `/${namespace}${topic}`;
 }
 
-/** The last message's size where the page receives the topic, of the buffer that the board announced. */
+/** The size of the buffer that the board announced; if the page receives the topic, also the size of the last message. */
 function bufferUse({ bufferBytes }: Endpoint, lastBytes: number | undefined): string {
   if (bufferBytes === undefined) return "–";
   return lastBytes === undefined ? formatBytes(bufferBytes) : t.sizeOf(lastBytes, formatBytes(bufferBytes));

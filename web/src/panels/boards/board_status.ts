@@ -9,9 +9,7 @@ export interface Endpoint {
   topic: string;
   type: string;
   hertz: number;
-  messages: number;
   dropped: number;
-  misfit: number;
   bufferBytes: number | undefined;
 }
 
@@ -28,7 +26,6 @@ export interface BoardStatus {
   /** 0 is healthy, 1 a warning, 2 an error. */
   level: number;
   message: string;
-  hardwareId: string;
   values: ReadonlyMap<string, string>;
   endpoints: Endpoint[];
   findings: Finding[];
@@ -46,7 +43,6 @@ export function boardStatuses(array: Message): BoardStatus[] {
       name: name.slice(0, -SUFFIX.length),
       level: Number(each.level),
       message: String(each.message),
-      hardwareId: String(each.hardware_id),
       values,
       endpoints: endpoints(values),
       findings: findings(values),
@@ -74,9 +70,7 @@ function endpoints(values: ReadonlyMap<string, string>): Endpoint[] {
       topic,
       type,
       hertz: number("[Hz]") ?? 0,
-      messages: number("[messages]") ?? 0,
       dropped: number("dropped") ?? 0,
-      misfit: number("misfit") ?? 0,
       bufferBytes: number("buffer [bytes]"),
     });
   }

@@ -6,7 +6,7 @@ export const boardsPanel: Panel = {
   title: "boards",
   icon: "boards",
   onTabBar: true,
-  // The card stays when the last board is gone: it shows how long ago that was.
+  // The card stays after the last report of a board, and shows its age.
   matches: ({ topics, hasBoards }) =>
     hasBoards || topics.get("/diagnostics")?.isPublished
       ? [{ key: "boards", title: texts.panels.boards, settings: {}, order: 0 }]

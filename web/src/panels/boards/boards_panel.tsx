@@ -81,7 +81,7 @@ function BoardRow({ board, nowMs }: { board: Board; nowMs: number }) {
   );
 }
 
-/** The time since it connected, and its losses. */
+/** The number of the board's topics, its losses, and the time since it connected. */
 function summary({ status }: Board): string {
   const connected = numberOf(status.values, "connected [s]");
   const dropped = status.endpoints.reduce((sum, each) => sum + each.dropped, 0);

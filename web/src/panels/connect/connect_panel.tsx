@@ -8,12 +8,12 @@ import {
   boardSettings,
   connectBoard,
   disconnectBoard,
-  isBoardName,
   relays,
 } from "../../serial/boards_here.ts";
 import { type SerialPort, serialPorts } from "../../serial/web_serial.ts";
 import { formatBytes } from "../../shell/format.ts";
 import { Badge, EmptyState, type Level } from "../../shell/parts.tsx";
+import { isDeviceName } from "../../store/device_name.ts";
 import { texts } from "../../texts.ts";
 import { useTick } from "../hooks.ts";
 import type { PanelContext } from "../panel.ts";
@@ -122,7 +122,7 @@ function PortForm(props: { port: Signal<SerialPort | undefined>; problem: Signal
   const port = props.port.value!;
   const settings = useSignal<BoardSettings>(boardSettings(port));
   const { name, baud } = settings.value;
-  const isValid = isBoardName(name);
+  const isValid = isDeviceName(name);
   const connect = async () => {
     props.problem.value = "";
     props.port.value = undefined;

@@ -13,7 +13,7 @@ import { useOthersValue } from "./others_value.ts";
 import { ServoSliders } from "./servo_sliders.tsx";
 import { TopicPublisher } from "./topic_publisher.ts";
 
-/** Returns whether it was sent. */
+/** Publishes a message, now or with `smoothly` at a limited rate; returns whether it can be sent. */
 type Send = (message: Draft, smoothly?: boolean) => boolean;
 
 /** Ranges of sliders that the user changed, by topic. */
@@ -222,7 +222,7 @@ function Slider(props: {
         onInput={(event) => set(event.currentTarget.valueAsNumber, true)}
       />
       {limitField("min")}
-      {/* Integers of 64 bits have more digits than a number. */}
+      {/* A field of type "number" would round integers of 64 bits. */}
       {slider.type.endsWith("int64") ? (
         <input type="text" {...box} />
       ) : (

@@ -2,7 +2,7 @@
 import { hasSubscriber } from "../graph_of.ts";
 import type { Graph } from "../panel.ts";
 
-// Topics of tools and of every node, which a person does not control.
+// Topics that are for tools or belong to every node.
 const NOT_FOR_PEOPLE =
   /^\/(rosout|rosout_agg|clock|tf|tf_static|diagnostics|parameter_events)$|\/(feedback|status|result|goal|cancel)$|_simulation\/command$/;
 

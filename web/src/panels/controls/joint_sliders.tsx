@@ -4,6 +4,7 @@ import { useEffect } from "preact/hooks";
 import { followRobotDescription } from "../../scene/robot_description.ts";
 import { formatNumber } from "../../shell/format.ts";
 import { texts } from "../../texts.ts";
+import { stampNow } from "../../wire/stamp.ts";
 import type { PanelContext } from "../panel.ts";
 import { type Joint, readJoints } from "./joint_limits.ts";
 
@@ -26,9 +27,8 @@ export function JointSliders(props: {
   const middle = ({ lower, upper }: Joint) => (lower <= 0 && upper >= 0 ? 0 : (lower + upper) / 2);
   const positionOf = (joint: Joint) => positions.value[joint.name] ?? middle(joint);
   const publish = () => {
-    const ms = Date.now();
     send({
-      header: { stamp: { sec: Math.floor(ms / 1000), nsec: (ms % 1000) * 1_000_000 }, frame_id: "" },
+      header: { stamp: stampNow(), frame_id: "" },
       name: joints.value.map((joint) => joint.name),
       position: joints.value.map(positionOf),
     });

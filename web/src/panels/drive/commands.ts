@@ -1,5 +1,6 @@
 // A stick's position as a command of each type that robots are driven with.
 import type { StructNode } from "../../wire/schema.ts";
+import { stampNow } from "../../wire/stamp.ts";
 import { hasFields, type SettingCheck } from "../setting_checks.ts";
 
 /** The stick: x to the right and y forward, within a circle of 1. */
@@ -23,7 +24,7 @@ export const areLimits: SettingCheck = hasFields({
   linear: (value) => isBetween(value, LARGEST_LIMITS.linear),
   angular: (value) => isBetween(value, LARGEST_LIMITS.angular),
 });
-/** The dead zone of reference joysticks; a thumb that rests must not move a robot. */
+/** The usual dead zone of joysticks, so that a resting thumb does not move the robot. */
 const DEAD_ZONE = 0.1;
 const DEGREES = 180 / Math.PI;
 
@@ -54,9 +55,7 @@ export function commandOf(type: StructNode, stick: Stick, limits: Limits): Recor
   }
   const twist = { linear: { x: y * limits.linear }, angular: { z: -x * limits.angular || 0 } };
   if (type.name === "geometry_msgs/Twist") return twist;
-  const ms = Date.now();
-  const stamp = { sec: Math.floor(ms / 1000), nsec: (ms % 1000) * 1_000_000 };
-  return { header: { stamp, frame_id: "base_link" }, twist };
+  return { header: { stamp: stampNow(), frame_id: "base_link" }, twist };
 }
 
 function isBetween(value: unknown, largest: number): boolean {

@@ -22,7 +22,8 @@ export class Driver {
   readonly isBlocked: Signal<boolean> = signal(false);
   limits: Limits;
   private readonly robot: Robot;
-  private readonly type: StructNode;
+  /** The type of the commands. */
+  readonly commandType: StructNode;
   private readonly encode: (message: unknown) => Uint8Array;
   private readonly id: number;
   private timer: ReturnType<typeof setInterval> | undefined;
@@ -34,8 +35,8 @@ export class Driver {
   /** Throws DefinitionError when the type is not known. */
   constructor(robot: Robot, topic: Topic, limits: Limits) {
     this.robot = robot;
-    this.type = topic.type();
-    this.encode = encoder(this.type);
+    this.commandType = topic.type();
+    this.encode = encoder(this.commandType);
     this.limits = limits;
     const channel = { topic: topic.name, schemaName: topic.typeName, schema: topic.definition };
     this.id = robot.gateway.advertiseDriven(channel, nameOfDevice(), (lease) => {
@@ -50,21 +51,16 @@ export class Driver {
     });
   }
 
-  /** The type of the commands. */
-  get commandType(): StructNode {
-    return this.type;
-  }
-
   /** Whether turning has a separate limit; a direction with a speed has none. */
   get hasTurnLimit(): boolean {
-    return this.type.name !== "arduino_control/ArduinoControl";
+    return this.commandType.name !== "arduino_control/ArduinoControl";
   }
 
-  /** Drive with this stick position until `release`. */
+  /** Drives with this stick position until `release`. */
   hold(stick: Stick): void {
     if (this.isBlocked.peek()) return;
     if (this.timer === undefined && this.lease.peek().state === "taken" && stick !== CENTER) {
-      // The stick must not begin to drive when the other client lets go.
+      // The stick must not begin to drive when the other client stops driving.
       this.isBlocked.value = true;
       return;
     }
@@ -72,7 +68,7 @@ export class Driver {
     this.stick.value = stick;
     if (this.timer === undefined) {
       this.startedMs = this.repeatedMs = performance.now();
-      // The robot waits for a stop from a driver that was silent while it moved.
+      // If a driver was silent while the robot moved, the robot first waits for its stop.
       if (this.wasSilent) this.publish(CENTER);
       this.wasSilent = false;
       this.timer = setInterval(() => this.repeat(), PERIOD_MS);
@@ -134,7 +130,7 @@ export class Driver {
   }
 
   private publish(stick: Stick): void {
-    this.robot.gateway.publish(this.id, this.encode(commandOf(this.type, stick, this.limits)));
+    this.robot.gateway.publish(this.id, this.encode(commandOf(this.commandType, stick, this.limits)));
   }
 }
 

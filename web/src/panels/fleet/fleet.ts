@@ -1,3 +1,4 @@
+import { texts } from "../../texts.ts";
 import type { Panel } from "../panel.ts";
 import { FLEET_TYPE } from "./fleet_messages.ts";
 
@@ -8,7 +9,7 @@ export const fleetPanel: Panel = {
   isUseful: ({ topics }) => [...topics.values()].some((each) => each.typeName === FLEET_TYPE),
   matches: ({ topics }) =>
     [...topics.values()].some((each) => each.typeName === FLEET_TYPE && each.channelId !== undefined)
-      ? [{ key: "fleet", title: "Fleet", settings: {}, order: 5 }]
+      ? [{ key: "fleet", title: texts.panels.fleet, settings: {}, order: 5 }]
       : [],
   load: () => import("./fleet_panel.tsx"),
 };

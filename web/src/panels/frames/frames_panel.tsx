@@ -1,4 +1,4 @@
-// The tree of tf frames: parent, age, rate and where each is.
+// The tree of tf frames, with the rate or age, the position and the rotation of each.
 import { useSignal } from "@preact/signals";
 import { Fragment } from "preact";
 import { useEffect, useRef } from "preact/hooks";

@@ -17,13 +17,13 @@ const FINGER = 44;
 const PADDING = 12;
 // Names in a smaller drawing cannot be read.
 const SMALLEST_FIT = 0.75;
-// On a touch screen, two fingers enlarge it.
+// On a touch screen, the user can enlarge the drawing with two fingers.
 const SMALLEST_TOUCH_FIT = 0.6;
 // While the window is resized, the layout changes in steps, in pixels.
 const WIDTH_STEP = 50;
 const SMALLEST_ZOOM = 0.1;
 const LARGEST_ZOOM = 4;
-// The number that fits on a screen.
+// The number of rates that fit on a screen.
 const MAX_RATES = 60;
 const LARGE_TYPES: readonly string[] = [
   ...IMAGE_TYPES,
@@ -40,7 +40,7 @@ interface GraphSettings {
 function GraphPanel({ context }: { context: PanelContext }) {
   const settings = context.settings as Signal<GraphSettings>;
   const { robot } = context;
-  // Undefined: as much as fits into the width.
+  // Undefined: the drawing is fitted to the width.
   const chosenZoom = useSignal<number | undefined>(undefined);
   const host = useRef<HTMLDivElement>(null);
   const scroll = useRef<HTMLDivElement>(null);
@@ -241,7 +241,7 @@ function Item({ box, context }: { box: Box; context: PanelContext }) {
   );
 }
 
-/** Receives the topics that are drawn, for their rates; large messages are not worth their cost. */
+/** Receives the topics that are drawn, for their rates, except those with large messages, which cost too much. */
 function useRates(context: PanelContext, drawing: Drawing | undefined): void {
   const topics = context.robot.topics.value;
   const rated = (drawing?.boxes ?? [])

@@ -63,12 +63,12 @@ const NARROW: readonly [Look, Look] = [
 const PLUMBING = ["/rosout", "/rosout_agg", "/clock", "/parameter_events", "/diagnostics"];
 
 /**
- * Lay out the matching part.
+ * Lays out the part of the graph that matches the filter.
  *
- * @param filter part of the name of a node or topic; its neighbors are drawn too.
- * @param withPlumbing draw /rosout and similar topics, and the page's own subscriptions.
- * @param ownNode the node that receives for the page.
- * @param boxHeight in pixels.
+ * @param filter part of the name of a node or topic; the neighbors are drawn too.
+ * @param withPlumbing whether to draw /rosout and similar topics, and the page's own subscriptions.
+ * @param ownNode the gateway's node, which subscribes for the page.
+ * @param boxHeight the height of a box, in pixels.
  * @param maxWidth the width in which the drawing should fit, in pixels.
  * @returns undefined when there is more than can be drawn.
  */

@@ -1,4 +1,4 @@
-// The image of one topic: compressed or raw, with rate and age, rotated and mirrored for the way the camera is mounted.
+// The image of one topic: compressed or raw, with rate and age, rotated and mirrored as the user chooses.
 import { useSignal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
 import { formatDuration, formatRate } from "../../shell/format.ts";

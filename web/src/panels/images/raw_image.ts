@@ -34,7 +34,7 @@ function interleaved(bytes: number, red: number, green: number, blue: number, de
 
 type ReadNumber = (view: DataView, at: number, little: boolean) => number;
 
-/** Numbers wider than a byte are stretched from the smallest to the largest in the image; NaN is black. */
+/** Numbers wider than a byte become shades of gray from the smallest to the largest in the image; NaN is black. */
 function stretched(bytes: 2 | 4 | 8, read: ReadNumber): Fill {
   return ({ width, height, step, data, is_bigendian: big }, out) => {
     const view = new DataView(data.buffer, data.byteOffset, data.byteLength);
@@ -169,7 +169,7 @@ const ENCODINGS: Readonly<Record<string, readonly [bytes: number, fill: Fill]>> 
 /** Two pixels side by side share their color. */
 const EVEN_WIDTH = /yuv|uyvy|yuyv|nv12|nv21/;
 
-/** A broken publisher may write anything. */
+/** The encoding for an error text; a faulty publisher may write anything. */
 function shownEncoding(encoding: string): string {
   return encoding.slice(0, 40) || '""';
 }

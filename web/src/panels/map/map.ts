@@ -1,3 +1,4 @@
+import { texts } from "../../texts.ts";
 import type { Panel } from "../panel.ts";
 
 export const FIX_TYPE = "sensor_msgs/NavSatFix";
@@ -10,7 +11,7 @@ export const mapPanel: Panel = {
   isUseful: ({ topics }) => [...topics.values()].some((each) => each.typeName === FIX_TYPE),
   matches: ({ topics }) =>
     [...topics.values()].some((each) => each.typeName === FIX_TYPE && each.channelId !== undefined)
-      ? [{ key: "map", title: "Map", settings: {}, width: 2, order: 40 }]
+      ? [{ key: "map", title: texts.panels.map, settings: {}, width: 2, order: 40 }]
       : [],
   load: () => import("./map_panel.tsx"),
 };

@@ -1,4 +1,4 @@
-// Where robots with GPS are: sensor_msgs/NavSatFix on offline tiles or a grid.
+// The positions of robots with GPS (sensor_msgs/NavSatFix), on offline tiles or a grid.
 import { effect, useSignal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
 import { tilesUrl } from "../../connection/address.ts";

@@ -1,11 +1,12 @@
-// The path of a robot, as positions on the earth, thinned so that hours fit.
+// The path of a robot as positions on the earth; old positions are thinned out, so that hours fit.
 export interface Position {
   readonly latitude: number;
   readonly longitude: number;
 }
 
-/** Meters between points of the track; GPS is no more accurate. */
+/** The distance between points of the track; GPS is less accurate. */
 const STEP_M = 0.5;
+// Drawing more takes too long.
 const MAX_POINTS = 20_000;
 const EARTH_RADIUS_M = 6_371_000;
 
@@ -30,7 +31,7 @@ export class Track {
     const last = this.positions.at(-1);
     if (last !== undefined && distanceM(last, position) < STEP_M) return false;
     this.positions.push(position);
-    // Keeps every other older point: the shape stays, and there is room for new points.
+    // Every other older point is dropped: the shape stays, and there is room for new points.
     if (this.positions.length > MAX_POINTS) {
       const kept = this.positions.filter((_, i) => i % 2 === 0 || i > MAX_POINTS * 0.9);
       this.positions.splice(0, this.positions.length, ...kept);

@@ -15,7 +15,7 @@ interface ParametersSettings {
 
 // A robot description is a parameter of 100 kB, too large to edit in a field.
 const MAX_EDITED = 2000;
-// Longer texts scroll.
+// Texts with more lines scroll.
 const MAX_ROWS = 8;
 const REFRESH_MS = 5000;
 
@@ -28,7 +28,7 @@ async function learnLimits({ robot }: PanelContext): Promise<void> {
   const services = robot.services.peek();
   const names = [...robot.parameters.values.peek().keys()].filter((each) => !asked.has(each));
   if (names.length === 0 || services.size === 0 || !robot.mayAct.peek()) return;
-  // A node's services may be announced after its parameters.
+  // A node's services may be announced after its parameters: only those that were asked for are noted.
   for (const group of byNode(names, services).values()) for (const { full } of group) asked.add(full);
   const found = await describeParameters(robot.gateway, services, names);
   if (found.size > 0) limits.value = new Map([...limits.value, ...found]);
@@ -53,7 +53,7 @@ function ParametersPanel({ context }: { context: PanelContext }) {
   useEffect(() => {
     if (!isSeen) return undefined;
     void refresh();
-    // Watching covers the parameters that are known; new ones appear by reading again.
+    // Only known parameters are watched; reading again finds new ones.
     const timer = setInterval(() => void refresh(), REFRESH_MS);
     return () => clearInterval(timer);
   }, [isSeen]);

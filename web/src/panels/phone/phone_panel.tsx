@@ -1,16 +1,10 @@
 // The sensors of the device that shows this page, as topics.
 import { useSignal } from "@preact/signals";
-import {
-  isPhoneName,
-  type PhoneSensor,
-  phoneLink,
-  phoneName,
-  renamePhone,
-  sensors,
-} from "../../phone/phone.ts";
+import { type PhoneSensor, phoneLink, phoneName, renamePhone, sensors } from "../../phone/phone.ts";
 import type { Problem } from "../../phone/sensor.ts";
 import { formatBandwidth, formatRate } from "../../shell/format.ts";
 import { EmptyState } from "../../shell/parts.tsx";
+import { isDeviceName } from "../../store/device_name.ts";
 import { texts } from "../../texts.ts";
 import { useTick } from "../hooks.ts";
 import type { PanelContext } from "../panel.ts";
@@ -31,7 +25,7 @@ function PhonePanel({ context }: { context: PanelContext }) {
   if (info.value.metadata?.rights === "view") {
     return <EmptyState icon="phone" title={texts.connect.viewOnly} text={t.viewOnlyText} />;
   }
-  const isValid = isPhoneName(typed.value);
+  const isValid = isDeviceName(typed.value);
   const link = phoneLink.value;
   const offset = link?.offset.value;
   return (

@@ -1,4 +1,4 @@
-// Numbers over time: any path of any message, several axes, pause, zoom, five minutes back.
+// Numbers over time: any path of any message, with several axes, pause, zoom, and five minutes of history.
 import { useComputed, useSignal } from "@preact/signals";
 import { useEffect } from "preact/hooks";
 import { seriesOfName } from "../../plot/plot_names.ts";
@@ -25,6 +25,7 @@ import { axisKey, useSeries } from "./use_series.ts";
 
 const SPANS_S = [10, 30, 60, KEPT_S];
 const DEFAULT_SPAN_S = 30;
+// A chart with more lines is not readable.
 const MAX_SERIES = 20;
 const LEGEND_PERIOD_MS = 200;
 const t = texts.plots;

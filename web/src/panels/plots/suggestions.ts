@@ -9,7 +9,9 @@ import type { Graph, Suggestion } from "../panel.ts";
 /** Packages whose other messages cannot be plotted usefully, or are shown by other panels. */
 const OTHER =
   /^(sensor_msgs|geometry_msgs|nav_msgs|visualization_msgs|tf2?_msgs|tf|actionlib_msgs|diagnostic_msgs|rosgraph_msgs|rcl_interfaces|action_msgs|lifecycle_msgs|service_msgs|type_description_interfaces|std_srvs|shape_msgs|stereo_msgs|trajectory_msgs|bond|dynamic_reconfigure)\//;
+// The values of more lines do not fit on a card.
 const MAX_PATHS = 3;
+// More cards would hide those of other panels.
 const MAX_CARDS = 16;
 
 /** The paths of a topic to plot first; none when it has no number that people would look at. */

@@ -4,7 +4,7 @@ import { keepSeries, receiveSeries } from "../../plot/receiving.ts";
 import { type Series, seriesStore } from "../../plot/series.ts";
 import type { PanelContext } from "../panel.ts";
 
-/** With `isKept`, series over time also receive while another panel is shown. */
+/** The series with these ids. With `isKept`, series over time also receive while another panel is shown. */
 export function useSeries(context: PanelContext, ids: readonly string[], isKept = false): Series[] {
   const key = ids.join("\n");
   const { robot } = context;

@@ -1,4 +1,5 @@
 import { DISPLAY_TYPES } from "../../scene/display_types.ts";
+import { texts } from "../../texts.ts";
 import type { Panel } from "../panel.ts";
 import { isText, isTexts } from "../setting_checks.ts";
 
@@ -14,7 +15,7 @@ export const scenePanel: Panel = {
     topics.has("/robot_description") || [...topics.values()].some((each) => DRAWN.has(each.typeName)),
   matches: ({ topics }) =>
     [...topics.values()].some((each) => DRAWN.has(each.typeName) && each.channelId !== undefined)
-      ? [{ key: "scene", title: "3D", settings: {}, width: 2, order: 25 }]
+      ? [{ key: "scene", title: texts.panels.scene, settings: {}, width: 2, order: 25 }]
       : [],
   settings: { fixedFrame: isText, followedFrame: isText, hidden: isTexts, only: isTexts, rviz: isText },
   load: () => import("./scene_panel.tsx"),

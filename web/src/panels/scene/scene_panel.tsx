@@ -1,4 +1,4 @@
-// The robot, its frames and what its sensors see, in 3D.
+// The robot, its frames and the data of its sensors, in 3D.
 import { useSignal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
 import { texts } from "../../texts.ts";

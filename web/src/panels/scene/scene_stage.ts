@@ -35,7 +35,7 @@ const COLORS = ["#4c9aff", "#f5a524", "#36b37e", "#e5618a", "#9a6cf5", "#2bb8c4"
 const FIT_TICKS = 3;
 /** The camera does not fit itself to frames that are farther from the origin. */
 const MAX_DISTANCE_M = 15;
-/** Room around the frames of a robot whose shape is not known, for sensors and names. */
+/** Space around the frames of a robot whose shape is not known, for sensors and names. */
 const MARGIN_M = 0.15;
 /** If a frame was not received for this time, the panel reports it. */
 const STALE_FRAME_MS = 3000;
@@ -105,7 +105,7 @@ export class SceneStage {
   private readonly endings: (() => void)[] = [];
   private readonly subscriptions = new Map<string, () => void>();
   private readonly reports = new Map<string, string>();
-  /** Topics with something to draw, and whether it shows the surroundings. */
+  /** Topics with something to draw; true for those that show the surroundings. */
   private readonly contents = new Map<string, boolean>();
   private readonly pending = new Map<string, () => void>();
   private readonly updates = frameTask(() => this.runPending());
@@ -207,7 +207,7 @@ export class SceneStage {
     this.view.dispose();
   }
 
-  /** The box around the robot, its frames and where they have been since the tree of frames changed. */
+  /** The box around the robot and all positions of its frames since the tree of frames changed. */
   private extent(): Box3 {
     const robot = this.view.boundsOf(ROBOT);
     const marginM = robot.isEmpty() ? MARGIN_M : 0.02;
@@ -215,7 +215,7 @@ export class SceneStage {
     return this.visited.clone().union(robot).expandByScalar(marginM);
   }
 
-  /** Where the frames are in the fixed frame, without those that are too far away for one picture. */
+  /** The positions of the frames in the fixed frame, without those that are too far away for one picture. */
   private framePositions(): Vec3[] {
     return this.tf.frames().flatMap((frame) => {
       const found = this.tf.lookup(this.view.fixedFrame, frame);

@@ -1,4 +1,4 @@
-// Services that nodes have for tools, not for people.
+// Services of nodes that are for tools.
 import type { Service } from "../../connection/protocol.ts";
 
 const TYPES =

@@ -1,4 +1,4 @@
-// A board seen from above: USB, chip, LED, pins with their levels, servos. Boards other than the Uno have more pins.
+// A board seen from above: USB, chip, LED, pins with their levels, servos. Some boards have more pins than an Uno.
 import { texts } from "../../texts.ts";
 import type { BoardState, Pin } from "./board_state.ts";
 

@@ -105,7 +105,7 @@ function Board({ context, topic, name }: { context: PanelContext; topic: string;
   );
 }
 
-/** Whether the pin can be driven from outside, or is. */
+/** Whether the pin can be driven from outside, or is driven now. */
 function isPressable({ name, direction }: Pin, { driven }: BoardState): boolean {
   return direction === "in" || driven[name] !== undefined;
 }
@@ -215,7 +215,7 @@ function Slider(props: {
   value: number;
   onSlide: (value: number) => void;
 }) {
-  // While it is moved, the board's last answer is older than the finger's position.
+  // While the user moves the slider, the board's last report is older than the position of the slider.
   const own = useSignal<number | undefined>(undefined);
   return (
     <input

@@ -45,7 +45,6 @@ export function briefValue(value: Value): string {
     for (let index = 0; index < Math.min(list.length, 6); index++) first.push(briefValue(list[index]!));
     return `[${first.join(", ")}${list.length > 6 ? `, … ${list.length}` : ""}]`;
   }
-  // The nanoseconds are positive even below zero: -0.5 s is -1 s and 500,000,000 ns.
   if (isStamp(value)) return `${(value.sec + value.nsec / 1e9).toFixed(3)} s`;
   return `{${briefFields(Object.entries(value))}}`;
 }

@@ -146,7 +146,7 @@ function group(name: string): string {
 
 function isNewGroup(rows: Row[], index: number): boolean {
   const own = group(rows[index]!.name);
-  // One topic needs no heading.
+  // A namespace with one topic needs no heading.
   const isAlone = index + 1 >= rows.length || group(rows[index + 1]!.name) !== own;
   return own !== "" && !isAlone && (index === 0 || group(rows[index - 1]!.name) !== own);
 }
