@@ -35,9 +35,9 @@ _CONFIRM_S = 3.0
 class Examination(Struct):
     """The measurements. Robots are identified by id and host.
 
-    `asks_group` is False for a fleet without multicast. `silent_hosts` are the configured addresses that
-    do not answer. `pairs` are robots, and whether the first reaches the second. `has_querier` is None if this
-    machine may not listen; `listened_s` is 0 if the fleet needs no querier.
+    `asks_group` is False for a fleet without multicast. `silent_hosts` are the configured addresses at which
+    no robot answers. `pairs` are two robots each, and whether the first reaches the second. `has_querier` is
+    None if this machine may not listen; `listened_s` is 0 if the fleet needs no querier.
     """
 
     asks_group: bool
@@ -57,7 +57,7 @@ async def examine(
 
     Raises ConfigError for an invalid address.
     """
-    address = settings.address
+    address = settings.address.checked()
     found = Examination(address.is_multicast)
     # IPv6 has another protocol for this, MLD.
     if address.is_multicast and address.family is socket.AF_INET:

@@ -14,6 +14,7 @@ from rostether.platform.command_channel import CommandChannel
 from rostether.platform.command_frame import Flags, decode_frame
 from rostether.platform.command_link import CommandSender, ReceiverSettings, SenderSettings
 from rostether.platform.fleet import FleetSender, FleetSettings, has_stopped, silence_text
+from rostether.platform.fleet_examination import examine
 from rostether.platform.multicast_receiver import ReceiverNodeSettings, receive_topic
 from rostether.platform.multicast_socket import GroupAddress
 from rostether.platform.status_frame import Refusal, RobotStatus
@@ -130,8 +131,11 @@ async def test_a_stop_that_a_robot_refuses_is_not_confirmed() -> None:
     robot.close()
 
 
-def test_addresses_that_are_wrong() -> None:
+async def test_addresses_that_are_wrong() -> None:
+    named = FleetSettings(address=GroupAddress("robots"))
     with pytest.raises(ConfigError, match="'robots' is not a numeric IP address"):
-        FleetSender(FleetSettings(address=GroupAddress("robots")), Lines())
+        FleetSender(named, Lines())
+    with pytest.raises(ConfigError, match="'robots' is not a numeric IP address"):
+        await examine(named, Lines(), 0.0)
     with pytest.raises(ConfigError, match="at most 100 unicast addresses"):
         FleetSender(FleetSettings(unicast=("10.0.0.1",) * 101), Lines())
