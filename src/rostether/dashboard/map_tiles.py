@@ -26,7 +26,7 @@ class MapTiles:
     """The tiles of one file. Its methods read the disk."""
 
     def __init__(self, path: Path) -> None:
-        """Open a file. Raises ConfigError with the reason why it cannot be used."""
+        """Check a file. Raises ConfigError with the reason why it cannot be used."""
         self._path = path
         if not path.is_file():
             # Opening a FIFO would wait for a writer.
@@ -36,14 +36,16 @@ class MapTiles:
                 found = database.execute("SELECT value FROM metadata WHERE name = 'format'").fetchone()
                 max_zoom = _max_zoom(database)
         except sqlite3.Error as error:
-            raise ConfigError(f"{path} is not a readable .mbtiles file: {error}") from None
+            raise ConfigError(
+                f"{path} is not a readable .mbtiles file: {error}; give an .mbtiles file with pictures"
+            ) from None
         kind = str(found[0] if found is not None else "png").lower()
         if kind not in _TYPES:
             raise ConfigError(
                 f"{path} has tiles of the format {kind[:20]!r}; the page shows pictures: png, jpg or webp"
             )
         if max_zoom is None:
-            raise ConfigError(f"{path} has no tiles")
+            raise ConfigError(f"{path} has no tiles; give an .mbtiles file with pictures")
         self.content_type = _TYPES[kind]
         self.max_zoom = max_zoom
 
@@ -61,7 +63,7 @@ class MapTiles:
             with closing(self._connect()) as database:
                 found = database.execute(query, arguments).fetchone()
         except sqlite3.Error:
-            # A memory card that was removed; the map stays empty there.
+            # The memory card was removed; the map stays empty there.
             return None
         # A column of SQLite holds values of any type.
         return found[0] if found is not None and isinstance(found[0], bytes) else None
@@ -77,7 +79,7 @@ class MapTiles:
 
 def _max_zoom(database: sqlite3.Connection) -> int | None:
     """Return the highest zoom level that the page can show, None without tiles."""
-    # Each is found by the index, even through a view, where max() would read all tiles.
+    # Each query uses the file's index, even through a view; max() would read all tiles of a view.
     for zoom in range(_MAX_ZOOM, -1, -1):
         if database.execute("SELECT 1 FROM tiles WHERE zoom_level = ? LIMIT 1", (zoom,)).fetchone():
             return zoom

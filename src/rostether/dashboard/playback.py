@@ -42,14 +42,14 @@ class Playback:
         return self._task is not None and not self._task.done()
 
     async def start(self, name: str, settings: PlaySettings) -> None:
-        """Play a recording; the current one ends. Raises ConfigError, RecordingError, GraphError."""
+        """Play a recording, after ending the current one. Raises ConfigError, RecordingError, GraphError."""
         if not MIN_RATE <= settings.rate <= MAX_RATE:
             raise ConfigError(f"the rate must be from {MIN_RATE:g} to {MAX_RATE:g}, not {settings.rate:g}")
         async with self._lock:
             await self._end()
             path = await asyncio.to_thread(self._find, name)
             if path is None:
-                raise ConfigError(f"there is no recording {name[:100]!r}")
+                raise ConfigError(f"there is no recording {name[:100]!r}; choose another one")
             reader = await asyncio.to_thread(open_recording, path)
             self._name, self._settings, self._failure = name, settings, ""
             started: asyncio.Future[None] = asyncio.get_running_loop().create_future()
@@ -61,7 +61,7 @@ class Playback:
     def pause(self, *, is_paused: bool) -> None:
         """Pause or continue. Raises ConfigError when nothing is played."""
         if self._player is None or not self.is_active:
-            raise ConfigError("nothing is being played")
+            raise ConfigError("nothing is being played; play a recording first")
         if self._player.is_paused != is_paused:
             self._player.toggle_pause()
 
@@ -71,7 +71,7 @@ class Playback:
             await self._end()
 
     def state(self) -> dict[str, Any] | None:
-        """Return the file and position of the playback for JSON; None without one."""
+        """Return the file and position of the playback for JSON, None if there is no playback."""
         player = self._player
         if player is None or not self.is_active:
             return None
@@ -86,7 +86,7 @@ class Playback:
         }
 
     def pop_failure(self) -> str:
-        """Return why the last playback failed; once."""
+        """Return why the last playback failed, and clear it; an empty string if it did not."""
         failure, self._failure = self._failure, ""
         return failure
 

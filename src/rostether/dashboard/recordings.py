@@ -16,6 +16,8 @@ from rostether.dashboard.playback import PREFIX, Playback
 from rostether.errors import ConfigError, RecordingError, RostetherError
 from rostether.graph.callbacks import report_error
 from rostether.graph.ports import Graph
+from rostether.mechanisms.run_until import run_until
+from rostether.mechanisms.text import write_failure
 from rostether.recording.files import create_recording
 from rostether.recording.player import PlaySettings
 from rostether.recording.recorded import RecordingWriter
@@ -32,8 +34,9 @@ MIN_FREE_BYTES = 1 << 30
 # Names of topics; a robot has about a hundred.
 MAX_TOPICS = 1000
 
-# The newest ones are listed.
+# The limit of listed recordings; the newest are listed.
 MAX_LISTED = 200
+
 _NAME = re.compile(r"[^.].*\.(?:bag|mcap)")
 
 
@@ -65,7 +68,7 @@ class Recordings:
         return self._task is not None and not self._task.done()
 
     async def start(self, topics: Sequence[str], form: str) -> None:
-        """Record topics, or all topics if none are given. Raises ConfigError, GraphError."""
+        """Record topics, or all if none are given. Raises ConfigError, GraphError, RecordingError."""
         async with self._lock:
             if self.is_active:
                 raise ConfigError(f"{self._name} is being recorded already; stop it first")
@@ -86,20 +89,18 @@ class Recordings:
                 report=lambda _: None,
                 repeat_latched=True,
             )
-            started = asyncio.Event()
+            started: asyncio.Future[None] = asyncio.get_running_loop().create_future()
             self._task = asyncio.ensure_future(self._record(graph, self._recorder, started))
-            waiting = asyncio.ensure_future(started.wait())
-            await asyncio.wait([self._task, waiting], return_when=asyncio.FIRST_COMPLETED)
-            waiting.cancel()
+            await asyncio.wait([self._task, started], return_when=asyncio.FIRST_COMPLETED)
             if self._failure:
                 raise RecordingError(self._failure)
             self._report(f"recording {self._folder / self._name}")
 
     async def stop(self) -> None:
-        """End the recording; its file is complete then. Raises ConfigError when none runs."""
+        """End the recording, and complete its file. Raises ConfigError when none runs."""
         async with self._lock:
             if self._task is None or self._task.done():
-                raise ConfigError("nothing is being recorded")
+                raise ConfigError("nothing is being recorded; start a recording first")
             self._task.cancel()
             await asyncio.wait([self._task])
             self._report(f"recorded {self._folder / self._name}")
@@ -115,7 +116,7 @@ class Recordings:
         await self.playback.start(name, PlaySettings(rate=rate, start_s=start_s, prefix=prefix))
 
     async def pause(self, *, is_paused: bool) -> None:
-        """Pause the playback, or continue it. Raises ConfigError."""
+        """Pause the playback, or continue it. Raises ConfigError when nothing is played."""
         self.playback.pause(is_paused=is_paused)
 
     async def stop_playing(self) -> None:
@@ -147,22 +148,19 @@ class Recordings:
         # Only names that this folder lists are valid: no path leads out of it.
         return next((file for file in self._finished() if file.name == name), None)
 
-    async def _record(self, graph: Graph, recorder: Recorder, started: asyncio.Event) -> None:
-        recording = asyncio.ensure_future(recorder.run(started.set))
-        leaving = asyncio.ensure_future(graph.wait_closed())
+    async def _record(self, graph: Graph, recorder: Recorder, started: asyncio.Future[None]) -> None:
+        async def fail_with_node() -> None:
+            reason = await graph.wait_closed()
+            self._failure = f"the node that records was shut down: {reason}; start the recording again"
+
         try:
-            await asyncio.wait([recording, leaving], return_when=asyncio.FIRST_COMPLETED)
-            if leaving.done() and not recording.done():
-                self._failure = f"the node that records was shut down: {leaving.result()}"
+            # The file is completed, however the recording ends.
+            await run_until(recorder.run(lambda: started.set_result(None)), fail_with_node())
+        except Exception as error:  # noqa: BLE001 - a defect of the recorder must not end the dashboard
+            self._failure = str(error)
+            if not isinstance(error, RostetherError):
+                report_error(f"recording {self._name}", error)
         finally:
-            leaving.cancel()
-            recording.cancel()
-            # The file is completed, however it ends.
-            await asyncio.wait([recording])
-            if not recording.cancelled() and (error := recording.exception()) is not None:
-                self._failure = str(error)
-                if not isinstance(error, RostetherError):
-                    report_error(f"recording {self._name}", error)
             with contextlib.suppress(RostetherError):
                 await graph.close()
 
@@ -172,7 +170,7 @@ class Recordings:
             free_bytes = shutil.disk_usage(self._folder).free
             used_bytes = sum(file.stat().st_size for file in self._finished())
         except OSError as error:
-            raise ConfigError(f"{self._folder} cannot be used: {error.strerror}") from None
+            raise ConfigError(write_failure(self._folder, error)) from None
         if free_bytes < MIN_FREE_BYTES + MAX_FILE_BYTES:
             raise ConfigError(f"only {free_bytes >> 20} MB are free in {self._folder}; delete some files")
         if used_bytes > MAX_FOLDER_BYTES:
@@ -185,7 +183,7 @@ class Recordings:
             return [
                 file
                 for file in self._folder.iterdir()
-                # A name that cannot be printed is not text for a page either.
+                # A page cannot show other names.
                 if _NAME.fullmatch(file.name)
                 and file.name.isprintable()
                 and file.is_file()

@@ -50,7 +50,7 @@ def blocking(
 
 
 def guarded(callback: Callable[[T], object]) -> Callable[[T], None]:
-    """Return a callback that logs exceptions of the program's callback. Raises TypeError if it is async."""
+    """Return a function that calls a callback and logs its exceptions. Raises TypeError if it is async."""
     _refuse_async("callback", callback)
 
     def call(item: T) -> None:
@@ -128,11 +128,11 @@ class OpenContext(Blocking[Wrapped]):
         await self._task
 
     def close(self) -> None:
-        """Leave. Idempotent. Raises TimeoutError if it takes more than 10 s."""
+        """End the object's context. Idempotent. Raises TimeoutError if it takes more than 10 s."""
         if not self.is_closed:
             self.is_closed = True
             atexit.unregister(self.close)
-            # A forked process is not the node: its parent continues as the node.
+            # After a fork, the node belongs to the parent process, which continues to run it.
             if not LOOP.is_lost:
                 LOOP.call(self._end(), timeout_s=CLOSE_TIMEOUT_S)
 

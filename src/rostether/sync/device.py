@@ -35,7 +35,7 @@ class Publisher(Blocking[DevicePublisher[...]], Generic[P]):
         """Send one message, given as a message, by its fields, or as the value of its only field.
 
         Returns False if no host is connected or the line is full. Raises SerializationError with the name of
-        a field that does not fit, LocalProtocolError if it exceeds the buffer.
+        a field that does not fit, LocalProtocolError if the message exceeds the buffer.
         """
         return self._publish(*args, **fields)
 

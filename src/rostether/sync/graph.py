@@ -81,7 +81,10 @@ class Graph(OpenContext[TypedGraph], LogMethods):
         *,
         queue_size: int = DEFAULT_QUEUE_MESSAGES,
     ) -> Messages[Any]:
-        """Return a topic's messages to loop over; without `type_name`, the type of its publisher is used."""
+        """Return a topic's messages to loop over; without `type_name`, the type of its publisher is used.
+
+        The loop raises UnknownTypeError, DefinitionError, TypeMismatchError.
+        """
         name = None if type_name is None else name_of_type(type_name)
         return Messages(lambda: self.is_closed, self.wrapped.messages(topic, name, queue_size=queue_size))
 
@@ -175,16 +178,16 @@ class Graph(OpenContext[TypedGraph], LogMethods):
     def service_server(
         self, service: str, type_name: str | type[Service[Any, Any]], handler: Callable[[Any], MessageLike]
     ) -> ServiceServer:
-        """Offer a service; `handler` takes the request and returns the response, in its own thread.
+        """Offer a service; `handler` takes the request and returns the response, in a new thread.
 
-        If it raises an exception, the call fails and the caller receives the error. Raises UnknownTypeError,
-        GraphError.
+        If the handler raises an exception, the call fails and the caller receives the error. Raises
+        UnknownTypeError, GraphError.
         """
         handle = threaded(handler)
         return ServiceServer(LOOP.call(self.wrapped.service_server(service, name_of_type(type_name), handle)))
 
     def watch_param(self, name: str, on_change: Callable[[ParamValue], object]) -> ParamWatch:
-        """Call a function, in a thread, with the value now and after every change; None means it is unset."""
+        """Call a function, in a thread, with the value now and after each change; None means it is unset."""
         thread = CallbackThread(f"rostether {name}", guarded(on_change))
         watch = self.wrapped.watch_param(name, lambda value: thread.put([value]))
         return ParamWatch(LOOP.call(watch))

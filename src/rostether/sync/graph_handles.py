@@ -31,7 +31,8 @@ class Publisher(Blocking[TypedPublisher[...]], Generic[P]):
     def publish(self, *args: Any, **fields: Any) -> bool:
         """Publish one message, given as a message, by its fields, or as the value of its only field.
 
-        Raises SerializationError with the name of a field that does not fit.
+        Returns False if a subscriber is too slow: then call `drained` before you publish more. Raises
+        SerializationError with the name of a field that does not fit.
         """
         return self._publish(*args, **fields)
 
@@ -90,7 +91,7 @@ class Messages(Generic[M]):
     """The messages of a topic, to loop over; made by `Graph.messages`.
 
     The subscription begins with the loop, or the first `next`, and ends with the loop or `close`. Each
-    message goes to only one of the threads that loop over the object; the first loop that is left ends all.
+    message goes to only one of the threads that loop over the object. If one loop ends, all end.
     """
 
     def __init__(self, is_closed: Callable[[], bool], stream: MessageStream[M]) -> None:
