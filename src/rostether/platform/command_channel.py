@@ -16,7 +16,7 @@ from rostether.platform.status_frame import Refusal, RobotStatus
 
 # Unicast to a large fleet overloads the Wi-Fi channel: 20 robots need about 400 datagrams a second.
 MAX_UNICAST = 100
-# Later epochs are ignored: they would leave no epochs for later senders.
+# Epochs after this one are ignored: they would leave no epochs for later senders.
 _LAST_EPOCH_US = 1 << 62
 
 
@@ -50,7 +50,7 @@ class CommandChannel:
         self._last_epoch_us = 0
 
     def send(self, datagram: bytes) -> bool:
-        """Send to the group, and to the robots that need unicast. False if no interface could send."""
+        """Send to the group, and to the robots that need unicast; return False if no interface could send."""
         # Unicast first: it arrives even while multicast is delayed by a sleeping station.
         for address in (*self._unicast, *self.table.unicast_addresses(time.monotonic())[:MAX_UNICAST]):
             self._sender.send_to(datagram, address)
@@ -107,7 +107,7 @@ def refusal_text(status: RobotStatus) -> str:
         return f"{robot} does not obey: {by}; stop that sender, or: rostether fleet stop {status.robot_id}"
     if status.refusal is Refusal.OLDER:
         return f"{robot} does not obey: {by} after this sender started; restart this sender"
-    return f"{robot} does not obey: it expects commands of another type"
+    return f"{robot} does not obey: it expects commands of another type; send the ~type of its receiver"
 
 
 def duplicate_text(robot_id: int, hosts: list[str]) -> str:

@@ -31,6 +31,8 @@ from rostether.platform.siphash import KEY_BYTES, TAG_BYTES, siphash_2_4
 
 NO_KEY = bytes(KEY_BYTES)
 ALL_GROUPS = 0xFFFF_FFFF
+
+# A robot stops when six repetitions of a command in a row are lost.
 DEFAULT_TTL_MS = 300
 
 # The longest time that a robot keeps moving after it loses its sender.
@@ -46,10 +48,10 @@ HEADER_BYTES = _HEADER.size
 
 
 class Flags(IntFlag):
-    """The request of a frame. A query requests the robot's status and changes nothing.
+    """The request of a frame. QUERY requests the robot's status and changes nothing.
 
-    With FORWARD, it also asks the robot to send the query in the payload to another robot (`forwarding`).
-    A frame without ARMED, STOP and QUERY stops the robot; the sender keeps control.
+    With FORWARD, a query also asks the robot to send the query in its payload to another robot
+    (`forwarding`). A frame without ARMED, STOP and QUERY stops the robot; the sender keeps control.
     """
 
     ARMED = 1

@@ -19,9 +19,14 @@ from rostether.platform.command_frame import (
 )
 from rostether.platform.status_frame import Refusal
 
+# The interval between repetitions of a command: a robot that misses one moves 50 ms longer.
 REPEAT_S = 0.05
+
+# A stop is sent for 0.2 s, faster than commands: Wi-Fi rarely loses all of these frames.
 STOP_PERIOD_S = 0.02
 STOP_FRAMES = 10
+
+# After a lost release, the robot is free when its time to live has passed.
 RELEASE_FRAMES = 3
 
 # A changed command is sent three times immediately, unless a change was sent three times within `REPEAT_S`.
@@ -62,7 +67,7 @@ class CommandSender:
 
     @property
     def due_s(self) -> float | None:
-        """When to call `repeat` next; None: not before the next command."""
+        """When to call `repeat` next, None if only a command must be sent next."""
         return self._due_s
 
     def command(self, payload: bytes, now_s: float) -> list[bytes]:
@@ -140,7 +145,7 @@ class ReceiverSettings(Struct, frozen=True):
 
 
 class CommandReceiver:
-    """One robot. It obeys one sender until the sender releases it or is silent for its time to live.
+    """One robot. It obeys one sender until the sender releases it, or is silent for its time to live.
 
     The epoch of a sender is the time of its start. After a release or a silence, the robot also obeys senders
     with later epochs; it obeys a stop of a later epoch immediately. It never obeys an earlier epoch, so

@@ -40,7 +40,7 @@ class DatagramSender:
         self._reported: set[str] = set()
 
     def send(self, datagram: bytes) -> bool:
-        """Send on all interfaces; False if none could send."""
+        """Send on all interfaces; return False if none could send."""
         return max(self._send_by(interface, datagram) for interface in self._sockets)
 
     def send_to(self, datagram: bytes, address: SocketAddress) -> None:

@@ -10,8 +10,11 @@ from rostether.errors import ServiceCallError, ServiceTimeoutError, ServiceUnava
 from rostether.graph.ports import Level
 from rostether.graph.typed_graph import TypedGraph
 
+# The interval between values: slow enough to follow on a screen.
 PERIOD_S = 1.0
+# The interval between attempts to register; a manager is started by hand.
 _RETRY_S = 1.0
+# A manager that is only slow has answered by then.
 _CALL_LIMIT_S = 10.0
 
 
@@ -39,7 +42,7 @@ async def _register(graph: TypedGraph, platform: str, report: Callable[[Level, s
         except (ServiceUnavailableError, ServiceTimeoutError):
             if not is_reported:
                 is_reported = True
-                report(Level.WARN, "no node offers sensors_register; waiting for the sensing manager")
+                report(Level.WARN, "no sensing manager answers; start one: rostether role sensing-manager")
             await asyncio.sleep(_RETRY_S)
         except ServiceCallError as error:
             raise ServiceCallError(f"the sensing manager refuses this sensor: {error}") from None

@@ -32,7 +32,7 @@ _MAX_PAUSE_S = 2.0
 
 
 class FleetSettings(Struct, frozen=True):
-    """The target (`sender`) and address of commands, and the robots that also get unicast (`unicast`)."""
+    """The target of commands (`sender`), their address, and the hosts that also get unicast."""
 
     sender: SenderSettings = field(default_factory=SenderSettings)
     address: GroupAddress = field(default_factory=lambda: GroupAddress(FLEET_GROUP, FLEET_PORT))
@@ -57,11 +57,11 @@ class FleetSender:
 
     @property
     def robots(self) -> list[Robot]:
-        """The robots that have answered, by id and host."""
+        """The robots that have answered, sorted by id and host."""
         return [robot for _, robot in sorted(self._channel.table.robots.items())]
 
     async def query(self, duration_s: float = QUERY_S, period_s: float = REPEAT_S) -> None:
-        """Ask for statuses, at the rate of commands unless `period_s` differs."""
+        """Request statuses every `period_s` for `duration_s`."""
         end_s = time.monotonic() + duration_s
         while time.monotonic() < end_s:
             self._send([self._commands.query()])
@@ -99,7 +99,7 @@ class FleetSender:
             self._report(Level.WARN, silence_text(self._settings))
 
     async def stop(self) -> list[Robot]:
-        """Stop, and return the robots that answer; `has_stopped` is true for those that confirm it.
+        """Stop, and return the robots that answer; `has_stopped` returns whether one confirms the stop.
 
         It sends more rounds until the target robot confirms, or until no new robot of a group answers.
         """

@@ -5,8 +5,10 @@ from __future__ import annotations
 from pathlib import Path
 
 from rostether.errors import ConfigError
+from rostether.mechanisms.text import read_failure
 from rostether.platform.siphash import KEY_BYTES
 
+# A key with its line end is shorter; a larger file is not a key.
 _MAX_FILE_BYTES = 1024
 
 
@@ -16,7 +18,7 @@ def read_fleet_key(path: str) -> bytes:
         with Path(path).expanduser().open("rb") as file:
             text = file.read(_MAX_FILE_BYTES).strip()
     except OSError as error:
-        raise ConfigError(f"{path}: the key cannot be read: {error.strerror or error}") from None
+        raise ConfigError(f"the fleet's key: {read_failure(path, error)}") from None
     try:
         key = bytes.fromhex(text.decode("ascii"))
     except ValueError:

@@ -25,9 +25,8 @@ class ClockOffset(Struct, frozen=True):
 class Survey:
     """Queries to one group or machine, and the robots that answered them.
 
-    Raises ConfigError for an invalid address.
-
-    Unlike `FleetSender`, it never adds unicast, so that the loss is that of `address`.
+    Unlike `FleetSender`, it never adds unicast, so that the loss is that of `address`. Raises ConfigError for
+    an invalid address.
     """
 
     def __init__(

@@ -10,6 +10,7 @@ from rostether.platform.status_frame import HostState
 
 # proc(5), "Wireless Extensions".
 _WIRELESS = Path("/proc/net/wireless")
+# One line for each interface; a robot has one or two.
 _MAX_LINES = 64
 
 

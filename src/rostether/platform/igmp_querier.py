@@ -10,6 +10,8 @@ import sys
 QUERY_INTERVAL_S = 130.0
 
 _MEMBERSHIP_QUERY = 0x11
+
+# Longer than an IP header with an IGMP message. After a burst of packets, other tasks run.
 _MAX_BYTES = 2048
 _BURST = 100
 

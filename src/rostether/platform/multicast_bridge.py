@@ -34,8 +34,8 @@ class BridgeNodeSettings(Struct, frozen=True):
     """The parameters of the bridge; `frequency_hz` 0 sends every message immediately.
 
     `framed` is None for bare datagrams. A framed bridge whose topic is silent for `input_timeout_s` sends a
-    stop; 0 repeats the last message until a new one arrives. `unicast` are addresses of robots that get every
-    frame by unicast too.
+    stop; with 0, it repeats the last message until a new one arrives. `unicast` are addresses of robots that
+    also get every frame by unicast.
     """
 
     topic: str = "multicast_topic"
@@ -55,7 +55,9 @@ async def send_topic(
             f"~frequency must be from 0 (no limit) to {MAX_FREQUENCY_HZ:g} Hz, not {settings.frequency_hz:g}"
         )
     if not 0 <= settings.input_timeout_s < float("inf"):
-        raise ConfigError(f"~input_timeout must not be {settings.input_timeout_s:g} seconds; use 0 for never")
+        raise ConfigError(
+            f"~input_timeout must be a time in seconds, or 0 for never, not {settings.input_timeout_s:g}"
+        )
     bridge = (
         _FramedBridge(settings, settings.framed, report) if settings.framed else _Bridge(settings, report)
     )

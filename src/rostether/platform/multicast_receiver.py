@@ -42,6 +42,7 @@ SILENCE_S = 2.0
 REJOIN_S = 60.0
 # How long datagrams are handled before other tasks run: checking the tag of the longest takes 0.3 ms.
 _TURN_S = 0.005
+# No datagram is longer.
 _MAX_BYTES = 65_536
 # The socket for statuses has no group; the address only selects the family.
 _NO_GROUP = {socket.AF_INET: "127.0.0.1", socket.AF_INET6: "::1"}
@@ -78,8 +79,12 @@ async def receive_topic(
         sock = open_receiver(address)
     except OSError as error:
         # A group of one link (ff02::1) needs an interface.
-        hint = "; choose the network interface with ~interface" if address.is_multicast else ""
-        raise ConfigError(f"cannot receive at {address}: {error.strerror or error}{hint}") from None
+        step = (
+            "choose the network interface with ~interface"
+            if address.is_multicast
+            else "choose an address of this machine and a free port"
+        )
+        raise ConfigError(f"cannot receive at {address}: {error.strerror or error}; {step}") from None
     layout = graph.store.layout(settings.type_name)
     receiver = _Receiver(sock, publisher, layout, AllowList(sources), settings, report, read_host)
     report(Level.INFO, f"receiving {settings.type_name} from {address} as {publisher.topic}")

@@ -13,6 +13,7 @@ import msgspec
 
 from rostether.errors import ConfigError, InvalidNameError
 from rostether.mechanisms.state_file import load_state, store_state
+from rostether.mechanisms.text import read_failure
 from rostether.mechanisms.toml_text import parse_toml, read_toml_text
 from rostether.names.graph_name import validate_name
 from rostether.platform.sensor_registration import MAX_TEXT_CHARACTERS
@@ -33,8 +34,8 @@ def read_sensors_toml(path: Path) -> list[Sensor]:
     """
     try:
         content = parse_toml(read_toml_text(path), str(path))
-    except FileNotFoundError:
-        raise ConfigError(f"{path}: cannot be read: No such file or directory") from None
+    except FileNotFoundError as error:
+        raise ConfigError(read_failure(path, error)) from None
     if len(content) > MAX_SENSORS:
         raise ConfigError(f"{path}: {len(content)} sensors; at most {MAX_SENSORS} are allowed")
     return [_sensor(path, topic, entry) for topic, entry in content.items()]

@@ -12,6 +12,7 @@ from rostether.errors import ConfigError
 from rostether.graph.node_parameters import NodeParameters
 from rostether.platform.sensors.registered_sensor import SensorDescription, platform_word
 
+# Faster sources would occupy the event loop.
 MAX_RATE_HZ = 1000.0
 
 

@@ -10,11 +10,14 @@ from msgspec import Struct
 from rostether.errors import ServiceCallError
 from rostether.platform.sensor_state import MAX_STATE_TEXT_CHARACTERS, REPORTED
 
+# Names and ids that fit in a line of the page.
 MAX_TEXT_CHARACTERS = 100
 
 # Shorter leases load the manager with renewals; with longer ones, a robot without power is listed too long.
 MIN_LEASE_S = 1.0
 MAX_LEASE_S = 3600.0
+
+# No sensor publishes faster.
 MAX_RATE_HZ = 1e6
 
 _ID = re.compile(r"[A-Za-z][A-Za-z0-9_]*(/[A-Za-z][A-Za-z0-9_]*)*")
@@ -63,10 +66,10 @@ class Registration(Struct, frozen=True):
             )
         if not MIN_LEASE_S <= self.lease_s <= MAX_LEASE_S:
             raise ServiceCallError(
-                f"lease_s must be {MIN_LEASE_S:g} to {MAX_LEASE_S:g}, not {self.lease_s!r}"
+                f"lease_s must be {MIN_LEASE_S:g} to {MAX_LEASE_S:g}, not {self.lease_s:g}"
             )
         if not 0 <= self.rate_hz <= MAX_RATE_HZ:
-            raise ServiceCallError(f"rate_hz must be 0 (unknown) to {MAX_RATE_HZ:g}, not {self.rate_hz!r}")
+            raise ServiceCallError(f"rate_hz must be 0 (unknown) to {MAX_RATE_HZ:g}, not {self.rate_hz:g}")
         if self.state not in REPORTED:
             raise ServiceCallError(f"state must be one of {', '.join(REPORTED)}, not {self.state!r:.100}")
         check_text("platform_name", self.platform)

@@ -18,7 +18,10 @@ REPORTED = ("init", "ready", "sleeping", "alert")
 # Enough for a sentence with the path of a file.
 MAX_STATE_TEXT_CHARACTERS = 300
 
+# A sensor that publishes every second may lose two messages.
 SILENT_S = 3.0
+
+# Longer than the restart of a robot's computer.
 LOST_S = 60.0
 
 

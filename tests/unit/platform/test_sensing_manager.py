@@ -169,6 +169,6 @@ async def test_the_digital_tester_waits_for_the_manager(monkeypatch: pytest.Monk
                         break
     assert all(each in range(101) for each in values)
     assert lines.texts == [
-        "no node offers sensors_register; waiting for the sensing manager",
+        "no sensing manager answers; start one: rostether role sensing-manager",
         "registered for topic sensor_node0",
     ]

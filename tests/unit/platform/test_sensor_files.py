@@ -53,7 +53,7 @@ def test_what_is_wrong_in_the_file(tmp_path: Path, text: str, reason: str) -> No
 
 
 def test_a_file_that_is_missing(tmp_path: Path) -> None:
-    with pytest.raises(ConfigError, match="cannot be read: No such file"):
+    with pytest.raises(ConfigError, match="No such file or directory; check the path"):
         read_sensors_toml(tmp_path / "sensors.toml")
 
 

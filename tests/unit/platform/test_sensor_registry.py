@@ -180,7 +180,7 @@ def test_one_node_holds_the_lease_of_an_id(registry: SensorRegistry) -> None:
         ({"id": "sensor_node0"}, "sensor_node0 exists and has no lease"),
         ({"sensor_type": "radar"}, "sensor_type must be a word such as ANALOG, not 'radar'"),
         ({"message_type": "Float64"}, "message_type must be a type such as std_msgs/Float64"),
-        ({"lease_s": 0.0}, "lease_s must be 1 to 3600, not 0.0"),
+        ({"lease_s": 0.0}, "lease_s must be 1 to 3600, not 0"),
         ({"lease_s": float("nan")}, "lease_s must be 1 to 3600, not nan"),
         ({"rate_hz": -1.0}, "rate_hz must be 0"),
         ({"state": "fine"}, "state must be one of init, ready, sleeping, alert, not 'fine'"),

@@ -22,7 +22,7 @@ class Kind(Enum):
 class Machine(Struct, frozen=True):
     """The settings for a new robot.toml; `core` is the address of the base station's master.
 
-    `address`, or the network interface `interface`, is where other machines reach this one.
+    Other machines reach this one at `address`, or at the network interface `interface`.
     """
 
     kind: Kind

@@ -12,6 +12,7 @@ from typing import Any
 from msgspec import Struct, field
 
 from rostether.errors import ConfigError
+from rostether.mechanisms.text import read_failure
 from rostether.mechanisms.toml_text import parse_toml, read_toml_text
 
 # More programs than a robot's computer runs; each is a process.
@@ -49,8 +50,8 @@ def read_robot_text(path: Path) -> str:
     """Return the text of a robot.toml. Raises ConfigError."""
     try:
         return read_toml_text(path)
-    except FileNotFoundError:
-        raise ConfigError(f"{path}: there is no such file") from None
+    except FileNotFoundError as error:
+        raise ConfigError(read_failure(path, error)) from None
 
 
 def parse_robot_file(text: str, file: str, commands: Collection[str]) -> RobotFile:
@@ -67,7 +68,7 @@ def parse_robot_file(text: str, file: str, commands: Collection[str]) -> RobotFi
 
 def check_interface(name: str) -> None:
     """Raise ConfigError for a text that cannot be the name of a network interface."""
-    # 15 bytes is the limit of Linux.
+    # Linux allows 15 bytes.
     is_name = re.fullmatch(r"[^\s/,]+", name) is not None and len(os.fsencode(name)) <= 15
     if not is_name or re.fullmatch(r"[\d.]+", name):
         raise ConfigError(f"interface: {name!r:.80} is not the name of a network interface, such as wlan0")

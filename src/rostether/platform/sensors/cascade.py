@@ -9,6 +9,7 @@ from msgspec import Struct
 
 from rostether.errors import BoardError, ConfigError
 from rostether.extras import install_command
+from rostether.mechanisms.text import first_line
 from rostether.platform.sensors.jpeg import DEFAULT_QUALITY
 
 # Where Debian and Raspberry Pi OS (package opencv-data) install the files that PyPI's OpenCV contains.
@@ -75,7 +76,7 @@ class CascadeDetector:
                 cv2.rectangle(image, box, _GREEN_BGR, _LINE_PIXELS)
             _, encoded = cv2.imencode(".jpg", image, [cv2.IMWRITE_JPEG_QUALITY, DEFAULT_QUALITY])
         except cv2.error as error:
-            raise BoardError(f"a picture is damaged: {error}") from None
+            raise BoardError(f"a picture is damaged: {first_line(error)}") from None
         return regions, encoded.tobytes()
 
 

@@ -10,13 +10,13 @@ from typing import TypeVar
 from rostether.errors import ConfigError, RostetherError
 from rostether.graph.ports import Level
 from rostether.mechanisms.repeat_limiter import RepeatLimiter
+from rostether.platform.sensor_state import SILENT_S
 from rostether.platform.sensors.registered_sensor import RegisteredSensor
 
 T = TypeVar("T")
 
 # The interval between attempts; a device is plugged in by hand.
 RETRY_S = 1.0
-SILENT_S = 3.0
 
 
 class Pace:

@@ -25,9 +25,11 @@ from rostether.platform.sensor_state import MAX_STATE_TEXT_CHARACTERS
 # A manager that restarts without its file knows all sensors again after a renewal period.
 LEASE_S = 12.0
 RENEWAL_S = LEASE_S / 3
+# The first delay after a failed registration; later delays grow to the renewal period.
 RETRY_S = 0.5
 # Limits the load of the manager if a state changes all the time.
 _SHORTEST_PERIOD_S = 0.2
+# Less than half of the lease: if a call gets no answer, another one can still renew it.
 _CALL_LIMIT_S = 5.0
 
 

@@ -83,7 +83,10 @@ async def publish_system_load(
     files: SystemFiles,
     report: Callable[[Level, str], None],
 ) -> None:
-    """Publish four sensors until cancelled; `word` is the robot's name in their ids. Raises GraphError."""
+    """Publish CPU, memory and disk, and the temperature if it is measured, until cancelled.
+
+    `word` is the robot's name in the ids of the sensors. Raises GraphError.
+    """
     load = SystemLoad(files)
     readers = {"cpu": load.cpu, "memory": load.memory, "disk": load.disk}
     # Virtual machines have no temperature sensor.

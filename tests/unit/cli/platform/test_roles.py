@@ -107,7 +107,10 @@ async def repeat(publisher: TypedPublisher[...], **fields: object) -> None:
             ("multicast-topic-bridge", "_sending_port:=0"),
             "~sending_port must be a whole number from 1 to 65535",
         ),
-        (("multicast-topic-bridge", "_framed:=true", "_key_file:=none"), "none: the key cannot be read"),
+        (
+            ("multicast-topic-bridge", "_framed:=true", "_key_file:=none"),
+            "the fleet's key: cannot read none:",
+        ),
         (("multicast-topic-bridge", "_framed:=true", "_robot:=1", "_groups:=2"), "give ~robot or ~groups"),
         (("digital",), "give one of ~gpio, ~path or ~topic, for instance _topic:="),
         (("multicast-topic-bridge", "_framed:=1"), "~framed must be true or false, not 1"),

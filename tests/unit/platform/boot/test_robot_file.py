@@ -62,7 +62,7 @@ def test_what_is_wrong_is_named_in_one_line(text: str, reason: str) -> None:
 
 
 def test_a_missing_file() -> None:
-    with pytest.raises(ConfigError, match="there is no such file"):
+    with pytest.raises(ConfigError, match="No such file or directory; check the path"):
         read_robot_text(Path("/nowhere/robot.toml"))
 
 
