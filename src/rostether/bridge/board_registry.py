@@ -25,7 +25,7 @@ RECONNECT_S = 0.02
 
 
 class Board(Struct, eq=False):
-    """One node name in use. It has no node while it joins, and no session while the board is lost.
+    """One node name in use. `node` is None while the node joins, `session` is None while the board is lost.
 
     A node that `is_kept` stays in the graph without its board, before the board connects and after it is
     lost. `grace_s` is the board's own, instead of the registry's. `is_dismissed`: boards of this name are
@@ -73,7 +73,7 @@ class BoardRegistry:
         while True:
             name = numbered(node_name, number)
             if name in self._dismissed:
-                raise SessionError(f"another node has the name {name}; restart rostether to serve its board")
+                raise SessionError(f"another node has the name {name}; restart rostether to serve this board")
             board = self._boards.get(name)
             if board is None:
                 board = self._boards[name] = Board(name)
@@ -119,7 +119,7 @@ class BoardRegistry:
         self._leave(board)
 
     def dismiss(self, board: Board) -> None:
-        """Remove a board whose name another node now uses: they would replace each other forever."""
+        """Remove a board whose name another node now uses: the two nodes would replace each other forever."""
         board.is_dismissed = True
         self._dismissed.add(board.name)
         self._leave(board)

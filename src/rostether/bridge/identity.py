@@ -16,7 +16,7 @@ from rostether.transports.address import Address, PtyAddress, SerialAddress, Udp
 from rostether.transports.board_keys import NO_PROOF, Proof
 
 _ILLEGAL = re.compile(r"[^A-Za-z0-9_]+")
-# Readable in every tool; a peer's text is cut to it.
+# Readable in every tool; a longer name that a peer chose is cut.
 MAX_NAME_CHARACTERS = 64
 
 
@@ -53,7 +53,7 @@ def identify_peer(remote: str | None, proof: Proof = NO_PROOF) -> BoardIdentity:
 
 
 def hardware_id(address: Address, peer: str, identity: BoardIdentity) -> str:
-    """Return the identity, which stays the same when the board reconnects; `peer` as in `node_base_name`."""
+    """Return a text that stays the same when the board reconnects; `peer` as in `node_base_name`."""
     if identity.address is not None:
         return f"{_protocol(address)} {identity.address}"
     return identity.own_serial_number or identity.usb_location or peer

@@ -8,7 +8,7 @@ from msgspec import Struct, field
 
 
 class BridgeSettings(Struct, frozen=True):
-    """Times in seconds.
+    """The limits of one bridge, or of one board.
 
     `grace_s`: how long a lost board's node and topics stay in the graph. A reset, a USB re-enumeration or a
     Wi-Fi re-association is over within 5 s, and subscribers then never notice it.
@@ -17,7 +17,8 @@ class BridgeSettings(Struct, frozen=True):
     `client_call_timeout_s`: how long a board's own call may take in the graph. The board gets no time answer
     meanwhile, and unconfigures itself without one after 11 s.
     `queued_calls`: how many callers may wait for one board's service before the next is refused immediately.
-    `parameter_timeout_s`: boards wait 1 s for a parameter unless the sketch sets another limit.
+    `parameter_timeout_s`: how long a parameter is searched. A board waits 1 s for it, unless the sketch sets
+    another limit.
     `drain_pause_s`: how long a board is paused at a time for a slow subscriber.
     `frame_bytes`: the largest payload of a frame from a board; the default is the largest value of the
     length field.

@@ -60,7 +60,7 @@ class Listen(Protocol):
     def __call__(
         self, address: Address, on_transport: Callable[[Transport], None], *, entry: PeerEntry | None = None
     ) -> Awaitable[Listener]:
-        """Listen. Raises TransportOpenError."""
+        """Listen, and call `on_transport` with each connection. Raises TransportOpenError."""
 
 
 class Links(Struct, frozen=True):
@@ -136,7 +136,7 @@ class Supervisor:
     async def start(self, addresses: Sequence[Address]) -> None:
         """Start to serve. Missing links are opened when they appear.
 
-        With `BoardNodes.keeps_node`, the node of the first address joins before that.
+        With `BoardNodes.keeps_node`, the node of the first address joins the graph first.
 
         Raises TransportOpenError for an address that cannot be listened on, InvalidNameError for a name= or
         ns= that is not a ROS name.

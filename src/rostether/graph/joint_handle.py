@@ -28,7 +28,6 @@ SLOW_GRAPH_S = 1.0
 
 _log = logging.getLogger("rostether.graph")
 
-
 PartT = TypeVar("PartT", bound=Closable)
 _Trial: TypeAlias = "asyncio.Task[RostetherError | None]"
 

@@ -108,7 +108,6 @@ TRANSITIONS: dict[tuple[State, Input], tuple[State, Verdict | None]] = {
     (State.MISSED, Input.SILENCE): (State.ABSENT, Verdict.SILENT),
 }
 
-
 # The duration of a state until QUIET.
 _PATIENCE_S = {
     State.PRESENT: PROBE_AFTER_S,

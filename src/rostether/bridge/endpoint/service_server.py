@@ -125,7 +125,8 @@ class ServiceServerEndpoint:
                 explanation = self._response_layout.explain(payload)
                 response.set_exception(
                     ServiceCallError(
-                        f"the board answered {self.info.name} with a bad response: {explanation}"
+                        f"the board answered {self.info.name} with a bad response: {explanation}; generate "
+                        "the message headers of its sketch again"
                     )
                 )
 
@@ -134,7 +135,10 @@ class ServiceServerEndpoint:
         name = self.info.name
         # A longer one is refused later: checking a request of many MB would block all boards.
         if len(request) <= MAX_PAYLOAD_BYTES and not self._request_layout.accepts(request):
-            raise ServiceCallError(f"{name}: bad request: {self._request_layout.explain(request)}")
+            raise ServiceCallError(
+                f"{name}: bad request: {self._request_layout.explain(request)}; "
+                "give both ends the same definition"
+            )
         if self._waiting >= self._settings.queued_calls:
             raise ServiceCallError(
                 f"{name}: {self._waiting} calls already wait for the board; try again later"

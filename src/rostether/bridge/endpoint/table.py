@@ -1,8 +1,8 @@
 """All endpoints of one board's node, which follow the board's announcements.
 
 An endpoint is kept when its connection ends. When the board comes back and announces the same
-name and type, the endpoint is attached to the new connection and its publisher or subscription never left
-the graph; endpoints that the board did not announce again by the end of the negotiation are closed. A new
+name and type, the endpoint is attached to the new connection. Its publisher or subscription has stayed in the
+graph. Endpoints that the board did not announce again by the end of the negotiation are closed. A new
 sketch may use a name with another type and any id: the old endpoint is closed before the new one opens.
 """
 
@@ -37,7 +37,6 @@ from rostether.rosserial.packets import TopicInfo
 
 # Topics may come twice under one name, each with its id; a service has one server or caller on a board.
 _Key: TypeAlias = tuple[Role, str, int]
-
 
 # The limit of refused endpoints: a board that always announces new ones must not fill the memory.
 MAX_REFUSED = 256

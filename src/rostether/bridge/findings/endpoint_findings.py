@@ -6,7 +6,7 @@ from rostether.bridge.endpoint.openings import Endpoint, ServiceEndpoint, name_o
 from rostether.bridge.endpoint.publisher import PublisherEndpoint
 from rostether.bridge.endpoint.subscriber import SubscriberEndpoint
 from rostether.bridge.endpoint.table import EndpointTable
-from rostether.bridge.findings.finding import Code, Finding, error, warning
+from rostether.bridge.findings.finding import Code, Finding, error, split_step, warning
 from rostether.bridge.findings.oversize import Oversizes
 from rostether.errors import DefinitionError, RostetherError, TypeMismatchError, UnknownTypeError
 from rostether.rosserial.device_link import PUBLISHER_OVERHEAD_BYTES
@@ -153,34 +153,22 @@ def _refusals(refused: dict[str, RostetherError]) -> list[Finding]:
 def _refusal(kind: type[RostetherError], text: str, topics: list[str]) -> Finding:
     listed = ", ".join(topics[:6]) + (f" and {len(topics) - 6} more" if len(topics) > 6 else "")
     unbridged = f"{listed} {'is' if len(topics) == 1 else 'are'} not bridged"
-    reason, _, step = text.rpartition("; ")
-    subject = text.partition(":")[0]
     if issubclass(kind, TypeMismatchError):
-        return error(
-            Code.STALE_HEADERS,
-            f"the sketch's message headers for {listed} are stale: {reason or text}",
-            step if reason else "rebuild its message headers",
-            subject,
-            is_reported=True,
-        )
+        reason, step = split_step(text, "rebuild its message headers")
+        seen = f"the sketch's message headers for {listed} are stale: {reason}"
+        return error(Code.STALE_HEADERS, seen, step, text.partition(":")[0], is_reported=True)
+    code, default = Code.NOT_BRIDGED, "correct it in the sketch"
     if issubclass(kind, UnknownTypeError):
-        return error(
-            Code.UNKNOWN_TYPE,
-            f"{unbridged}: {reason or text}",
-            step if reason else "give its package with --msg-path DIR",
-            topics[0],
-            is_reported=True,
-        )
-    advice = step if reason else "correct it in the sketch"
-    if issubclass(kind, DefinitionError):
-        advice = step if reason else "correct the definition"
-    return error(Code.NOT_BRIDGED, f"{unbridged}: {reason or text}", advice, topics[0], is_reported=True)
+        code, default = Code.UNKNOWN_TYPE, "give its package with --msg-path DIR"
+    elif issubclass(kind, DefinitionError):
+        default = "correct the definition"
+    reason, step = split_step(text, default)
+    return error(code, f"{unbridged}: {reason}", step, topics[0], is_reported=True)
 
 
 def _unopened(name: str, text: str) -> Finding:
-    reason, _, step = text.rpartition("; ")
-    advice = step if reason else "look at the log of this program"
-    return error(Code.NOT_BRIDGED, f"{name} is not bridged: {reason or text}", advice, name, is_reported=True)
+    reason, step = split_step(text, "look at the log of this program")
+    return error(Code.NOT_BRIDGED, f"{name} is not bridged: {reason}", step, name, is_reported=True)
 
 
 def _too_large(silent: list[PublisherEndpoint]) -> Finding:

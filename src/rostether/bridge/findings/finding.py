@@ -71,6 +71,12 @@ class Finding(Struct, frozen=True):
         return f"{self.seen}; {self.next_step}"
 
 
+def split_step(text: str, default: str) -> tuple[str, str]:
+    """Return the problem and the next step in the text of an error; `default` if it has no step."""
+    problem, _, step = text.rpartition("; ")
+    return (problem, step) if problem else (text, default)
+
+
 def error(code: Code, seen: str, next_step: str, subject: str = "", *, is_reported: bool = False) -> Finding:
     """Return a finding that stops messages."""
     return Finding(code, Severity.ERROR, seen, next_step, subject, is_reported)

@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from rostether.bridge.findings.announcements import AnnouncementFindings
+from rostether.bridge.findings.announcement_findings import AnnouncementFindings
 from rostether.bridge.findings.damage import Damage
 from rostether.bridge.findings.finding import Code, Finding, error, warning
 from rostether.bridge.findings.loop_speed import LoopSpeed

@@ -23,6 +23,7 @@ SLOW_TALKER_S = 0.6
 # A request later than this is late in any case.
 OVERDUE_S = 0.4
 
+# The jitter of an interval between two requests.
 TOLERANCE_S = 0.1
 
 # A board that usually requests the time sooner than this does not wait 2.5 s.
@@ -31,7 +32,9 @@ MAX_OUR_PERIOD_S = 2.4
 # A board that is later than 11 s was disconnected, not slow.
 MAX_LATE_S = 9.0
 
+# The latest 40 s, so that a corrected loop() is not reported for long.
 MAX_INTERVALS = 16
+# One late request may have another cause.
 MIN_COUNT = 2
 
 # Between two pauses, a simulator falls behind by up to 250 ms: the median of four intervals is below 100 ms.

@@ -5,7 +5,7 @@ from __future__ import annotations
 import errno
 import sys
 
-from rostether.bridge.findings.finding import Code, Finding, error
+from rostether.bridge.findings.finding import Code, Finding, error, split_step
 from rostether.transports.address_advice import WINDOWS_PORT
 from rostether.transports.port_facts import PortFacts
 from rostether.transports.port_holders import Holder
@@ -49,8 +49,7 @@ def open_error_finding(facts: PortFacts, failure: BaseException) -> Finding:
 
 def cannot_open(failure: BaseException) -> Finding:
     """Return the finding for any other failure, with the failure's text."""
-    seen, _, step = str(failure).partition("; ")
-    return error(Code.CANNOT_OPEN, seen, step or "check the address")
+    return error(Code.CANNOT_OPEN, *split_step(str(failure), "check the address"))
 
 
 def busy(port: str, holders: tuple[Holder, ...]) -> Finding:

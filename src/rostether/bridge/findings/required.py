@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterable, Sequence
 from rostether.bridge.findings.finding import Code, Finding, error
 from rostether.errors import InvalidNameError
 
+# More topics would not fit on a line.
 _SHOWN = 8
 
 

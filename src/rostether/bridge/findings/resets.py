@@ -6,6 +6,7 @@ from collections import deque
 
 from rostether.bridge.findings.finding import Code, Finding, error
 
+# Resets further apart than this may have different causes.
 WINDOW_S = 60.0
 # A user who presses the button may reset a board twice, and so may an upload.
 MIN_RESETS = 3

@@ -9,8 +9,13 @@ from msgspec import Struct
 
 from rostether.mechanisms.text import fold_line
 
+TOPIC = "/diagnostics"
+TYPE = "diagnostic_msgs/DiagnosticArray"
+
+# The end of the names of boards' entries.
 STATUS_SUFFIX = ": rosserial"
-_UNKNOWN = "unknown"
+# The text of a figure that is not known.
+UNKNOWN = "unknown"
 _TOPIC_ROLES = ("publisher", "subscriber")
 _SERVICE_ROLES = ("service server", "service client")
 
@@ -113,9 +118,9 @@ def _endpoints(values: dict[str, str]) -> Sequence[EndpointStatus]:
 
 
 def _number(values: dict[str, str], key: str) -> float | None:
-    text = values.get(key, _UNKNOWN)
+    text = values.get(key, UNKNOWN)
     try:
-        return None if text == _UNKNOWN else float(text)
+        return None if text == UNKNOWN else float(text)
     except ValueError:
         return None
 

@@ -4,31 +4,25 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Iterator, Mapping, Sequence
-from typing import Generic, TypeVar
 
 from rostether.bridge.board_node import BoardNode
 from rostether.bridge.findings.finding import Finding, Severity
+from rostether.bridge.health.board_status import STATUS_SUFFIX, UNKNOWN
 from rostether.bridge.health.diagnostics import BoardView
 from rostether.bridge.reporter import shown_line
 from rostether.transports.link_quality import LinkQuality
 
-TYPE = "diagnostic_msgs/DiagnosticArray"
-TOPIC = "/diagnostics"
-
 _OK = 0
-UNKNOWN = "unknown"
 
 # A topic at 1 Hz shows a steady figure, and a change within a few seconds.
 WINDOW_S = 5.0
-
-Key = TypeVar("Key")
 
 
 class StatusWriter:
     """Writes the status of one board, once a second."""
 
     def __init__(self) -> None:
-        self._rates: Rates[str] = Rates()
+        self._rates = Rates()
 
     def array(
         self, node: BoardNode, view: BoardView, findings: Sequence[Finding], now_s: float
@@ -36,7 +30,7 @@ class StatusWriter:
         """Return the DiagnosticArray's fields; its stamp is the graph's time."""
         status = {
             "level": _level(view, findings),
-            "name": f"{view.node.lstrip('/')}: rosserial",
+            "name": f"{view.node.lstrip('/')}{STATUS_SUFFIX}",
             "message": _message(view, findings),
             "hardware_id": node.hardware_id,
             "values": [
@@ -133,13 +127,13 @@ def _scaled(value: float | None, factor: float, form: str) -> str:
     return UNKNOWN if value is None else format(value * factor, form)
 
 
-class Rates(Generic[Key]):
+class Rates:
     """The growth of counters over the last few updates."""
 
     def __init__(self) -> None:
-        self._samples: deque[tuple[float, dict[Key, int]]] = deque()
+        self._samples: deque[tuple[float, dict[str, int]]] = deque()
 
-    def update(self, counts: Mapping[Key, int], now_s: float) -> dict[Key, float]:
+    def update(self, counts: Mapping[str, int], now_s: float) -> dict[str, float]:
         """Read the counters and return their growth per second; empty at the first call.
 
         A counter that is lower than before belongs to a new connection and started from zero.

@@ -47,9 +47,9 @@ _STARTING_CODES = frozenset(
 
 
 class Diagnosis(Struct, frozen=True):
-    """The results for one address; `board` is None if none answered, `rates_hz` are by endpoint.
+    """The results for one address; `board` is None if none answered, and was watched for `watched_s`.
 
-    `watched_s` is how long the board was watched.
+    `rates_hz` has the messages per second of each endpoint, by `role name`.
     """
 
     address: str
@@ -188,12 +188,12 @@ class Doctor:
         return Diagnosis(
             str(address),
             watched.findings,
-            watched.view if has_answered else None,
-            baud,
-            watched.watched_s,
-            watched.rates_hz,
-            watched.clock_offset_s,
-            watched.clock_drift_ppm,
+            board=watched.view if has_answered else None,
+            baud=baud,
+            watched_s=watched.watched_s,
+            rates_hz=watched.rates_hz,
+            clock_offset_s=watched.clock_offset_s,
+            clock_drift_ppm=watched.clock_drift_ppm,
         )
 
 

@@ -12,8 +12,9 @@ from weakref import WeakKeyDictionary
 
 from rostether.bridge.board_node import BoardNode
 from rostether.bridge.board_registry import Board
+from rostether.bridge.health.board_status import TOPIC, TYPE
 from rostether.bridge.health.diagnostics import view_board
-from rostether.bridge.health.diagnostics_message import TOPIC, TYPE, StatusWriter
+from rostether.bridge.health.diagnostics_message import StatusWriter
 from rostether.bridge.health.shared_topics import SharedTopics
 from rostether.bridge.reporter import Reporter, reason_of
 from rostether.errors import GraphError
@@ -54,7 +55,7 @@ class HealthRound:
         self._shared_topics = SharedTopics(reporter)
 
     def start(self) -> None:
-        """Start to publish the health of the boards."""
+        """Start the checks, and the publications if they are enabled."""
         loop = asyncio.get_running_loop()
         self._tasks = [loop.create_task(self._run())]
         if self._publishes:

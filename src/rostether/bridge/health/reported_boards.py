@@ -9,14 +9,11 @@ from typing import TYPE_CHECKING
 
 from msgspec.structs import replace
 
-from rostether.bridge.health.board_status import BoardStatus, read_statuses
+from rostether.bridge.health.board_status import TOPIC, TYPE, BoardStatus, read_statuses
 from rostether.mechanisms.block_end import task_beside
 
 if TYPE_CHECKING:
     from rostether.graph.typed_graph import TypedGraph
-
-TOPIC = "/diagnostics"
-TYPE = "diagnostic_msgs/DiagnosticArray"
 
 # After two missing reports, the board or its bridge counts as disconnected.
 STALE_S = 3.0

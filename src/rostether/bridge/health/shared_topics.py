@@ -1,4 +1,4 @@
-"""Reports topics that several boards have: equal boards need a namespace each, which is easy to forget."""
+"""Reports topics that several boards have: each of several equal boards needs a namespace."""
 
 from __future__ import annotations
 

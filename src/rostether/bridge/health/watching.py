@@ -9,7 +9,7 @@ from collections.abc import Callable
 from msgspec import Struct
 
 from rostether.bridge.board_node import BoardNode
-from rostether.bridge.findings.finding import Code, Finding, error
+from rostether.bridge.findings.finding import Code, Finding, error, split_step
 from rostether.bridge.findings.line_watch import NO_ANSWER_S, absence
 from rostether.bridge.health.diagnostics import BoardView, view_board
 from rostether.bridge.reporter import SilentReporter
@@ -28,6 +28,7 @@ WATCH_S = 8.0
 UNSTABLE_WATCH_S = 20.0
 
 _POLL_S = 0.1
+# As often as a bridge checks its boards.
 _FIND_PERIOD_S = 1.0
 _NODE = "/board"
 
@@ -114,9 +115,6 @@ async def _watch(session: Session, clock: Callable[[], float], watch_s: float) -
 
 
 def _lost(failure: TransportError | None) -> Finding:
-    seen, _, step = str(failure or "the board closed the connection").partition("; ")
-    return error(
-        Code.CONNECTION_LOST,
-        f"the connection ended: {seen}",
-        step or "check for a loose plug and a weak power supply",
-    )
+    text = str(failure or "the board closed the connection")
+    seen, step = split_step(text, "check for a loose plug and a weak power supply")
+    return error(Code.CONNECTION_LOST, f"the connection ended: {seen}", step)

@@ -26,7 +26,6 @@ MAX_HELD_BYTES = 1 << 20
 # A board has 256 endpoints at most, and announces each once.
 MAX_HELD_EVENTS = 1024
 
-
 _FOLLOWING = (TopicWithdrawn, ServiceWithdrawn, NegotiationSettled)
 
 

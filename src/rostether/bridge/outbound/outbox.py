@@ -102,7 +102,7 @@ class Outbox:
             self._schedule()
 
     def answer(self, topic_id: int, payload: bytes) -> None:
-        """Send a response that the board, or the caller of its service, waits for: before all topics.
+        """Send the request or response of a service, before all topics.
 
         Raises LocalProtocolError for an id that the board did not announce, or a payload above its buffer
         size.

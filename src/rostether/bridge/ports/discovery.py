@@ -1,4 +1,4 @@
-"""Finds boards on the serial ports when they are plugged in; never opens other ports."""
+"""Finds boards when they are plugged into serial ports; never opens a port that may be another device."""
 
 from __future__ import annotations
 

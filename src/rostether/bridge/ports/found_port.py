@@ -28,10 +28,12 @@ from rostether.transports.address import DEFAULT_BAUD, SerialAddress
 from rostether.transports.serial_port import SerialPort
 from rostether.transports.transport import Transport
 
+# Another program that tests a port uses it for a moment.
 FIRST_RETRY_S = 0.25
 # The longest pause between checks of a port in use: each check reads /proc.
 MAX_RETRY_S = 5.0
 
+# A board needs this time to start after it got power.
 FIRST_REPROBE_S = 5.0
 # A board that answered before, or that the user named, is probed again: it may have had no power.
 MAX_REPROBE_S = 60.0

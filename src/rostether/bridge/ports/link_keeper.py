@@ -32,7 +32,6 @@ PRESENCE_POLL_S = 0.1
 # For the same reason; an attempt that is refused costs 0.3 ms.
 MAX_RETRY_S = 0.4
 
-
 # Opens one link; raises TransportError.
 OpenTransport: TypeAlias = Callable[[Address], Awaitable[Transport]]
 
@@ -124,7 +123,7 @@ class LinkKeeper:
             await asyncio.sleep(PRESENCE_POLL_S)
 
     def _identify(self, path: str | None) -> tuple[Address, BoardIdentity | None]:
-        """Return the identity of the board at a serial port, and the address with that board's settings."""
+        """Return the address with the settings of the board at a serial port, and its identity."""
         address = self._address
         if self._finder is None or path is None or not isinstance(address, SerialAddress):
             return address, None

@@ -16,7 +16,6 @@ from rostether.transports.transport import Transport
 # that lasts longer is reported.
 SETTLE_S = 1.0
 
-
 # Uses an open link until it ends; returns the error that ended it, None if the bridge ended it. Raises
 # SessionError if it must not be served again.
 ServeLink: TypeAlias = Callable[[Address, Transport, BoardIdentity], Awaitable[TransportError | None]]

@@ -7,7 +7,7 @@ import pytest
 
 from rostether.bridge.board_node import BoardNode
 from rostether.bridge.board_registry import Board
-from rostether.bridge.health.diagnostics_message import TYPE
+from rostether.bridge.health.board_status import TYPE
 from rostether.bridge.health.health_round import HealthRound
 from rostether.bridge.session import Session
 from rostether.graph.ports import Level

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import OrderedDict
 
-from rostether.bridge.findings.finding import Code, Finding, error
+from rostether.bridge.findings.finding import Code, Finding, error, split_step
 from rostether.bridge.findings.noise import show
 from rostether.rosserial import topic_id as ids
 from rostether.rosserial.events import AnnouncementRefused, DiscardReason, FrameDiscarded
@@ -13,9 +13,8 @@ from rostether.rosserial.packets import TopicInfo
 # One damaged frame in 256 passes its checksum: a single case may be line noise.
 MIN_COUNT = 2
 
-# More than any board has room for; bounds the memory for a device that announces new names all the time.
+# More than any board has room for; limits the memory for a device that announces new names all the time.
 MAX_KEPT = 64
-
 
 _PACKETS: dict[int | None, str] = {
     ids.TIME: "time requests",
@@ -74,12 +73,12 @@ class AnnouncementFindings:
         for event in self._refused.values():
             if not _has_damage(event.topic_name + event.message_type) and "md5sum ''" not in event.reason:
                 name = event.topic_name or "a topic without a name"
-                reason, _, step = event.reason.rpartition("; ")
+                reason, step = split_step(event.reason, "correct it in the sketch")
                 findings.append(
                     error(
                         Code.NOT_BRIDGED,
-                        f"{name} [{event.message_type}] is not bridged: {reason or step}",
-                        step if reason else "correct it in the sketch",
+                        f"{name} [{event.message_type}] is not bridged: {reason}",
+                        step,
                         event.topic_name,
                         is_reported=True,
                     )

@@ -2,7 +2,7 @@ from __future__ import annotations
 
 from msgspec.structs import replace
 
-from rostether.bridge.findings.announcements import MAX_KEPT, AnnouncementFindings, is_overwritten
+from rostether.bridge.findings.announcement_findings import MAX_KEPT, AnnouncementFindings, is_overwritten
 from rostether.bridge.findings.finding import Code
 from rostether.rosserial import topic_id as ids
 from rostether.rosserial.events import AnnouncementRefused, DiscardReason, FrameDiscarded
