@@ -57,7 +57,7 @@ async def world() -> AsyncIterator[World]:
         ros1, ros2 = await join("/peer"), await sessions[1].join("/peer")
         stack.push_async_callback(ros1.close)
         stack.push_async_callback(ros2.close)
-        await acquainted(board.graphs[1], ros2)
+        await acquainted(board._graphs[1], ros2)
         yield World(board, ros1, ros2, master)
 
 

@@ -68,7 +68,8 @@ class PublicationFlow:
             for flow in before:
                 flow.end_pause()
 
-    def _note(self, flow: SubscriberFlow, *, is_congested: bool) -> None:
+    def note_congestion(self, flow: SubscriberFlow, *, is_congested: bool) -> None:
+        """Record that a subscriber's backlog has risen above its mark, or is low again."""
         if is_congested:
             self._congested.add(flow)
             self._open.clear()
@@ -120,7 +121,7 @@ class SubscriberFlow:
         elif backlog_bytes > self._mark_bytes and not self._is_congested and not self.hangs:
             self._is_congested = True
             self._begin_pause(backlog_bytes)
-            self._publication._note(self, is_congested=True)
+            self._publication.note_congestion(self, is_congested=True)
 
     def note_sent(self) -> None:
         """Record that a part of the backlog was sent."""
@@ -153,4 +154,4 @@ class SubscriberFlow:
     def _reopen(self) -> None:
         if self._is_congested:
             self._is_congested = False
-            self._publication._note(self, is_congested=False)
+            self._publication.note_congestion(self, is_congested=False)

@@ -1,7 +1,7 @@
 """One node in several graphs at once: a board in ROS 1 and in ROS 2.
 
-It publishes and serves in all of them, subscribes in all of them, and tries them in order for service calls
-and parameters. A graph that fails does not disturb the others; one that joins later gets all open handles.
+It publishes, subscribes and serves in all of them. It tries them in order for service calls and parameters. A
+graph that fails does not disturb the others; one that joins later gets all open handles.
 """
 
 from __future__ import annotations
@@ -68,11 +68,6 @@ class JointGraph:
         self._watching = {asyncio.ensure_future(self._watch_closed(graph)) for graph in self._graphs}
         self._background: set[asyncio.Task[None]] = set()
 
-    @property
-    def graphs(self) -> Sequence[Graph]:
-        """The current graphs of the node."""
-        return tuple(self._graphs)
-
     def run_until_closed(self, work: Coroutine[Any, Any, None]) -> None:
         """Run something until the node leaves the graphs."""
         start_task(self._background, work)
@@ -102,7 +97,7 @@ class JointGraph:
         on_messages: OnMessages,
         **options: Unpack[SubscribeOptions],
     ) -> JointSubscriber:
-        """Subscribe in all graphs."""
+        """Subscribe in all graphs. Raises their errors if none accepts it."""
         subscriber = JointSubscriber(
             self.resolve(topic),
             message_type,
@@ -149,14 +144,12 @@ class JointGraph:
     async def set_param(self, name: str, value: ParamValue) -> None:
         """Set a parameter in the first graph that has it, else in the first that accepts it."""
         having = [graph for graph in self._graphs if await _answers(graph.has_param(name))]
-
         await self._first_of(
             lambda graph: graph.set_param(name, value), RostetherError, graphs=having or self._graphs
         )
 
     async def delete_param(self, name: str) -> None:
         """Delete a parameter in the first graph that has it. Raises UnknownNameError."""
-
         await self._first_of(lambda graph: graph.delete_param(name), RostetherError)
 
     async def has_param(self, name: str) -> bool:
@@ -209,7 +202,7 @@ class JointGraph:
         await asyncio.shield(self._closing)
 
     async def wait_closed(self) -> str:
-        """Wait until the node has left one of the graphs, by `close` or by a shutdown request."""
+        """Wait until the node has left one of the graphs, by `close` or a shutdown request; return the reason."""
         await self._closed.wait()
         return self._reason
 
@@ -234,7 +227,7 @@ class JointGraph:
         *passing: type[RostetherError],
         graphs: Sequence[Graph] = (),
     ) -> ResultT:
-        """Return the answer of the first graph without an error that another graph may not have."""
+        """Return the answer of the first graph that answers; after the errors `passing`, try the next one."""
         faults: list[RostetherError] = []
         for graph in graphs or self._graphs:
             try:

@@ -79,7 +79,7 @@ class JointHandle(ABC, Generic[PartT]):
                 raise result
 
     def stop(self) -> None:
-        """Do not open the handle in further graphs; the open parts end with their graphs."""
+        """Stop opening the handle in further graphs; the open parts end with their graphs."""
         self.is_closed = True
         for task in self._tasks:
             task.cancel()

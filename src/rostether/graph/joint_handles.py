@@ -180,6 +180,7 @@ class JointWatch(JointHandle[Watch]):
         self._on_change = on_change
         self._order = order
         self._values: dict[Graph, ParamValue] = {}
+        # The reported value; empty before the first report.
         self._reported: list[ParamValue] = []
 
     def start(self) -> None:

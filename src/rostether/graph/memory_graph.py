@@ -53,7 +53,6 @@ class MemoryGraph(NodeMembership):
     ) -> MemorySubscriber:
         """Subscribe to a topic."""
         self._check_open()
-
         subscriber = MemorySubscriber(
             self.resolve(topic),
             message_type,
@@ -71,7 +70,6 @@ class MemoryGraph(NodeMembership):
     ) -> MemoryServiceServer:
         """Offer a service."""
         self._check_open()
-
         name = self.resolve(service)
         if any(isinstance(each, MemoryServiceServer) and each.service == name for each in self._handles):
             raise GraphError(f"this node already offers the service {name}; choose another name")

@@ -26,12 +26,11 @@ _LOG = logging.getLogger(__name__)
 # The queue for a busy loop: a second of the fastest sensor, and little memory.
 DEFAULT_QUEUE_MESSAGES = 1000
 
-# After this time without a publisher, a waiting program gets a log line; publishers are found within a
-# second.
-SILENCE_WARNING_S = 5.0
-
 # The same bound for large messages: about ten camera images.
 MAX_QUEUE_BYTES = 64 << 20
+
+# Publishers are found within a second; after this time without one, a waiting program gets a log line.
+SILENCE_WARNING_S = 5.0
 
 # Definitions come from peers; beyond this number of types, the first is forgotten.
 MAX_LEARNED_TYPES = 256
@@ -72,7 +71,7 @@ class LearnedTypes:
             learned = Registry.of_full_text(name, definition)
             return self.store.for_registry(learned).codec(name)
         raise TypeMismatchError(
-            f"{name} has md5sum {md5sum} there and {known} here, and its publisher sends no definition: "
+            f"{name} has md5sum {md5sum} there and {known} here, and its publisher sends no definition; "
             "give its package with --msg-path or ROS_PACKAGE_PATH"
         )
 

@@ -90,8 +90,7 @@ class TypedGraph(LogMethods):
         Without `type_name` each publisher's own definition is used, even if the type is unknown here.
         `queue_size` bounds the waiting messages; beyond it the oldest are dropped and counted.
         """
-        name = None if type_name is None else name_of_type(type_name)
-        return self._stream(topic, name, queue_size, reports_silence=self._reports_silence)
+        return self._stream(topic, type_name, queue_size, reports_silence=self._reports_silence)
 
     @overload
     async def subscriber(
@@ -108,11 +107,10 @@ class TypedGraph(LogMethods):
 
         The function may be async. Raises UnknownTypeError, InvalidNameError, GraphError.
         """
-        name = None if type_name is None else name_of_type(type_name)
         # A node that waits for commands may wait for hours.
-        stream = self._stream(topic, name, DEFAULT_QUEUE_MESSAGES, reports_silence=False)
-        if name is not None:
-            registry = self.store.registry
+        stream = self._stream(topic, type_name, DEFAULT_QUEUE_MESSAGES, reports_silence=False)
+        if type_name is not None:
+            name, registry = name_of_type(type_name), self.store.registry
             await wait_for_definitions(registry, lambda: registry.message_type(name))
             registry.message_type(name)
         return CallbackSubscriber(stream, callback)
@@ -129,8 +127,7 @@ class TypedGraph(LogMethods):
         self, topic: str, type_name: str | type[Message] | None = None, *, timeout_s: float | None = None
     ) -> Any:
         """Return the next message of a topic; a topic without publishers is logged. Raises TimeoutError."""
-        name = None if type_name is None else name_of_type(type_name)
-        stream = self._stream(topic, name, 1, reports_silence=True)
+        stream = self._stream(topic, type_name, 1, reports_silence=True)
         try:
             async with asyncio.timeout(timeout_s), aclosing(aiter(stream)) as messages:
                 async for message in messages:
@@ -140,10 +137,11 @@ class TypedGraph(LogMethods):
         raise GraphError(f"node {self.node_name} has left the graph; join again")
 
     def _stream(
-        self, topic: str, type_name: str | None, queue_size: int, *, reports_silence: bool
+        self, topic: str, given: str | type[Message] | None, queue_size: int, *, reports_silence: bool
     ) -> MessageStream[Any]:
+        name = None if given is None else name_of_type(given)
         return MessageStream(
-            self.raw, self._learned, topic, type_name, queue_size, reports_silence=reports_silence
+            self.raw, self._learned, topic, name, queue_size, reports_silence=reports_silence
         )
 
     @overload

@@ -62,7 +62,7 @@ class Codec:
             raise SerializationError(
                 f"{self.type_name} is given both as a message and as fields; give one of them"
             )
-        return self.encode(self.fields_of(message), now=now)
+        return self.encode(self._fields_of(message), now=now)
 
     def decode(self, payload: bytes) -> Message:
         """Return the message in a payload. Raises SerializationError with the difference."""
@@ -71,7 +71,11 @@ class Codec:
         except DECODE_ERRORS:
             raise SerializationError(self.layout.explain(payload)) from None
 
-    def fields_of(self, value: object) -> Message | Mapping[str, Any]:
+    def conform(self, value: Message | Mapping[str, Any]) -> Message:
+        """Return a complete message, each value in its own Python type. Raises SerializationError."""
+        return Conformer(self.tree, self._classes).message(value)
+
+    def _fields_of(self, value: object) -> Message | Mapping[str, Any]:
         """Return a message or its fields; any other value is that of the only field.
 
         Raises SerializationError for a type with several fields.
@@ -84,10 +88,6 @@ class Codec:
                 f"{self.tree.name} has {len(names)} fields ({', '.join(names)}), so give values by name"
             )
         return {names[0]: value}
-
-    def conform(self, value: Message | Mapping[str, Any]) -> Message:
-        """Return a complete message, each value in its own Python type. Raises SerializationError."""
-        return Conformer(self.tree, self._classes).message(value)
 
     def _first_encode(self, message: Message) -> bytes:
         self._encode = compile_encoder(self.tree, self._classes)

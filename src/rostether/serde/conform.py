@@ -113,9 +113,9 @@ class Conformer:
         elif not _is_list(value):
             raise self._misfit(path, f"a list ({node.name})", value)
         if node.length is not None and len(items) != node.length:
-            raise self._misfit(path, f"{node.length} elements ({node.name})", f"{len(items)}", quote=False)
+            raise self._misfit(path, f"{node.length} elements ({node.name})", len(items))
         if node.max_count is not None and len(items) > node.max_count:
-            raise self._misfit(path, f"at most {node.max_count} elements", f"{len(items)}", quote=False)
+            raise self._misfit(path, f"at most {node.max_count} elements", len(items))
         if isinstance(items, bytes):
             return items
         return [self._node(node.element, item, f"{path}[{index}]") for index, item in enumerate(items)]
@@ -128,8 +128,8 @@ class Conformer:
                 path, f"bytes or a list of integers from 0 to 255 ({node.name})", value
             ) from None
 
-    def _misfit(self, path: str, wanted: str, got: object, *, quote: bool = True) -> SerializationError:
-        return misfit_error(self._tree.name, path, wanted, got, quote=quote)
+    def _misfit(self, path: str, wanted: str, got: object) -> SerializationError:
+        return misfit_error(self._tree.name, path, wanted, got)
 
 
 def _is_seconds(value: Any, *, is_signed: bool) -> bool:

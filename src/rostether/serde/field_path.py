@@ -8,7 +8,7 @@ from __future__ import annotations
 from typing import Any
 
 from rostether.errors import ConfigError, SerializationError
-from rostether.mechanisms.text import did_you_mean
+from rostether.mechanisms.text import counted, did_you_mean
 from rostether.msgdef.spec import FieldType
 from rostether.serde.codec import Codec
 from rostether.serde.type_tree import Array, Member, Struct
@@ -54,7 +54,8 @@ class FieldPath:
                     value = value[index]
                 except IndexError:
                     raise SerializationError(
-                        f"{self.text!r} selects element {index} of {name!r}, which has {len(value)}"
+                        f"{self.text!r} selects element {index} of {name!r}, which has "
+                        f"{counted(len(value), 'element')}; choose another index"
                     ) from None
         return value
 

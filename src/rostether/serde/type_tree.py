@@ -143,14 +143,18 @@ class TypeTrees:
 
     def struct(self, name: str) -> Struct:
         """Return the tree of `package/Name`. Raises UnknownTypeError, DefinitionError."""
+        return self._struct(name, ())
+
+    def _struct(self, name: str, within: tuple[str, ...]) -> Struct:
         struct = self._structs.get(name)
-        return struct if struct is not None else self._resolve(name, self._source.message(name), ())
+        return struct if struct is not None else self._resolve(name, self._source.message(name), within)
 
     def _resolve(self, name: str, spec: MessageSpec, within: tuple[str, ...]) -> Struct:
         if name in within:
             cycle = " -> ".join((*within[within.index(name) :], name))
             raise DefinitionError(
-                f"{name} contains itself ({cycle}), so its messages would be infinitely long"
+                f"{name} contains itself ({cycle}), so its messages would be infinitely long; "
+                "remove one of these fields"
             )
         if len(within) >= MAX_DEPTH:
             raise DefinitionError(f"{within[0]} nests types more than {MAX_DEPTH} levels deep; flatten it")
@@ -174,16 +178,12 @@ class TypeTrees:
         return struct
 
     def _node(self, field_type: FieldType, within: tuple[str, ...]) -> Node:
-        element = SCALARS.get(field_type.base) or self._nested(field_type.base, within)
+        element = SCALARS.get(field_type.base) or self._struct(field_type.base, within)
         if not field_type.is_array:
             return element
         array = _array(element, field_type.length)
         _check_size(f"the {field_type} in {within[-1]}", array)
         return array
-
-    def _nested(self, name: str, within: tuple[str, ...]) -> Struct:
-        struct = self._structs.get(name)
-        return struct if struct is not None else self._resolve(name, self._source.message(name), within)
 
 
 def _array(element: Number | Stamp | Text | Struct, length: int | None) -> Array:
@@ -212,8 +212,11 @@ def _total_size(sizes: Iterable[int | None]) -> int | None:
 def _check_size(owner: str, node: Array | Struct) -> None:
     if (node.fixed_size_bytes or 0) > MAX_FIXED_BYTES:
         raise DefinitionError(
-            f"{owner} needs at least {node.fixed_size_bytes} bytes, more than the limit of {MAX_FIXED_BYTES}"
+            f"{owner} needs at least {node.fixed_size_bytes} bytes, more than the limit of {MAX_FIXED_BYTES};"
+            " shorten its arrays"
         )
     limit = MAX_EMPTY_ELEMENTS if node.fixed_size_bytes == 0 else MAX_ZERO_ELEMENTS
     if node.zero_elements > limit + 1:
-        raise DefinitionError(f"{owner} has {node.zero_elements} parts, more than the limit of {limit}")
+        raise DefinitionError(
+            f"{owner} has {node.zero_elements} parts, more than the limit of {limit}; shorten its arrays"
+        )

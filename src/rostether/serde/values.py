@@ -188,12 +188,10 @@ def unknown_field(type_name: str, field: object, known: list[str]) -> Serializat
     return SerializationError(f"{type_name} has no field {_show(field)}; {has}")
 
 
-def misfit_error(
-    type_name: str, path: str, wanted: str, got: object, *, quote: bool = True
-) -> SerializationError:
+def misfit_error(type_name: str, path: str, wanted: str, got: object) -> SerializationError:
     """Return the error for a value that does not fit a field, or the whole type where the path is empty."""
     subject = f"field '{path}' of {type_name}" if path else type_name
-    return SerializationError(f"{subject} needs {wanted}, got {_show(got) if quote else got}")
+    return SerializationError(f"{subject} needs {wanted}, got {_show(got)}")
 
 
 def _show(value: object) -> str:

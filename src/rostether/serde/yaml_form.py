@@ -84,7 +84,7 @@ class _Form:
             if len(value) != len(nodes):
                 names = f" ({', '.join(nodes)})" if nodes else ""
                 wanted = f"{counted(len(nodes), 'value')}{names}, or a mapping"
-                raise self._misfit(path, wanted, f"{len(value)}", quote=False)
+                raise self._misfit(path, wanted, len(value))
             value = dict(zip(nodes, value, strict=True))
         if not isinstance(value, dict):
             raise self._misfit(path, f"a {tree.name}, as {{field: value}}", value)
@@ -150,8 +150,8 @@ class _Form:
             return float(value)
         return value
 
-    def _misfit(self, path: str, wanted: str, got: object, *, quote: bool = True) -> SerializationError:
-        return misfit_error(self._type_name, path, wanted, got, quote=quote)
+    def _misfit(self, path: str, wanted: str, got: object) -> SerializationError:
+        return misfit_error(self._type_name, path, wanted, got)
 
 
 def _load_one(text: str) -> Any:

@@ -320,12 +320,12 @@ def test_short_arrays_of_numbers_in_a_part() -> None:
 
 def test_a_single_value_is_that_of_the_only_field() -> None:
     codec = STORE.codec("std_msgs/String")
-    assert codec.fields_of("hi") == {"data": "hi"}
-    assert codec.fields_of({"data": "hi"}) == {"data": "hi"}
-    message = codec.message_class()
-    assert codec.fields_of(message) is message
+    payload = b"\2\0\0\0hi"
+    assert codec.encode_given("hi", {}) == payload
+    assert codec.encode_given({"data": "hi"}, {}) == payload
+    assert codec.encode_given(codec.message_class(data="hi"), {}) == payload
     with pytest.raises(SerializationError, match=r"has 2 fields \(linear, angular\), so give values by name"):
-        STORE.codec("geometry_msgs/Twist").fields_of(1.0)
+        STORE.codec("geometry_msgs/Twist").encode_given(1.0, {})
 
 
 def test_a_message_as_a_dictionary() -> None:

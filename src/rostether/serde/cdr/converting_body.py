@@ -7,7 +7,7 @@ from typing import Final
 
 from rostether.serde.cdr.conversion_tree import Array, Node, Plain, Record, Side, Slot, Text
 from rostether.serde.cdr.offset import UNIT_BYTES, Offset
-from rostether.serde.cdr.output_parts import OutputParts
+from rostether.serde.cdr.output_pieces import OutputPieces
 from rostether.serde.cdr.reading_body import Functions, ReadingBody
 from rostether.serde.generated_source import indented
 
@@ -26,7 +26,7 @@ class ConvertingBody(ReadingBody):
     ) -> None:
         super().__init__(functions, side, source_at)
         self._loops = loops
-        self.pieces = OutputParts()
+        self.pieces = OutputPieces()
         self.uses_out = False
         self.target_at = target_at
 

@@ -35,22 +35,11 @@ Lookup = Callable[[str], Ros2Message]
 # A bool is 0 or 1 in CDR, and other bytes are refused there; ROS 1 accepts any byte.
 _BOOLS: Final = Translation(*[bytes([0]) + bytes([1]) * 255] * 2)
 
+# The `struct` formats of ROS 2's numbers. `byte` is signed in ROS 1 and an octet in ROS 2.
 _NUMBERS: Final[dict[str, str]] = {
-    "bool": "?",
-    "byte": "B",
-    "char": "B",
-    "int8": "b",
-    "uint8": "B",
-    "int16": "h",
-    "uint16": "H",
-    "int32": "i",
-    "uint32": "I",
-    "int64": "q",
-    "uint64": "Q",
-    "float32": "f",
-    "float64": "d",
-}
-# (ROS 1, ROS 2): `byte` is signed in ROS 1 and an octet in ROS 2; both mean eight bits.
+    name: node.code for name, node in type_tree.SCALARS.items() if isinstance(node, type_tree.Number)
+} | {"byte": "B"}
+# (ROS 1, ROS 2): different names of eight bits.
 _SAME_NUMBERS: Final = frozenset(
     {("byte", "int8"), ("byte", "uint8"), ("char", "uint8"), ("char", "byte")}
     | {("int8", "byte"), ("uint8", "byte"), ("uint8", "char")}

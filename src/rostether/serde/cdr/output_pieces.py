@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 
-class OutputParts:
+class OutputPieces:
     """Collects slices of the input `b`, constants and other expressions, in the order of the output."""
 
     def __init__(self) -> None:
@@ -33,7 +33,7 @@ class OutputParts:
         self._pieces.append(expression)
 
     def remove_final_nul(self) -> bool:
-        """Remove the last part if it is a constant of one zero byte."""
+        """Remove the last piece if it is a constant of one zero byte."""
         if self._pieces and self._pieces[-1] == b"\0":
             self._pieces.pop()
             return True
