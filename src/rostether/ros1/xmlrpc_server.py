@@ -3,20 +3,20 @@
 from __future__ import annotations
 
 import asyncio
-import errno
 from collections import deque
 from collections.abc import Collection, Iterable, Sequence
 from time import monotonic
 
 from rostether.errors import ConfigError, GraphError
 from rostether.ros1.admission import ALLOW_ALL, Admission
-from rostether.ros1.environment import LOOPBACK, connect_host, format_uri, is_loopback
+from rostether.ros1.environment import LOOPBACK, format_uri, is_loopback
 from rostether.ros1.graph_limits import DEFAULT_GRAPH_LIMITS, GraphLimits
+from rostether.ros1.listening import port_of, start_servers
 from rostether.ros1.long_work import SLICE_S
 from rostether.ros1.xmlrpc_connection import ServerConnection
 from rostether.ros1.xmlrpc_methods import Dispatch, MethodTable
 from rostether.transports.own_names import OwnNames
-from rostether.transports.sockets import close_servers, lengthen_backlog, system_bind_errors
+from rostether.transports.sockets import close_servers
 
 # A client that reuses its connection does so within seconds; roscpp drops its own after 30 s.
 IDLE_TIMEOUT_S = 90.0
@@ -29,8 +29,6 @@ _CLOSE_GRACE_S = 1.0
 _UNUSED_SHARE = 0.25
 # How many of the largest requests may be received, and of the largest answers wait to be read, at once.
 _LARGEST_AT_ONCE = 4
-# Attempts to bind one free port on several addresses: a clash is rare, and repeated ones have another cause.
-_BIND_ATTEMPTS = 5
 
 
 class XmlRpcServer:
@@ -54,7 +52,7 @@ class XmlRpcServer:
     ) -> None:
         self._own_names = OwnNames((advertised_host, *hosts, *own_names))
         self._methods = MethodTable(dispatch, limits.body_bytes)
-        self._hosts = [connect_host(host) for host in hosts]
+        self._hosts = hosts
         self._advertised_host = advertised_host
         self._admission = admission
         self._limits = limits
@@ -72,39 +70,14 @@ class XmlRpcServer:
         return format_uri(self._advertised_host, self.port)
 
     async def start(self) -> None:
-        """Begin to listen.
-
-        Raises GraphError if the port is in use, ConfigError for another machine's address.
-        """
-        for attempt in range(_BIND_ATTEMPTS):
-            self._is_closed = False
-            try:
-                await self._bind()
-            except OSError as error:
-                await self.close()
-                if error.errno == errno.EADDRNOTAVAIL:
-                    raise ConfigError(
-                        f"cannot listen on {', '.join(self._hosts)}: not an address of this machine; "
-                        "check ROS_IP, ROS_HOSTNAME and --listen"
-                    ) from None
-                if self.port or error.errno != errno.EADDRINUSE or attempt == _BIND_ATTEMPTS - 1:
-                    raise GraphError(
-                        f"cannot listen on port {self.port} of {', '.join(self._hosts)} ({error.strerror}): "
-                        "stop the program that uses it or choose another port"
-                    ) from error
-            else:
-                return
-
-    async def _bind(self) -> None:
-        loop = asyncio.get_running_loop()
-        port = self.port
-        for host in self._hosts:
-            async with system_bind_errors(host, port):
-                server = await loop.create_server(self._accept, host, port, backlog=128)
-            lengthen_backlog(server)
-            self._servers.append(server)
-            port = server.sockets[0].getsockname()[1]
-        self.port = port
+        """Begin to listen. Raises the errors of `start_servers`."""
+        self._is_closed = False
+        try:
+            self._servers = await start_servers(self._accept, self._hosts, self.port)
+        except (ConfigError, GraphError):
+            await self.close()
+            raise
+        self.port = port_of(self._servers)
 
     async def close(self) -> None:
         """Stop listening and end every connection; answers in progress are dropped. Idempotent."""

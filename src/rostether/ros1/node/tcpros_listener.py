@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 import asyncio
-import errno
 from collections.abc import Callable, Sequence
 
-from rostether.errors import ConfigError, GraphError, TypeMismatchError
+from rostether.errors import GraphError, TypeMismatchError
 from rostether.graph.ports import Level
 from rostether.ros1.admission import ALLOW_ALL, Admission
-from rostether.ros1.environment import connect_host, is_loopback
+from rostether.ros1.environment import is_loopback
 from rostether.ros1.graph_limits import DEFAULT_GRAPH_LIMITS, GraphLimits
+from rostether.ros1.listening import port_of, start_servers
 from rostether.ros1.tcpros_connection import HandshakeProtocol
 from rostether.tcpros.handshake import Purpose, purpose_of
-from rostether.transports.sockets import close_servers, lengthen_backlog, system_bind_errors
+from rostether.transports.sockets import close_servers
 
 # Connections whose header has not arrived yet: enough for a whole graph that starts at once.
 MAX_HANDSHAKES = 256
@@ -23,8 +23,6 @@ MAX_HANDSHAKES_PER_HOST = 64
 
 # The limit of all headers that are being received together: a few of the largest at once.
 MAX_HEADERS_BYTES = 8 << 20
-
-_BIND_ATTEMPTS = 5
 
 AcceptPeer = Callable[[dict[str, str], asyncio.Transport], asyncio.Protocol]
 
@@ -56,21 +54,9 @@ class TcprosListener:
 
     async def start(self, hosts: Sequence[str]) -> None:
         """Listen on a free port, the same on all hosts. Raises ConfigError, GraphError."""
-        for attempt in range(_BIND_ATTEMPTS):
-            self._is_closed = False
-            try:
-                await self._bind([connect_host(host) for host in hosts])
-            except OSError as error:
-                await self.close()
-                if error.errno == errno.EADDRNOTAVAIL:
-                    raise ConfigError(
-                        f"cannot listen on {', '.join(hosts)}: not an address of this machine; "
-                        "check ROS_IP, ROS_HOSTNAME and --listen"
-                    ) from None
-                if attempt == _BIND_ATTEMPTS - 1:
-                    raise GraphError(f"cannot listen on {', '.join(hosts)}: {error.strerror}") from error
-            else:
-                return
+        self._is_closed = False
+        self._servers = await start_servers(self._create_handshake, hosts, 0)
+        self.port = port_of(self._servers)
 
     async def close(self) -> None:
         """Stop listening and give up handshakes in progress. Idempotent."""
@@ -83,15 +69,6 @@ class TcprosListener:
         self._served.clear()
         for server in servers:
             await server.wait_closed()
-
-    async def _bind(self, hosts: Sequence[str]) -> None:
-        loop = asyncio.get_running_loop()
-        for host in hosts:
-            async with system_bind_errors(host, self.port):
-                server = await loop.create_server(self._create_handshake, host, self.port, backlog=128)
-            lengthen_backlog(server)
-            self._servers.append(server)
-            self.port = server.sockets[0].getsockname()[1]
 
     def _create_handshake(self) -> HandshakeProtocol:
         return HandshakeProtocol(

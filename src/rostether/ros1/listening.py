@@ -1,0 +1,68 @@
+"""Listens on one port of several addresses of this machine, for the servers of a master and of nodes."""
+
+from __future__ import annotations
+
+import asyncio
+import errno
+from collections.abc import Callable, Sequence
+
+from rostether.errors import ConfigError, GraphError
+from rostether.ros1.environment import connect_host
+from rostether.transports.sockets import close_servers, lengthen_backlog, system_bind_errors
+
+# A free port of one address is rarely in use on another one; repeated clashes have another cause.
+_ATTEMPTS = 5
+
+
+async def start_servers(
+    make_protocol: Callable[[], asyncio.Protocol], hosts: Sequence[str], port: int
+) -> list[asyncio.Server]:
+    """Listen on the same port of all hosts; port 0 means a free one.
+
+    Raises GraphError if the port is in use, ConfigError if a host is not an address of this machine.
+    """
+    addresses = [connect_host(host) for host in hosts]
+    attempt = 1
+    while True:
+        servers: list[asyncio.Server] = []
+        try:
+            for address in addresses:
+                common_port = port_of(servers) if servers else port
+                servers.append(await _start_server(make_protocol, address, common_port))
+        except OSError as error:
+            await close_servers(servers)
+            if port or error.errno != errno.EADDRINUSE or attempt == _ATTEMPTS:
+                raise _explain(", ".join(addresses), port, error) from error
+            attempt += 1
+        else:
+            return servers
+
+
+def port_of(servers: Sequence[asyncio.Server]) -> int:
+    """Return the port of the servers of `start_servers`."""
+    port: int = servers[0].sockets[0].getsockname()[1]
+    return port
+
+
+async def _start_server(
+    make_protocol: Callable[[], asyncio.Protocol], address: str, port: int
+) -> asyncio.Server:
+    async with system_bind_errors(address, port):
+        server = await asyncio.get_running_loop().create_server(make_protocol, address, port, backlog=128)
+    lengthen_backlog(server)
+    return server
+
+
+def _explain(addresses: str, port: int, error: OSError) -> GraphError | ConfigError:
+    if error.errno == errno.EADDRNOTAVAIL:
+        return ConfigError(
+            f"cannot listen on {addresses}: not an address of this machine; check ROS_IP, ROS_HOSTNAME and "
+            "--listen"
+        )
+    if port and error.errno == errno.EADDRINUSE:
+        return GraphError(
+            f"port {port} of {addresses} is in use; stop the program that uses it, or choose another port"
+        )
+    return GraphError(
+        f"cannot listen on {addresses}: {error.strerror}; check ROS_IP, ROS_HOSTNAME and --listen"
+    )
