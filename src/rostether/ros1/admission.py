@@ -15,16 +15,14 @@ from rostether.transports.refusals import RefusalLog
 
 
 class Admission:
-    """Admits connections from `networks` and from this machine; without networks, all."""
+    """Admits connections from `networks` and from this machine; without networks, all.
 
-    def __init__(self, networks: Iterable[str] = (), clock: Callable[[], float] = time.monotonic) -> None:
+    Raises ValueError for a text that is not a network.
+    """
+
+    def __init__(self, networks: Iterable[str] = ()) -> None:
         self._allow = AllowList(networks)
-        self._refusals = RefusalLog("the ROS graph's servers", clock)
-
-    @property
-    def refused_count(self) -> int:
-        """How many connections were refused so far."""
-        return self._refusals.count
+        self.refusals = RefusalLog("the ROS graph's servers", time.monotonic)
 
     def admits(self, transport: asyncio.BaseTransport) -> bool:
         """Return whether a connection may stay; otherwise it is closed before a byte of it is read."""
@@ -34,7 +32,7 @@ class Admission:
         own = transport.get_extra_info("sockname")
         if not peer or self._allow.allows_connection(peer[0], own[0] if own else ""):
             return True
-        self._refusals.refuse(peer[0], "its address is not in --allow")
+        self.refusals.refuse(peer[0], "its address is not in --allow")
         # uvloop's transports are not subclasses of asyncio's.
         abort: Callable[[], None] = transport.abort  # type: ignore[attr-defined]
         abort()

@@ -75,9 +75,9 @@ def connect_host(host: str) -> str:
 class RosEnvironment(Struct, frozen=True):
     """The ROS 1 environment, validated.
 
-    `master_uri_is_set`: the master was chosen, not the default; `advertised_host` is the host in registered
-    URIs; `listen_hosts` are the addresses of servers, `admission` decides who may connect to them, and
-    `limits` limits their data; `own_names` are names of this machine from the user; `namespace` is global.
+    `master_uri_is_set` is whether the user chose the master, `advertised_host` the host in registered URIs.
+    `listen_hosts` are the addresses of servers, `admission` decides which machines may connect to them, and
+    `limits` limits their data. `own_names` are names of this machine from the user. `namespace` is global.
     """
 
     master_uri: str = DEFAULT_MASTER_URI
@@ -91,7 +91,7 @@ class RosEnvironment(Struct, frozen=True):
 
     @classmethod
     def read(cls, environ: Mapping[str, str] | None = None) -> RosEnvironment:
-        """Read the variables, os.environ's by default. Raises ConfigError naming the variable."""
+        """Read the variables, by default those of os.environ. Raises ConfigError with the variable."""
         variables = os.environ if environ is None else environ
         master_uri = variables.get("ROS_MASTER_URI", "").strip()
         if master_uri:
@@ -173,7 +173,9 @@ def _is_wildcard(host: str) -> bool:
 def _read_namespace(text: str) -> str:
     namespace = canonical(join("/", text.strip()))
     if not (is_global(namespace) and is_legal_name(namespace)):
-        raise ConfigError(f"ROS_NAMESPACE={text!r:.200} is not a namespace like robot1 or /lab/robot1")
+        raise ConfigError(
+            f"ROS_NAMESPACE={text!r:.200} is not a namespace; write one such as robot1 or /lab/robot1"
+        )
     return namespace
 
 

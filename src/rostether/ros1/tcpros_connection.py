@@ -17,8 +17,8 @@ from rostether.tcpros.header import HeaderDecoder, encode_header
 # A healthy peer answers in milliseconds; over a bad radio link, TCP retransmits a lost packet within 3 s.
 CONNECT_TIMEOUT_S = 10.0
 
-# The unsent data of one subscriber in the kernel: 10 ms of a flood. More would hide that the subscriber
-# is behind, and could not be dropped.
+# The unsent data of one subscriber in the kernel: 10 ms of a flood. More could not be dropped, and would hide
+# that the subscriber is behind.
 UNSENT_BYTES = 128 << 10
 
 # A peer that reads gets the rest within milliseconds. There is no wait for other peers.
@@ -42,8 +42,8 @@ class HandshakeProtocol(asyncio.Protocol):
 
     `accept` runs immediately, so that no byte of the peer is lost, and leaves writing to its successor's
     `connection_made`. The successor is the result of `outcome`. An error that `accept` raises ends the
-    connection and is the exception of `outcome`; the peer of an incoming connection receives it first.
-    `admit` closes a connection that it refuses; a large header is read only while `has_room` returns True.
+    connection and is the exception of `outcome`; the peer of an incoming connection receives its text first.
+    A connection that `admit` refuses is closed. A large header is read only while `has_room` returns True.
     """
 
     def __init__(
@@ -183,9 +183,10 @@ class ConnectionRecord:
 
 
 def set_keepalive(transport: asyncio.Transport) -> None:
-    """Let the kernel detect a peer that disappeared. TCP_NODELAY is asyncio's default, for all our sockets:
+    """Let the kernel detect a peer that disappeared.
 
-    Nagle's algorithm would hold a message back for up to 40 ms, and we write whole batches anyway.
+    TCP_NODELAY is asyncio's default: Nagle's algorithm would delay a message by up to 40 ms, although whole
+    batches are written.
     """
     opened = transport.get_extra_info("socket")
     if opened is None:

@@ -230,7 +230,7 @@ class _Connection(asyncio.Protocol):
 def _reason(error: OSError | UnicodeError) -> str:
     """Return the system's error text; that of asyncio repeats the address and names an internal call."""
     number = error.errno if isinstance(error, OSError) else None
-    # Failed look-ups of names have negative numbers and texts of their own.
+    # Failed look-ups of names have negative numbers, which os.strerror does not know.
     if number is not None and number > 0:
         return os.strerror(number)
     return getattr(error, "strerror", None) or str(error) or type(error).__name__

@@ -41,9 +41,10 @@ _log = logging.getLogger("rostether.ros1.xmlrpc")
 
 
 class MethodTable:
-    """The methods given, `system.multicall` and `system.listMethods`; an answer has at most `answer_bytes`.
+    """The methods of `dispatch`, `system.multicall` and `system.listMethods`.
 
-    Long documents are read and written in slices, so that the event loop serves others meanwhile.
+    Answers have at most `answer_bytes`. Long documents are read and written in slices, so that the event loop
+    serves others in the meantime.
     """
 
     def __init__(self, dispatch: Dispatch, answer_bytes: int) -> None:
@@ -129,7 +130,7 @@ class MethodTable:
     async def _multicall(self, params: Sequence[XmlRpcValue]) -> bytes:
         calls = params[0] if len(params) == 1 else None
         if not isinstance(calls, list) or len(calls) > MAX_MULTICALL:
-            return dump_fault(_FAULT, f"{_MULTICALL} takes an array of at most {MAX_MULTICALL} calls")
+            return dump_fault(_FAULT, f"{_MULTICALL} needs an array of at most {MAX_MULTICALL} calls")
         writer = DocumentWriter(self._answer_bytes)
         try:
             async with self._long_work:
@@ -159,7 +160,7 @@ class MethodTable:
         method = call.get("methodName") if isinstance(call, dict) else None
         params = call.get("params", []) if isinstance(call, dict) else None
         if not isinstance(method, str) or not isinstance(params, list):
-            raise FaultError(_FAULT, f"{_MULTICALL} takes structs of methodName and params")
+            raise FaultError(_FAULT, f"{_MULTICALL} needs structs of methodName and params")
         if method == _MULTICALL:
             raise FaultError(_FAULT, f"{_MULTICALL} inside {_MULTICALL} is forbidden")
         try:

@@ -132,7 +132,7 @@ class TcpListener:
         self._server: asyncio.Server | None = None
         self._is_closed = False
         self.address = ""
-        self._refusals = RefusalLog("tcp listener", asyncio.get_running_loop().time)
+        self.refusals = RefusalLog("tcp listener", asyncio.get_running_loop().time)
 
     @classmethod
     async def start(
@@ -163,18 +163,13 @@ class TcpListener:
         lengthen_backlog(listener._server)
         host, port = listener._server.sockets[0].getsockname()[:2]
         listener.address = str(replace(address, host=host, port=port))
-        listener._refusals = RefusalLog(listener.address, loop.time)
+        listener.refusals = RefusalLog(listener.address, loop.time)
         return listener
 
     @property
     def connection_count(self) -> int:
         """How many boards are connected now."""
         return len(self._transports)
-
-    @property
-    def refused_count(self) -> int:
-        """The number of refused connections so far."""
-        return self._refusals.count
 
     async def close(self) -> None:
         """Stop listening and end all its transports. Idempotent."""
@@ -202,7 +197,7 @@ class TcpListener:
             return
         reason = self._refusal_reason(transport.host, transport.own_host)
         if reason is not None:
-            self._refusals.refuse(transport.peer, reason)
+            self.refusals.refuse(transport.peer, reason)
             transport.abort()
             return
         self._transports.add(transport)
@@ -225,7 +220,7 @@ class TcpListener:
 
     def _end_unproven(self, transport: TcpTransport, reason: str) -> None:
         del self._unproven[transport]
-        self._refusals.refuse(transport.peer, reason)
+        self.refusals.refuse(transport.peer, reason)
         transport.abort()
 
     async def _check_greeting(self, transport: TcpTransport, greeting: Greeting) -> None:
@@ -242,7 +237,7 @@ class TcpListener:
         if reason is None:
             self._admit(transport)
         else:
-            self._refusals.refuse(transport.peer, reason)
+            self.refusals.refuse(transport.peer, reason)
             transport.abort()
 
     def _refusal_reason(self, host: str, own_host: str) -> str | None:

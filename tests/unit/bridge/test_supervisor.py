@@ -301,10 +301,12 @@ async def test_a_board_whose_node_was_shut_down_joins_when_it_connects_again(sit
     await site.start("tcp://:11411?name=arm")
     site.connect()
     await site.serving("/arm")
-    await site.network.nodes["/arm"].close("/rosnode asked for it")
+    await site.network.nodes["/arm"].close("/rosnode requested a shutdown")
     await until(lambda: site.boards[0].is_lost and not site.nodes(), "the end of the session")
     assert site.boards[0].order[-1] == ids.TX_STOP
-    assert site.reporter.texts.count("/rosnode asked for it; its board is not served until it reconnects")
+    assert site.reporter.texts.count(
+        "/rosnode requested a shutdown; its board is not served until it reconnects"
+    )
     site.connect()
     await site.serving("/arm")
 
@@ -316,7 +318,7 @@ async def test_a_board_whose_node_was_shut_down_joins_when_it_is_plugged_in_agai
     port.touch()
     await site.start(f"{port}?name=arm")
     await site.serving("/arm")
-    await site.network.nodes["/arm"].close("/rosnode asked for it")
+    await site.network.nodes["/arm"].close("/rosnode requested a shutdown")
     await until(lambda: site.boards[0].is_lost and not site.nodes(), "the end of the session")
     assert site.reporter.having("not served until you unplug it and plug it in again")
     await asyncio.sleep(0.2)

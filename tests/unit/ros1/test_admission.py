@@ -41,7 +41,7 @@ async def test_xmlrpc_server_hangs_up_on_strangers_and_answers_this_machine() ->
         async with client_of(server) as client:
             assert await client.call("note", "friend") == 1
         assert not [each for each in server._connections if each.host == "127.0.0.2"]
-    assert (called, admission.refused_count) == (["friend"], 1)
+    assert (called, admission.refusals.count) == (["friend"], 1)
 
 
 async def test_xmlrpc_server_answers_the_networks_allowed() -> None:
@@ -62,7 +62,7 @@ async def test_tcpros_listener_hangs_up_on_strangers() -> None:
             writer.write(b"\x05\0\0\0\x09\0\0\0x")
             assert await is_hung_up(reader)
         assert not listener._handshakes
-        assert admission.refused_count == 1
+        assert admission.refusals.count == 1
     finally:
         await listener.close()
 
@@ -82,7 +82,7 @@ async def test_a_scan_of_all_servers_is_one_line(caplog: pytest.LogCaptureFixtur
             await graph.close()
     finally:
         await core.close()
-    assert environment.admission.refused_count == 3
+    assert environment.admission.refusals.count == 3
     lines = [each.getMessage() for each in caplog.records if each.levelno >= logging.WARNING]
     assert lines == ["the ROS graph's servers refused 127.0.0.2: its address is not in --allow"]
 

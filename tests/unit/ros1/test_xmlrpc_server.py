@@ -109,7 +109,7 @@ async def test_multicall() -> None:
         texts = [answer["faultString"] for answer in answers[2:] if isinstance(answer, dict)]
         assert len(texts) == 5
         assert 'method "nope" is not supported' in str(texts[0])
-        with pytest.raises(GraphError, match="takes an array"):
+        with pytest.raises(GraphError, match="needs an array"):
             await client.call("system.multicall", "x")
 
 

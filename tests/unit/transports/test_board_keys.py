@@ -94,7 +94,7 @@ async def test_a_board_is_known_by_its_certificate(tmp_path: Path) -> None:
         except TransportError:
             pass
         async with asyncio.timeout(60):
-            while not door.listener.refused_count:
+            while not door.listener.refusals.count:
                 await asyncio.sleep(0.01)
         assert door.came.empty()
         for each in boards:

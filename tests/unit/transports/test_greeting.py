@@ -83,7 +83,7 @@ async def carry(arrivals: Arrivals, text: str) -> None:
 async def test_a_board_with_the_key_is_let_in(key: Path) -> None:
     async with listening(f"tcp://:0?psk={key}") as (listener, arrivals, port):
         await carry(arrivals, f"tcp://:{port}?connect=yes&psk={key}")
-        assert listener.refused_count == 0
+        assert listener.refusals.count == 0
 
 
 async def test_a_board_with_another_key_is_refused(key: Path, tmp_path: Path) -> None:
@@ -92,7 +92,7 @@ async def test_a_board_with_another_key_is_refused(key: Path, tmp_path: Path) ->
     async with listening(f"tcp://:0?psk={key}") as (listener, arrivals, port):
         with pytest.raises(TransportOpenError, match="closed the connection during the pre-shared-key hello"):
             await open_transport(f"tcp://:{port}?connect=yes&psk={other}")
-        assert (arrivals.count, listener.refused_count) == (0, 1)
+        assert (arrivals.count, listener.refusals.count) == (0, 1)
         await until(lambda: listener.connection_count == 0)
 
 
@@ -106,7 +106,7 @@ async def test_a_board_without_a_key_is_refused_in_one_line(
             writer.write(b"\xff\xfe\x00\x00\xff\x00\x00\xff" * 30)
             assert await is_hung_up(reader)
             writer.close()
-        assert (arrivals.count, listener.refused_count) == (0, 3)
+        assert (arrivals.count, listener.refusals.count) == (0, 3)
     assert len(caplog.records) == 1
     assert "it sent no pre-shared-key hello; give it the key" in caplog.records[0].getMessage()
 
@@ -118,7 +118,7 @@ async def test_a_silent_client_is_dropped(key: Path, monkeypatch: pytest.MonkeyP
         await reader.readline()
         assert await is_hung_up(reader)
         writer.close()
-        assert (arrivals.count, listener.refused_count) == (0, 1)
+        assert (arrivals.count, listener.refusals.count) == (0, 1)
 
 
 async def test_closing_in_the_middle_of_a_hello_ends_it(key: Path) -> None:
@@ -188,7 +188,7 @@ async def test_tls_with_client_certificates(certificates: Path) -> None:
             seen = Recorder()
             refused.start(seen)
             await seen.until_lost()
-        await until(lambda: listener.refused_count == 1)
+        await until(lambda: listener.refusals.count == 1)
         assert arrivals.count == 1
 
 
@@ -208,17 +208,17 @@ async def test_a_plain_board_at_a_tls_listener_is_refused(
         async with asyncio.timeout(60):
             await reader.read()
         writer.close()
-        await until(lambda: listener.refused_count == 1)
+        await until(lambda: listener.refusals.count == 1)
         assert "no TLS connection: the other side does not speak TLS; use tls: on both sides" in caplog.text
         assert (arrivals.count, listener.connection_count) == (0, 0)
         await until(lambda: handshakes() == 0)
         silent = await asyncio.gather(*(asyncio.open_connection("127.0.0.1", port) for _ in range(40)))
-        await until(lambda: listener.refused_count == 41 - tcp.MAX_UNPROVEN_PER_HOST)
+        await until(lambda: listener.refusals.count == 41 - tcp.MAX_UNPROVEN_PER_HOST)
         await until(lambda: handshakes() == tcp.MAX_UNPROVEN_PER_HOST)
         reports: list[object] = []
         asyncio.get_running_loop().set_exception_handler(lambda _loop, report: reports.append(report))
         silent.append(await asyncio.open_connection("127.0.0.1", port))
-        await until(lambda: listener.refused_count == 42 - tcp.MAX_UNPROVEN_PER_HOST)
+        await until(lambda: listener.refusals.count == 42 - tcp.MAX_UNPROVEN_PER_HOST)
         await until(lambda: len(listener._greetings) == tcp.MAX_UNPROVEN_PER_HOST)
         gc.collect()
         assert reports == [], "displaced in its handshake"

@@ -214,7 +214,7 @@ async def test_boards_beyond_the_limit_are_refused_and_reported_once(
         for _ in range(3):
             async with connected_to(listener) as (_, refused_seen):
                 await refused_seen.until_lost()
-        assert (arrivals.count, listener.connection_count, listener.refused_count) == (2, 2, 3)
+        assert (arrivals.count, listener.connection_count, listener.refusals.count) == (2, 2, 3)
         second.close()
         await until(lambda: listener.connection_count == 1)
         async with connected_to(listener) as (third, _):
@@ -232,7 +232,7 @@ async def test_refuse_more_connections_of_one_host_than_its_share() -> None:
         await arrivals.next()
         async with connected_to(listener) as (_, refused_seen):
             await refused_seen.until_lost()
-        assert (arrivals.count, listener.refused_count) == (1, 1)
+        assert (arrivals.count, listener.refusals.count) == (1, 1)
 
 
 @pytest.mark.parametrize(("allow", "comes"), [("10.0.0.0/8,127.0.0.2", True), ("10.0.0.0/8,::1", False)])
@@ -252,7 +252,7 @@ async def test_allow_only_the_networks_named(
                 await host_seen.until_received(b"x")
             else:
                 assert await is_hung_up(reader)
-        assert (arrivals.count, listener.refused_count) == ((1, 0) if comes else (0, 1))
+        assert (arrivals.count, listener.refusals.count) == ((1, 0) if comes else (0, 1))
     finally:
         await listener.close()
 

@@ -15,7 +15,7 @@ from rostether.mechanisms.block_end import closed_at_end
 from rostether.names.graph_name import resolve_name
 from rostether.ros1.environment import RosEnvironment
 from rostether.ros1.node.master_client import MasterClient
-from rostether.ros1.node.node_calls import TOOL_NAME
+from rostether.ros1.node.node_queries import TOOL_NAME
 
 if TYPE_CHECKING:
     from rostether.graph.ports import JoinGraph

@@ -14,7 +14,7 @@ from rostether.names.graph_name import canonical, join, validate_name
 from rostether.names.remap import parse_arguments
 from rostether.ros1.environment import RosEnvironment
 from rostether.ros1.node.master_client import MasterClient
-from rostether.ros1.node.node_calls import ping
+from rostether.ros1.node.node_queries import ping
 
 if TYPE_CHECKING:
     from rostether.graph.typed_graph import TypedGraph

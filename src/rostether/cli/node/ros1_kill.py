@@ -13,7 +13,7 @@ from rostether.cli.shell.running import run
 from rostether.errors import GraphError, MasterUnreachableError, ProtocolError, UnknownNameError
 from rostether.ros1.environment import RosEnvironment
 from rostether.ros1.node.leftovers import unregister_node
-from rostether.ros1.node.node_calls import ask, node_client, node_names, ping, unknown_node
+from rostether.ros1.node.node_queries import ask, node_client, node_names, ping, unknown_node
 from rostether.xmlrpc.http_message import HttpStatusError
 from rostether.xmlrpc.values import FaultError
 

@@ -22,9 +22,9 @@ from rostether.msgdef.interface import ANY_TYPE
 from rostether.names.graph_name import is_in_namespace
 from rostether.ros1.environment import RosEnvironment, parse_rpc_uri
 from rostether.ros1.machines import hosts_of_machine
-from rostether.ros1.node.node_calls import (
+from rostether.ros1.node.node_queries import (
     Connection,
-    Registrations,
+    NodeRegistrations,
     ask,
     connections,
     find_node,
@@ -139,7 +139,7 @@ async def _hosts(environment: RosEnvironment) -> dict[str, str]:
     return hosts
 
 
-def _format_registrations(name: str, registered: Registrations) -> str:
+def _format_registrations(name: str, registered: NodeRegistrations) -> str:
     """Return the part that the master knows."""
     sections = (
         ("Publications", _typed(registered.publications)),
@@ -169,7 +169,7 @@ def _format_connections(pid: int, connected: Iterable[Connection]) -> str:
 def _to_record(
     name: str,
     uri: str,
-    registered: Registrations,
+    registered: NodeRegistrations,
     pid: int | None = None,
     connected: Iterable[Connection] = (),
 ) -> dict[str, Any]:

@@ -10,8 +10,8 @@ from rostether.cli.shell.failures import error_text
 from rostether.cli.shell.output import warn, write_json, write_line, write_result
 from rostether.errors import GraphError, MasterUnreachableError, UnknownNameError
 from rostether.ros1.environment import RosEnvironment
-from rostether.ros1.node import node_calls as ros1_calls
-from rostether.ros1.node.node_calls import NODE_TIMEOUT_S, find_node, node_names
+from rostether.ros1.node import node_queries
+from rostether.ros1.node.node_queries import NODE_TIMEOUT_S, find_node, node_names
 
 if TYPE_CHECKING:
     from rostether.ros1.node.master_client import MasterClient
@@ -77,7 +77,7 @@ class _Pinger:
     async def ping(self) -> bool:
         """Ping once; a node that was restarted at another address is found again."""
         try:
-            reply_s = await ros1_calls.ping(self.name, self._uri)
+            reply_s = await node_queries.ping(self.name, self._uri)
         except MasterUnreachableError:
             raise
         except GraphError as error:

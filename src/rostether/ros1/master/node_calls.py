@@ -32,7 +32,7 @@ _REFUSALS_UNTIL_GONE = 2
 PING_INTERVAL_S = 30.0
 # One entry for each topic or parameter that a node watches; a node that hangs loses the oldest beyond this.
 _MAX_PENDING = 4096
-# Each needs a document of up to a few MB until the node has received it; small calls are not limited.
+# Each has a document of up to a few MB until the node has received it; small calls are not limited.
 _LARGE_CALLS_AT_ONCE = 16
 # A list of this many URIs is about 4 KB.
 _LARGE_LENGTH = 64

@@ -113,7 +113,7 @@ class Registrations:
         del self.topic_types[next(topic for topic in self.topic_types if topic not in published)]
 
     def register(self, kind: Kind, key: str, name: str, api: str) -> Removal | None:
-        """Register a node; return the old one if the URI is new. Raises GraphError at the limit."""
+        """Register a node; return the old one if it had another URI. Raises GraphError at a limit."""
         node = self.nodes.get(name)
         if name not in self.members(kind, key):
             self._check_room(kind, key, node)
@@ -153,7 +153,7 @@ class Registrations:
         return replaced
 
     def unregister(self, kind: Kind, key: str, name: str, api: str) -> bool:
-        """Unregister a node; False when it was not registered with this URI."""
+        """Unregister a node; return False if it was not registered with this URI."""
         node = self.nodes.get(name)
         if node is None or self.members(kind, key).get(name) != api:
             return False
@@ -161,7 +161,7 @@ class Registrations:
         return True
 
     def unregister_service(self, service: str, name: str, service_api: str) -> bool:
-        """Unregister a provider; False when it is not the service's current one."""
+        """Unregister a provider; return False if it is not the current one of the service."""
         node = self.nodes.get(name)
         if node is None:
             return False

@@ -31,9 +31,9 @@ class MasterServer:
         hosts: Sequence[str],
         port: int,
         advertised_host: str,
-        admission: Admission = ALLOW_ALL,
-        limits: GraphLimits = DEFAULT_GRAPH_LIMITS,
-        own_names: Iterable[str] = (),
+        admission: Admission,
+        limits: GraphLimits,
+        own_names: Iterable[str],
     ) -> None:
         self._node_calls = NodeCallQueue(self._drop_gone)
         self.api = MasterApi(self._node_calls, self._stop, limits, self._work_later)
@@ -54,7 +54,7 @@ class MasterServer:
     @classmethod
     async def start(
         cls,
-        host: str | Sequence[str] = LOOPBACK,
+        hosts: Sequence[str] = (LOOPBACK,),
         port: int = DEFAULT_MASTER_PORT,
         *,
         advertised_host: str = "",
@@ -68,7 +68,6 @@ class MasterServer:
         this machine for requests. Raises GraphError if the port is already in use, ConfigError if an address
         does not belong to this machine.
         """
-        hosts = (host,) if isinstance(host, str) else tuple(host)
         master = cls(hosts, port, advertised_host or hosts[0], admission, limits, own_names)
         await master._listen()
         return master

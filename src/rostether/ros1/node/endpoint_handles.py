@@ -16,9 +16,9 @@ from rostether.graph.ports import Level, OnMessages, ServiceHandler, SubscribeOp
 from rostether.msgdef.interface import ANY_TYPE, MessageType, ServiceType
 from rostether.ros1.environment import RosEnvironment, format_uri
 from rostether.ros1.node.master_client import MasterClient
+from rostether.ros1.node.own_registrations import UNREGISTER_TIMEOUT_S, EndpointKind, OwnRegistrations
 from rostether.ros1.node.parameters import ParameterWatches
 from rostether.ros1.node.publication import Publication, Publisher
-from rostether.ros1.node.registrations import UNREGISTER_TIMEOUT_S, Kind, Registrations
 from rostether.ros1.node.service_server import ServiceConnection, ServiceServer
 from rostether.ros1.node.slave_api import slave_dispatch
 from rostether.ros1.node.subscriber_connection import SubscriberConnection
@@ -65,7 +65,7 @@ class Endpoints:
         )
         self._is_open = False
         self.watches: ParameterWatches
-        self._registrations: Registrations
+        self._registrations: OwnRegistrations
 
     async def open(self) -> None:
         """Start both servers. Raises ConfigError, GraphError."""
@@ -73,7 +73,7 @@ class Endpoints:
         await self._server.start()
         self.watches = ParameterWatches(self._master, self.node_uri)
         host, port = self.tcpros_address
-        self._registrations = Registrations(
+        self._registrations = OwnRegistrations(
             self._master,
             node_uri=self.node_uri,
             service_uri=format_uri(host, port, scheme="rosrpc"),
@@ -127,11 +127,11 @@ class Endpoints:
         return await self.add_publication(publication)
 
     async def add_publication(self, publication: Publication) -> Publisher:
-        """Register a publication and return a handle to it."""
+        """Register a publication and return a handle to it. Raises GraphError."""
         self._publications[publication.topic] = publication
         publisher = Publisher(publication, self._release_publication)
         try:
-            await self._registrations.add(Kind.PUBLISHER, publication.topic, publication.type.name)
+            await self._registrations.add(EndpointKind.PUBLISHER, publication.topic, publication.type.name)
         except GraphError:
             await publisher.close()
             raise
@@ -161,7 +161,7 @@ class Endpoints:
         # The master stores one type per topic: the known one is better than `*`.
         known = next((each.type.name for each in together if each.type.name != ANY_TYPE), ANY_TYPE)
         try:
-            await self._registrations.add(Kind.SUBSCRIBER, topic, known)
+            await self._registrations.add(EndpointKind.SUBSCRIBER, topic, known)
         except GraphError:
             await subscription.close()
             raise
@@ -170,7 +170,7 @@ class Endpoints:
     async def advertise_service(
         self, service: str, service_type: ServiceType, handler: ServiceHandler
     ) -> ServiceServer:
-        """Offer a service. Raises GraphError if this node already offers it."""
+        """Offer a service. Raises GraphError if this node already offers it, or the master refuses."""
         if service in self._services:
             raise GraphError(f"this node already offers the service {service}; choose another name")
         server = ServiceServer(
@@ -183,7 +183,7 @@ class Endpoints:
         )
         self._services[service] = server
         try:
-            await self._registrations.add(Kind.SERVICE, service)
+            await self._registrations.add(EndpointKind.SERVICE, service)
         except GraphError:
             await server.close()
             raise
@@ -243,7 +243,7 @@ class Endpoints:
     async def _release_publication(self, publication: Publication) -> None:
         del self._publications[publication.topic]
         await asyncio.gather(
-            self._registrations.remove(Kind.PUBLISHER, publication.topic), publication.close()
+            self._registrations.remove(EndpointKind.PUBLISHER, publication.topic), publication.close()
         )
 
     async def _release_subscription(self, subscription: Subscription) -> None:
@@ -251,8 +251,8 @@ class Endpoints:
         together.remove(subscription)
         if not together:
             del self._subscriptions[subscription.topic]
-            await self._registrations.remove(Kind.SUBSCRIBER, subscription.topic)
+            await self._registrations.remove(EndpointKind.SUBSCRIBER, subscription.topic)
 
     async def _release_service(self, server: ServiceServer) -> None:
         del self._services[server.service]
-        await self._registrations.remove(Kind.SERVICE, server.service)
+        await self._registrations.remove(EndpointKind.SERVICE, server.service)

@@ -14,11 +14,11 @@ from rostether.xmlrpc.values import XmlRpcValue
 
 
 class MasterClient:
-    """Calls to the master in the name of node `caller_id`.
+    """Calls to the master in the name of node `caller_id`. Raises ConfigError for an invalid URI.
 
-    The nodes of one event loop share their connections to a master: a thousand nodes that have their own, or
-    call all at once, exceed what a master accepts.
-    All calls raise MasterUnreachableError if the master does not answer, GraphError if it refuses.
+    The nodes of one event loop share their connections to a master, because a master does not accept those of
+    a thousand nodes. All calls raise MasterUnreachableError if the master does not answer, GraphError if it
+    refuses.
     """
 
     def __init__(self, uri: str, caller_id: str, *, max_body_bytes: int = MAX_BODY_BYTES) -> None:
@@ -28,16 +28,16 @@ class MasterClient:
         self._max_body_bytes = max_body_bytes
         self._connections: _Connections | None = None
 
-    async def register_publisher(self, topic: str, type_name: str, node_uri: str) -> list[str]:
-        """Register the node; return the URIs of the topic's subscribers."""
-        return _strings(await self._call("registerPublisher", topic, type_name, node_uri))
+    async def register_publisher(self, topic: str, type_name: str, node_uri: str) -> None:
+        """Register the node as a publisher."""
+        await self._call("registerPublisher", topic, type_name, node_uri)
 
     async def unregister_publisher(self, topic: str, node_uri: str) -> None:
         """Remove a registration."""
         await self._call("unregisterPublisher", topic, node_uri)
 
     async def register_subscriber(self, topic: str, type_name: str, node_uri: str) -> list[str]:
-        """Register the node; return the URIs of the topic's publishers."""
+        """Register the node as a subscriber; return the URIs of the topic's publishers."""
         return _strings(await self._call("registerSubscriber", topic, type_name, node_uri))
 
     async def unregister_subscriber(self, topic: str, node_uri: str) -> None:

@@ -18,9 +18,9 @@ from rostether.ros1.node.clock import Clock
 from rostether.ros1.node.endpoint_handles import Endpoints
 from rostether.ros1.node.graph_view import shared_snapshots, watch_changes
 from rostether.ros1.node.master_client import MasterClient
+from rostether.ros1.node.own_registrations import DEFAULT_CHECK_INTERVAL_S
 from rostether.ros1.node.parameters import ParameterWatch
 from rostether.ros1.node.publication import Publication, Publisher
-from rostether.ros1.node.registrations import DEFAULT_CHECK_INTERVAL_S
 from rostether.ros1.node.service_client import ServiceClient
 from rostether.ros1.node.service_server import ServiceServer
 from rostether.ros1.node.subscription import Subscription

@@ -80,7 +80,7 @@ class ParameterWatches:
         await asyncio.gather(*(watch.close() for watch in watches))
 
     def _forget(self, watch: ParameterWatch) -> bool:
-        """Drop a watch; True when it was the last one of its name."""
+        """Drop a watch; return True if it was the last one of its name."""
         watches = self._watches.get(watch.name, [])
         if watch not in watches:
             return False

@@ -54,7 +54,7 @@ class Publication:
         return len(self.connections)
 
     def share(self, message_type: MessageType, *, latch: bool) -> None:
-        """Add a handle to this publication. Raises TypeMismatchError if it has another type."""
+        """Prepare for another handle. Raises TypeMismatchError if its type differs."""
         check_same_type(self.topic, self.type, message_type)
         if latch:
             self.latch()
@@ -64,7 +64,7 @@ class Publication:
         self._is_latching = True
 
     def publish(self, payloads: Sequence[bytes]) -> bool:
-        """Send or queue a batch; False when a subscriber is behind, see `Publisher.publish_raw`."""
+        """Send or queue a batch; return False if a subscriber is behind, see `Publisher.publish_raw`."""
         if not payloads:
             return self._flow.is_open
         if self.connections:

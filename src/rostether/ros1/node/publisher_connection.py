@@ -196,4 +196,4 @@ class PublisherLink:
                 )
                 assert isinstance(connection, PublisherConnection)
                 return connection
-        raise GraphError(f"the publisher does not offer TCPROS: {answer!r:.100}")
+        raise GraphError("the publisher does not offer TCPROS")

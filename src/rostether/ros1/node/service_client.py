@@ -108,7 +108,7 @@ class ServiceClient:
             answer = await connection.call(request)
             keep = self._persistent
         except (ProtocolError, TransportError) as error:
-            raise ServiceCallError(f"service {self.service}: {error}") from error
+            raise ServiceCallError(f"service {self.service}: {error}; see the log of its node") from error
         finally:
             if keep:
                 self._kept = connection
@@ -138,7 +138,8 @@ class ServiceClient:
             raise
         except (GraphError, TransportError, ProtocolError, ConfigError) as error:
             raise ServiceUnavailableError(
-                f"service {self.service} is registered at {uri} but cannot be called: {error}"
+                f"service {self.service} is registered at {uri} but cannot be called ({error}); "
+                "if its node has ended, `rostether node cleanup` removes it"
             ) from error
         assert isinstance(connection, _CallConnection)
         return connection

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from rostether.errors import RostetherError, ServiceUnavailableError, UnknownNameError
 from rostether.mechanisms.text import did_you_mean, escape_line
 from rostether.ros1.environment import parse_rpc_uri
-from rostether.ros1.node.node_calls import TOOL_NAME
+from rostether.ros1.node.node_queries import TOOL_NAME
 from rostether.ros1.tcpros_connection import connect
 from rostether.tcpros.handshake import MAX_SHOWN_CHARS, probe_fields
 

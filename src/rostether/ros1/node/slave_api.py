@@ -20,7 +20,7 @@ Answer = list[XmlRpcValue]
 
 
 class SlaveNode(Protocol):
-    """The methods of a node that the API needs."""
+    """What the API needs of a node."""
 
     @property
     def node_name(self) -> str:
@@ -148,7 +148,7 @@ class _SlaveApi:
         return [0, "no supported protocol implementations: this node speaks TCPROS", []]
 
     def shutdown(self, caller_id: str, message: str = "") -> Answer:
-        self._node.shut_down(f"{caller_id} asked for it: {message}" if message else "asked to shut down")
+        self._node.shut_down(f"{caller_id} requested a shutdown{message and f': {message}'}")
         return [1, "shutdown", 0]
 
 

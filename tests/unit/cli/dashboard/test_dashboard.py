@@ -48,7 +48,7 @@ async def test_a_port_that_another_program_takes_first_is_not_used(monkeypatch: 
     with socket.create_server(("127.0.0.1", 0)) as other:
         ports = [other.getsockname()[1], free_port()]
         monkeypatch.setattr(served, "_free_port", lambda host, wanted: ports.pop(0))
-        master = await MasterServer.start(host="127.0.0.1", port=0)
+        master = await MasterServer.start(port=0)
         environment = RosEnvironment(master_uri=master.uri)
         graphs = ServedGraphs(ros1_join(environment), environment, ())
         try:
@@ -61,7 +61,7 @@ async def test_a_port_that_another_program_takes_first_is_not_used(monkeypatch: 
 
 
 async def test_it_serves_the_page_and_the_graph_until_its_node_ends() -> None:
-    master = await MasterServer.start(host="127.0.0.1", port=0)
+    master = await MasterServer.start(port=0)
     try:
         async with started("dashboard", "--port", "0", "--master", master.uri) as alone:
             url, page = await fetched(alone)
@@ -77,7 +77,7 @@ async def test_it_serves_the_page_and_the_graph_until_its_node_ends() -> None:
 
 
 async def test_a_port_in_use_is_passed_over_unless_it_was_asked_for() -> None:
-    master = await MasterServer.start(host="127.0.0.1", port=0)
+    master = await MasterServer.start(port=0)
     try:
         async with started("dashboard", "--master", master.uri) as first:
             url, _ = await fetched(first)
@@ -92,7 +92,7 @@ async def test_a_port_in_use_is_passed_over_unless_it_was_asked_for() -> None:
 
 
 async def test_with_a_token_the_address_carries_it() -> None:
-    master = await MasterServer.start(host="127.0.0.1", port=0)
+    master = await MasterServer.start(port=0)
     try:
         async with started("dashboard", "-p", "0", "--token", "a b", "--master", master.uri) as alone:
             await fetched(alone)
@@ -102,7 +102,7 @@ async def test_with_a_token_the_address_carries_it() -> None:
 
 
 async def test_pages_may_look_or_drive_by_their_token() -> None:
-    master = await MasterServer.start(host="127.0.0.1", port=0)
+    master = await MasterServer.start(port=0)
     tokens = ("--token", "full", "--view-token", "look")
     try:
         async with started("dashboard", "-p", "0", *tokens, "--master", master.uri) as alone:
@@ -131,7 +131,7 @@ async def test_pages_may_look_or_drive_by_their_token() -> None:
 
 
 async def test_it_encrypts_with_a_certificate_of_its_own(tmp_path: Path) -> None:
-    master = await MasterServer.start(host="127.0.0.1", port=0)
+    master = await MasterServer.start(port=0)
     arguments = ("dashboard", "-p", "0", "--tls", "auto", "--master", master.uri)
     try:
         async with started(*arguments, XDG_STATE_HOME=str(tmp_path)) as alone:
@@ -156,7 +156,7 @@ async def test_it_encrypts_with_a_certificate_of_its_own(tmp_path: Path) -> None
 
 
 async def test_a_page_records_and_downloads(tmp_path: Path) -> None:
-    master = await MasterServer.start(host="127.0.0.1", port=0)
+    master = await MasterServer.start(port=0)
     arguments = ("dashboard", "-p", "0", "--recordings", str(tmp_path / "bags"), "--master", master.uri)
     try:
         async with started(*arguments) as alone:
@@ -212,7 +212,7 @@ async def test_without_ros1_a_recording_has_ros2_messages(tmp_path: Path) -> Non
 
 
 async def test_the_gateway_alone() -> None:
-    master = await MasterServer.start(host="127.0.0.1", port=0)
+    master = await MasterServer.start(port=0)
     try:
         async with started("dashboard", "-p", "0", "--no-page", "--master", master.uri) as alone:
             await alone.wait_for("the gateway without the page is at ws://localhost:")

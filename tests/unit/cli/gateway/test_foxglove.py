@@ -52,7 +52,7 @@ async def test_it_waits_for_its_master_and_ends_with_its_node() -> None:
     port = free_port()
     async with started("foxglove", "0", "--master", f"http://127.0.0.1:{port}") as alone:
         await alone.wait_for("foxglove_bridge waits: the ROS master at")
-        master = await MasterServer.start(host="127.0.0.1", port=port)
+        master = await MasterServer.start(port=port)
         try:
             await alone.wait_for("in Foxglove")
             await offers(address(alone), "/rosout")
@@ -69,7 +69,7 @@ async def test_a_port_that_is_taken_is_reported_in_one_line() -> None:
         taken.bind(("127.0.0.1", 0))
         taken.listen()
         port = taken.getsockname()[1]
-        master = await MasterServer.start(host="127.0.0.1", port=0)
+        master = await MasterServer.start(port=0)
         try:
             async with started("foxglove", f"127.0.0.1:{port}", "--master", master.uri) as alone:
                 assert await alone.process.wait() == 1

@@ -42,7 +42,7 @@ def test_gateway_arguments() -> None:
 
 async def test_a_second_gateway_ends_no_other_and_a_killed_one_is_replaced() -> None:
     port = str(free_port())
-    master = await MasterServer.start(host="127.0.0.1", port=0)
+    master = await MasterServer.start(port=0)
     to_master = ("--master", master.uri)
     try:
         async with started("rosbridge", port, *to_master) as first:

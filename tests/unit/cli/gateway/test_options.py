@@ -73,7 +73,7 @@ def test_what_is_not_an_origin(command: str, origin: str, shell: Shell) -> None:
 async def test_nodes_of_launch_files_accept_pages_of_an_origin(node: str) -> None:
     port = free_port()
     protocols = [Subprotocol("foxglove.sdk.v1")] if node == "foxglove-bridge" else None
-    master = await MasterServer.start(host="127.0.0.1", port=0)
+    master = await MasterServer.start(port=0)
     try:
         words = ("--origin", "https://panel.example", f"_port:={port}", f"__master:={master.uri}")
         async with started("role", node, *words) as role:

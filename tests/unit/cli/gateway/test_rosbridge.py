@@ -54,7 +54,7 @@ async def test_it_waits_for_its_master_and_ends_with_its_node() -> None:
     port = free_port()
     async with started("rosbridge", "0", "--master", f"http://127.0.0.1:{port}") as alone:
         await alone.wait_for("rosbridge_websocket waits: the ROS master at")
-        master = await MasterServer.start(host="127.0.0.1", port=port)
+        master = await MasterServer.start(port=port)
         try:
             await alone.wait_for("connect to ws://")
             match = re.search(r"connect to (ws://localhost:\d+)", alone.text)
@@ -73,7 +73,7 @@ async def test_a_port_that_is_taken_is_reported_in_one_line() -> None:
         taken.bind(("127.0.0.1", 0))
         taken.listen()
         port = taken.getsockname()[1]
-        master = await MasterServer.start(host="127.0.0.1", port=0)
+        master = await MasterServer.start(port=0)
         try:
             async with started("rosbridge", f"127.0.0.1:{port}", "--master", master.uri) as alone:
                 assert await alone.process.wait() == 1
@@ -97,7 +97,7 @@ async def test_the_established_launch_file_is_there_with_nothing_installed(tmp_p
 
 
 async def test_rosapi_is_a_separate_node_if_a_launch_file_starts_it() -> None:
-    master = await MasterServer.start(host="127.0.0.1", port=0)
+    master = await MasterServer.start(port=0)
     try:
         async with (
             started("role", "rosapi-node", "_services_glob:=[/rosapi/*]", ROS_MASTER_URI=master.uri),

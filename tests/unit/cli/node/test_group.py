@@ -25,7 +25,7 @@ def ignore(_payloads: Sequence[bytes]) -> None:
 
 @pytest.fixture(autouse=True)
 def _on_a_busy_machine(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("rostether.cli.node.ros1_ping.ros1_calls.NODE_TIMEOUT_S", 60.0)
+    monkeypatch.setattr("rostether.cli.node.ros1_ping.node_queries.NODE_TIMEOUT_S", 60.0)
 
 
 @pytest.fixture

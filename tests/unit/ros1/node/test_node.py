@@ -17,7 +17,7 @@ from rostether.graph.ros_clock import wall_time
 from rostether.ros1.environment import RosEnvironment, parse_rpc_uri
 from rostether.ros1.master.server import MasterServer
 from rostether.ros1.node import endpoint_handles as endpoints
-from rostether.ros1.node import registrations
+from rostether.ros1.node import own_registrations
 from rostether.ros1.node.clock import Clock
 from rostether.ros1.node.node import Ros1Graph, join_ros1
 from rostether.ros1.xmlrpc_client import XmlRpcClient
@@ -155,8 +155,8 @@ async def test_a_node_leaves_on_a_shutdown_request(stage: Stage, caplog: pytest.
     client = XmlRpcClient(node.node_uri)
     assert await client.call_status("shutdown", "/rosnode", "user request") == (1, "shutdown", 0)
     await client.close()
-    assert await asyncio.wait_for(node.wait_closed(), 60) == "/rosnode asked for it: user request"
-    assert "leaving the graph: /rosnode asked for it: user request" in caplog.text
+    assert await asyncio.wait_for(node.wait_closed(), 60) == "/rosnode requested a shutdown: user request"
+    assert "leaving the graph: /rosnode requested a shutdown: user request" in caplog.text
     with pytest.raises(GraphError, match="/node has left the graph"):
         await node.advertise("/chat", STRING)
 
@@ -190,7 +190,7 @@ async def test_simulated_time_is_zero_until_the_clock_ticks(stage: Stage) -> Non
 
 
 async def test_leaving_is_quick_when_the_master_hangs(stage: Stage, monkeypatch: pytest.MonkeyPatch) -> None:
-    for module in (endpoints, registrations):
+    for module in (endpoints, own_registrations):
         monkeypatch.setattr(module, "UNREGISTER_TIMEOUT_S", 0.05)
     node = await stage.join("/node")
     await node.advertise("/chat", STRING)

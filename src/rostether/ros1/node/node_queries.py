@@ -1,4 +1,4 @@
-"""The requests of tools about nodes, to the master and to the nodes."""
+"""The queries of tools about nodes, to the master and to the nodes."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ NODE_TIMEOUT_S = 3.0
 _CONNECTION = re.compile(r"\w+ connection on port (\d+) to \[(.*) on socket (\d+)\]")
 
 
-class Registrations(Struct, frozen=True):
+class NodeRegistrations(Struct, frozen=True):
     """The registrations of one node; topics have their types."""
 
     publications: dict[str, str]
@@ -55,7 +55,7 @@ async def node_names(master: MasterClient) -> list[str]:
     )
 
 
-async def registrations(master: MasterClient, name: str) -> Registrations:
+async def registrations(master: MasterClient, name: str) -> NodeRegistrations:
     """Return the registrations of a node."""
     publishers, subscribers, services = await master.system_state()
     types = await master.topic_types()
@@ -63,7 +63,7 @@ async def registrations(master: MasterClient, name: str) -> Registrations:
     def topics(table: dict[str, list[str]]) -> dict[str, str]:
         return {topic: types.get(topic, ANY_TYPE) for topic in sorted(table) if name in table[topic]}
 
-    return Registrations(
+    return NodeRegistrations(
         topics(publishers),
         topics(subscribers),
         sorted(service for service, providers in services.items() if name in providers),

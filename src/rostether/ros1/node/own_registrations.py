@@ -32,8 +32,8 @@ MAX_CHECKS_HZ = 200
 _log = logging.getLogger("rostether.ros1")
 
 
-class Kind(Enum):
-    """The kinds of registrations."""
+class EndpointKind(Enum):
+    """The kinds of endpoints that a node registers."""
 
     PUBLISHER = "publisher"
     SUBSCRIBER = "subscriber"
@@ -41,10 +41,10 @@ class Kind(Enum):
 
 
 # The registrations of this process that are checked.
-_watching: WeakSet[Registrations] = WeakSet()
+_watching: WeakSet[OwnRegistrations] = WeakSet()
 
 
-class Registrations:
+class OwnRegistrations:
     """Keeps the master's registrations equal to the node's table.
 
     All nodes of one process together make at most MAX_CHECKS_HZ checks a second.
@@ -69,10 +69,10 @@ class Registrations:
         self._register_more = register_more
         self._on_replaced = on_replaced
         # The type name of each registration; empty for services, whose types the master does not store.
-        self._wanted: dict[tuple[Kind, str], str] = {}
+        self._wanted: dict[tuple[EndpointKind, str], str] = {}
         # No longer wanted, but perhaps still in the master: a removal was cancelled, or is in progress.
-        self._left_over: set[tuple[Kind, str]] = set()
-        self._locks: WeakValueDictionary[tuple[Kind, str], asyncio.Lock] = WeakValueDictionary()
+        self._left_over: set[tuple[EndpointKind, str]] = set()
+        self._locks: WeakValueDictionary[tuple[EndpointKind, str], asyncio.Lock] = WeakValueDictionary()
         self._is_behind = False
         self._watch: asyncio.Task[None] | None = None
 
@@ -80,7 +80,7 @@ class Registrations:
         """Start to check the registrations."""
         self._watch = asyncio.ensure_future(self._watch_master(interval_s))
 
-    async def add(self, kind: Kind, name: str, type_name: str = "") -> None:
+    async def add(self, kind: EndpointKind, name: str, type_name: str = "") -> None:
         """Register, later if the master is unreachable now. Raises GraphError if the master refuses."""
         self._wanted[kind, name] = type_name
         try:
@@ -90,7 +90,7 @@ class Registrations:
                 self._is_behind = True
                 _log.warning("%s: %s; will register when it is back", self._master.caller_id, error)
 
-    async def remove(self, kind: Kind, name: str) -> None:
+    async def remove(self, kind: EndpointKind, name: str) -> None:
         """Unregister. If cancelled, `close` unregisters instead."""
         if self._wanted.pop((kind, name), None) is not None:
             self._left_over.add((kind, name))
@@ -107,13 +107,13 @@ class Registrations:
         remaining = iter(list(self._left_over))
         await asyncio.gather(*(self._unregister_all(remaining) for _ in range(UNREGISTERED_AT_ONCE)))
 
-    async def _unregister_all(self, remaining: Iterator[tuple[Kind, str]]) -> None:
+    async def _unregister_all(self, remaining: Iterator[tuple[EndpointKind, str]]) -> None:
         with suppress(TimeoutError):
             for kind, name in remaining:
                 async with asyncio.timeout(UNREGISTER_TIMEOUT_S):
                     await self._unregister(kind, name)
 
-    async def _unregister(self, kind: Kind, name: str) -> None:
+    async def _unregister(self, kind: EndpointKind, name: str) -> None:
         try:
             await self._settle(kind, name)
         except GraphError as error:
@@ -121,17 +121,17 @@ class Registrations:
             _log.debug("%s", error)
         self._left_over.discard((kind, name))
 
-    async def _settle(self, kind: Kind, name: str) -> None:
+    async def _settle(self, kind: EndpointKind, name: str) -> None:
         """Update the master's entry to the current table; one call at a time, so that the last one counts."""
         lock = self._locks.setdefault((kind, name), asyncio.Lock())
         async with lock:
             type_name = self._wanted.get((kind, name))
-            if kind is Kind.PUBLISHER:
+            if kind is EndpointKind.PUBLISHER:
                 if type_name is None:
                     await self._master.unregister_publisher(name, self._node_uri)
                 else:
                     await self._master.register_publisher(name, type_name, self._node_uri)
-            elif kind is Kind.SUBSCRIBER:
+            elif kind is EndpointKind.SUBSCRIBER:
                 if type_name is None:
                     await self._master.unregister_subscriber(name, self._node_uri)
                 else:

@@ -7,9 +7,9 @@ import asyncio
 import pytest
 
 from rostether.ros1.master.server import MasterServer
-from rostether.ros1.node import registrations as registrations_module
+from rostether.ros1.node import own_registrations
 from rostether.ros1.node.master_client import MasterClient
-from rostether.ros1.node.registrations import Kind, Registrations
+from rostether.ros1.node.own_registrations import EndpointKind, OwnRegistrations
 
 NODE_URI, SERVICE_URI = "http://127.0.0.1:9/", "rosrpc://127.0.0.1:9"
 
@@ -18,14 +18,16 @@ async def nothing() -> None:
     return
 
 
-@pytest.mark.parametrize("kind", Kind)
+@pytest.mark.parametrize("kind", EndpointKind)
 @pytest.mark.parametrize("adds_last", [True, False])
-async def test_the_last_request_wins(kind: Kind, adds_last: bool, monkeypatch: pytest.MonkeyPatch) -> None:
+async def test_the_last_request_wins(
+    kind: EndpointKind, adds_last: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
     # The node has no server, so the master would remove it in the middle of the test.
     monkeypatch.setattr("rostether.ros1.master.node_calls._REFUSALS_UNTIL_GONE", 10**9)
     server = await MasterServer.start(port=0)
     master = MasterClient(server.uri, "/node")
-    registrations = Registrations(
+    registrations = OwnRegistrations(
         master,
         node_uri=NODE_URI,
         service_uri=SERVICE_URI,
@@ -40,8 +42,8 @@ async def test_the_last_request_wins(kind: Kind, adds_last: bool, monkeypatch: p
             wishes.append(registrations.add(kind, "/x", "a/B"))
         await asyncio.gather(*wishes)
         publishers, subscribers, services = await master.system_state()
-        table = {Kind.PUBLISHER: publishers, Kind.SUBSCRIBER: subscribers, Kind.SERVICE: services}[kind]
-        assert ("/x" in table) is adds_last
+        tables = dict(zip(EndpointKind, (publishers, subscribers, services), strict=True))
+        assert ("/x" in tables[kind]) is adds_last
     await registrations.close()
     assert await master.system_state() == ({}, {}, {})
     assert not registrations._locks
@@ -53,7 +55,7 @@ async def test_a_removal_that_was_cancelled_is_done_at_the_end(monkeypatch: pyte
     monkeypatch.setattr("rostether.ros1.master.node_calls._REFUSALS_UNTIL_GONE", 10**9)
     server = await MasterServer.start(port=0)
     master = MasterClient(server.uri, "/node")
-    registrations = Registrations(
+    registrations = OwnRegistrations(
         master,
         node_uri=NODE_URI,
         service_uri=SERVICE_URI,
@@ -63,10 +65,10 @@ async def test_a_removal_that_was_cancelled_is_done_at_the_end(monkeypatch: pyte
     )
     names = [f"/x{number}" for number in range(5)]
     for name in names:
-        await registrations.add(Kind.PUBLISHER, name, "a/B")
+        await registrations.add(EndpointKind.PUBLISHER, name, "a/B")
     with monkeypatch.context() as patch:
         patch.setattr(MasterClient, "unregister_publisher", lambda *_: asyncio.sleep(60))
-        removal = asyncio.ensure_future(registrations.remove(Kind.PUBLISHER, names[0]))
+        removal = asyncio.ensure_future(registrations.remove(EndpointKind.PUBLISHER, names[0]))
         await asyncio.sleep(0)
         removal.cancel()
         await asyncio.wait([removal])
@@ -90,7 +92,7 @@ async def test_nodes_ask_a_master_one_after_the_other(monkeypatch: pytest.Monkey
     nodes = []
     for number in range(20):
         master = MasterClient(server.uri, f"/board{number}")
-        registrations = Registrations(
+        registrations = OwnRegistrations(
             master,
             node_uri=NODE_URI,
             service_uri=SERVICE_URI,
@@ -124,10 +126,10 @@ async def test_many_nodes_ask_a_master_less_often_each(monkeypatch: pytest.Monke
         await sleep(0 if len(waits_s) < 100 else 60)
 
     monkeypatch.setattr(MasterClient, "lookup_node", lookup_node)
-    monkeypatch.setattr(registrations_module, "MAX_CHECKS_HZ", 4)
+    monkeypatch.setattr(own_registrations, "MAX_CHECKS_HZ", 4)
     monkeypatch.setattr(asyncio, "sleep", record)
     nodes = [
-        Registrations(
+        OwnRegistrations(
             MasterClient("http://127.0.0.1:9/", f"/board{number}"),
             node_uri=NODE_URI,
             service_uri=SERVICE_URI,
