@@ -53,7 +53,16 @@ _COLUMNS = (
     _Column("CLOCK", 7),
 )
 _TOTALS = (_Column("IN", 5), _Column("OUT", 5))
+# As wide as `negotiating`.
 _STATE_WIDTH = 11
+
+
+class _Layout(Struct, frozen=True):
+    """The columns that fit beside names and states, and the widths of names and lines in characters."""
+
+    columns: Sequence[_Column]
+    name_width: int
+    width: int
 
 
 def table(boards: Sequence[BoardStatus], width: int, height: int | None = None) -> list[Line]:
@@ -67,14 +76,13 @@ def table(boards: Sequence[BoardStatus], width: int, height: int | None = None) 
     width = max(width, _MIN_WIDTH)
     boards = sorted(boards, key=lambda board: _natural(board.name))
     columns = _fitting(_COLUMNS + (_TOTALS if width >= _WIDE else ()), width)
-    name_width = _name_width(boards, columns, width)
-    head = _head(columns, name_width, width)
-    blocks = [_block(board, columns, name_width, width) for board in boards]
-    lines = [head, *(line for block in blocks for line in block)]
+    layout = _Layout(columns, _name_width(boards, columns, width), width)
+    head = _head(layout)
+    lines = [head, *(line for board in boards for line in _block(board, layout))]
     if height is None or len(lines) <= height:
         return lines
-    briefs = [line for board in boards for line in _brief(board, columns, name_width, width)]
-    rows = [_row(board, columns, name_width, width) for board in boards]
+    briefs = [line for board in boards for line in _brief(board, layout)]
+    rows = [_row(board, layout) for board in boards]
     # The head and the hint need a line each.
     room = max(height - 2, 0)
     if len(briefs) <= room:
@@ -127,32 +135,36 @@ def _name_width(boards: Iterable[BoardStatus], columns: Sequence[_Column], width
     return max(_NAME_MIN, min(longest, width - taken, _NAME_MAX))
 
 
-def _head(columns: Sequence[_Column], name_width: int, width: int) -> Line:
-    cells = " ".join(f"{column.title:>{column.width}}" for column in columns)
-    return Line(((_cut(f"{'BOARD':{name_width}} {'STATE':{_STATE_WIDTH}} {cells}", width), "bold"),))
+def _head(layout: _Layout) -> Line:
+    cells = " ".join(f"{column.title:>{column.width}}" for column in layout.columns)
+    text = f"{'BOARD':{layout.name_width}} {'STATE':{_STATE_WIDTH}} {cells}"
+    return Line(((_cut(text, layout.width), "bold"),))
 
 
-def _block(board: BoardStatus, columns: Sequence[_Column], name_width: int, width: int) -> list[Line]:
-    row, *findings = _brief(board, columns, name_width, width)
-    names = max((len(each.name) for each in board.endpoints), default=0)
+def _block(board: BoardStatus, layout: _Layout) -> list[Line]:
+    """Return a board's row, its topics and services, and its findings."""
+    row, *findings = _brief(board, layout)
+    longest = max((len(each.name) for each in board.endpoints), default=0)
+    # A type and a rate need the other half of the line.
+    name_width = min(longest, layout.width // 2 - 8)
     endpoints = sorted(board.endpoints, key=lambda each: (not each.is_topic, each.name, each.role))
-    return [row, *(_endpoint(each, min(names, width // 2 - 8), width) for each in endpoints), *findings]
+    return [row, *(_endpoint(each, name_width, layout.width) for each in endpoints), *findings]
 
 
-def _brief(board: BoardStatus, columns: Sequence[_Column], name_width: int, width: int) -> list[Line]:
-    """Return a board's row and its findings, wrapped over several lines."""
+def _brief(board: BoardStatus, layout: _Layout) -> list[Line]:
+    """Return a board's row and its findings, each wrapped over several lines if it is long."""
     from textwrap import wrap
 
     style: Style = "bold red" if board.level >= _ERROR else "yellow"
     findings = [
         Line(((part, style),))
         for text in board.findings
-        for part in wrap(text, width, initial_indent="   ! ", subsequent_indent="     ")
+        for part in wrap(text, layout.width, initial_indent="   ! ", subsequent_indent="     ")
     ]
-    return [_row(board, columns, name_width, width), *findings]
+    return [_row(board, layout), *findings]
 
 
-def _row(board: BoardStatus, columns: Sequence[_Column], name_width: int, width: int) -> Line:
+def _row(board: BoardStatus, layout: _Layout) -> Line:
     texts = {
         "UP": duration(board.connected_s),
         "IN/s": amount(board.received_bytes_s),
@@ -168,14 +180,14 @@ def _row(board: BoardStatus, columns: Sequence[_Column], name_width: int, width:
     # "disconnected" is wider than its column.
     state = "away" if board.state == "disconnected" else board.state
     pieces: list[tuple[str, Style]] = [
-        (f"{_cut_middle(board.name, name_width):{name_width}} ", "bold"),
+        (f"{_cut_middle(board.name, layout.name_width):{layout.name_width}} ", "bold"),
         (f"{_cut(state, _STATE_WIDTH):{_STATE_WIDTH}}", _STATE_STYLES.get(board.state, "yellow")),
     ]
-    for column in columns:
+    for column in layout.columns:
         text = texts[column.title]
         is_bad = column.title in ("DROPS", "BAD") and text != "0"
         pieces.append((f" {text:>{column.width}}", "yellow" if is_bad else ""))
-    return _fit(pieces, width)
+    return _fit(pieces, layout.width)
 
 
 def _endpoint(endpoint: EndpointStatus, name_width: int, width: int) -> Line:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import AsyncIterator, Sequence
 from contextlib import asynccontextmanager
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeGuard
 
 from msgspec.structs import replace
 
@@ -47,11 +47,14 @@ def read_links(text: str, hosts: Sequence[str] = (LOOPBACK,), allowed: tuple[str
     """
     link = parse_address(text)
     check_typed_port(link, list_serial_ports)
-    if isinstance(link, TcpAddress | UdpAddress) and link.listens and not link.allow:
-        link = replace(link, allow=allowed)
-    if isinstance(link, TcpAddress | UdpAddress) and link.listens and "://:" in text:
-        return [replace(link, host=host) for host in hosts]
-    return [link]
+    if not _is_listener(link):
+        return [link]
+    link = replace(link, allow=link.allow or allowed)
+    return [replace(link, host=host) for host in hosts] if "://:" in text else [link]
+
+
+def _is_listener(link: Address) -> TypeGuard[TcpAddress | UdpAddress]:
+    return isinstance(link, TcpAddress | UdpAddress) and link.listens
 
 
 def read_web_boards(links: list[Address], *, is_served: bool, is_refused: bool) -> WebBoards | None:
@@ -85,7 +88,7 @@ def loopback_lines(
 
     `environment` is that of ROS 1, None without ROS 1; `consent` is what to add for boards on the network.
     """
-    listeners = [link for link in links if isinstance(link, TcpAddress | UdpAddress) and link.listens]
+    listeners = list(filter(_is_listener, links))
     wide = {(type(link), link.port) for link in listeners if not is_loopback(link.host)}
     lines = [
         f"{link} accepts boards on this machine only; add {consent} for boards on the network"
@@ -109,8 +112,7 @@ def shortage_lines(connections: int | None, links: Sequence[Address]) -> list[st
 
     `connections` is from --limit; without it (None), listeners accept only as many boards as files permit.
     """
-    listeners = sum(isinstance(link, TcpAddress | UdpAddress) and link.listens for link in links)
-    line = shortage((connections or 0) * listeners)
+    line = shortage((connections or 0) * sum(map(_is_listener, links)))
     return [] if line is None else [line]
 
 

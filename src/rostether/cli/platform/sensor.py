@@ -62,27 +62,22 @@ def sensor() -> None:
 @graph_options(allow=True)
 def list_sensors(as_json: bool, graph: GraphOptions) -> None:
     """List the sensors by platform: id, type, state, topic and name, with the reason for the state."""
-
-    async def main() -> None:
-        async with joined(graph, purpose="sensor") as node:
-            sensors = [_plain(each) for each in await _sensors(node)]
-        if as_json:
-            for each in sensors:
-                write_json(each)
-            return
-        if not sensors:
-            write_line("no sensor is registered")
-        for platform in sorted({each["platform_name"] for each in sensors}):
-            write_line(platform)
-            rows = [each for each in sensors if each["platform_name"] == platform]
-            columns = ("id", "sensor_type", "state", "topic")
-            widths = {key: max(len(row[key]) for row in rows) for key in columns}
-            for row in rows:
-                cells = [row[key].ljust(widths[key]) for key in columns]
-                reason = f" ({row['state_text']})" if row["state_text"] else ""
-                write_line(f"  {'  '.join(cells)}  {row['name']}{reason}")
-
-    run(main())
+    sensors = [_plain(each) for each in run(_joined_sensors(graph))]
+    if as_json:
+        for each in sensors:
+            write_json(each)
+        return
+    if not sensors:
+        write_line("no sensor is registered")
+    for platform in sorted({each["platform_name"] for each in sensors}):
+        write_line(platform)
+        rows = [each for each in sensors if each["platform_name"] == platform]
+        columns = ("id", "sensor_type", "state", "topic")
+        widths = {key: max(len(row[key]) for row in rows) for key in columns}
+        for row in rows:
+            cells = [row[key].ljust(widths[key]) for key in columns]
+            reason = f" ({row['state_text']})" if row["state_text"] else ""
+            write_line(f"  {'  '.join(cells)}  {row['name']}{reason}")
 
 
 @verb("show", "rostether sensor show sensor_node0")
@@ -91,17 +86,12 @@ def list_sensors(as_json: bool, graph: GraphOptions) -> None:
 @graph_options(allow=True)
 def show(sensor_id: str, as_json: bool, graph: GraphOptions) -> None:
     """Show one sensor, given its id or its name."""
-
-    async def main() -> None:
-        async with joined(graph, purpose="sensor") as node:
-            found = _plain(_find(await _sensors(node), sensor_id))
-        if as_json:
-            write_json(found)
-            return
-        for key, value in found.items():
-            write_line(f"{key.removesuffix('_name').replace('_', ' ')}: {value or '-'}")
-
-    run(main())
+    found = _plain(_find(run(_joined_sensors(graph)), sensor_id))
+    if as_json:
+        write_json(found)
+        return
+    for key, value in found.items():
+        write_line(f"{key.removesuffix('_name').replace('_', ' ')}: {value or '-'}")
 
 
 @verb("rename", 'rostether sensor rename sensor_node0 "Front camera"')
@@ -121,7 +111,13 @@ def rename(sensor_id: str, name: str, graph: GraphOptions) -> None:
     run(main())
 
 
+async def _joined_sensors(graph: GraphOptions) -> list[Message]:
+    async with joined(graph, purpose="sensor") as node:
+        return await _sensors(node)
+
+
 async def _sensors(node: TypedGraph) -> list[Message]:
+    """Return the sensors in the manager's list. Raises GraphError without a manager."""
     try:
         message = await node.wait_for_message("sensors", "sensing_platform/Sensors", timeout_s=_LIMIT_S)
     except TimeoutError:
