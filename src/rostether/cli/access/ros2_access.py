@@ -16,7 +16,6 @@ from rostether.ros2.environment import Ros2Environment
 
 if TYPE_CHECKING:
     from rostether.ros2.types.type_support import Ros2Types
-    from rostether.ros2.zenoh.session import ZenohSession
 
 
 class Ros2Access(Struct, frozen=True):
@@ -105,12 +104,9 @@ async def _over_zenoh(
         return await session.join(node_name, namespace=namespace, remappings=remappings, parameters=initial)
 
     async with closed_at_end(session):
-        line = _zenoh_line(session, environment)
+        line = f"Joining ROS 2 domain {environment.domain_id} over zenoh (RMW_IMPLEMENTATION=rmw_zenoh_cpp)"
+        if session.is_router:
+            line += "; this command is the router of this machine"
         yield Ros2Access(
             join, types, line, session.listens_on, session.connects_to, session.is_router, session.is_linked
         )
-
-
-def _zenoh_line(session: ZenohSession, environment: Ros2Environment) -> str:
-    domain = f"ROS 2 domain {environment.domain_id} over zenoh (RMW_IMPLEMENTATION=rmw_zenoh_cpp)"
-    return f"Joining {domain}; this command is its router here" if session.is_router else f"Joining {domain}"

@@ -55,7 +55,7 @@ class ToolNode:
         self.types = types
         self.middleware = middleware
         self.is_linked = is_linked
-        self._domains_reported = False
+        self._is_other_domain_reported = False
 
     async def snapshot(self) -> GraphView:
         """Return the current graph without this node."""
@@ -115,11 +115,11 @@ class ToolNode:
         """Write a line if this domain has no nodes but others have: ROS_DOMAIN_ID is a common mistake."""
         if (
             self.middleware is not Middleware.ZENOH
-            or self._domains_reported
+            or self._is_other_domain_reported
             or not all(map(is_hidden, view.nodes))
         ):
             return
-        self._domains_reported = True
+        self._is_other_domain_reported = True
         domains = await cast("ZenohGraph", self.graph.raw).other_domains()
         if domains:
             shown = ", ".join(map(str, domains[:MAX_SHOWN_DOMAINS]))

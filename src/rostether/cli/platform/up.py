@@ -127,10 +127,10 @@ async def _wait_for_address(interface: str, *, other_than: str = "") -> str:
     """Return the address of an interface, as soon as it has one: at boot, Wi-Fi connects later."""
     from rostether.platform.boot.interface import interface_address
 
-    reported = bool(other_than)
+    is_reported = bool(other_than)
     while (address := interface_address(interface)) in (None, other_than):
-        if not reported:
-            reported = True
+        if not is_reported:
+            is_reported = True
             write_line(f"waiting until the network interface {interface} has an address")
         await asyncio.sleep(ADDRESS_PERIOD_S)
     assert address is not None

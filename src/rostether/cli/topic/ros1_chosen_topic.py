@@ -67,7 +67,7 @@ async def wait_for_topic(name: str, graph: TypedGraph, environment: RosEnvironme
     Raises ConfigError for a field that a topic's type does not have, GraphError if the node is shut down
     before that.
     """
-    reported = False
+    is_reported = False
     leaving = asyncio.ensure_future(graph.raw.wait_closed())
     try:
         while not leaving.done():
@@ -75,8 +75,8 @@ async def wait_for_topic(name: str, graph: TypedGraph, environment: RosEnvironme
             chosen = choose_topic(name, topics, graph.store)
             if chosen is not None:
                 return chosen
-            if not reported:
-                reported = True
+            if not is_reported:
+                is_reported = True
                 _refuse_wrong_field(name, topics, graph.store)
                 names = [topic.name for topic in topics if topic.known_type is not None]
                 warn(unpublished_warning(name, names))

@@ -13,7 +13,8 @@ from rostether.cli.shell.own_command import called_as
 from rostether.cli.shell.running import run
 from rostether.cli.topic.options import TopicListing
 from rostether.cli.topic.ros1_chosen_topic import choose_topic, resolve_with_field
-from rostether.cli.topic.ros1_topic_views import TopicView, fetch_topics, node_uris, unknown_topic
+from rostether.cli.topic.ros1_topic_views import TopicView, fetch_topics, node_uris
+from rostether.cli.topic.topics import unknown_topic
 from rostether.mechanisms.text import counted, escape_line
 from rostether.names.graph_name import is_in_namespace
 from rostether.ros1.environment import RosEnvironment, parse_rpc_uri

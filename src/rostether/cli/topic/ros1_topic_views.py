@@ -9,7 +9,6 @@ from msgspec import Struct
 from rostether.cli.access.ros1_access import master_client
 from rostether.errors import UnknownNameError
 from rostether.graph.joint_marks import is_mark
-from rostether.mechanisms.text import did_you_mean
 from rostether.msgdef.interface import ANY_TYPE
 from rostether.ros1.environment import RosEnvironment
 from rostether.ros1.node.master_client import MasterClient
@@ -52,9 +51,3 @@ async def node_uris(client: MasterClient, nodes: Iterable[str]) -> dict[str, str
         except UnknownNameError:
             uris[node] = None
     return uris
-
-
-def unknown_topic(name: str, known: Iterable[str]) -> UnknownNameError:
-    """Return the error for a topic without publishers and subscribers; `known` are the existing topics."""
-    hint = did_you_mean(name, known) or "`rostether topic list` shows all topics"
-    return UnknownNameError(f"topic {name} has no publisher and no subscriber; {hint}")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
@@ -13,8 +12,8 @@ from rostether.cli.access.options import refuse_ros1_only
 from rostether.cli.access.ros2_tool_node import ToolNode, asked
 from rostether.cli.shell.output import write_json, write_line, write_result
 from rostether.cli.topic.options import TopicListing
-from rostether.errors import UnknownNameError
-from rostether.mechanisms.text import counted, did_you_mean, escape_line
+from rostether.cli.topic.topics import unknown_topic
+from rostether.mechanisms.text import counted, escape_line
 from rostether.names.graph_name import is_in_namespace, namespace_of
 from rostether.ros2.endpoint_info import EndpointInfo, EndpointKind
 from rostether.ros2.graph_view import TOPIC_KINDS, GraphView
@@ -120,12 +119,6 @@ def _view_of(graph: GraphOptions, topic: str) -> tuple[str, GraphView]:
     if name not in view.topics(with_hidden=True):
         raise unknown_topic(name, view.topics())
     return name, view
-
-
-def unknown_topic(name: str, known: Iterable[str]) -> UnknownNameError:
-    """Return the error for a topic without publishers and subscribers; `known` are the existing topics."""
-    hint = did_you_mean(name, known) or "`rostether topic list` shows all topics"
-    return UnknownNameError(f"Unknown topic '{name}': it has no publisher and no subscriber; {hint}")
 
 
 def format_end(end: EndpointInfo) -> str:

@@ -91,7 +91,7 @@ def test_info(world: ZenohWorld, shell: Shell) -> None:
     )
     (record,) = shell("topic", "info", "--json", "/imu").records
     assert record["publishers"][0]["type_hash"] == IMU_HASH
-    assert "Unknown topic '/nope'" in shell.failure("topic", "info", "/nope")
+    assert "topic /nope has no publisher and no subscriber" in shell.failure("topic", "info", "/nope")
 
 
 def test_type_and_find(world: ZenohWorld, shell: Shell) -> None:
