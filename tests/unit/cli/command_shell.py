@@ -1,4 +1,4 @@
-"""Commands run as a user runs them, against a master and nodes in a thread with an event loop of its own."""
+"""Runs commands as users do, with a master and nodes in another thread."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ STORE = TypeStore(Registry())
 
 
 class LiveGraph:
-    """A master and nodes; everything of theirs runs in the thread."""
+    """A master and nodes, which run in a thread."""
 
     def __init__(self) -> None:
         self.is_closed = False
@@ -57,7 +57,7 @@ class LiveGraph:
         return graph
 
     def wait_until(self, condition: Callable[[], bool]) -> None:
-        """Wait until something has become true in the thread."""
+        """Wait until a condition is true; the thread may make it true."""
         deadline_s = time.monotonic() + 60
         while not condition():
             assert time.monotonic() < deadline_s, "it never became true"
@@ -88,7 +88,7 @@ class Result:
 
 
 class Shell:
-    """Runs commands; those that succeed say nothing on stderr unless the test asks."""
+    """Runs commands; `output` and `failure` also check how they end."""
 
     def __init__(self, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
         self._capsys = capsys
@@ -102,13 +102,13 @@ class Shell:
         return Result(code, captured.out, captured.err)
 
     def output(self, *arguments: str, stdin: str = "") -> str:
-        """Run a command that must succeed without complaint; returns what it printed."""
+        """Run a command that must succeed without a line on stderr; return its output."""
         result = self(*arguments, stdin=stdin)
         assert (result.code, result.err) == (0, ""), result
         return result.out
 
     def observed(self, pattern: str, *arguments: str, before: Callable[[], object] = lambda: None) -> str:
-        """Run a command that listens for a while; on a busy machine for longer, until it prints a pattern.
+        """Run a command that listens for a while, for longer until its output matches a pattern.
 
         `before` is called before each try.
         """
@@ -123,7 +123,7 @@ class Shell:
         return result.out
 
     def failure(self, *arguments: str, code: int = 1, stdin: str = "") -> str:
-        """Run a command that must fail with one error line at the end; returns that line."""
+        """Run a command that must fail with one error line at the end; return that line."""
         result = self(*arguments, stdin=stdin)
         assert result.code == code, result
         line = result.err.splitlines()[-1]

@@ -11,18 +11,18 @@ from unit.cli.command_shell import LiveGraph, Shell
 
 @pytest.fixture(autouse=True)
 def no_router(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Demos that run at once do not meet at the one port of this machine's zenoh router."""
+    """Keep demos that run at the same time away from this machine's zenoh router, which they would share."""
     monkeypatch.setenv("ZENOH_CONFIG_OVERRIDE", 'connect/endpoints=["tcp/127.0.0.1:9"]')
 
 
 @pytest.fixture
 def shell(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Shell:
-    """Commands, in an empty folder and an environment without ROS; nobody answers at its master's address."""
+    """Commands, in an empty folder and an environment without ROS; no master answers at its URI."""
     monkeypatch.chdir(tmp_path)
     for name in ("ROS_NAMESPACE", "ROS_IP", "ROS_HOSTNAME", "ROS_PACKAGE_PATH"):
         monkeypatch.delenv(name, raising=False)
     monkeypatch.setenv("ROS_MASTER_URI", "http://127.0.0.1:9")
-    # What the nodes of the test's own process log is none of the command's output.
+    # What nodes in the test's process log is not output of the command.
     for name in ("rostether", "asyncio"):
         monkeypatch.setattr(logging.getLogger(name), "handlers", [])
     for name in ("shell.running", "bridge.serving"):
@@ -32,7 +32,7 @@ def shell(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, t
 
 @pytest.fixture
 def graph(shell: Shell, monkeypatch: pytest.MonkeyPatch) -> Iterator[LiveGraph]:
-    """A master, which is that of the commands' environment."""
+    """A master, whose URI is in the commands' environment."""
     live = LiveGraph()
     monkeypatch.setenv("ROS_MASTER_URI", live.uri)
     try:

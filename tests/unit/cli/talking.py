@@ -29,14 +29,14 @@ def in_background(action: Callable[[], object]) -> threading.Thread:
 
 
 def publish(graph: LiveGraph, topic: str, type_name: str, *messages: dict[str, Any]) -> Publisher:
-    """Advertise a topic, and send the messages once somebody listens."""
+    """Advertise a topic, and send the messages once it has a subscriber."""
     codec = STORE.codec(type_name)
     node = graph.node(f"talker{topic.replace('/', '_')}")
     publisher = graph.do(node.advertise(topic, STORE.registry.message_type(type_name)))
     payloads = [codec.encode(message) for message in messages]
 
     def send() -> None:
-        # Not every command that is tried out gets as far as subscribing.
+        # Some commands under test end before they subscribe.
         deadline_s = time.monotonic() + 60
         while publisher.subscriber_count == 0:
             if graph.is_closed or time.monotonic() > deadline_s:
@@ -49,13 +49,13 @@ def publish(graph: LiveGraph, topic: str, type_name: str, *messages: dict[str, A
 
 
 def command_node(graph: LiveGraph) -> str | None:
-    """Return the name of the node that the command under test is, if it is one yet."""
+    """Return the name of the command's node, None before it has registered."""
     names = list(graph.master.api.registrations.nodes)
     return next((name for name in names if name.startswith("/rostopic_")), None)
 
 
 def shut_down(graph: LiveGraph, name: str) -> None:
-    """Tell a node to end, as `rosnode kill` does."""
+    """Shut down a node, as `rosnode kill` does."""
 
     async def ask() -> None:
         client = XmlRpcClient(graph.master.api.registrations.nodes[name].api)

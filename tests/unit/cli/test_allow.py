@@ -1,4 +1,4 @@
-"""--allow on the command line: for listeners of boards and for the graph, and this machine all the same."""
+"""--allow on the command line, for listeners of boards and for the graph; this machine is always allowed."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from rostether.transports.address import TcpAddress, UdpAddress
 NETWORKS = ("10.0.0.0/8", "fd00::/8")
 
 
-def test_listeners_take_it_unless_they_have_their_own() -> None:
+def test_listeners_use_it_unless_their_address_has_networks() -> None:
     assert read_links("tcp://:1", allowed=NETWORKS) == [TcpAddress("127.0.0.1", 1, allow=NETWORKS)]
     assert read_links("udp://0.0.0.0:1", allowed=NETWORKS) == [UdpAddress("0.0.0.0", 1, allow=NETWORKS)]
     own = "tcp://0.0.0.0:1?allow=192.168.7.0/24"
@@ -44,7 +44,7 @@ async def test_no_network_is_one_line(command: tuple[str, ...]) -> None:
     assert process.process.returncode == 1
 
 
-async def test_boards_and_nodes_of_this_machine_are_served_all_the_same() -> None:
+async def test_boards_and_nodes_of_this_machine_are_always_served() -> None:
     board_port, port = free_port(), free_port()
     words = ("serve", f"tcp://:{board_port}", "--listen", "0.0.0.0", "--allow", "192.0.2.0/24")
     async with started(*words, ROS_MASTER_URI=f"http://localhost:{port}") as serve:

@@ -1,4 +1,4 @@
-"""`rostether serve` while peers do what costs most: whoever else asks is answered in time."""
+"""`rostether serve` while peers send the most expensive requests: other peers get answers in time."""
 
 from __future__ import annotations
 

@@ -3,7 +3,7 @@ from __future__ import annotations
 from programs import started
 
 
-async def test_what_scripts_give_to_roscore_is_taken() -> None:
+async def test_options_of_roscore_are_accepted() -> None:
     words = [
         "-v",
         "-w",

@@ -1,4 +1,4 @@
-"""`rostether core --ros2 zenoh`: a router that others meet at."""
+"""`rostether core --ros2 zenoh`: a router that connects sessions."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from unit.cli.command_shell import Shell
 from waiting import until
 
 
-async def test_others_meet_at_it() -> None:
+async def test_it_connects_sessions() -> None:
     port = free_port()
     listening = f'listen/endpoints=["tcp/127.0.0.1:{port}"]'
     router = await start_command("core", "--ros2", "zenoh", environment={"ZENOH_CONFIG_OVERRIDE": listening})
@@ -38,7 +38,7 @@ async def test_others_meet_at_it() -> None:
     assert router.process.returncode == 0
 
 
-async def test_its_place_is_taken_once() -> None:
+async def test_a_second_router_at_its_port_is_refused() -> None:
     port = free_port()
     listening = {"ZENOH_CONFIG_OVERRIDE": f'listen/endpoints=["tcp/127.0.0.1:{port}"]'}
     session = await open_session(port, is_router=True)
@@ -55,7 +55,7 @@ async def test_it_listens_only_where_it_is_reported(monkeypatch: pytest.MonkeyPa
     port = free_port()
     router = await start_command("core", "--ros2", "zenoh", "--zenoh-listen", f"tcp/127.0.0.1:{port}")
     try:
-        # Whether the usual place is taken on this machine makes no difference.
+        # Another router at the usual port of this machine makes no difference.
         await router.wait_for("Nodes on this machine use tcp/localhost:7447")
         await router.wait_for("Press Ctrl-C")
         assert await is_router_there(f"tcp/127.0.0.1:{port}")

@@ -1,4 +1,4 @@
-"""The nodes of rosbag that launch files name: what launch files in use do with them."""
+"""The nodes of rosbag in launch files, with the arguments of published launch files."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Recordings of ROS 2 under the commands for recordings, without a graph."""
+"""The commands for recordings with ROS 2 bags."""
 
 from __future__ import annotations
 

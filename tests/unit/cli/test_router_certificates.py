@@ -1,4 +1,4 @@
-"""Zenoh routers with TLS configured by files: what cannot be reached or is refused is said on both sides."""
+"""Zenoh routers with TLS configured by files: both sides report why a connection fails."""
 
 from __future__ import annotations
 
@@ -87,7 +87,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def configured(folder: Path, name: str, tls: dict[str, object], **endpoints: list[str]) -> dict[str, str]:
-    """Write a router's configuration; returns the variable that names it."""
+    """Write a router's configuration; return the environment that names it."""
     files = {
         key: str(folder / str(value)) if str(value).endswith((".pem", ".key", "ext")) else value
         for key, value in tls.items()

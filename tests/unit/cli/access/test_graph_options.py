@@ -1,4 +1,4 @@
-"""Which ROS a command line means."""
+"""Which ROS graph a command line selects."""
 
 from __future__ import annotations
 
@@ -90,7 +90,7 @@ def test_a_tool_of_one_graph_refuses_two() -> None:
         rostether.main(["topic", "list", "--ros1", "--ros2", "zenoh"], standalone_mode=False)
 
 
-def test_ros2_alone_takes_what_is_installed(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_ros2_without_a_middleware_uses_the_installed_one(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("ROS_VERSION", "2")
     monkeypatch.delenv("RMW_IMPLEMENTATION", raising=False)
     monkeypatch.setattr("rostether.cli.access.graph_options.find_spec", lambda name: None)

@@ -28,7 +28,7 @@ async def answers(uri: str) -> bool:
     return True
 
 
-async def test_be_it_where_there_is_none(free_port: int) -> None:
+async def test_a_master_is_started_if_there_is_none(free_port: int) -> None:
     uri = f"http://localhost:{free_port}"
     async with used_master(RosEnvironment.read({"ROS_MASTER_URI": uri})) as used:
         assert used.line.startswith("Started a ROS master: ROS_MASTER_URI=http://")
@@ -43,7 +43,7 @@ async def test_the_port_may_be_chosen(free_port: int) -> None:
         assert await answers(f"http://localhost:{free_port}")
 
 
-async def test_join_the_one_that_answers() -> None:
+async def test_a_master_that_answers_is_joined() -> None:
     core = await Roscore.start(RosEnvironment.read({}), port=0)
     try:
         environment = RosEnvironment.read({"ROS_MASTER_URI": core.uri})

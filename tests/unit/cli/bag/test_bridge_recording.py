@@ -1,4 +1,4 @@
-"""`serve --record DIR`: bags of all topics, and what becomes of the bridge when they cannot be written."""
+"""`serve --record DIR`: bags of all topics; the bridge continues when they cannot be written."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ class _Lines:
 
 
 def recorded(folder: Path) -> list[bytes]:
-    """Return the messages on /chatter in the only bag of a folder, which may not be begun yet."""
+    """Return the messages on /chatter in the only bag of a folder; none before the bag exists."""
     try:
         (path,) = folder.iterdir()
         return [each.payload for each in BagReader(path).messages() if each.connection.topic == "/chatter"]
@@ -56,7 +56,7 @@ async def test_serve_records_the_messages_of_its_boards(tmp_path: Path) -> None:
         master() as environ,
         started("serve", f"{tmp_path}/arm", "--record", str(bags), **environ) as serve,
     ):
-        # What was received is written a few times a second.
+        # The recorder writes a few times per second.
         await until(lambda: len(recorded(bags)) >= 5, "messages in the bag")
         await serve.stop(signal.SIGINT)
         assert f", in {bags}" in serve.text
@@ -120,7 +120,7 @@ async def test_on_ros2_alone_a_ros2_bag(tmp_path: Path) -> None:
 
 async def test_a_full_disk_stops_the_recording_and_not_the_bridge(tmp_path: Path) -> None:
     async with board_at(tmp_path / "arm", 0.002), master() as environ:
-        # What a file may have stands in for what a disk has.
+        # A limit for the size of files has the effect of a full disk.
         words = (
             f"ulimit -f 20; exec {sys.executable} -m rostether serve {tmp_path}/arm --record {tmp_path}/bags"
         )

@@ -26,7 +26,7 @@ def test_zeroconf_is_asked_for_only_when_it_is_wanted(monkeypatch: pytest.Monkey
         check_mdns(is_wanted=True)
 
 
-async def test_an_empty_list_of_topics_is_announced_on_request() -> None:
+async def test_a_missing_listener_is_reported_only_with_the_option() -> None:
     reporter = RecordingReporter()
     async with announced(["tcp://127.0.0.1:11411"], reporter, is_on=True, is_wanted=False):
         pass

@@ -1,4 +1,4 @@
-"""`doctor` as a process, at pseudo-terminals whose other side is a board, or not one at all."""
+"""`doctor` as a process, at pseudo-terminals whose other end is a board, another device or nothing."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ pytestmark = pytest.mark.slow
 
 
 async def doctor(*arguments: str, cwd: Path | None = None) -> tuple[int, str, str]:
-    """Run the command; return its exit code and what it wrote."""
+    """Run the command; return its exit code, its output and its lines on stderr."""
     process = await asyncio.create_subprocess_exec(
         sys.executable,
         "-m",
@@ -46,7 +46,10 @@ async def doctor(*arguments: str, cwd: Path | None = None) -> tuple[int, str, st
 async def examined(
     path: Path, make_board: Callable[[Transport], SketchBoard] | None, *findings: str
 ) -> tuple[int, list[dict[str, Any]]]:
-    """Let a board sit at a pseudo-terminal while the doctor examines it, for longer on a busy machine."""
+    """Connect a board to a pseudo-terminal; return the doctor's exit code and records.
+
+    On a busy machine, the doctor watches for longer, until it has the findings.
+    """
     transport = await open_transport(f"pty:{path}")
     board = make_board(transport).plug_in() if make_board is not None else None
     for seconds in ("2", "10", "40"):
@@ -147,13 +150,13 @@ async def test_an_address_that_another_process_has() -> None:
         other.communicate()
 
 
-async def test_a_port_we_may_not_open() -> None:
+async def test_a_port_that_the_user_may_not_open() -> None:
     if os.getuid() != 0:
-        pytest.skip("only root becomes somebody else")
+        pytest.skip("only root can change its user")
     master, slave = os.openpty()
     path = os.ttyname(slave)
     Path(path).chmod(0o600)
-    # Imports first: nobody may not read everything that we may.
+    # Imports first: the user `nobody` may not read all modules.
     program = f"""
 import concurrent.futures.thread, difflib, grp, os, sys, tty
 import rostether.bridge.health.doctor, rostether.cli.bridge.doctor, rostether.cli.bridge.doctor_report

@@ -28,7 +28,7 @@ pytestmark = pytest.mark.slow
 
 @asynccontextmanager
 async def bridged(folder: Path) -> AsyncIterator[dict[str, str]]:
-    """A bridge with a board that says hello ten times a second."""
+    """A bridge with a board that publishes ten messages per second."""
     master = await MasterServer.start(port=0)
     wire = await open_transport(f"pty:{folder}/arm")
     board = SketchBoard(wire, turn=every(0.1, publish("chatter", hello))).publisher("chatter").plug_in()

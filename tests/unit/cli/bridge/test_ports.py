@@ -10,7 +10,7 @@ from unit.cli.command_shell import Shell
 
 @pytest.fixture
 def plugged(monkeypatch: pytest.MonkeyPatch) -> list[SerialPort]:
-    """What is plugged in; tests add to it."""
+    """The ports that are found; tests add to them."""
     ports: list[SerialPort] = []
     monkeypatch.setattr("rostether.transports.serial.list_ports", lambda: ports)
     return ports

@@ -114,7 +114,7 @@ async def test_a_relay(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFi
         await graph.subscribe("/chatter", STRING, inbox.take)
         for graph, inbox in zip(graphs, inboxes, strict=True)
     ]
-    # ROS 1 does not tell a service's type: its server is asked.
+    # A ROS 1 master does not know the types of services: the relay asks the server.
     await one.advertise_service("/switch", SET_BOOL, agreeing)
     await two.advertise_service("/enable", SET_BOOL, agreeing)
     choice = RelayOptions(("/chatter",), services=("/switch", "/enable")).choice()
@@ -134,7 +134,7 @@ async def test_a_relay(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFi
         return lines.count("relaying /chatter") == 2
 
     await until(is_relaying)
-    # Each hears the talker of its own graph, and the relay.
+    # Each listener has two publishers: the talker of its graph, and the relay.
     await until(lambda: all(listener.publisher_count == 2 for listener in listeners))
     await until(lambda: all(talker.subscriber_count == 2 for talker in talkers))
     for number, talker in enumerate(talkers):

@@ -1,4 +1,4 @@
-"""`serve`, `core` and `demo` as processes: what they print, whom they join, how they end."""
+"""`serve`, `core` and `demo` as processes: what they print, which master they join, and how they end."""
 
 from __future__ import annotations
 

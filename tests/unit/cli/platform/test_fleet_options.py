@@ -14,7 +14,7 @@ def test_drive_needs_one_kind_of_target(shell: Shell, words: tuple[str, ...]) ->
 
 
 class Sender:
-    """One robot confirms a stop, the other one moves on."""
+    """A sender that reports one robot that has stopped, and one that still moves."""
 
     def __init__(self, *_: object) -> None: ...
 

@@ -38,7 +38,7 @@ async def graph(master: MasterServer) -> AsyncIterator[TypedGraph]:
 
 async def test_arduino_control(master: MasterServer, graph: TypedGraph) -> None:
     joy = await graph.publisher("/joy", "sensor_msgs/Joy")
-    # The parameter is where the platform's first node reads it.
+    # The parameter has the name that the node of the reference reads.
     await graph.set_param("/arduino_control/deadzone", 0.01)
     async with started("run", "arduino_control", "arduino_control", ROS_MASTER_URI=master.uri):
         async with asyncio.timeout(60):

@@ -99,7 +99,7 @@ def test_an_element_that_is_not_there_is_reported_once(graph: LiveGraph, shell: 
 
 @pytest.fixture
 def warned(monkeypatch: pytest.MonkeyPatch) -> threading.Event:
-    """Is set when the command has said that it waits."""
+    """An event that is set when the command has warned that it waits."""
     event = threading.Event()
 
     def warn_and_tell(text: str) -> None:

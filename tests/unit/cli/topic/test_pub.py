@@ -45,7 +45,7 @@ Once: TypeAlias = Callable[..., str]
 
 @pytest.fixture
 def once(shell: Shell, monkeypatch: pytest.MonkeyPatch) -> Once:
-    """Publishes once; stays no longer than a subscriber of the same machine needs to connect."""
+    """Publishes once; runs no longer than a subscriber on this machine needs to connect."""
 
     def publish_once(listener: Listener, *words: str, flag: str = "--once", stdin: str = "") -> str:
         for stay_s in (0.5, 5.0, 30.0):

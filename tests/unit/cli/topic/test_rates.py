@@ -52,7 +52,7 @@ Measured: TypeAlias = Callable[..., str]
 
 @pytest.fixture
 def measured(shell: Shell, monkeypatch: pytest.MonkeyPatch) -> Measured:
-    """Measures until all that is printed has a pattern: for longer on a busy machine."""
+    """Measures until the whole output matches a pattern, for longer on a busy machine."""
 
     def measure(pattern: str, *words: str) -> str:
         for period_s in (0.3, 3.0, 30.0):
@@ -121,7 +121,7 @@ def test_simulated_time_is_pointed_out(
     graph.do(graph.node("setter").set_param("/use_sim_time", True))
     result = shell("topic", "hz", "-n", "1", "/name")
     assert result.err == "WARNING: may be using simulated time\n"
-    # Without a /clock there is no time to measure by; the wall's is there.
+    # Without /clock there is no simulated time; this machine's clock always works.
     assert result.out == "subscribed to [/name]\nno new messages\n"
     measured(rf"subscribed to \[/name\]\n{RATE}", "hz", "-n", "1", "--wall-time", "/name")
 
