@@ -21,7 +21,7 @@ from rostether.graph.ports import JoinGraph
 from rostether.mechanisms.block_end import closed_at_end
 from rostether.ros1.environment import RosEnvironment, format_uri
 from rostether.ros1.node.master_client import MasterClient
-from rostether.ros1.node.node_calls import TOOL_NAME
+from rostether.ros1.node.node_queries import TOOL_NAME
 
 if TYPE_CHECKING:
     from rostether.ros2.actions.board_graph import NativeSession
