@@ -28,7 +28,10 @@ FLUSH_PERIOD_S = 0.5
 
 
 class RecordingProgress(Struct):
-    """The progress of a recording, over all files."""
+    """The progress of a recording, over all files.
+
+    `finished_bytes` is the size of the closed files, and `counts` has the number of messages by topic.
+    """
 
     message_count: int = 0
     finished_bytes: int = 0
@@ -39,8 +42,9 @@ class RecordingProgress(Struct):
 class Recorder:
     """One recording; `create` opens a file's writer, `name` returns the path of the file with a number.
 
-    `report` gets lines for users: new and closed files, and errors. With `buffer_bytes`, writers run in the
-    background, which compression needs, and at most this much data waits for them.
+    `report` gets lines for users: new topics and files, and problems. With `repeat_latched`, each new file
+    starts with the last latched messages. With `buffer_bytes`, writers run in a thread, which compression
+    needs, and at most this much data waits for them.
     """
 
     def __init__(
@@ -84,13 +88,15 @@ class Recorder:
 
     @property
     def topic_count(self) -> int:
-        """How many topics it subscribes to."""
+        """How many topics the recorder subscribes to."""
         return len(self._subscribers)
 
     async def run(self, on_started: Callable[[], None] | None = None) -> None:
-        """Record until cancelled, or a limit is reached. Raises RecordingError if a write fails.
+        """Record until cancelled, or a limit is reached.
 
-        Files are always closed, and keep their messages.
+        `on_started` is called once, after the first subscriptions or before the wait for simulated time.
+        Files are always closed, and keep their messages. Raises RecordingError if a write fails, and
+        GraphError.
         """
         self._open()
         tasks: list[asyncio.Task[None]] = []
@@ -119,7 +125,10 @@ class Recorder:
             for task in tasks:
                 task.cancel()
             writer = self._writer
-            await asyncio.gather(*(each.close() for each in self._subscribers.values()))
+            # A graph that has ended must not keep the file open.
+            await asyncio.gather(
+                *(each.close() for each in self._subscribers.values()), return_exceptions=True
+            )
             if writer is not None:
                 self._finish()
             await asyncio.gather(*self._closings)
@@ -150,7 +159,7 @@ class Recorder:
             return lambda payloads: self._write(connection, payloads)
 
         def write(payloads: Sequence[bytes]) -> None:
-            # A graph that does not distinguish publishers.
+            # This graph does not distinguish publishers.
             connection = self._connections.get(topic)
             if connection is not None:
                 self._write(connection, payloads)
@@ -282,8 +291,10 @@ class Recorder:
             if path in self._dropped:
                 path.unlink()
         except OSError as error:
+            is_gone = isinstance(error, FileNotFoundError)
+            step = "do not move a file while it is recorded" if is_gone else "rename it yourself"
             self._failure = self._failure or RecordingError(
-                f"cannot rename {path}{ACTIVE_SUFFIX} to {path.name}: {error.strerror or error}"
+                f"cannot rename {path}{ACTIVE_SUFFIX} to {path.name}: {error.strerror or error}; {step}"
             )
             self._ended.set()
         finally:

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from rostether.errors import RecordingError
+from rostether.errors import GraphError, RecordingError
 from rostether.graph.joint_marks import MARK_TYPE, new_joint_mark
 from rostether.graph.memory_graph import MemoryGraph
 from rostether.graph.memory_network import MemoryNetwork
@@ -313,8 +313,30 @@ async def test_errors_at_the_end_are_reported_also_after_ctrl_c(stage: Stage) ->
     await _subscribed(publisher)
     (stage.folder / "0.bag.active").unlink()
     task.cancel()
-    with pytest.raises(RecordingError, match=r"cannot rename .*0\.bag\.active to 0\.bag: No such file"):
+    with pytest.raises(
+        RecordingError,
+        match=r"cannot rename .*0\.bag\.active to 0\.bag: No such file or directory; do not move",
+    ):
         await asyncio.wait_for(task, 60)
+
+
+async def test_a_graph_that_cannot_unsubscribe_leaves_a_complete_file(
+    stage: Stage, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    async def refuse(_: object) -> None:
+        raise GraphError("the graph has ended")
+
+    publisher = await stage.node.advertise("/a", STRING)
+    recorder = stage.recorder(TopicChoice(names=("/a",)))
+    task = asyncio.create_task(recorder.run())
+    await _subscribed(publisher)
+    publisher.publish_raw([text("kept")])
+    await _recorded(recorder, 1)
+    subscriber = next(iter(recorder._subscribers.values()))
+    monkeypatch.setattr(type(subscriber), "close", refuse)
+    await _end(task)
+    monkeypatch.undo()
+    assert stage.payloads() == [text("kept")]
 
 
 async def test_no_file_is_begun_after_one_that_found_no_room_for_its_index(stage: Stage) -> None:
