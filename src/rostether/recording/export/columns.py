@@ -38,7 +38,7 @@ class Column(msgspec.Struct, frozen=True):
 def columns_of(codec: Codec, paths: Sequence[str] = ()) -> list[Column]:
     """Return the columns of a type, or of the requested fields: paths, or patterns with `*` and `?`.
 
-    Raises ConfigError for an unknown path; the error lists the fields.
+    Raises ConfigError for an unknown path or pattern; the error lists the fields.
     """
     if not paths:
         return list(_below(codec.tree, "", ()))

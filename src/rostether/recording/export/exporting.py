@@ -20,6 +20,7 @@ MAX_OPEN_TABLES = 100
 # The limit for unwritten data of all tables; as Python values it needs a few times as much memory.
 MAX_WAITING_BYTES = 32 << 20
 
+# The approximate memory of a value besides the bytes of its message.
 _CELL_BYTES = 8
 
 
@@ -58,9 +59,9 @@ class Export:
         type_name: str = "",
         report: Callable[[str], None],
     ) -> None:
-        """Select topics; `report` gets a line for each topic omitted.
+        """Select topics; `report` gets a line for each topic that is skipped.
 
-        Raises ConfigError. With `type_name`, only topics of this type are selected.
+        With `type_name`, only topics of this type are selected. Raises ConfigError if no topic remains.
         """
         self._reader = reader
         self._decoder = Decoder()
@@ -72,17 +73,17 @@ class Export:
                 by_type.setdefault(key, []).append(connection)
         self.tables: list[ExportedTable] = []
         errors: list[ConfigError] = []
-        for (topic, _, type_name), connections in sorted(by_type.items()):
+        for (topic, _, found_type), connections in sorted(by_type.items()):
             try:
                 columns = columns_of(self._decoder.codec(connections[0]), fields)
             except ConfigError as error:  # other topics may have that field
                 errors.append(ConfigError(f"{topic}: {error}"))
                 continue
             except RostetherError as error:
-                report(f"{topic}: its definition of {type_name} is broken; the topic is skipped: {error}")
+                report(f"{topic}: its definition of {found_type} is broken; the topic is skipped: {error}")
                 continue
             number = sum(table.topic == topic for table in self.tables)
-            table = ExportedTable(topic, type_name, number, tuple(connections), columns)
+            table = ExportedTable(topic, found_type, number, tuple(connections), columns)
             self.tables.append(table)
         if not self.tables:
             if errors:
@@ -94,7 +95,7 @@ class Export:
             )
 
     def write(self, create: Callable[[ExportedTable], Table]) -> None:
-        """Write all tables in the order of the messages. Raises RecordingError."""
+        """Write all tables in the order of the messages; `create` opens a table. Raises RecordingError."""
         for start in range(0, len(self.tables), MAX_OPEN_TABLES):
             self._write_tables(self.tables[start : start + MAX_OPEN_TABLES], create)
 

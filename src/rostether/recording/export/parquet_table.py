@@ -9,14 +9,14 @@ from typing import Any
 
 from rostether.errors import ConfigError, RecordingError
 from rostether.extras import install_command
-from rostether.mechanisms.text import write_failure
+from rostether.mechanisms.text import fold_line, write_failure
 from rostether.recording.export.columns import Column
 from rostether.recording.export.tables import TIME_COLUMNS, nested
 from rostether.rostime import NS_PER_S
 from rostether.serde.type_tree import Array, Node, Number, Stamp, Struct, Text
 from rostether.serde.values import Message
 
-# Rows per group: enough rows compress the columns well.
+# The maximum number of rows in a group: enough rows that the columns compress well.
 MAX_GROUP_ROWS = 50_000
 
 _NUMBERS = {"byte": "int8", "char": "uint8", "bool": "bool_"}
@@ -33,7 +33,10 @@ def parquet_package() -> Any:
 
 
 class ParquetTable:
-    """A Parquet file being written; see `recording.export.tables.Table`."""
+    """A Parquet file being written; see `recording.export.tables.Table`.
+
+    Raises RecordingError, and ConfigError if `pyarrow` is not installed.
+    """
 
     def __init__(self, path: Path, columns: Sequence[Column]) -> None:
         self._arrow = arrow = parquet_package()
@@ -56,7 +59,7 @@ class ParquetTable:
                 raise
 
     def add(self, time_ns: int, message: Message) -> None:
-        """Add a row; write the buffered rows if there are many."""
+        """Add a row; write the waiting rows if there are many."""
         values = self._values
         values[0].append(time_ns / NS_PER_S)
         values[1].append(time_ns)
@@ -94,8 +97,13 @@ class ParquetTable:
         """Convert the package's errors (full disk, unsupported type) to RecordingError."""
         try:
             yield
-        except (OSError, self._arrow.ArrowException) as error:
+        except OSError as error:
             raise RecordingError(write_failure(self._path, error)) from None
+        except self._arrow.ArrowException as error:
+            reason = fold_line(str(error))
+            raise RecordingError(
+                f"cannot write {self._path}: {reason}; choose other fields, or the format CSV"
+            ) from None
 
 
 def _type_of(arrow: Any, column: Column) -> Any:

@@ -1,4 +1,4 @@
-"""Pictures of a topic as files, one for each message, named by their time."""
+"""Pictures of a topic as files, one for each message, named by their times."""
 
 from __future__ import annotations
 

@@ -25,20 +25,23 @@ TIME_COLUMNS = ("time_s", "time_ns")
 
 
 class Table(Protocol):
-    """One table being written. Every method raises RecordingError if the disk is full."""
+    """One table being written. Every method raises RecordingError if it cannot write."""
 
     def add(self, time_ns: int, message: Message) -> None:
         """Add a row."""
 
     def flush(self) -> None:
-        """Write the buffered rows: all tables together may need too much memory."""
+        """Write the waiting rows: all tables together may need too much memory."""
 
     def close(self) -> None:
         """Write the waiting rows and close the table. Idempotent."""
 
 
 class CsvTable:
-    """Comma-separated values, UTF-8: lists and nested messages as JSON, bytes as base64."""
+    """Comma-separated values in UTF-8, with lists and nested messages as JSON, and bytes as base64.
+
+    Raises RecordingError, but BrokenPipeError if the reader of the output has ended, which is no error.
+    """
 
     def __init__(self, target: Path | TextIO, columns: Sequence[Column]) -> None:
         self._name = str(target) if isinstance(target, Path) else "the output"
@@ -83,7 +86,7 @@ class CsvTable:
 
 
 def nested(value: Any, bytes_as: Callable[[bytes], Any]) -> Any:
-    """Return lists and messages as lists and dicts, with times in nanoseconds."""
+    """Return a value with messages as dicts, times in nanoseconds, and bytes converted by `bytes_as`."""
     if isinstance(value, Message):
         return {name: nested(getattr(value, name), bytes_as) for name, _ in value._fields}
     if isinstance(value, Time | Duration):
