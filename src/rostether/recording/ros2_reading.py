@@ -12,8 +12,8 @@ from rostether.recording.ros2_types import ReadTypes
 CDR = "cdr"
 
 
-class Ros2Topics:
-    """The topics of one recording; `is_native` as with `ReadTypes`."""
+class RecordedTopics:
+    """The topics of one ROS 2 recording; `is_native` as for `ReadTypes`."""
 
     def __init__(self, *, is_native: bool) -> None:
         # Topics with messages that cannot be converted, and why.

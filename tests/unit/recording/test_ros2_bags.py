@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 import sqlite3
 from collections.abc import Iterator
+from contextlib import closing
 from pathlib import Path
 from typing import Any
 
@@ -16,11 +17,13 @@ from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
 from rostether.errors import RecordingError
 from rostether.msgdef.registry import Registry
+from rostether.msgdef.ros2.definitions import Ros2Definitions
 from rostether.recording.files import Form, create_recording, form_of, open_recording
 from rostether.recording.recorded import Connection, RecordedMessage
 from rostether.recording.reindexing import copy, reindex
 from rostether.recording.ros2.bag_writer import Ros2Bag
 from rostether.recording.ros2.db3_reader import Db3Reader
+from rostether.ros2.types.type_support import Ros2Types
 from rostether.serde.store import TypeStore
 from unit.recording.bags import START_NS, text
 
@@ -247,25 +250,33 @@ def test_what_was_committed_is_read_while_it_is_recorded(tmp_path: Path) -> None
 
 
 @pytest.mark.parametrize(
-    "content",
+    ("content", "reason"),
     [
-        *(
-            "",
-            "[]",
-            "rosbag2_bagfile_information:",
-            "a: &a [*a]",
-            "\x00",
-            "rosbag2_bagfile_information: {version: 9}",
+        ("", "its structure is not that of rosbag2"),
+        ("[]", "its structure is not that of rosbag2"),
+        ("rosbag2_bagfile_information:", "its structure is not that of rosbag2"),
+        ("rosbag2_bagfile_information: {relative_file_paths: [[]]}", "its structure is not that of rosbag2"),
+        ("a: &a [*a]", "endless as YAML"),
+        ("\x00", "not YAML"),
+        ("rosbag2_bagfile_information: {version: 9}", "it has no relative_file_paths"),
+        (
+            "rosbag2_bagfile_information: {version: x, storage_identifier: mcap, relative_file_paths: []}",
+            "its structure is not that of rosbag2",
         ),
-        "rosbag2_bagfile_information: {version: x, storage_identifier: mcap, topics_with_message_count: [],"
-        " relative_file_paths: []}",
     ],
 )
-def test_a_broken_summary_gets_one_line(tmp_path: Path, content: str) -> None:
+def test_a_broken_summary_gets_one_line(tmp_path: Path, content: str, reason: str) -> None:
     (tmp_path / "metadata.yaml").write_text(content)
-    with pytest.raises(RecordingError, match=r"metadata\.yaml") as raised:
+    with pytest.raises(RecordingError, match=rf"metadata\.yaml does not describe .*: {reason}") as raised:
         open_recording(tmp_path)
     assert "\n" not in str(raised.value)
+
+
+def test_a_database_names_the_distribution_of_its_types(tmp_path: Path) -> None:
+    types = Ros2Types(Registry(), Ros2Definitions(distro="humble"))
+    create_recording(tmp_path / "a.db3", types=types).close()
+    with closing(sqlite3.connect(tmp_path / "a.db3")) as database:
+        assert database.execute("SELECT ros_distro FROM schema").fetchall() == [("humble",)]
 
 
 def test_a_summary_names_no_files_elsewhere(tmp_path: Path) -> None:

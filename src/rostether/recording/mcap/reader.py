@@ -16,7 +16,7 @@ from rostether.recording.mcap.records import Channel, Schema
 from rostether.recording.recorded import Connection, RecordedMessage, Ros2Origin, Wanted, wanted_connections
 
 if TYPE_CHECKING:
-    from rostether.recording.ros2_reading import Ros2Topics
+    from rostether.recording.ros2_reading import RecordedTopics
 
 _ENCODING = "ros1"
 
@@ -25,8 +25,9 @@ class McapReader(ChunkedReader[McapContent]):
     """An MCAP file being read; see `recording.recorded.RecordingReader`.
 
     Only ROS 1 and CDR messages are returned; CDR is converted to ROS 1 bytes, with the fields of ROS 2 if
-    `is_native`. `unpack` decompresses single messages, as the metadata of a ROS 2 bag states. `damage`, if
-    given, is the reason not to use its index. A missing md5sum of a type is computed from the definition.
+    `is_native`. `unpack` decompresses messages that a ROS 2 bag compresses one by one. `damage`, if given, is
+    the reason not to use the index. A missing md5sum of a type is computed from the definition. Raises
+    RecordingError if the file is not MCAP.
     """
 
     def __init__(
@@ -40,7 +41,7 @@ class McapReader(ChunkedReader[McapContent]):
         super().__init__(path, lambda view: read_content(view, damage))
         self._unpack_message = unpack
         self._is_native = is_native
-        self._ros2: Ros2Topics | None = None
+        self._ros2: RecordedTopics | None = None
         self._connections: dict[int, Connection] = {}
         for number, channel in self._content.channels.items():
             connection = self._connection(self._content.schemas.get(channel.schema), channel)
@@ -78,7 +79,9 @@ class McapReader(ChunkedReader[McapContent]):
         found = self._messages(connections, messages_in, start_ns, end_ns)
         return found if self._ros2 is None else self._converted(self._ros2, found)
 
-    def _converted(self, topics: Ros2Topics, found: Iterator[RecordedMessage]) -> Iterator[RecordedMessage]:
+    def _converted(
+        self, topics: RecordedTopics, found: Iterator[RecordedMessage]
+    ) -> Iterator[RecordedMessage]:
         for message in found:
             connection, time_ns, payload = message
             if connection.origin is None:
@@ -105,9 +108,9 @@ class McapReader(ChunkedReader[McapContent]):
 
     def _ros2_connection(self, schema: Schema, channel: Channel) -> Connection | None:
         if self._ros2 is None:
-            from rostether.recording.ros2_reading import Ros2Topics
+            from rostether.recording.ros2_reading import RecordedTopics
 
-            self._ros2 = Ros2Topics(is_native=self._is_native)
+            self._ros2 = RecordedTopics(is_native=self._is_native)
         origin = Ros2Origin(
             schema.name,
             channel.metadata.get("topic_type_hash", ""),

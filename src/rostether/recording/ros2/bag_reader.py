@@ -18,13 +18,18 @@ from rostether.recording.ros2.db3_reader import Db3Reader
 from rostether.recording.ros2.metadata import FILE_NAME, Metadata, read_metadata
 
 _SUFFIXES = (".mcap", ".db3", ".mcap.active", ".db3.active", ".mcap.zstd", ".db3.zstd")
-# A few bytes can unpack to any size; larger recordings would fill a disk.
-MAX_UNPACKED_BYTES = 64 << 30
+# A few bytes can unpack to any size; larger files would fill a disk.
+MAX_FILE_BYTES = 64 << 30
+# The largest message that is unpacked; equal to the limit of .db3 files.
 MAX_MESSAGE_BYTES = 1 << 30
 
 
 class Ros2BagReader:
-    """A bag being read; see `recording.recorded.RecordingReader`. Returns ROS 1 bytes."""
+    """A bag being read; see `recording.recorded.RecordingReader`.
+
+    Messages are returned as ROS 1 bytes, with the fields of ROS 2 if `is_native`. Raises RecordingError if
+    the folder is not a bag, and ConfigError if an extra is missing.
+    """
 
     def __init__(self, path: Path, *, is_native: bool = False) -> None:
         self.path = path
@@ -133,11 +138,14 @@ class Ros2BagReader:
                 zstandard.ZstdDecompressor().stream_reader(packed) as stream,
             ):
                 while data := stream.read(1 << 20):
-                    if file.tell() + len(data) > MAX_UNPACKED_BYTES:
-                        raise RecordingError(f"{path} decompresses to more than {MAX_UNPACKED_BYTES} bytes")
+                    if file.tell() + len(data) > MAX_FILE_BYTES:
+                        raise RecordingError(f"{path} decompresses to more than {MAX_FILE_BYTES} bytes")
                     file.write(data)
         except OSError as error:
-            raise RecordingError(f"cannot decompress {path}: {error.strerror or error}") from None
+            raise RecordingError(
+                f"cannot decompress {path} into {folder}: {error.strerror or error}; check the path, and set "
+                "TMPDIR to a folder with enough space"
+            ) from None
         except zstandard.ZstdError as error:
             raise RecordingError(f"{path} is not a complete Zstandard file ({error})") from None
         return target

@@ -9,12 +9,11 @@ from typing import Protocol
 
 from rostether.errors import RecordingError
 from rostether.mechanisms.text import write_failure
-from rostether.msgdef.ros2.definition_files import BUNDLED_DISTRO
 from rostether.recording.chunked_writer import DEFAULT_CHUNK_BYTES
 from rostether.recording.compression import NONE
 from rostether.recording.file_lock import ACTIVE_SUFFIX
 from rostether.recording.recorded import Connection, RecordingWriter
-from rostether.recording.ros2.channels import Ros2Channels, UnfitMessages
+from rostether.recording.ros2.channels import Ros2Channels, UnfitMessages, distro_of
 from rostether.recording.ros2.metadata import FileFacts, describe, write_metadata
 from rostether.ros2.types.type_support import Ros2Types
 
@@ -47,7 +46,7 @@ class FileStorage(RecordingWriter, Protocol):
 
 
 class Ros2Bag:
-    """A bag being written, file after file; metadata.yaml lists those that are closed.
+    """A bag being written, file after file; metadata.yaml lists the files that are closed.
 
     Raises RecordingError if the folder is not empty or cannot be created.
     """
@@ -68,7 +67,6 @@ class Ros2Bag:
         self._chunk_bytes = chunk_bytes
         self._types = types
         self._unfit = unfit
-        self._distro = BUNDLED_DISTRO if types is None else types.definitions.distro
         self._files: list[FileFacts] = []
         try:
             folder.mkdir(parents=True, exist_ok=True)
@@ -99,13 +97,13 @@ class Ros2Bag:
             )
         from rostether.recording.ros2.db3_writer import Db3Writer
 
-        return Db3Writer(path, types=self._types, distro=self._distro, unfit=self._unfit)
+        return Db3Writer(path, types=self._types, unfit=self._unfit)
 
     def add_file(self, facts: FileFacts) -> None:
         """Add a file to metadata.yaml, and remove entries of deleted files. Raises RecordingError."""
         self._files = [each for each in self._files if (self.folder / each.name).exists()]
         self._files.append(facts)
-        write_metadata(self.folder, describe(self._files, self.storage.value, self._distro))
+        write_metadata(self.folder, describe(self._files, self.storage.value, distro_of(self._types)))
 
 
 class Ros2FileWriter:
@@ -119,7 +117,7 @@ class Ros2FileWriter:
 
     @property
     def size_bytes(self) -> int:
-        """The minimum size of the file if it is closed now."""
+        """The approximate size of the file with all accepted messages."""
         return self._storage.size_bytes
 
     @property

@@ -9,6 +9,7 @@ from msgspec import Struct
 from rostether.errors import RecordingError, RostetherError, SerializationError
 from rostether.msgdef.interface import ANY_MD5SUM
 from rostether.msgdef.registry import Registry
+from rostether.msgdef.ros2.definition_files import BUNDLED_DISTRO
 from rostether.msgdef.ros2.definitions import Ros2Definitions
 from rostether.recording.recorded import Connection, Ros2Origin
 from rostether.recording.ros2_qos import offered
@@ -19,7 +20,7 @@ from rostether.ros2.types.type_hash import TYPE_HASH_NOT_SUPPORTED
 from rostether.ros2.types.type_support import Ros2Types
 
 
-class Channel(Struct):
+class Ros2Channel(Struct):
     """One topic with one type in one file; `origin` is its description in the file."""
 
     number: int
@@ -38,13 +39,13 @@ class Ros2Channels:
     """
 
     def __init__(self, types: Ros2Types | None = None, unfit: UnfitMessages | None = None) -> None:
-        self.channels: list[Channel] = []
+        self.channels: list[Ros2Channel] = []
         self._unfit = unfit
         self._types = types
-        self._by_connection: dict[Connection, Channel] = {}
-        self._by_topic: dict[tuple[str, str, str], Channel] = {}
+        self._by_connection: dict[Connection, Ros2Channel] = {}
+        self._by_topic: dict[tuple[str, str, str], Ros2Channel] = {}
 
-    def channel(self, connection: Connection) -> Channel:
+    def channel(self, connection: Connection) -> Ros2Channel:
         """Return a connection's channel. Raises RecordingError naming the topic."""
         channel = self._by_connection.get(connection)
         if channel is not None:
@@ -56,13 +57,13 @@ class Ros2Channels:
         key = (connection.topic, origin.type_name, origin.type_hash)
         channel = self._by_topic.get(key)
         if channel is None:
-            channel = Channel(len(self.channels) + 1, connection.topic, origin, to_cdr)
+            channel = Ros2Channel(len(self.channels) + 1, connection.topic, origin, to_cdr)
             self.channels.append(channel)
             self._by_topic[key] = channel
         self._by_connection[connection] = channel
         return channel
 
-    def converted(self, channel: Channel, payloads: Sequence[bytes]) -> list[bytes]:
+    def converted(self, channel: Ros2Channel, payloads: Sequence[bytes]) -> list[bytes]:
         """Return messages as CDR, counted; those that do not fit their type are omitted."""
         try:
             converted = list(map(channel.to_cdr, payloads))
@@ -94,7 +95,7 @@ class Ros2Channels:
         else:
             qos = offered(is_latching=connection.is_latching, is_best_effort=connection.is_best_effort)
         text = types.full_text(connection.type)
-        # The same mark as rosbag2 uses for a type without a definition.
+        # rosbag2 also writes "unknown" for a type without a definition.
         encoding = ROS2MSG if text or connection.type.md5sum != ANY_MD5SUM else "unknown"
         return Ros2Origin(support.name, type_hash, encoding, text, qos), support.converter.to_cdr
 
@@ -105,15 +106,20 @@ class Ros2Channels:
         return self._types
 
 
+def distro_of(types: Ros2Types | None) -> str:
+    """Return the ROS 2 distribution to name in a recording of a graph with these types."""
+    return BUNDLED_DISTRO if types is None else types.definitions.distro
+
+
 class UnfitMessages:
-    """Counts dropped messages by topic, over all files; `report` receives one line for each topic."""
+    """Counts omitted messages by topic, over all files; `report` receives one line for each topic."""
 
     def __init__(self, report: Callable[[str], None]) -> None:
         self.counts: dict[str, int] = {}
         self._report = report
 
     def add(self, topic: str, why: str) -> None:
-        """Count one message."""
+        """Count a message of a topic that does not fit its type, and why."""
         if topic not in self.counts:
             self._report(f"WARNING: {topic}: messages that do not fit their type are skipped: {why}")
         self.counts[topic] = self.counts.get(topic, 0) + 1

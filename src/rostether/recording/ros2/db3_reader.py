@@ -19,7 +19,7 @@ from rostether.recording.recorded import (
     wanted_connections,
 )
 from rostether.recording.regular_file import SQLITE_MAGIC, require_regular_file
-from rostether.recording.ros2_reading import CDR, Ros2Topics
+from rostether.recording.ros2_reading import CDR, RecordedTopics
 
 # The limit of topics and of definitions; recordings of the largest robots have a few thousand.
 MAX_TOPICS = 65536
@@ -28,9 +28,10 @@ MAX_VALUE_BYTES = 1 << 30
 
 
 class Db3Reader:
-    """A .db3 file being read; see `recording.recorded.RecordingReader`. Returns ROS 1 bytes.
+    """A .db3 file being read; see `recording.recorded.RecordingReader`.
 
-    `unpack` decompresses single messages, as the bag's metadata states.
+    Messages are returned as ROS 1 bytes, with the fields of ROS 2 if `is_native`. `unpack` decompresses
+    messages that a ROS 2 bag compresses one by one. Raises RecordingError if the file is not a recording.
     """
 
     format_version = "rosbag2 (sqlite3)"
@@ -42,7 +43,7 @@ class Db3Reader:
         self.damage = ""
         self.compressions: Sequence[CompressionShare] = ()
         self._unpack = unpack
-        self._topics = Ros2Topics(is_native=is_native)
+        self._topics = RecordedTopics(is_native=is_native)
         self._connections: dict[int, Connection] = {}
         self._counts: Counter[Connection] = Counter()
         require_regular_file(path)
@@ -56,8 +57,8 @@ class Db3Reader:
                     raise RecordingError(f"{path} is not a SQLite file, as a .db3 recording must be")
         except OSError as error:
             raise RecordingError(read_failure(path, error)) from None
-        # If the recording was not closed, its last messages are in a log file, which SQLite merges on
-        # reading.
+        # If the recording was not closed, its last messages are in a log file, which SQLite merges when it
+        # reads.
         has_log = (
             path.with_name(path.name + "-wal").exists() or path.with_name(path.name + "-journal").exists()
         )
@@ -65,13 +66,13 @@ class Db3Reader:
         try:
             self._database = sqlite3.connect(f"{path.absolute().as_uri()}?{mode}", uri=True)
         except sqlite3.Error as error:
-            raise RecordingError(f"cannot read {path}: {error}") from None
+            raise RecordingError(read_failure(path, error)) from None
         try:
             # Views and triggers of an untrusted file must not run.
             self._database.execute("PRAGMA trusted_schema = OFF")
             self._database.text_factory = lambda data: data.decode("utf-8", "replace")
             self._database.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, MAX_VALUE_BYTES)
-            self._refuse_views()
+            self._check_tables()
             self._read_topics()
             self.span_ns = self._read_span()
         except (sqlite3.Error, TypeError, ValueError) as error:
@@ -121,8 +122,8 @@ class Db3Reader:
         """Close the file. Idempotent."""
         self._database.close()
 
-    def _refuse_views(self) -> None:
-        # A view or virtual table could be endless, even in a small file.
+    def _check_tables(self) -> None:
+        # A view or virtual table does not count: it could be endless, even in a small file.
         tables = {
             name
             for (name,) in self._database.execute(

@@ -13,14 +13,14 @@ from rostether.errors import RecordingError
 from rostether.mechanisms.text import write_failure
 from rostether.recording.recorded import Connection
 from rostether.recording.regular_file import sqlite_logs
-from rostether.recording.ros2.channels import Channel, Ros2Channels, UnfitMessages
+from rostether.recording.ros2.channels import Ros2Channel, Ros2Channels, UnfitMessages, distro_of
 from rostether.ros2.types.type_support import Ros2Types
 
 SCHEMA_VERSION = 4
 
 # The size of a message's row and index entry, without the payload.
 _ROW_BYTES = 40
-# The data that may wait for the next commit: about 10 ms of writing.
+# The limits of data that waits for the next commit: about 10 ms of writing.
 _MAX_WAITING_ROWS = 10_000
 _MAX_WAITING_BYTES = 1 << 20
 # Another program that reads the file locks it only briefly; a longer wait would block the recorder.
@@ -42,14 +42,16 @@ CREATE INDEX timestamp_idx ON messages (timestamp ASC);
 
 
 class Db3Writer:
-    """A .db3 file being written; see `recording.recorded.RecordingWriter`. Accepts ROS 1 bytes."""
+    """A .db3 file being written, from ROS 1 bytes; see `recording.recorded.RecordingWriter`.
+
+    `types` and `unfit` as for `Ros2Channels`.
+    """
 
     def __init__(
         self,
         path: Path,
         *,
         types: Ros2Types | None = None,
-        distro: str = "jazzy",
         unfit: UnfitMessages | None = None,
     ) -> None:
         self.path = path
@@ -74,7 +76,7 @@ class Db3Writer:
             self._database.execute("PRAGMA journal_mode = WAL")
             self._database.execute("PRAGMA synchronous = OFF")
             self._database.executescript(_TABLES)
-            self._database.execute("INSERT INTO schema VALUES (?, ?)", (SCHEMA_VERSION, distro))
+            self._database.execute("INSERT INTO schema VALUES (?, ?)", (SCHEMA_VERSION, distro_of(types)))
         except sqlite3.Error as error:
             raise RecordingError(write_failure(path, error)) from None
 
@@ -99,7 +101,7 @@ class Db3Writer:
         return channel.number
 
     def write(self, number: int, time_ns: int, payloads: Sequence[bytes]) -> None:
-        """Write messages that arrived at one time."""
+        """Write messages that arrived at one time. Raises RecordingError if the disk rejects them."""
         cdr = self.channels.converted(self.channels.channels[number - 1], payloads)
         if not cdr:
             return
@@ -136,26 +138,26 @@ class Db3Writer:
             raise RecordingError(write_failure(self.path, error)) from None
 
     def close(self) -> None:
-        """Commit, and leave one file. Idempotent. Raises RecordingError."""
+        """Commit all messages, and merge the log into the file. Idempotent. Raises RecordingError."""
         if self._is_closed:
             return
         try:
             self.flush()
-            self._leave_one_file()
+            self._merge_log()
         except sqlite3.Error as error:
             raise RecordingError(write_failure(self.path, error)) from None
         finally:
             self._is_closed = True
             self._database.close()
 
-    def _leave_one_file(self) -> None:
+    def _merge_log(self) -> None:
         try:
             self._database.execute("PRAGMA journal_mode = DELETE")
         except sqlite3.OperationalError:
             # Another program is reading it: the log may stay, but all its content is also in the file.
             self._database.execute("PRAGMA wal_checkpoint(FULL)")
 
-    def _add_topic(self, channel: Channel) -> None:
+    def _add_topic(self, channel: Ros2Channel) -> None:
         origin = channel.origin
         try:
             self._database.execute(

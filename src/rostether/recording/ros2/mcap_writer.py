@@ -9,12 +9,15 @@ from rostether.recording.chunked_writer import DEFAULT_CHUNK_BYTES
 from rostether.recording.compression import NONE
 from rostether.recording.mcap.writer import McapWriter
 from rostether.recording.recorded import Connection
-from rostether.recording.ros2.channels import Channel, Ros2Channels, UnfitMessages
+from rostether.recording.ros2.channels import Ros2Channels, UnfitMessages
 from rostether.ros2.types.type_support import Ros2Types
 
 
 class Ros2McapWriter(McapWriter):
-    """An MCAP file with ROS 2 messages being written; accepts ROS 1 bytes, like every recording."""
+    """An MCAP file with ROS 2 messages being written, from ROS 1 bytes, like every recording.
+
+    `types` and `unfit` as for `Ros2Channels`.
+    """
 
     profile = "ros2"
 
@@ -68,5 +71,5 @@ class Ros2McapWriter(McapWriter):
 
     def write(self, number: int, time_ns: int, payloads: Sequence[bytes]) -> None:
         """Write messages that arrived at one time. Raises RecordingError if the disk rejects them."""
-        channel: Channel = self.channels.channels[number - 1]
-        super().write(number, time_ns, self.channels.converted(channel, payloads))
+        cdr = self.channels.converted(self.channels.channels[number - 1], payloads)
+        super().write(number, time_ns, cdr)

@@ -1,15 +1,13 @@
 """metadata.yaml, which lists the content of the files of a ROS 2 bag.
 
-It is written in version 9, the version of Jazzy.
-
-Source: rosbag2_storage's yaml.hpp.
+It is written in version 9, the version of Jazzy. Source: rosbag2_storage's yaml.hpp.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path, PurePosixPath
-from typing import Any
+from typing import Any, TypeVar
 
 import yaml
 from msgspec import Struct
@@ -26,7 +24,10 @@ FILE_NAME = "metadata.yaml"
 VERSION = 9
 # The metadata of a thousand topics in a thousand files takes 1 MB.
 MAX_BYTES = 16 << 20
+# Two years of recordings of ten minutes.
 MAX_FILES = 100_000
+
+ValueT = TypeVar("ValueT")
 
 _KEY = "rosbag2_bagfile_information"
 
@@ -35,18 +36,19 @@ _NO_TIME = 9223372036854775807
 
 
 class FileFacts(Struct, frozen=True):
-    """The contents of one file; `start_ns` is None without messages."""
+    """The contents of one file; `start_ns` is None without messages.
+
+    `topics` has a description and the number of messages by topic and type.
+    """
 
     name: str
     start_ns: int | None
     end_ns: int
-
-    # Description and number of messages by topic and type.
     topics: Mapping[tuple[str, str], tuple[Ros2Origin, int]]
 
     @property
     def message_count(self) -> int:
-        """How many messages the file holds."""
+        """How many messages the file has."""
         return sum(count for _, count in self.topics.values())
 
 
@@ -129,24 +131,30 @@ def read_metadata(folder: Path) -> Metadata:
     try:
         content = load(data.decode("utf-8", "replace"))[_KEY]
         # Before version 4, paths start with the folder's own name; files in other folders are never read.
-        files = tuple(PurePosixPath(_text(each)).name for each in content["relative_file_paths"][:MAX_FILES])
-        return Metadata(
-            int(content["version"]),
-            _text(content["storage_identifier"]),
-            files,
-            _text(content.get("compression_format") or ""),
-            _text(content.get("compression_mode") or "").lower().replace("none", ""),
+        files = tuple(
+            PurePosixPath(_checked(each, str)).name for each in content["relative_file_paths"][:MAX_FILES]
         )
-    except (LookupError, TypeError, ValueError, AttributeError) as error:
-        raise RecordingError(
-            f"{path} is not a description of a ROS 2 bag ({type(error).__name__}: {first_line(error)})"
-        ) from None
+        return Metadata(
+            _checked(content["version"], int),
+            _checked(content["storage_identifier"], str),
+            files,
+            _checked(content.get("compression_format") or "", str),
+            _checked(content.get("compression_mode") or "", str).lower().replace("none", ""),
+        )
+    except KeyError as error:
+        reason = f"it has no {error.args[0]}"
+    except (LookupError, TypeError, AttributeError):
+        reason = "its structure is not that of rosbag2"
+    except ValueError as error:
+        reason = first_line(error)
+    raise RecordingError(f"{path} does not describe a ROS 2 bag: {reason}")
 
 
-def _text(value: object) -> str:
-    # With aliases, a small file can contain endless lists; they are dangerous only when written out.
-    if not isinstance(value, str):
-        raise TypeError("a string was expected")
+def _checked(value: object, kind: type[ValueT]) -> ValueT:
+    # With aliases, a small file can contain huge lists, which are harmless as long as they are not written
+    # out.
+    if not isinstance(value, kind):
+        raise TypeError
     return value
 
 
