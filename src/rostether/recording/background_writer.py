@@ -27,10 +27,10 @@ _Batch = tuple[int, int, Sequence[bytes], int]
 
 
 class BackgroundWriter:
-    """A writer that passes all calls to another one in a thread; see `recording.recorded.RecordingWriter`.
+    """Passes all calls to another writer, in a thread; see `recording.recorded.RecordingWriter`.
 
-    Messages that arrive while more than `buffer_bytes` wait are lost; `report` then gets a line.
-    The next call raises the errors of the writer.
+    Messages that would make more than `buffer_bytes` wait are lost; `report` then gets a line. The next call
+    raises an error of the other writer.
     """
 
     def __init__(
@@ -92,14 +92,14 @@ class BackgroundWriter:
             self._report_lost()
 
     def flush(self) -> None:
-        """Request that the chunk is written after the waiting messages. Raises RecordingError."""
+        """Write the open chunk in the thread, after the waiting messages. Raises RecordingError."""
         with self._changed:
             self._raise()
             self._is_flushing = True
             self._changed.notify()
 
     def wait_closed(self) -> None:
-        """Wait until the file is complete and closed. Then `close` does not wait; it may raise an error."""
+        """Wait until the file is complete and closed. Then `close` does not wait, but may raise an error."""
         with self._changed:
             self._is_ending = True
             self._changed.notify()
@@ -154,7 +154,8 @@ class BackgroundWriter:
             except Exception as error:  # noqa: BLE001 - reported in the recorder's thread
                 is_broken = True
                 with self._changed:
-                    failure = error if isinstance(error, RecordingError) else RecordingError(repr(error))
+                    reason = str(error) or type(error).__name__
+                    failure = error if isinstance(error, RecordingError) else RecordingError(reason)
                     self._error = self._error or failure
             if batch is not None:
                 with self._changed:

@@ -29,7 +29,7 @@ class CheckResult(Struct, frozen=True):
 def check(path: Path, registry: Registry) -> CheckResult:
     """Read a recording; `registry` has the types known here.
 
-    Raises RecordingError if it is not a recording.
+    Raises RecordingError if it is not a recording, and ConfigError if an extra is missing.
     """
     layouts: dict[Connection, Layout] = {}
     decoder = Decoder()
@@ -68,7 +68,7 @@ def check(path: Path, registry: Registry) -> CheckResult:
 
 
 def file_faults(path: Path) -> list[str]:
-    """Return the errors of the records, without looking at the messages."""
+    """Return the errors in the records of bags and MCAP files; the types of messages are not checked."""
     if path.is_dir():
         return [
             f"{each.name}: {fault}" for each in sorted(path.glob("*.mcap")) for fault in file_faults(each)

@@ -37,9 +37,10 @@ def messages_of(
     start_ns: int | None = None,
     end_ns: int | None = None,
 ) -> Iterator[tuple[int, int, bytes]]:
-    """Yield the messages of the wanted connections of a file as `in_order` does.
+    """Yield the messages of the wanted connections of a file like `in_order`.
 
-    `chunks` are sorted by their first times, `entries_of` reads an uncompressed chunk. Raises RecordingError.
+    `view` is the whole file. `chunks` are sorted by the times of their first messages, and `entries_of` reads
+    an uncompressed chunk. Raises RecordingError.
     """
 
     def unpack(chunk: StoredChunk) -> Unpacked:
@@ -65,7 +66,7 @@ def in_order(
 ) -> Iterator[tuple[int, int, bytes]]:
     """Yield (connection number, time in ns, payload) by time, both ends included; equal times in file order.
 
-    `chunks` are sorted by their first times. Raises the errors of `unpack` and its iterator.
+    `chunks` are sorted by the times of their first messages. Raises the errors of `unpack` and its iterator.
     """
     heap: list[tuple[int, int, _ChunkCursor]] = []
     opened: dict[int, _ChunkCursor] = {}
@@ -95,7 +96,7 @@ def in_order(
             until_ns = min(until_ns, chunks[following].start_ns)
         yield chunk.current_message()
         while chunk.advance():
-            # No other chunk is open until then, so the heap is not needed.
+            # No other chunk has a message before this time, so the heap is not needed.
             if chunk.time_ns >= until_ns:
                 heappush(heap, (chunk.time_ns, rank, chunk))
                 break
@@ -116,7 +117,7 @@ def _close_except(opened: dict[int, _ChunkCursor], kept: int) -> int:
 
 
 class _ChunkCursor:
-    """A cursor over the messages of a chunk; `time_ns` is the time of the next one."""
+    """A cursor over the messages of a chunk; `time_ns` is the time of the current one."""
 
     __slots__ = (
         "_chunk",
@@ -162,7 +163,7 @@ class _ChunkCursor:
         return True
 
     def current_message(self) -> tuple[int, int, bytes]:
-        """Return number, time and payload of the current message."""
+        """Return connection number, time and payload of the current message."""
         if self._plain is None:
             self._open()
         assert self._plain is not None

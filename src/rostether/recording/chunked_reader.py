@@ -15,7 +15,7 @@ from rostether.recording.packed_chunks import StoredChunk, compression_shares
 from rostether.recording.recorded import CompressionShare, Connection, RecordedMessage
 from rostether.recording.regular_file import MappedFile
 
-# The limit of reported reasons: every chunk may be damaged in a different way.
+# The length of the reasons at which no more are added: every chunk may be damaged in a different way.
 MAX_DAMAGE_CHARS = 500
 
 
@@ -25,13 +25,13 @@ class Damage(Struct):
     damage: str = ""
 
     def note(self, damage: str) -> None:
-        """Add a reason why the file is damaged; only the first reasons are kept."""
+        """Add a reason why the file is damaged to the first one, up to `MAX_DAMAGE_CHARS`."""
         if damage not in self.damage and len(self.damage) < MAX_DAMAGE_CHARS:
             self.damage = f"{self.damage}; {damage}"
 
 
 class ChunkedContent(Protocol):
-    """The content of a file, of any format."""
+    """The content of a bag or an MCAP file."""
 
     @property
     def damage(self) -> str:
@@ -46,7 +46,7 @@ ContentT = TypeVar("ContentT", bound=ChunkedContent)
 
 
 class ChunkedReader(Generic[ContentT]):
-    """The base of readers for every format; see `recording.recorded.RecordingReader`.
+    """The base of the bag and MCAP readers; see `recording.recorded.RecordingReader`.
 
     `read` returns the content of the file. Raises RecordingError if the file cannot be read.
     """
@@ -107,7 +107,7 @@ class Tally(NamedTuple):
 
 
 def tally(entries: Iterable[Entry], defined: Container[int], note: Callable[[str], None], noun: str) -> Tally:
-    """Count messages; those of a connection or channel (`noun`) that is not defined are only noted."""
+    """Count messages; messages of a connection or channel (`noun`) that is not defined are only noted."""
     counts: dict[int, int] = {}
     first_ns, last_ns = 1 << 64, -1
     for time_ns, _, _, number in entries:

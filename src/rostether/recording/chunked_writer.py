@@ -21,10 +21,11 @@ DEFAULT_CHUNK_BYTES = 768 * 1024
 
 
 class ChunkedWriter(ABC):
-    """The base of writers for every format; see `recording.recorded.RecordingWriter`.
+    """The base of the bag and MCAP writers; see `recording.recorded.RecordingWriter`.
 
-    `_index` has one array per connection with one row per message: the columns of its time, and its offset in
-    the chunk.
+    `_index` has an array for each connection, with a row for each message: the columns of its time, and its
+    offset in the chunk. Raises RecordingError, and ConfigError if the compression is unknown or not
+    installed.
     """
 
     # The type code of the index for `array`.

@@ -23,6 +23,7 @@ ZSTD = "zstd"
 # could unpack to any size.
 MAX_CHUNK_BYTES = 256 << 20
 
+# Up to this unpacked size of all chunks, the ratio does not matter: reading it takes seconds.
 MAX_UNPACKED_BYTES = 1 << 30
 # The largest ratio of unpacked size to file size, above MAX_UNPACKED_BYTES; 2 to 50 are usual.
 MAX_RATIO = 1000
@@ -40,7 +41,7 @@ def check_compression(name: str) -> None:
 
 
 def compress(name: str, data: bytes) -> bytes:
-    """Return a chunk's data compressed. Raises ConfigError."""
+    """Return a chunk's data compressed. Raises ConfigError if the compression is not installed."""
     if name == BZ2:
         return bz2.compress(data)
     if name == LZ4:
@@ -58,7 +59,7 @@ def compress(name: str, data: bytes) -> bytes:
     return data
 
 
-def decompress(name: str, data: Buffer, size_bytes: int) -> bytes | memoryview:
+def decompress(name: str, data: Buffer, size_bytes: int) -> Buffer:
     """Return a chunk's data, which must have the size `size_bytes`. Raises RecordingError, ConfigError."""
     plain: Buffer
     if name in ("", NONE):

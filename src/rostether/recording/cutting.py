@@ -11,22 +11,23 @@ from itertools import chain
 from pathlib import Path
 
 from rostether.errors import ConfigError, RecordingError
-from rostether.recording.files import Form, create_recording, form_for, form_of, open_recording
+from rostether.recording.file_lock import ACTIVE_SUFFIX
+from rostether.recording.files import FILE_SUFFIXES, Form, create_recording, form_for, form_of, open_recording
 from rostether.recording.recorded import Wanted, merged
 from rostether.recording.reindexing import refuse_same, write_messages
 from rostether.rostime import NS_PER_S
 
-# A week of recordings of ten minutes.
+# The limit of recordings to search: a week of recordings of ten minutes.
 MAX_RECORDINGS = 1008
 # The limit of open recordings, one for each sensor: a process may open 1024 files.
 MAX_OVERLAPPING = 200
 
-_SUFFIXES = (".bag", ".mcap", ".db3", ".active")
+_SUFFIXES = (*FILE_SUFFIXES, ACTIVE_SUFFIX)
 _CLOCK = re.compile(r"(?:(\d{4}-\d\d-\d\d)[T ])?(\d{1,2}:\d\d(?::\d\d(?:\.\d{1,6})?)?)(Z|[+-]\d\d:?\d\d)?")
 
 
 def find_recordings(paths: Sequence[Path]) -> list[Path]:
-    """Return the recordings among files, in folders, and in folders of folders, such as one for each robot.
+    """Return the given files, and the recordings in folders and in their folders, such as one for each robot.
 
     Raises ConfigError if there are none, or too many.
     """
@@ -39,7 +40,7 @@ def find_recordings(paths: Sequence[Path]) -> list[Path]:
             deeper = sorted(inside.iterdir()) if _is_folder(inside) else (inside,)
             found += [each for each in deeper if _is_recording(each)]
     if not found:
-        raise ConfigError(f"no recordings in {', '.join(map(str, paths))}")
+        raise ConfigError(f"no recordings in {', '.join(map(str, paths))}; give recordings or their folder")
     if len(found) > MAX_RECORDINGS:
         raise ConfigError(f"{len(found)} recordings; at most {MAX_RECORDINGS} are searched; give fewer")
     return found
@@ -88,7 +89,7 @@ def second_moment(text: str, start_ns: int) -> str:
 
 
 class Cutting:
-    """The recordings to cut from: only those that overlap the span stay open."""
+    """The recordings to cut from; only those that overlap the span are open at the same time."""
 
     def __init__(self, paths: Sequence[Path]) -> None:
         """Read the time spans of the recordings. Raises RecordingError if none of them has a message."""
@@ -115,12 +116,15 @@ class Cutting:
     def write(self, target: Path, wanted: Wanted, start_ns: int, end_ns: int) -> tuple[int, int]:
         """Write the messages of a span to a new recording, in the order of their times.
 
-        Returns the numbers of messages and of recordings; writes no file if there are no messages. On
-        RecordingError, no file remains.
+        Returns the numbers of messages and of recordings; writes no file if there are no messages. Raises
+        ConfigError, and RecordingError; then no file remains.
         """
         chosen = [path for path, span in self._spans.items() if span[0] <= end_ns and span[1] >= start_ns]
         if len(chosen) > MAX_OVERLAPPING:
-            raise RecordingError(f"{len(chosen)} recordings overlap; at most {MAX_OVERLAPPING} are allowed")
+            raise RecordingError(
+                f"{len(chosen)} recordings are in this time; at most {MAX_OVERLAPPING} are allowed; give "
+                "fewer, or a shorter time"
+            )
         for path in chosen:
             refuse_same(path, target)
         if not chosen:

@@ -84,7 +84,7 @@ def _is_same(file: int, path: Path) -> bool:
 
 
 def end_active(active: Path, path: Path) -> None:
-    """Rename `active` and its log files to `path`, replacing existing ones. Raises OSError."""
+    """Rename `active` and its log files to `path` and its log files, which it replaces. Raises OSError."""
     active.replace(path)
     if path.suffix != ".db3":
         return
@@ -95,16 +95,18 @@ def end_active(active: Path, path: Path) -> None:
 
 
 def lock_active(active: Path, path: Path, report: Callable[[str], None]) -> FileLock:
-    """Lock the file of a new recording; one that a killed recorder has left is renamed and reported.
+    """Lock the file of a new recording; a file that a killed recorder has left is renamed and reported.
 
-    Raises RecordingError.
+    Raises RecordingError if another recorder writes the file, or it cannot be renamed.
     """
     lock = FileLock(active)
     try:
         kept = _keep_left_over(active, path)
     except OSError as error:
         lock.release()
-        raise RecordingError(f"cannot rename {active}: {error.strerror or error}") from None
+        raise RecordingError(
+            f"cannot rename {active}, which a recorder has left: {error.strerror or error}; move it away"
+        ) from None
     if kept is None:
         return lock
     lock.release()

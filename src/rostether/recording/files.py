@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 BAG_SUFFIX = ".bag"
 MCAP_SUFFIX = ".mcap"
 DB3_SUFFIX = ".db3"
+FILE_SUFFIXES = (BAG_SUFFIX, MCAP_SUFFIX, DB3_SUFFIX)
 MCAP_MAGIC = b"\x89MCAP"
 
 
@@ -37,9 +38,9 @@ class Form(StrEnum):
 def open_recording(path: Path, *, is_native: bool = False, damage: str = "") -> RecordingReader:
     """Open a recording for reading.
 
-    Raises RecordingError, and ConfigError if an extra is missing. ROS 2 messages are returned as ROS 1 bytes:
-    with the fields of the ROS 1 type, or natively, with the fields of the ROS 2 type. `damage` is the reason
-    why the index of a file is invalid.
+    ROS 2 messages are returned as ROS 1 bytes: with the fields of the ROS 1 type, or, with `is_native`, with
+    the fields of the ROS 2 type. `damage` is the reason why the index of a file is invalid. Raises
+    RecordingError, and ConfigError if an extra is missing.
     """
     if path.is_dir() or path.name == "metadata.yaml":
         from rostether.recording.ros2.bag_reader import Ros2BagReader
@@ -65,7 +66,10 @@ def form_of(reader: RecordingReader) -> Form:
 
 
 def form_for(path: Path, source: Form, requested: Form | None = None) -> Form:
-    """Return the form of messages for a new recording's name and source. Raises ConfigError."""
+    """Return the form of a new recording: the requested one, else that of its name or its source.
+
+    Raises ConfigError if a recording with this name cannot have the requested form.
+    """
     name = path.name.removesuffix(ACTIVE_SUFFIX)
     if name.endswith((BAG_SUFFIX, ".bag.orig")):
         if requested is Form.ROS2:
@@ -92,9 +96,9 @@ def create_recording(
 ) -> RecordingWriter:
     """Create a recording, or overwrite one.
 
-    Raises RecordingError, ConfigError. `types` replaces the types of the environment; `unfit` counts messages
-    that do not fit their type. A name without a known suffix creates a folder, a ROS 2 bag; `storage` (mcap
-    or sqlite3) is the format of its file.
+    `types` replaces the types of the environment; `unfit` counts messages that do not fit their type. A name
+    without a suffix creates a folder, a ROS 2 bag; `storage` (mcap or sqlite3) is the format of its file.
+    Raises RecordingError, ConfigError.
     """
     name = path.name.removesuffix(ACTIVE_SUFFIX)
     if name.endswith(MCAP_SUFFIX):
@@ -110,7 +114,7 @@ def create_recording(
     if name.endswith((BAG_SUFFIX, ".bag.orig")):
         return BagWriter(path, compression=compression, chunk_bytes=chunk_bytes)
     if compression != NONE and (name.endswith(DB3_SUFFIX) or storage != "mcap"):
-        raise ConfigError(".db3 files cannot be compressed; use MCAP")
+        raise ConfigError(".db3 files cannot be compressed; use MCAP, or no compression")
     if name.endswith(DB3_SUFFIX):
         from rostether.recording.ros2.db3_writer import Db3Writer
 
@@ -133,7 +137,7 @@ def locked(path: Path) -> AbstractContextManager[object]:
 
     Raises RecordingError. A ROS 2 bag needs no lock: its folder must be empty at the start.
     """
-    is_file = path.name.removesuffix(ACTIVE_SUFFIX).endswith((BAG_SUFFIX, MCAP_SUFFIX, DB3_SUFFIX))
+    is_file = path.name.removesuffix(ACTIVE_SUFFIX).endswith(FILE_SUFFIXES)
     return FileLock(path) if is_file else nullcontext()
 
 
@@ -143,7 +147,7 @@ def is_mcap(path: Path) -> bool:
 
 
 def is_bag(path: Path) -> bool:
-    """Return whether a file starts like a ROS 1 bag."""
+    """Return whether a file starts like a ROS 1 bag; False if it cannot be read."""
     return _begins_with(path, MAGIC)
 
 

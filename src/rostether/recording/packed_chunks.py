@@ -6,7 +6,7 @@ from collections.abc import Iterable
 
 from msgspec import Struct
 
-from rostether.recording.compression import NONE, decompress
+from rostether.recording.compression import NONE, Buffer, decompress
 from rostether.recording.recorded import CompressionShare
 
 # Larger chunks are not copied: `chunk_order` reads them twice instead.
@@ -29,8 +29,11 @@ class StoredChunk(Struct, frozen=True):
     numbers: frozenset[int] | None
 
 
-def unpack_chunk(view: memoryview, chunk: StoredChunk) -> bytes | memoryview:
-    """Return the data of a chunk. Raises RecordingError if it is broken."""
+def unpack_chunk(view: memoryview, chunk: StoredChunk) -> Buffer:
+    """Return the uncompressed data of a chunk of the file `view`.
+
+    Raises RecordingError if it is broken, and ConfigError if its compression is not installed.
+    """
     plain = decompress(chunk.compression, view[chunk.data_start : chunk.data_end], chunk.size_bytes)
     # Slicing bytes costs half as much as slicing a view.
     return bytes(plain) if len(plain) <= MAX_LISTED_BYTES else plain

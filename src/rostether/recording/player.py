@@ -19,7 +19,7 @@ from rostether.msgdef.interface import ANY_MESSAGE, MessageType
 from rostether.recording.recorded import Connection, RecordingReader, merged
 from rostether.rostime import NS_PER_S, Time
 
-# How long a slow subscriber delays the others; then it loses its oldest messages.
+# How long a slow subscriber may delay the others; then it loses its oldest messages.
 DRAIN_S = 0.5
 
 # Messages sent before other tasks run: about 2 ms of reading.
@@ -38,7 +38,7 @@ SAMPLE_MESSAGES = 2000
 # The largest queue, even if more is requested.
 MAX_QUEUE_BYTES = 1 << 30
 
-# The maximum memory of a queued message besides its payload.
+# The memory of a queued message besides its payload, at most.
 QUEUED_BYTES = 64
 
 # The maximum delay before a key takes effect.
@@ -46,7 +46,14 @@ LONGEST_SLEEP_S = 0.05
 
 
 class PlaySettings(Struct, frozen=True):
-    """How to play. Times are in seconds of the recording; None means its own start or end."""
+    """How to play; `start_s`, `duration_s` and `skip_empty_s` are recorded time, other times are real time.
+
+    Without `duration_s`, the recording is played to its end; without `topics`, all topics are played. Gaps
+    longer than `skip_empty_s` are skipped. Playback begins `delay_s` after the topics are advertised, and
+    pauses at each message on `pause_topics`. With `rate_control_topic`, it waits whenever no message has
+    arrived there for `rate_control_max_delay_s`. `queue_messages` limits the queue of each subscriber; 0
+    means unlimited.
+    """
 
     rate: float = 1.0
     start_s: float = 0.0
@@ -73,7 +80,10 @@ class PlaySettings(Struct, frozen=True):
 
 
 class Player:
-    """One playback; `toggle_pause` and `step` may be called while `play` runs."""
+    """One playback; `toggle_pause` and `step` may be called while `play` runs.
+
+    Raises RecordingError if the recordings have no messages.
+    """
 
     def __init__(self, graph: Graph, readers: Sequence[RecordingReader], settings: PlaySettings) -> None:
         self.played_count = 0
@@ -84,13 +94,14 @@ class Player:
         self._publishers: dict[str, Publisher] = {}
         self._clock: Publisher | None = None
         self._steps = 0
-        # Playback waits for the first message on the topic that controls the rate.
+        # Whether playback waits for a message on the topic that controls the rate.
         self._is_held = False
         self._controlled_s = 0.0
         # The wall clock when the recording was at `_origin_ns`.
         self._origin_s = 0.0
         self._origin_ns = 0
         self._next_clock_s = 0.0
+        # The time of the latest message.
         self.time_ns = 0
         spans = [span for reader in readers if (span := reader.span_ns) is not None]
         if not spans:
@@ -107,12 +118,12 @@ class Player:
         self._set_paused(not self.is_paused)
 
     def step(self) -> None:
-        """While paused, play one message."""
+        """Play one message, if paused."""
         if self.is_paused:
             self._steps += 1
 
     async def play(self, on_started: Callable[[], None] | None = None) -> None:
-        """Advertise and play to the end. Raises RecordingError, GraphError."""
+        """Advertise, call `on_started`, and play to the end. Raises RecordingError, GraphError."""
         await self._advertise()
         if on_started is not None:
             on_started()
@@ -162,7 +173,7 @@ class Player:
                 topic = self._settings.topic_of(message.connection)
                 sizes[topic] = max(sizes[topic], len(message.payload) + QUEUED_BYTES)
         largest = max(sizes.values(), default=QUEUED_BYTES) or QUEUED_BYTES
-        # 0 means unlimited, as everywhere in ROS.
+        # As everywhere in ROS, 0 means unlimited.
         count = self._settings.queue_messages or MAX_QUEUE_BYTES
         return {topic: (size or largest) * count for topic, size in sizes.items()}
 

@@ -50,7 +50,7 @@ class Connection(Struct, frozen=True):
 
     @classmethod
     def from_fields(cls, topic: str, fields: Mapping[str, str]) -> Connection:
-        """Build from the fields of a connection header; missing fields are empty."""
+        """Build from the fields of a connection header; a missing type or md5sum is `*`."""
         message_type = MessageType(
             fields.get("type", "*"), fields.get("md5sum", "*"), fields.get("message_definition", "")
         )
@@ -104,7 +104,7 @@ class RecordingWriter(Protocol):
 
     @property
     def size_bytes(self) -> int:
-        """The minimum size of the file if it is closed now."""
+        """The approximate size of the file with all accepted messages."""
 
     @property
     def message_count(self) -> int:
@@ -182,6 +182,6 @@ def merged(
     start_ns: int | None = None,
     end_ns: int | None = None,
 ) -> Iterator[RecordedMessage]:
-    """Yield the messages of several recordings as one, sorted by time. Raises RecordingError."""
+    """Yield the messages of several recordings like one, sorted by time. Raises RecordingError."""
     streams = [each.messages(wanted, start_ns=start_ns, end_ns=end_ns) for each in readers]
     return streams[0] if len(streams) == 1 else heapq.merge(*streams, key=lambda message: message.time_ns)

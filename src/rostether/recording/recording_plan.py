@@ -9,15 +9,17 @@ from msgspec import Struct
 
 
 class TopicChoice(Struct, frozen=True):
-    """The topics to record: names, patterns, all topics, or the subscriptions of a node."""
+    """The topics to record: names, patterns, all topics, or the subscriptions of a node.
+
+    `exclude` has priority over all of them. Without `with_hidden`, "all topics" omits ROS 2's hidden topics,
+    which have a part that starts with `_`.
+    """
 
     names: tuple[str, ...] = ()
     patterns: tuple[re.Pattern[str], ...] = ()
     exclude: re.Pattern[str] | None = None
     is_all: bool = False
     node: str = ""
-
-    # Whether "all topics" includes ROS 2's hidden topics, which have a part that starts with `_`.
     with_hidden: bool = True
 
     @property
@@ -38,7 +40,11 @@ class TopicChoice(Struct, frozen=True):
 
 
 class RecordLimits(Struct, frozen=True):
-    """The limits of a file and of the recording; None means no limit."""
+    """The limits of a recording; None means no limit.
+
+    With `is_splitting`, a new file starts at `size_bytes` or `duration_s`, and only the last `max_splits`
+    files are kept; without it, the recording ends there.
+    """
 
     size_bytes: int | None = None
     duration_s: float | None = None

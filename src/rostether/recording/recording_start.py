@@ -19,7 +19,7 @@ Report = Callable[[str], None]
 
 
 async def wait_for_time(graph: Graph, report: Report) -> None:
-    """Wait for simulated time: without it, latched messages would have no time and be lost."""
+    """Wait for simulated time: without a time, latched messages would be lost."""
     report("WARNING: use_sim_time is set: waiting for the first message on /clock")
     while not graph.now().to_ns():  # noqa: ASYNC110 - the port does not report it
         await asyncio.sleep(TIME_POLL_S)

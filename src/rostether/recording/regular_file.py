@@ -26,7 +26,7 @@ _KINDS = (
 
 
 def require_regular_file(path: Path) -> None:
-    """Raise RecordingError if the path exists and is not a file; opening reports a missing file."""
+    """Raise RecordingError if the path exists and is not a regular file; opening it reports a missing one."""
     try:
         mode = path.stat().st_mode
     except (OSError, ValueError):

@@ -14,9 +14,19 @@ from msgspec import Struct
 
 from rostether.errors import RecordingError
 from rostether.recording.checking import file_faults
-from rostether.recording.compression import NONE
+from rostether.recording.compression import COMPRESSIONS, NONE
 from rostether.recording.file_lock import ACTIVE_SUFFIX, FileLock, end_active
-from rostether.recording.files import Form, create_recording, form_of, is_mcap, locked, open_recording
+from rostether.recording.files import (
+    BAG_SUFFIX,
+    FILE_SUFFIXES,
+    MCAP_SUFFIX,
+    Form,
+    create_recording,
+    form_of,
+    is_mcap,
+    locked,
+    open_recording,
+)
 from rostether.recording.recorded import Connection, RecordedMessage, RecordingReader, RecordingWriter
 
 if TYPE_CHECKING:
@@ -40,7 +50,7 @@ def reindex(path: Path, output: Path, *, keep_original: Path | None = None) -> R
     """Write all readable messages of `path` to `output`, which may be the same file.
 
     `keep_original` is the new path of the old file, if wanted. A complete recording is not changed, unless
-    `output` is another path. Raises RecordingError.
+    `output` is another path. Raises RecordingError, and ConfigError if an extra is missing.
     """
     reader = open_recording(path, is_native=True)
     listed_count = None if reader.damage else sum(reader.counts.values())
@@ -94,8 +104,8 @@ def _unfinished(path: Path, output: Path) -> Iterator[Path]:
         with tempfile.TemporaryDirectory(prefix=f"{UNFINISHED_SUFFIX}.", dir=output.parent) as folder:
             yield Path(folder) / name
         return
-    if not name.endswith((".bag", ".mcap", ".db3")):
-        name += ".mcap" if is_mcap(path) else ".bag"
+    if not name.endswith(FILE_SUFFIXES):
+        name += MCAP_SUFFIX if is_mcap(path) else BAG_SUFFIX
     yield output.with_name(f"{UNFINISHED_SUFFIX}.{name}")
 
 
@@ -145,9 +155,9 @@ def write_messages(
 
 
 def _most_used_compression(reader: RecordingReader) -> str:
-    """Return the compression of most chunks, if it can be written."""
+    """Return the most frequent compression of the chunks that can be written."""
     for share in reader.compressions:
-        if share.name in ("none", "bz2", "lz4"):
+        if share.name in COMPRESSIONS:
             return share.name
     return NONE
 

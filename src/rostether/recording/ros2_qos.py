@@ -16,13 +16,19 @@ _WORDS = {
     "reliability": ("system_default", "reliable", "best_effort", "unknown", "best_available"),
     "durability": ("system_default", "transient_local", "volatile", "unknown", "best_available"),
     "liveliness": (
-        *("system_default", "automatic", "manual_by_node", "manual_by_topic", "unknown", "best_available"),
+        "system_default",
+        "automatic",
+        "manual_by_node",
+        "manual_by_topic",
+        "unknown",
+        "best_available",
     ),
 }
+# The largest duration of rmw: 2^63 - 1 ns.
 _INFINITE = {"sec": 9223372036, "nsec": 854775807}
-# A publisher needs about 400.
+# The limit of the text of a topic; a publisher needs about 400 characters.
 MAX_CHARACTERS = 1 << 18
-# Files are untrusted; of a topic with more publishers, only the first are read.
+# Files are untrusted; if a topic has more publishers, only the first profiles are read.
 MAX_PROFILES = 1000
 
 
@@ -63,7 +69,7 @@ def profiles_text(profiles: list[dict[str, Any]]) -> str:
 
 
 def is_latching(profiles: list[dict[str, Any]]) -> bool:
-    """Return whether a publisher was latched in the sense of ROS 1."""
+    """Return whether one of the publishers was latched in terms of ROS 1."""
     return any(each.get("durability") == "transient_local" for each in profiles)
 
 

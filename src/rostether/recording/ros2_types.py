@@ -28,9 +28,9 @@ _STAMPS = {"builtin_interfaces/Time": "time", "builtin_interfaces/Duration": "du
 
 
 class RecordedDefinitions(Ros2Definitions):
-    """The definitions of a recording; missing ones come from `others`, by default the environment.
+    """The definitions of a recording; missing ones come from `others`, by default those of the environment.
 
-    The first definition of a name is used: all definitions of one recording agree.
+    The first definition of a name is used.
     """
 
     def __init__(self, others: Ros2Definitions | None = None) -> None:
@@ -91,7 +91,7 @@ class ReadType(Struct, frozen=True):
 
 
 class ReadTypes:
-    """The types of one recording, in the form of ROS 1, or natively.
+    """The types of one recording, in the form of ROS 1, or, with `is_native`, natively.
 
     Native types have the fields of ROS 2, so that a conversion back to CDR loses nothing.
     """
@@ -123,7 +123,7 @@ class ReadTypes:
         types = Ros2Types(self._registry, definitions)
         try:
             self._registry.message_type(ros1_name(origin.type_name))
-        except (UnknownTypeError, DefinitionError):
+        except DefinitionError:
             # Definitions of a workspace may be those of ROS 2, with bounds that ROS 1 cannot express.
             try:
                 return types.message(as_ros1_type(definitions.message(origin.type_name), definitions))
@@ -135,7 +135,7 @@ class ReadTypes:
 def as_ros1_type(message: Ros2Message, definitions: Ros2Definitions) -> MessageType:
     """Return a ROS 2 type as a ROS 1 type: stamps become `time`, and Header becomes that of ROS 1.
 
-    Raises UnknownTypeError, and DefinitionError for what ROS 1 cannot express.
+    Raises UnknownTypeError, and DefinitionError for a type that ROS 1 cannot express.
     """
     registry = Registry()
     own, *below = as_ros1_specs(message, definitions)

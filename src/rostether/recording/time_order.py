@@ -9,7 +9,7 @@ _JUMP_NS = NS_PER_S
 
 
 class TimeOrder:
-    """Checks the times of messages, given in file order."""
+    """Checks the times of messages in the order of the file."""
 
     def __init__(self) -> None:
         self._last_ns = 0

@@ -45,7 +45,7 @@ class BagContent(Damage):
     connections_bytes: int = 0
 
     def add_connection(self, fields: Fields, header: Buffer) -> None:
-        """Handle a connection record. Raises RecordingError if it is damaged, or if there are too many."""
+        """Add the connection of a record. Raises RecordingError if it is damaged or there are too many."""
         self.connections_bytes += len(header)
         if len(self.connections) >= MAX_CONNECTIONS or self.connections_bytes > MAX_CONNECTIONS_BYTES:
             found = f"{len(self.connections)} connections with {self.connections_bytes} bytes of definitions"

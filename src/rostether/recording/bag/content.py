@@ -26,7 +26,7 @@ from rostether.recording.compression import MAX_CHUNK_BYTES, NONE, Buffer, check
 def read_content(data: Buffer, damage: str = "") -> BagContent:
     """Return the content of a bag, by its index, or by a search if the index is missing or damaged.
 
-    Raises RecordingError if the file is not a bag.
+    `damage`, if given, is the reason not to use the index. Raises RecordingError if the file is not a bag.
     """
     start = len(MAGIC)
     if (magic := bytes(data[:start])) != MAGIC:

@@ -79,7 +79,7 @@ def decode_fields(header: Buffer) -> Fields:
 
 
 def read_record(data: Buffer, position: int) -> tuple[Fields, int, int]:
-    """Return a record's fields, and start and end of its data. Raises RecordingError if it is truncated."""
+    """Return a record's fields, and start and end of its data. Raises RecordingError if it is damaged."""
     start = position + 4
     if start > len(data):
         raise RecordingError("the file ends within a record")
@@ -94,7 +94,7 @@ def read_record(data: Buffer, position: int) -> tuple[Fields, int, int]:
 
 
 def op_of(fields: Fields) -> int:
-    """Return a record's kind. Raises RecordingError."""
+    """Return a record's kind. Raises RecordingError if it has none."""
     op = fields.get(b"op", b"")
     if len(op) != 1:
         raise RecordingError("a record has no kind")

@@ -27,7 +27,7 @@ _MAX_CHUNK_HEADER_BYTES = 41
 def search(data: Buffer, position: int, damage: str, content: BagContent | None = None) -> BagContent:
     """Read all complete chunks from a position, and the beginning of broken ones that are not compressed.
 
-    Raises RecordingError if their unpacked size is implausible.
+    `content`, if given, is extended. Raises RecordingError if the unpacked size of the chunks is implausible.
     """
     content = content or BagContent(damage=damage)
     check_unpacked_size(_define_connections(content, data, position), len(data))
@@ -123,7 +123,7 @@ def _end_of_messages(data: Buffer, position: int, *, leaves_last: bool = False) 
                 break
             before, position = position, end
     except RecordingError:
-        pass  # the file or its intact part ends here
+        pass  # The file or its intact part ends here.
     return before if leaves_last else position
 
 

@@ -1,7 +1,7 @@
 """Writes ROS 1 bags, format 2.0: chunks of messages with their index.
 
-Every reader can find the chunks of a killed process by reading through the file. The file's index and counts
-are written when it is closed.
+The file's index and counts are written when it is closed. If the process is killed before, readers find the
+chunks by a search.
 """
 
 from __future__ import annotations
@@ -32,7 +32,8 @@ from rostether.recording.chunked_writer import DEFAULT_CHUNK_BYTES, ChunkedWrite
 from rostether.recording.compression import NONE, compress
 from rostether.recording.recorded import Connection
 
-# The length of the header, then conn (13 bytes with its length), op (8) and time (17, without its value).
+# The beginning of a message record: the length of its header, then the fields conn (13 bytes with its
+# length), op (8) and time (17, here without its value of 8 bytes).
 _MESSAGE_HEAD = struct.Struct("<II5sII4sI5s")
 _MESSAGE_HEADER_BYTES = 38
 

@@ -24,10 +24,13 @@ from rostether.recording.mcap.decoding import (
     read_record,
 )
 from rostether.recording.mcap.records import (
+    CHUNK_HEAD,
     FOOTER_BYTES,
     MAGIC,
     MESSAGE_HEAD,
     RECORD_HEAD,
+    U32,
+    U64,
     Channel,
     Chunk,
     ChunkIndex,
@@ -40,7 +43,7 @@ from rostether.recording.packed_chunks import StoredChunk, unpack_chunk
 # The limit for all schemas and channels, a few KB each: a compressed chunk could define gigabytes of them.
 MAX_DEFINITION_BYTES = 256 << 20
 
-# A chunk's kind, its length below 1 TB, its times, size and checksum, and its compression.
+# The start of a chunk: its kind, its length below 1 TB, its times, size and checksum, and its compression.
 _CHUNK_HEAD = re.compile(rb"\x06.{5}\0\0\0.{28}(?:\0\0\0\0|\x03\0\0\0lz4|\x04\0\0\0zstd)", re.DOTALL)
 
 # Messages outside of chunks are read together up to this size.
@@ -48,7 +51,7 @@ MAX_LOOSE_BYTES = 4 << 20
 
 
 class McapContent(Damage):
-    """The content of a file."""
+    """The content of an MCAP file."""
 
     schemas: dict[int, Schema] = field(default_factory=dict)
     channels: dict[int, Channel] = field(default_factory=dict)
@@ -58,7 +61,7 @@ class McapContent(Damage):
     definition_bytes: int = 0
 
     def define(self, op: int, data: Buffer, start: int, end: int) -> None:
-        """Add a schema or a channel; duplicates are allowed. Raises RecordingError."""
+        """Add the schema or channel of a record; duplicates are allowed. Raises RecordingError."""
         self.definition_bytes += end - start
         if self.definition_bytes > MAX_DEFINITION_BYTES:
             raise RecordingError(f"it has more than {MAX_DEFINITION_BYTES} bytes of definitions")
@@ -73,7 +76,7 @@ class McapContent(Damage):
 def read_content(data: Buffer, damage: str = "") -> McapContent:
     """Return the content of a file, by its summary, or by a search if the summary is missing or damaged.
 
-    Raises RecordingError if the file is not MCAP.
+    `damage`, if given, is the reason not to use the summary. Raises RecordingError if the file is not MCAP.
     """
     begin = bytes(data[: len(MAGIC)])
     if begin != MAGIC:
@@ -167,7 +170,7 @@ def _stored(chunk: Chunk, numbers: frozenset[int] | None) -> StoredChunk:
 
 
 def search(data: Buffer, damage: str) -> McapContent:
-    """Read all complete records; after a broken one, continue at the next chunk.
+    """Read all complete records; after a broken record, continue at the next chunk.
 
     Raises RecordingError if the unpacked size of its chunks is implausible.
     """
@@ -271,13 +274,10 @@ def _define_channels(content: McapContent, data: Buffer) -> int:
 
 def _add_cut_chunk(content: McapContent, data: Buffer, position: int, limit: int) -> None:
     """Read the complete messages of an uncompressed chunk that is broken, up to a position."""
-    start = position + RECORD_HEAD.size
-    if data[position] != Op.CHUNK:
-        return
-    head = bytes(data[start : start + 32])
-    if len(head) < 32 or int.from_bytes(head[28:32], "little"):
-        return
-    start += 40
+    start = position + RECORD_HEAD.size + CHUNK_HEAD.size
+    if data[position] != Op.CHUNK or bytes(data[start : start + U32.size]) != bytes(U32.size):
+        return  # The length of the compression's name is 0 only in an uncompressed chunk.
+    start += U32.size + U64.size
     before = end = start
     try:
         while end < limit:

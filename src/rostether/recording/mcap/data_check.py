@@ -23,9 +23,10 @@ from rostether.recording.time_order import TimeOrder
 
 
 class FoundChunk(Struct):
-    """A chunk in the data section, its content, and the indexes that follow it.
+    """A chunk in the data section, and the message indexes that follow it.
 
     `message_offsets` has (time, offset) of each message by channel, until the indexes are compared.
+    `indexes` has the positions of the message indexes by channel.
     """
 
     chunk: Chunk
@@ -37,7 +38,7 @@ class FoundChunk(Struct):
 
 
 class DataCheck:
-    """Reads the data section, passes errors to `report`, and keeps the facts that the summary must match."""
+    """Reads the data section, passes errors to `report`, and collects what the summary must match."""
 
     def __init__(self, data: Buffer, report: Callable[[str], None]) -> None:
         self.defined = McapContent()

@@ -1,4 +1,7 @@
-"""Decodes the records of MCAP files; all lengths are checked."""
+"""Decodes the records of MCAP files, and checks all lengths.
+
+The decode functions raise RecordingError if a record is shorter than its content.
+"""
 
 from __future__ import annotations
 
@@ -92,7 +95,7 @@ class _Fields:
 
 
 def check_header(data: Buffer, start: int, end: int) -> None:
-    """Raise RecordingError, like all decode functions, if the header's profile or library is cut off."""
+    """Raise RecordingError if the header's profile or library is cut off."""
     fields = _Fields(data, start, end, "header")
     fields.text()
     fields.text()

@@ -3,7 +3,7 @@
     file     magic  header  (schema | channel | chunk  message index...)...  data end  summary  footer  magic
     record   u8 kind | u64 length | content
     chunk    its records are a sequence of schemas, channels and messages, possibly compressed
-    summary  schemas and channels again, statistics, chunk indexes, and where each kind of them begins
+    summary  schemas and channels again, statistics, chunk indexes, and the position of each group of these
 
 All integers are little-endian; texts have a u32 length before them. Source: mcap.dev/spec
 """
@@ -67,7 +67,7 @@ class Schema(msgspec.Struct, frozen=True):
 
 
 class Channel(msgspec.Struct, frozen=True):
-    """A topic of a publisher; schema 0 means no schema."""
+    """A topic of a publisher; the number of its schema is 0 if it has none."""
 
     number: int
     schema: int
@@ -89,7 +89,7 @@ class Chunk(msgspec.Struct, frozen=True):
 
 
 class ChunkIndex(msgspec.Struct, frozen=True):
-    """The position of a chunk and of its message indexes; `indexes` by channel number."""
+    """The position of a chunk, and those of its message indexes by channel number (`indexes`)."""
 
     start_ns: int
     end_ns: int
@@ -103,7 +103,7 @@ class ChunkIndex(msgspec.Struct, frozen=True):
 
 
 class Statistics(msgspec.Struct, frozen=True):
-    """The statistics of a file; `counts` by channel number."""
+    """The statistics of a file; `counts` has the number of messages by channel number."""
 
     message_count: int
     schema_count: int

@@ -37,7 +37,7 @@ from rostether.recording.mcap.records import (
 )
 from rostether.recording.recorded import Connection
 
-# The format uses two bytes for their numbers.
+# A channel's number has two bytes.
 MAX_CHANNELS = 0xFFFF
 
 _MAX_TIME_NS = (1 << 64) - 1
@@ -62,7 +62,7 @@ class McapWriter(ChunkedWriter):
         self._schema_records: dict[int, bytes] = {}
         # Schema and record of each channel.
         self._channels: dict[int, tuple[int, bytes]] = {}
-        # Schemas and channels that are in the file, and those in the open chunk.
+        # The records of schemas and channels that are in the file, and those that are in the open chunk.
         self._known: set[bytes] = set()
         self._written: set[bytes] = set()
         self._indexes: list[ChunkIndex] = []
@@ -160,7 +160,7 @@ class McapWriter(ChunkedWriter):
 
     def _write_end(self) -> None:
         for number in self._channels:
-            for record in self._pop_unwritten(number):  # of topics without messages
+            for record in self._pop_unwritten(number):  # Its topic has no messages.
                 self._append(record)
                 self._known.add(record)
         data_end = encode_record(Op.DATA_END, U32.pack(self._data_crc))
