@@ -18,13 +18,13 @@ import cbor2
 from fuzz.grammar import near
 from fuzz.lowering import lowered
 from rostether.gateways.rosbridge import client_services, client_topics, fragments
-from rostether.gateways.rosbridge import gateway_context as surroundings
+from rostether.gateways.rosbridge import rosbridge_context as surroundings
 from rostether.gateways.rosbridge.fragments import split_fragments
-from rostether.gateways.rosbridge.gateway_context import GatewayContext
 from rostether.gateways.rosbridge.message_forms import MessageForms
 from rostether.gateways.rosbridge.offered_services import OfferedServices
 from rostether.gateways.rosbridge.png_packing import pack_png
 from rostether.gateways.rosbridge.rosapi.rosapi import Rosapi
+from rostether.gateways.rosbridge.rosbridge_context import RosbridgeContext
 from rostether.gateways.rosbridge.service_types import ServiceTypes
 from rostether.gateways.rosbridge.session import Session
 from rostether.gateways.rosbridge.settings import RosbridgeSettings
@@ -229,7 +229,7 @@ async def _converse(lines: list[str]) -> None:
     publisher.publish(data="hello")
     await talker.service_server("/enable", "std_srvs/SetBool", _enable)
     graph = await network.join("/gateway")
-    around = GatewayContext(
+    around = RosbridgeContext(
         graph,
         _STORE,
         _SETTINGS,

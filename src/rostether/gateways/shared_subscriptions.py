@@ -152,7 +152,8 @@ class _Source:
             return
         publishers = await self._publishers()
         for batch in latched:
-            # A latched message is not valid after the end of its publisher; a newer one has been delivered.
+            # A latched message is not valid after the end of its publisher. If a newer one has arrived, the
+            # share already has it.
             node_name = batch.connection.node_name
             if (publishers is None or node_name in publishers) and self._latched.get(node_name) is batch:
                 share.deliver(batch)

@@ -24,7 +24,7 @@ MESSAGE_TYPES = {
     "DIGITAL": "std_msgs/Float64",
 }
 
-# Each sensor costs a subscription; a new one replaces the one that has been lost for the longest time.
+# Each sensor costs a subscription. A new sensor replaces the sensor that has been lost for the longest time.
 MAX_SENSORS = 1000
 
 _COUNTED_TOPIC = re.compile(r"sensor_node(0|[1-9][0-9]{0,8})")
@@ -163,7 +163,7 @@ class SensorRegistry:
         return self._sensors[wanted.id], ""
 
     def adopt(self, topic: str, message_type: str, platform: str, now_s: float) -> bool:
-        """Add the sensor that publishes on an unregistered numbered topic; False for another topic.
+        """Add the sensor that publishes on an unregistered numbered topic; return False for another topic.
 
         It was registered with an earlier manager, whose saved state is missing. Raises ServiceCallError
         when there are too many.
@@ -221,7 +221,7 @@ class SensorRegistry:
         for sensor in self._sensors.values():
             if (sensor.platform, sensor.sensor_type) == (platform, sensor_type) and sensor.number >= 0:
                 condition = self._conditions[sensor.id]
-                # A new sensor has just been registered and may be about to publish.
+                # A sensor that was never connected is new, and may be about to publish.
                 if condition.was_connected and not condition.is_connected:
                     return sensor
         return None

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Awaitable, Callable, Mapping
+from collections.abc import Awaitable, Callable
 from typing import Any
 
 from rostether.errors import InvalidNameError, RemoteProtocolError
@@ -16,7 +16,7 @@ from rostether.gateways.foxglove.client_sender import ClientSender
 from rostether.gateways.foxglove.client_topics import ClientTopic
 from rostether.gateways.foxglove.client_work import ClientWork
 from rostether.gateways.foxglove.driven_topic import DrivenTopic
-from rostether.gateways.foxglove.gateway_context import GatewayContext
+from rostether.gateways.foxglove.foxglove_context import FoxgloveContext
 from rostether.gateways.foxglove.server_messages import Channel, StatusLevel
 from rostether.gateways.foxglove.subscription import DroppedReport, Subscription
 from rostether.gateways.websocket.access_rules import Rights
@@ -33,7 +33,7 @@ class Client:
 
     def __init__(
         self,
-        context: GatewayContext,
+        context: FoxgloveContext,
         sender: ClientSender,
         on_closed: Callable[[Client], None],
         rights: Rights,
@@ -114,15 +114,11 @@ class Client:
 
     # Calls from the gateway.
 
-    def show_status(self, level: StatusLevel, text: str) -> None:
-        """Show a line to the client's user."""
-        self.sender.send(replies.status(level, text))
-
     def report_error(self, text: str) -> None:
         """Report an error to the client, up to a limit."""
         self._error_count += 1
         if self._error_count <= MAX_REPORTED_ERRORS:
-            self.show_status(StatusLevel.ERROR, text)
+            self.sender.send(replies.status(StatusLevel.ERROR, text))
 
     def channel_ended(self, channel: Channel) -> None:
         """End the subscription to a channel that has ended."""
@@ -177,12 +173,7 @@ class Client:
         teleop = self._context.teleop
         if channel.driver is None or teleop is None:
             return ClientTopic(channel, self.report_error)
-        return DrivenTopic(
-            channel, self.sender.connection.peer, teleop, self._report_drive, self.report_error
-        )
-
-    def _report_drive(self, state: Mapping[str, Any]) -> None:
-        self.sender.send(replies.drive(state))
+        return DrivenTopic(channel, self.sender.connection.peer, teleop, self.sender.send, self.report_error)
 
     def _may_publish(self, topic: str) -> bool:
         try:

@@ -10,7 +10,7 @@ from rostether.errors import RostetherError
 from rostether.gateways.foxglove import client_messages as requests
 from rostether.gateways.foxglove import server_messages as replies
 from rostether.gateways.foxglove.client_work import ClientWork
-from rostether.gateways.foxglove.gateway_context import GatewayContext
+from rostether.gateways.foxglove.foxglove_context import FoxgloveContext
 
 
 class ClientParameters:
@@ -18,7 +18,7 @@ class ClientParameters:
 
     def __init__(
         self,
-        context: GatewayContext,
+        context: FoxgloveContext,
         work: ClientWork,
         send: Callable[[str], None],
         report_error: Callable[[str], None],

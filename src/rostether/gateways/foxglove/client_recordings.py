@@ -16,7 +16,7 @@ from rostether.gateways.foxglove.client_messages import (
     StopRecording,
 )
 from rostether.gateways.foxglove.client_work import ClientWork
-from rostether.gateways.foxglove.gateway_context import GatewayContext
+from rostether.gateways.foxglove.foxglove_context import FoxgloveContext
 from rostether.gateways.foxglove.recording_control import RecordingControl
 
 # Concurrent requests of one client; a user makes one at a time.
@@ -31,7 +31,7 @@ class ClientRecordings:
 
     def __init__(
         self,
-        context: GatewayContext,
+        context: FoxgloveContext,
         work: ClientWork,
         send: Callable[[str], None],
         report_error: Callable[[str], None],

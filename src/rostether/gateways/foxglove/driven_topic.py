@@ -9,6 +9,7 @@ from functools import partial
 from typing import Any
 
 from rostether.errors import RostetherError
+from rostether.gateways.foxglove import server_messages as replies
 from rostether.gateways.foxglove.client_messages import ClientChannel
 from rostether.gateways.foxglove.client_topics import channel_encoder, report_once, types_of
 from rostether.gateways.teleop.teleop import CommandTopic, Teleop
@@ -24,20 +25,23 @@ _MAX_COMMAND_BYTES = 1 << 10
 
 
 class DrivenTopic:
-    """One channel of one client; it is also the driver. `report` sends the state of the lease."""
+    """One channel of one client, and the driver of its topic.
+
+    `send` sends the state of the lease to the client, and `warn` reports an error.
+    """
 
     def __init__(
         self,
         channel: ClientChannel,
         peer: str,
         teleop: Teleop,
-        report: Callable[[dict[str, Any]], None],
+        send: Callable[[str], None],
         warn: Callable[[str], None],
     ) -> None:
         self.channel = channel
         self.name = f"{fold_line((channel.driver or '')[:_MAX_NAME_CHARACTERS]) or 'a page'} ({peer})"
         self._teleop = teleop
-        self._report = report
+        self._send = send
         self._warn = warn
         self._warn_once = report_once(warn)
         self._topic = ""
@@ -86,7 +90,7 @@ class DrivenTopic:
         state = "free" if not holder else "driving" if holder == self.name else "taken"
         if self._reported != (state, holder):
             self._reported = (state, holder)
-            self._report({"op": "drive", "channelId": self.channel.id, "state": state, "driver": holder})
+            self._send(replies.drive(self.channel.id, state, holder))
 
     def ended(self, reason: str) -> None:
         """Report that the topic can no longer be driven."""

@@ -24,10 +24,10 @@ from rostether.gateways.foxglove.client import Client
 from rostether.gateways.foxglove.client_sender import ClientSender
 from rostether.gateways.foxglove.connection_graph import ConnectionGraph
 from rostether.gateways.foxglove.dashboard_parts import DashboardParts
-from rostether.gateways.foxglove.gateway_context import GatewayContext
+from rostether.gateways.foxglove.foxglove_context import FoxgloveContext
 from rostether.gateways.foxglove.parameters import Parameters
 from rostether.gateways.foxglove.recording_control import RecordingReports
-from rostether.gateways.foxglove.server_messages import Channel, OfferedService, StatusLevel
+from rostether.gateways.foxglove.server_messages import AdvertisedService, Channel, StatusLevel
 from rostether.gateways.foxglove.services import FindServiceType, Services
 from rostether.gateways.foxglove.settings import FoxgloveSettings
 from rostether.gateways.foxglove.sim_clock import SimClock
@@ -85,7 +85,7 @@ class FoxgloveGateway(BlockClosable):
         channels = Channels(
             store, shared, settings.topics, self._offer_channels, self._end_channels, self._warn_clients
         )
-        self.context = GatewayContext(
+        self.context = FoxgloveContext(
             graph=graph,
             store=store,
             settings=settings,
@@ -256,11 +256,11 @@ class FoxgloveGateway(BlockClosable):
                 client.channel_ended(channel)
         self._broadcast(replies.unadvertise(channel.id for channel in channels))
 
-    def _offer_services(self, services: Sequence[OfferedService]) -> None:
+    def _offer_services(self, services: Sequence[AdvertisedService]) -> None:
         if self._clients and "services" in self.context.settings.capabilities:
             self._broadcast(replies.advertise_services(services))
 
-    def _end_services(self, services: Sequence[OfferedService]) -> None:
+    def _end_services(self, services: Sequence[AdvertisedService]) -> None:
         if self._clients and "services" in self.context.settings.capabilities:
             self._broadcast(replies.unadvertise_services(service.id for service in services))
 

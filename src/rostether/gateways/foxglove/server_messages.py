@@ -54,7 +54,7 @@ class Channel(msgspec.Struct, frozen=True):
     type: MessageType
 
 
-class OfferedService(msgspec.Struct, frozen=True):
+class AdvertisedService(msgspec.Struct, frozen=True):
     """A service as clients see it."""
 
     id: int
@@ -112,7 +112,7 @@ def unadvertise(channel_ids: Iterable[int]) -> str:
     return _json({"op": "unadvertise", "channelIds": list(channel_ids)})
 
 
-def advertise_services(services: Iterable[OfferedService]) -> str:
+def advertise_services(services: Iterable[AdvertisedService]) -> str:
     """Return the message that offers services."""
     described = [
         {
@@ -145,9 +145,12 @@ def connection_graph_update(changes: Mapping[str, Any]) -> str:
     return _json({"op": "connectionGraphUpdate", **changes})
 
 
-def drive(state: Mapping[str, Any]) -> str:
-    """Return the driver of a client's command topic, see `driven_topic.py`; an op of this gateway."""
-    return _json(state)
+def drive(channel_id: int, state: str, driver: str) -> str:
+    """Return who drives the topic of a client's channel; an op of this gateway.
+
+    `state` is free, driving (this client) or taken (another client), and `driver` a display name.
+    """
+    return _json({"op": "drive", "channelId": channel_id, "state": state, "driver": driver})
 
 
 def recordings(state: Mapping[str, Any]) -> str:

@@ -9,7 +9,7 @@ from typing import TypeAlias
 from rostether.errors import RostetherError, ServiceCallError
 from rostether.gateways.foxglove.encoding import Encoder
 from rostether.gateways.foxglove.json_messages import encode_json
-from rostether.gateways.foxglove.server_messages import JSON_ENCODING, ROS1_ENCODING, OfferedService
+from rostether.gateways.foxglove.server_messages import JSON_ENCODING, ROS1_ENCODING, AdvertisedService
 from rostether.gateways.foxglove.settings import NameFilter
 from rostether.gateways.type_names import short_type
 from rostether.graph.ports import Graph, Snapshot
@@ -42,17 +42,17 @@ class Services:
         store: TypeStore,
         offered: NameFilter,
         find_type: FindServiceType | None,
-        on_offer: Callable[[Sequence[OfferedService]], None],
-        on_end: Callable[[Sequence[OfferedService]], None],
+        on_offer: Callable[[Sequence[AdvertisedService]], None],
+        on_end: Callable[[Sequence[AdvertisedService]], None],
     ) -> None:
-        self.by_id: dict[int, OfferedService] = {}
+        self.by_id: dict[int, AdvertisedService] = {}
         self._graph = graph
         self._store = store
         self._offered = offered
         self._find_type = find_type
         self._on_offer = on_offer
         self._on_end = on_end
-        self._by_name: dict[str, OfferedService] = {}
+        self._by_name: dict[str, AdvertisedService] = {}
         # The providers and the listed type of each service: a restarted server may have another type.
         self._providers: dict[str, tuple[tuple[str, ...], str]] = {}
         self._asking: dict[str, asyncio.Task[None]] = {}
@@ -66,7 +66,7 @@ class Services:
             for service in snapshot.services.values()
             if service.providers and self._offered.includes(service.name)
         }
-        ended: list[OfferedService] = []
+        ended: list[AdvertisedService] = []
         for name in [name for name, known in self._providers.items() if listed.get(name) != known]:
             del self._providers[name]
             if task := self._asking.pop(name, None):
@@ -76,7 +76,7 @@ class Services:
                 ended.append(service)
         if ended:
             self._on_end(ended)
-        new: list[OfferedService] = []
+        new: list[AdvertisedService] = []
         for name, (providers, type_name) in listed.items():
             if name in self._providers or len(self._providers) >= MAX_SERVICES:
                 continue
@@ -88,7 +88,9 @@ class Services:
         if new:
             self._on_offer(new)
 
-    async def call(self, service: OfferedService, encoding: str, payload: bytes, timeout_s: float) -> bytes:
+    async def call(
+        self, service: AdvertisedService, encoding: str, payload: bytes, timeout_s: float
+    ) -> bytes:
         """Call a service; request and response have the same encoding. Raises RostetherError."""
         types = service.type
         if encoding == JSON_ENCODING:
@@ -110,13 +112,13 @@ class Services:
         """Stop asking for types."""
         await cancel_all(*self._asking.values())
 
-    def _add(self, name: str, type_name: str) -> list[OfferedService]:
+    def _add(self, name: str, type_name: str) -> list[AdvertisedService]:
         try:
             service_type = self._store.registry.service_type(short_type(type_name))
         except RostetherError:
             # Without a definition, no client can call it.
             return []
-        service = OfferedService(self._next_id, name, service_type)
+        service = AdvertisedService(self._next_id, name, service_type)
         self._next_id += 1
         self._by_name[name] = self.by_id[service.id] = service
         return [service]

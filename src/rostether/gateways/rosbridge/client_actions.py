@@ -11,8 +11,8 @@ from typing import Any
 
 from rostether.errors import RemoteProtocolError, RostetherError, UnknownNameError
 from rostether.gateways.rosbridge.client_subscription import Delivery
-from rostether.gateways.rosbridge.gateway_context import GatewayContext
 from rostether.gateways.rosbridge.request import Request
+from rostether.gateways.rosbridge.rosbridge_context import RosbridgeContext
 from rostether.gateways.rosbridge.settings import MAX_ACTIONS, MAX_GOALS, check_allowed
 from rostether.gateways.shown_values import show
 from rostether.ros2.actions.server import ActionServer
@@ -29,7 +29,7 @@ _CANCEL_LIMIT_S = 2.0
 class ClientActions:
     """The actions that one client calls or offers. Methods raise RostetherError."""
 
-    def __init__(self, context: GatewayContext, send: Send) -> None:
+    def __init__(self, context: RosbridgeContext, send: Send) -> None:
         self._context = context
         self._send = send
         self._goals: dict[asyncio.Task[None], GoalCall] = {}
@@ -152,7 +152,7 @@ class _OfferedAction:
     """One action that a client executes; the client uses strings as goal ids."""
 
     def __init__(
-        self, context: GatewayContext, action: str, types: ActionTypes, send: Send, shown: tuple[str, str]
+        self, context: RosbridgeContext, action: str, types: ActionTypes, send: Send, shown: tuple[str, str]
     ) -> None:
         self._forms = context.forms
         self._types = types

@@ -8,9 +8,9 @@ from typing import Any
 
 from rostether.errors import InvalidNameError, RemoteProtocolError, RostetherError, UnknownNameError
 from rostether.gateways.rosbridge.client_subscription import Delivery
-from rostether.gateways.rosbridge.gateway_context import GatewayContext
 from rostether.gateways.rosbridge.offered_services import OfferedService
 from rostether.gateways.rosbridge.request import Request, fields_by_name
+from rostether.gateways.rosbridge.rosbridge_context import RosbridgeContext
 from rostether.gateways.rosbridge.settings import MAX_CALLS, MAX_QUEUED_BYTES, MAX_SERVICES, check_allowed
 from rostether.gateways.rosbridge.values import JsonText
 from rostether.gateways.type_names import short_type
@@ -24,7 +24,7 @@ Send = Callable[[dict[str, Any], Delivery], None]
 class ClientServices:
     """The services that one client calls or offers. Methods raise RostetherError."""
 
-    def __init__(self, context: GatewayContext, send: Send) -> None:
+    def __init__(self, context: RosbridgeContext, send: Send) -> None:
         self._context = context
         self._send = send
         self._calls: dict[asyncio.Task[None], int] = {}

@@ -8,9 +8,9 @@ from collections.abc import Callable
 from rostether.errors import RemoteProtocolError, TypeMismatchError, UnknownNameError
 from rostether.gateways.rosbridge.client_publication import ClientPublication
 from rostether.gateways.rosbridge.client_subscription import ClientSubscription, Delivery
-from rostether.gateways.rosbridge.gateway_context import GatewayContext
 from rostether.gateways.rosbridge.outbox import Outbox
 from rostether.gateways.rosbridge.request import Request
+from rostether.gateways.rosbridge.rosbridge_context import RosbridgeContext
 from rostether.gateways.rosbridge.settings import MAX_PUBLICATIONS, MAX_SUBSCRIPTIONS, check_allowed
 from rostether.gateways.type_names import short_type
 from rostether.msgdef.interface import ANY_TYPE, MessageType
@@ -20,7 +20,10 @@ class ClientTopics:
     """The topics that one client publishes or subscribes to. Methods raise RostetherError."""
 
     def __init__(
-        self, context: GatewayContext, outbox: Outbox[ClientSubscription], report_error: Callable[[str], None]
+        self,
+        context: RosbridgeContext,
+        outbox: Outbox[ClientSubscription],
+        report_error: Callable[[str], None],
     ) -> None:
         self._context = context
         self._outbox = outbox

@@ -10,7 +10,7 @@ For geometry_msgs/PointStamped the result is:
         if not isfinite(v3 + v4 + v5): raise not_finite
         return '{"header":{"seq":%d,"stamp":{"secs":%d,...},"frame_id":%s},"point":{"x":%r,...}}' % (...)
 
-A sum is finite only if all its numbers are. Messages that JSON cannot express use the slow path.
+A sum is finite only if all its numbers are. `NotFiniteError` is raised for numbers that JSON cannot express.
 """
 
 from __future__ import annotations

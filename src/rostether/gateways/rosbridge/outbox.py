@@ -1,7 +1,7 @@
 """The queues of one client: responses first, then the messages of its topics in turn.
 
-If a topic is faster than its client, its oldest messages are dropped and counted; a client that does not read
-its responses is disconnected. Messages are encoded when they are sent: a dropped message costs nothing.
+If a topic is too fast for the client, its oldest messages are dropped and counted. A client that does not
+read its responses is disconnected. Messages are encoded when they are sent, so a dropped one costs nothing.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ class Outbox(Generic[ReceiverT]):
     """The bounded queues of one client."""
 
     def __init__(self, max_topic_bytes: int, max_control_bytes: int) -> None:
-        # Whether the client has too many unread responses; then nothing more is queued.
+        # Whether the client has too many unread responses; then nothing more is sent.
         self.is_overflowing = False
         self._max_control_bytes = max_control_bytes
         self._control_bytes = 0

@@ -36,7 +36,7 @@ from rostether.graph.ports import Level
 from rostether.mechanisms.text import counted, fold_line
 
 if TYPE_CHECKING:
-    from rostether.gateways.rosbridge.gateway_context import GatewayContext
+    from rostether.gateways.rosbridge.rosbridge_context import RosbridgeContext
 
 # How often the client and the log receive a report that a topic is too fast for the client.
 REPORT_INTERVAL_S = 5.0
@@ -57,7 +57,9 @@ CLOSE_POLICY = 1008
 class Session:
     """One connection, from its authentication to its end; `name` is the client's address."""
 
-    def __init__(self, connection: WebSocketStream, context: GatewayContext, token: Token, name: str) -> None:
+    def __init__(
+        self, connection: WebSocketStream, context: RosbridgeContext, token: Token, name: str
+    ) -> None:
         self._level = DEFAULT_LEVEL
         self.name = name
         self._connection = connection

@@ -1,4 +1,4 @@
-"""Messages that drive a robot: stop, and limits of speed and acceleration; without I/O."""
+"""Limits the speed and acceleration of messages that drive a robot, and makes stops; without I/O."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ _VECTORS: Mapping[str, Sequence[tuple[str, tuple[str, ...]]]] = {
 }
 DRIVE_TYPES = tuple(_VECTORS)
 
-# Acceleration counts at most this time since the last command: the first one after a pause must not jump.
+# Between two commands, the speed grows for at most this time: the first command after a pause must not jump.
 _MAX_STEP_S = 0.1
 
 
@@ -107,7 +107,7 @@ class DriveCommands:
 
 
 def _approach(old: float, wanted: float, step: float) -> float:
-    # A change of direction goes to zero immediately, then at most one step away from it.
+    # A change of direction stops immediately, and then starts with at most one step.
     start = old if old * wanted > 0 else 0.0
     if abs(wanted) <= abs(start) + step:
         return wanted

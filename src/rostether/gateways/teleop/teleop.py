@@ -68,10 +68,8 @@ class CommandTopic:
     def command(self, driver: Driver, payload: bytes) -> bool:
         """Publish a command; return whether the driver may drive. Raises RostetherError."""
         message = self._codec.decode(payload)
-        if self._holder is not None and self._holder is not driver and not self.commands.is_stop(message):
-            return False
         now_s = self._loop.time()
-        if self._lease.must_stop_first(driver, now_s) and not self.commands.is_stop(message):
+        if not self._lease.admits(driver, now_s, is_stop=self.commands.is_stop(message)):
             return False
         is_stop = self.commands.limit(message, now_s)
         self._lease.command(driver, now_s, is_stop=is_stop)
@@ -252,28 +250,27 @@ class CommandLease:
             return None
         return self._commanded_s + (KEEP_S if self._is_moving else HOLD_S)
 
-    def must_stop_first(self, driver: Hashable, now_s: float) -> bool:
-        """Return whether a driver must send a stop before it may move the robot again.
+    def admits(self, driver: Hashable, now_s: float, *, is_stop: bool) -> bool:
+        """Return whether a driver's command may be published: every stop, and commands of the lease's driver.
 
-        After a network stalls, the commands of that time arrive at once; they must not start the robot.
+        A driver that was silent for `HOLD_S` while it moved the robot must send a stop first: after a network
+        stalls, the commands of that time arrive at once, and must not start the robot.
         """
-        # `expire` may be late in a busy process.
-        is_silent = driver == self.driver and now_s >= self._commanded_s + HOLD_S
-        return driver in self._lapsed or (is_silent and not self._has_stopped)
-
-    def command(self, driver: Hashable, now_s: float, *, is_stop: bool) -> bool:
-        """Return whether a driver's command may be published, and keep the lease for it."""
+        if is_stop:
+            return True
         if self.driver is None:
-            self.driver = driver
-        elif self.driver != driver:
-            if not is_stop:
-                return False
-            self.driver = driver
+            return driver not in self._lapsed
+        # `expire` may be late in a busy process.
+        is_silent = now_s >= self._commanded_s + HOLD_S
+        return driver == self.driver and (self._has_stopped or not is_silent)
+
+    def command(self, driver: Hashable, now_s: float, *, is_stop: bool) -> None:
+        """Give the lease to the driver of an admitted command, and keep it for this driver."""
+        self.driver = driver
         self._commanded_s = now_s
         self._has_stopped = is_stop
         self._is_moving = not is_stop
         self._lapsed.discard(driver)
-        return True
 
     def expire(self, now_s: float) -> bool:
         """Handle the expired times; return whether a stop must be published now."""

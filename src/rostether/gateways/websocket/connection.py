@@ -147,7 +147,7 @@ class Connection(asyncio.BufferedProtocol):
 
     @property
     def is_in_handshake(self) -> bool:
-        """Whether it has not sent a whole request yet."""
+        """Whether the client has not sent a whole request yet."""
         return not self._is_established and self._answer is None
 
     @property
@@ -162,7 +162,7 @@ class Connection(asyncio.BufferedProtocol):
 
     @property
     def fault(self) -> str:
-        """The client's error, if the server closed the connection because of it."""
+        """The client's error because of which the server closed the connection, empty if there is none."""
         sent = self._websocket.close_sent
         return "" if sent is None or sent.code in _ORDERLY else sent.reason or str(sent.code)
 

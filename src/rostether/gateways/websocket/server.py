@@ -37,8 +37,8 @@ from rostether.transports.tls import ListenerTls, TlsFiles
 _LOOPBACK_HOSTS = ("127.0.0.1", "::1")
 _EVERYWHERE = ("", "0.0.0.0", "::")  # noqa: S104 - compared, not bound
 
-# One machine must not keep all others out. The limit does not apply to this machine, whose programs share one
-# address.
+# The share of clients that one address may have: one machine must not keep all others out. The limit does not
+# apply to this machine, whose programs share one address.
 _HOST_SHARE = 0.5
 
 # The time for clients to answer a close when the server ends.
@@ -153,9 +153,9 @@ class WebSocketServer:
         return True
 
     def _make_room(self) -> bool:
-        """End the oldest connection that is not a WebSocket, of the address that has the most.
+        """End one connection that is not a WebSocket, and return whether there was one.
 
-        A connection that has sent no request ends first.
+        It is the oldest of the address that has the most of them. One that has sent no request ends first.
         """
         plain = [each for each in self._connections if not each.is_open]
         if not plain:

@@ -24,7 +24,7 @@ from rostether.mechanisms.tasks import start_task
 from rostether.serde.store import TypeStore
 
 
-class GatewayContext(Struct, frozen=True, kw_only=True):
+class FoxgloveContext(Struct, frozen=True, kw_only=True):
     """The graph and everything that clients share; made by `FoxgloveGateway`."""
 
     graph: Graph

@@ -31,7 +31,7 @@ MAX_LINGERING = 1000
 Report: TypeAlias = Callable[[Level, str], None]
 
 
-class GatewayContext(Struct, eq=False):
+class RosbridgeContext(Struct, eq=False):
     """The graph and everything that clients share; made by `RosbridgeServer`."""
 
     graph: Graph
