@@ -1,6 +1,6 @@
-"""`import mearm_model.msg` from a package's .msg files, and a package's own Python from its `src` folder.
+"""Makes definitions importable, such as `mearm_model.msg`, and the Python modules in `src` of a package.
 
-It is installed only where there is no real rospy. If Python finds a `std_msgs.msg` there, it belongs to ROS
+The hook is installed only if there is no real rospy. Then a `std_msgs.msg` that Python finds belongs to ROS
 2, and programs for rospy cannot use it. So the definitions have priority.
 """
 
@@ -24,8 +24,8 @@ MODULES_FOLDER = Path(__file__).with_name("modules")
 
 _GENPY_MESSAGE = "client.message client.message_arguments client.message_types client.stamps"
 
-# Modules of ROS that modules of `rostether.rospy` implement; if several define a name, the last counts. The
-# folder `modules` has the others.
+# Modules of ROS, each with the modules of `rostether.rospy` that implement it. If several define a name, the
+# last one counts. The folder `modules` contains the other modules of ROS.
 _IMPLEMENTATIONS = {
     "actionlib.action_client": "actionlib.action_client actionlib.client_goal actionlib.comm_states",
     "actionlib.action_server": "actionlib.action_server",
@@ -65,26 +65,26 @@ _IMPLEMENTATIONS = {
     "tf.transformations": "tf.transformations",
 }
 
-# Modules of ROS 1's packages that ROS 2's packages of the same names lack; Python may find ROS 2's first.
+# Modules of ROS 1 that the ROS 2 packages of the same names lack; Python may find these packages first.
 _BESIDE_MESSAGES = frozenset({"sensor_msgs.point_cloud2"})
 
 
 def install() -> None:
     """Make definitions and packages importable in this process. Idempotent."""
     if not any(isinstance(finder, DefinitionFinder) for finder in sys.meta_path):
-        # This finder comes before Python's own: they would take a folder `msg` of definitions for an empty
-        # package, and find ROS 2's messages instead of these.
+        # This finder comes before those of Python, which would find an empty package in a folder `msg` of
+        # definitions, and ROS 2's messages instead of these.
         sys.meta_path.insert(0, DefinitionFinder())
         sys.meta_path.append(PackageFinder())
 
 
 class DefinitionFinder(MetaPathFinder):
-    """Finds `package.msg`, `package.srv`, and `package.msg._Name` as in genpy."""
+    """Finds `package.msg`, `package.srv`, and modules such as `package.msg._Name`, as in genpy."""
 
     def find_spec(
         self, fullname: str, path: Sequence[str] | None = None, target: ModuleType | None = None
     ) -> ModuleSpec | None:
-        """Return a spec for a module of definitions that we know."""
+        """Return a spec for a module of known definitions; None for other modules."""
         if fullname in _BESIDE_MESSAGES:
             return importlib.util.spec_from_file_location(
                 fullname, MODULES_FOLDER.joinpath(*fullname.split(".")).with_suffix(".py")
@@ -104,7 +104,7 @@ class DefinitionFinder(MetaPathFinder):
 
 
 class PackageFinder(MetaPathFinder):
-    """Finds what Python does not: ROS's own modules, a package's Python in `src`, and empty packages."""
+    """Finds the rest: modules of ROS, Python modules in a package's `src`, and packages of definitions."""
 
     def __init__(self) -> None:
         self._folders: dict[str, Path] | None = None
@@ -112,7 +112,7 @@ class PackageFinder(MetaPathFinder):
     def find_spec(
         self, fullname: str, path: Sequence[str] | None = None, target: ModuleType | None = None
     ) -> ModuleSpec | None:
-        """Return a spec for a module or package that Python itself does not find."""
+        """Return a spec for a module or package that Python itself does not find; None if there is none."""
         if names := _IMPLEMENTATIONS.get(fullname):
             return ModuleSpec(fullname, _FacadeLoader(names.split()))
         if "." in fullname or fullname.startswith("_"):
@@ -131,12 +131,11 @@ class PackageFinder(MetaPathFinder):
 
 
 def package_folders() -> dict[str, Path]:
-    """Map packages to folders: those of ROS_PACKAGE_PATH, and those found by the command that started us."""
-    from rostether.packages.search_path import find_packages, ros_package_path
-    from rostether.rospy.environment import PACKAGES_VARIABLE
+    """Map the names of the packages that this program can use to their folders."""
+    from rostether.packages.search_path import find_packages
+    from rostether.rospy.environment import package_search_path
 
-    found = [Path(part) for part in os.environ.get(PACKAGES_VARIABLE, "").split(os.pathsep) if part]
-    return find_packages([*ros_package_path(os.environ), *found])
+    return find_packages(package_search_path(os.environ))
 
 
 class _EmptyLoader(Loader):
@@ -177,8 +176,8 @@ class _DefinitionLoader(Loader):
         def attribute(name: str) -> Any:
             if name not in public:
                 raise AttributeError(
-                    f"module {module.__name__!r} has no {name!r}: no such .{self._kind} file in package "
-                    f"{self._package}"
+                    f"module {module.__name__!r} has no {name!r}: package {self._package} has no file "
+                    f"{name}.{self._kind}"
                 )
             types = all_types()
             make: Callable[[str], Any] = (
@@ -195,7 +194,7 @@ class _DefinitionLoader(Loader):
 
 
 def _python_of(folder: Path, name: str) -> ModuleSpec | None:
-    """Return the spec of a package or module in a ROS package's `src`."""
+    """Return the spec of a Python package or module in a ROS package's `src`; None if there is none."""
     init = folder / "src" / name / "__init__.py"
     if init.is_file():
         return importlib.util.spec_from_file_location(

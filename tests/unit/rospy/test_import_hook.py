@@ -96,7 +96,7 @@ except AttributeError as error:
     assert lines[0].startswith("ImportError cannot import name 'Nothing' from 'arm.msg'")
     assert lines[1].startswith("ModuleNotFoundError No module named 'arm.nothing'")
     assert lines[2].startswith("ModuleNotFoundError No module named 'nothing'")
-    assert lines[3] == "module 'arm.msg' has no 'Nothing': no such .msg file in package arm"
+    assert lines[3] == "module 'arm.msg' has no 'Nothing': package arm has no file Nothing.msg"
 
 
 async def test_a_broken_definition_is_an_import_error(package: Path) -> None:

@@ -1,4 +1,4 @@
-"""init_node, spin, and other functions that a rospy program starts with."""
+"""init_node, spin, and the other functions with which a rospy program starts."""
 
 from __future__ import annotations
 
@@ -40,9 +40,10 @@ def init_node(  # noqa: PLR0913 - as rospy.init_node
     xmlrpc_port: int = 0,
     tcpros_port: int = 0,
 ) -> None:
-    """Wait for the master and join the graph as a node. Later calls must have the same arguments.
+    """Wait for the master and join the graph as a node; `xmlrpc_port` and `tcpros_port` have no effect.
 
-    Raises ROSInitException, ValueError for a name that is empty or has a namespace, ROSException.
+    Raises ValueError for a name that is empty or has a namespace, ROSException for other arguments than in
+    the first call, and ROSInitException if the node cannot join.
     """
     global _init_arguments
     if argv is None:
@@ -94,7 +95,7 @@ def spin() -> None:
 
 
 def myargv(argv: list[str] | None = None) -> list[str]:
-    """Return a command line without ROS's arguments."""
+    """Return a command line (default: this program's) without the arguments of ROS."""
     return [argument for argument in (sys.argv if argv is None else argv) if not is_remap_argument(argument)]
 
 
@@ -129,7 +130,7 @@ def _publish_logs() -> None:
     publisher = Publisher(ROSOUT, log_class, latch=True, queue_size=100)
 
     def publish(record: logging.LogRecord, stamp: Time) -> None:
-        # Forked workers also log, but their lines are only printed.
+        # Lines of forked workers are only printed: a fork has no node.
         if node.loop.is_lost:
             return
         message = log_class(**logs.log_fields(record, topics.names()))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from rostether.errors import DefinitionError, UnknownTypeError
+from rostether.errors import DefinitionError
 from rostether.rospy.client.message_types import all_types
 
 
@@ -24,7 +24,7 @@ def get_msg_text(type_: str, raw: bool = False, rospack: object = None) -> str:
     """Return the text of a message's definition. Raises ROSMsgException."""
     try:
         return all_types().registry.message(type_).text
-    except (UnknownTypeError, DefinitionError) as error:
+    except DefinitionError as error:
         raise ROSMsgException(f"{error}") from None
 
 
@@ -32,6 +32,6 @@ def get_srv_text(type_: str, raw: bool = False, rospack: object = None) -> str:
     """Return the text of a service's definition. Raises ROSMsgException."""
     try:
         service = all_types().registry.service(type_)
-    except (UnknownTypeError, DefinitionError) as error:
+    except DefinitionError as error:
         raise ROSMsgException(f"{error}") from None
     return f"{service.request.text}\n---\n{service.response.text}"

@@ -1,4 +1,4 @@
-"""The exceptions that rospy's users catch, under rospy's names."""
+"""The exceptions of rospy, under the names that programs catch."""
 
 # ruff: noqa: N818 - the names are rospy's
 
@@ -6,15 +6,15 @@ from __future__ import annotations
 
 
 class ROSException(Exception):
-    """Anything that rospy reports to its user."""
+    """The base of the errors that rospy raises in programs."""
 
 
 class MasterAwayException(ROSException, ConnectionRefusedError):
-    """No master answers at the address; rospy raises the error of the socket here."""
+    """No master answers at the address; programs catch it as the error of a socket, as in rospy."""
 
 
 class ROSSerializationException(ROSException):
-    """A message whose values do not fit its type."""
+    """The values of a message do not fit its type."""
 
 
 class ROSInitException(ROSException):
@@ -34,7 +34,7 @@ class ROSTimeMovedBackwardsException(ROSInterruptException):
 
 
 class ROSInternalException(Exception):
-    """The base of errors that rospy does not show to its users."""
+    """The base of errors inside rospy."""
 
 
 class TransportException(ROSInternalException):

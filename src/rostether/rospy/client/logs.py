@@ -1,4 +1,4 @@
-"""rospy.loginfo and its family: to the terminal, to /rosout, and to the file that `__log:=` names."""
+"""rospy.loginfo and related functions: they log to the terminal, to /rosout and to the file of `__log:=`."""
 
 from __future__ import annotations
 
@@ -8,7 +8,6 @@ import sys
 import threading
 import time
 from collections.abc import Callable
-from types import FrameType
 from typing import Any, TextIO
 
 from rostether.graph.log_message import ROSOUT
@@ -30,7 +29,7 @@ _COLORS = {DEBUG: "\033[32m", WARN: "\033[33m", ERROR: "\033[31m", FATAL: "\033[
 _FORMAT = "[${severity}] [${time}]: ${message}"
 _FILE_FORMAT = "[%(name)s][%(levelname)s] %(asctime)s: %(message)s"
 
-# As in rospy: the size of a log file of a node, of which five are kept.
+# As in rospy: the size of a node's log file, and the number of older files that are kept.
 _BYTES_PER_FILE = 50_000_000
 _FILES_KEPT = 4
 
@@ -41,9 +40,9 @@ _logged_once: set[Any] = set()
 
 
 class TerminalHandler(logging.Handler):
-    """Prints as rospy does: information on standard output, warnings and errors on standard error.
+    """Prints like rospy: information on standard output, warnings and errors on standard error.
 
-    ROSCONSOLE_FORMAT changes the format. `simulated_time` returns simulated time, None without it.
+    ROSCONSOLE_FORMAT changes the format. `simulated_time` returns simulated time in seconds, or None.
     """
 
     def __init__(self, simulated_time: Callable[[], float | None]) -> None:
@@ -86,7 +85,7 @@ class RosoutHandler(logging.Handler):
         self._inside = threading.local()
 
     def emit(self, record: logging.LogRecord) -> None:
-        """Publish one record; its own errors are not logged."""
+        """Publish one record; records about its own errors are not published."""
         if getattr(self._inside, "flag", False):
             return
         self._inside.flag = True
@@ -99,7 +98,7 @@ class RosoutHandler(logging.Handler):
 
 
 def configure(simulated_time: Callable[[], float | None], log_level: int | None) -> None:
-    """Start to print, and to write the file that `__log:=` names. Idempotent."""
+    """Start to print, and to write the file of `__log:=`. Idempotent."""
     if not any(isinstance(handler, TerminalHandler) for handler in _rosout_logger.handlers):
         _rosout_logger.addHandler(TerminalHandler(simulated_time))
         if file := names.mappings.get("__log"):
@@ -137,9 +136,7 @@ def _log(level: int, msg: Any, args: tuple[Any, ...], kwargs: dict[str, Any]) ->
     logger = _rosout_logger.getChild(name) if name else _rosout_logger
     if not logger.isEnabledFor(level):
         return
-    frame: FrameType | None = sys._getframe(2)
-    if frame is None:
-        return
+    frame = sys._getframe(2)
     function = frame.f_code.co_name
     if "self" in frame.f_locals:
         function = f"{type(frame.f_locals['self']).__name__}.{function}"
@@ -159,7 +156,7 @@ def _log(level: int, msg: Any, args: tuple[Any, ...], kwargs: dict[str, Any]) ->
 
 
 def _statement() -> tuple[str, int, int]:
-    """Return the identity of a log statement of a program."""
+    """Return the file, line and instruction of the program's log statement."""
     frame = sys._getframe(2)
     return frame.f_code.co_filename, frame.f_lineno, frame.f_lasti
 
@@ -185,7 +182,7 @@ def _log_functions(level: int) -> tuple[Callable[..., None], ...]:
     """Return the plain, throttled, throttled-if-identical and once-only functions of one level."""
 
     def log(msg: Any, *args: Any, **kwargs: Any) -> None:
-        """Log a text, with arguments as `logging` takes them."""
+        """Log a text, with arguments as in `logging`."""
         _log(level, msg, args, kwargs)
 
     def log_throttle(period: float, msg: Any, *args: Any, **kwargs: Any) -> None:

@@ -1,6 +1,6 @@
-"""Messages like genpy's: positional or keyword fields, `serialize`, `deserialize`, printed as YAML.
+"""Messages like those of genpy: positional or keyword fields, `serialize`, `deserialize`, printed as YAML.
 
-They are derived from serde's messages, so that one compiled codec reads and writes them.
+Their classes are derived from those of serde, so that compiled codecs read and write them.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ class DeserializationError(MessageException):
 
 
 class Message(_SerdeMessage):
-    """Base of all message classes; each has `_type`, `_md5sum`, `_full_text`, `_slot_types`, `_has_header`.
+    """Base of all message classes: each has `_type`, `_md5sum`, `_full_text`, `_slot_types`, `_has_header`.
 
     `_connection_header` is set on messages that came from the graph.
     """
@@ -60,7 +60,7 @@ class Message(_SerdeMessage):
             setattr(self, name, value)
 
     def serialize(self, buff: Any) -> None:
-        """Write the wire form to a binary buffer. Raises SerializationError naming the field."""
+        """Write the wire form to a binary buffer. Raises SerializationError, which names the field."""
         buff.write(self._to_bytes())
 
     def deserialize(self, str: bytes) -> Message:  # noqa: A002 - the name is genpy's
@@ -74,7 +74,7 @@ class Message(_SerdeMessage):
         return self
 
     def serialize_numpy(self, buff: Any, numpy: object) -> None:
-        """Write the wire form; arrays may be numpy's."""
+        """Write the wire form; fields may be numpy arrays."""
         self.serialize(buff)
 
     def deserialize_numpy(self, str: bytes, numpy: Any) -> Message:  # noqa: A002
@@ -90,7 +90,7 @@ class Message(_SerdeMessage):
             raise SerializationError(f"{error}") from None
 
     def _check_types(self, exc: Exception | None = None) -> None:
-        """Raise SerializationError when a value does not fit, as genpy does after a failure."""
+        """Raise SerializationError if a value does not fit its field, else if there is an `exc`."""
         self._to_bytes()
         if exc is not None:
             raise SerializationError(f"{exc}")
@@ -126,7 +126,7 @@ class Message(_SerdeMessage):
 
 
 class AnyMsg(Message):
-    """A message of any type as bytes in `_buff`; it can be published again, but not read."""
+    """A message of any type, with its bytes in `_buff`; programs can publish it again, but not read it."""
 
     __slots__ = ("_buff",)
 
@@ -155,7 +155,7 @@ class AnyMsg(Message):
 
 
 def message_bytes(message: Message) -> bytes:
-    """Return the wire form, through `serialize` where a class of the user has its own."""
+    """Return the wire form, by `serialize` if the class overrides it. Raises SerializationError."""
     if type(message).serialize is Message.serialize:
         return message._to_bytes()
     buffer = io.BytesIO()
@@ -172,7 +172,7 @@ def serialize_message(b: Any, seq: int, msg: Message) -> None:
 
 
 def read_message(message_class: type[Message], payload: bytes) -> Message:
-    """Return the message in a payload, through `deserialize` where a class has its own.
+    """Return the message in a payload, by `deserialize` if the class overrides it.
 
     Raises DeserializationError.
     """

@@ -15,8 +15,7 @@ from rostether.rostime import NS_PER_S
 def fill_message_args(msg: Any, msg_args: Any, keys: Mapping[str, Any] | None = None) -> None:
     """Fill a message with a list of all its fields, with a dict, or with a list of one dict.
 
-    `keys` are the values of words such as `now`, which stand for times and headers.
-    Raises MessageException, ValueError.
+    `keys` are the values of words for times and headers, such as `now`. Raises MessageException, ValueError.
     """
     arguments = [] if msg_args is None else msg_args
     if isinstance(arguments, list) and len(arguments) == 1 and isinstance(arguments[0], dict):

@@ -10,7 +10,7 @@ from itertools import product
 from typing import Any
 
 from rostether.rospy.client.logs import loginfo, logwarn
-from rostether.rospy.client.ros_time import Duration, get_rostime
+from rostether.rospy.client.ros_time import Duration, Time, get_rostime
 from rostether.rospy.client.subscriber import Subscriber as _Subscriber
 
 _NO_STAMP = (
@@ -56,7 +56,7 @@ class Subscriber(SimpleFilter):
 
 
 class Cache(SimpleFilter):
-    """Remembers the last messages of a filter."""
+    """Remembers the last `cache_size` messages of a filter."""
 
     def __init__(self, f: SimpleFilter, cache_size: int = 1, allow_headerless: bool = False) -> None:
         super().__init__()
@@ -80,7 +80,7 @@ class Cache(SimpleFilter):
         self.signalMessage(msg)
 
     def getInterval(self, from_stamp: Any, to_stamp: Any) -> list[Any]:
-        """Return the messages of a time, both ends included."""
+        """Return the messages of an interval, including both ends."""
         return [msg for msg, time in self._pairs() if from_stamp <= time <= to_stamp]
 
     def getElemAfterTime(self, stamp: Any) -> Any:
@@ -95,7 +95,7 @@ class Cache(SimpleFilter):
         """Return the stamp of the last message, or None."""
         return self.cache_times[-1] if self.cache_times else None
 
-    getLastestTime = getLatestTime  # noqa: N815 - its old name, as misspelled
+    getLastestTime = getLatestTime  # noqa: N815 - the old, misspelled name
 
     def getOldestTime(self) -> Any:
         """Return the stamp of the oldest message, or None."""
@@ -111,11 +111,16 @@ class Cache(SimpleFilter):
 
 
 class TimeSynchronizer(SimpleFilter):
-    """Passes on one message of each filter together if their stamps are equal."""
+    """Passes on one message of each filter together if their stamps are equal.
+
+    With `reset`, a jump of ROS time into the past clears the queues.
+    """
 
     def __init__(self, fs: Sequence[SimpleFilter], queue_size: int, reset: bool = False) -> None:
         super().__init__()
         self.queue_size = queue_size
+        self.enable_reset = reset
+        self.last_added: Any = Time()
         self.lock = threading.Lock()
         self.connectInput(fs)
 
@@ -130,9 +135,19 @@ class TimeSynchronizer(SimpleFilter):
     def add(self, msg: Any, my_queue: dict[Any, Any], my_queue_index: int | None = None) -> None:
         """Handle a message of one filter."""
         with self.lock:
+            if self.enable_reset:
+                self._clear_after_jump()
             self._keep(msg.header.stamp, msg, my_queue)
             for stamp in sorted(set.intersection(*(set(queue) for queue in self.queues))):
                 self._pass_on([stamp] * len(self.queues))
+
+    def _clear_after_jump(self) -> None:
+        now = get_rostime()
+        if now < self.last_added:
+            loginfo("%s: Detected jump back in time. Clearing buffer.", type(self).__name__)
+            for queue in self.queues:
+                queue.clear()
+        self.last_added = now
 
     def _keep(self, stamp: Any, msg: Any, queue: dict[Any, Any]) -> None:
         queue[stamp] = msg
@@ -145,7 +160,10 @@ class TimeSynchronizer(SimpleFilter):
 
 
 class ApproximateTimeSynchronizer(TimeSynchronizer):
-    """Passes on one message of each filter together if their stamps are within `slop` seconds."""
+    """Passes on one message of each filter together if their stamps are within `slop` seconds.
+
+    A jump of ROS time into the past always clears the queues.
+    """
 
     def __init__(
         self,
@@ -158,7 +176,6 @@ class ApproximateTimeSynchronizer(TimeSynchronizer):
         super().__init__(fs, queue_size, reset)
         self.slop = Duration.from_sec(slop)
         self.allow_headerless = allow_headerless
-        self.last_added = get_rostime()
 
     def add(self, msg: Any, my_queue: dict[Any, Any], my_queue_index: int | None = None) -> None:
         """Handle a message of one filter."""
@@ -166,12 +183,7 @@ class ApproximateTimeSynchronizer(TimeSynchronizer):
         if stamp is None:
             return
         with self.lock:
-            now = get_rostime()
-            if now < self.last_added:
-                loginfo("ApproximateTimeSynchronizer: Detected jump back in time. Clearing buffer.")
-                for queue in self.queues:
-                    queue.clear()
-            self.last_added = now
+            self._clear_after_jump()
             self._keep(stamp, msg, my_queue)
             nearest = [[stamp] if queue is my_queue else self._nearest(queue, stamp) for queue in self.queues]
             for stamps in product(*nearest):
@@ -180,7 +192,7 @@ class ApproximateTimeSynchronizer(TimeSynchronizer):
                     return
 
     def _nearest(self, queue: dict[Any, Any], stamp: Any) -> list[Any]:
-        """Return the stamp in a queue that is nearest, if it is near enough."""
+        """Return the nearest stamp in a queue as a list, which is empty if none is within `slop`."""
         near = [each for each in queue if abs(each - stamp) <= self.slop]
         return [min(near, key=lambda each: abs(each - stamp))] if near else []
 

@@ -1,4 +1,4 @@
-"""Message and service classes of every definition that this process can find, made on demand."""
+"""Message and service classes of all definitions that this process can find, created on demand."""
 
 from __future__ import annotations
 
@@ -6,15 +6,14 @@ import keyword
 import os
 import threading
 from functools import cached_property
-from pathlib import Path
 from typing import Any
 
-from rostether.errors import DefinitionError, UnknownTypeError
+from rostether.errors import DefinitionError
 from rostether.msgdef.interface import MessageType, ServiceType
 from rostether.msgdef.registry import Registry
 from rostether.rospy.client.message import AnyMsg, Message
 from rostether.rospy.client.stamps import Duration, Time, new_stamp
-from rostether.rospy.environment import PACKAGES_VARIABLE
+from rostether.rospy.environment import package_search_path
 from rostether.serde.codec import Codec
 from rostether.serde.store import TypeStore
 from rostether.serde.type_tree import Node, Stamp, Struct
@@ -32,7 +31,7 @@ class ServiceClass:
 
 
 class FacadeClasses(MessageClasses):
-    """Makes rospy's classes for one type store."""
+    """Creates the classes of rospy for a type store."""
 
     time = Time
     duration = Duration
@@ -84,12 +83,12 @@ class FacadeClasses(MessageClasses):
 
 
 def _python_name(name: str) -> str:
-    """Return the name that genpy gives a field or constant in Python: `from`, a keyword, is `from_`."""
+    """Return the name of a field or constant in Python, as in genpy: the keyword `from` becomes `from_`."""
     return f"{name}_" if keyword.iskeyword(name) or name == "self" else name
 
 
 class MessageTypes:
-    """All types of one registry as classes; safe to use from any thread."""
+    """The types of a registry as classes; any thread may use it."""
 
     def __init__(self, registry: Registry) -> None:
         self.registry = registry
@@ -173,17 +172,11 @@ _types_lock = threading.Lock()
 
 
 def all_types() -> MessageTypes:
-    """Return the types of this process.
-
-    They come from ROS_PACKAGE_PATH, from the folders that `run` or `launch` has found, and from the bundled
-    definitions.
-    """
+    """Return the types of this process: those of its packages, and the bundled ones."""
     global _types
     with _types_lock:
         if _types is None:
-            found = [Path(part) for part in os.environ.get(PACKAGES_VARIABLE, "").split(os.pathsep) if part]
-            path = [Path(part) for part in os.environ.get("ROS_PACKAGE_PATH", "").split(os.pathsep) if part]
-            _types = MessageTypes(Registry(package_path=[*path, *found]))
+            _types = MessageTypes(Registry(package_path=package_search_path(os.environ)))
         return _types
 
 
@@ -193,7 +186,7 @@ def get_message_class(message_type: str, reload_on_error: bool = False) -> Any:
         return Time if message_type == "time" else Duration
     try:
         return all_types().message_class("std_msgs/Header" if message_type == "Header" else message_type)
-    except (UnknownTypeError, DefinitionError):
+    except DefinitionError:
         return None
 
 
@@ -201,12 +194,12 @@ def get_service_class(service_type: str, reload_on_error: bool = False) -> Any:
     """Return the class of a service type, or None if the type is unknown."""
     try:
         return all_types().service_class(service_type)
-    except (UnknownTypeError, DefinitionError):
+    except DefinitionError:
         return None
 
 
 def generate_dynamic(core_type: str, msg_cat: str) -> dict[str, type[Message]]:
-    """Return the classes of a type and of those in its full text, by name. Raises DefinitionError."""
+    """Return the classes of a type and of the types in its full text, by name. Raises DefinitionError."""
     registry = Registry.of_full_text(core_type, msg_cat)
     types = MessageTypes(registry)
     return {name: types.message_class(name) for name in registry.messages()}

@@ -1,4 +1,4 @@
-"""The names of a rospy program: remapped by its command line, resolved before and after init_node."""
+"""The names of a rospy program: its command line remaps them; they resolve before and after init_node."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _REMAP = re.compile(r"([~/A-Za-z_][\w/]*):=(.*)", re.DOTALL)
 
 
 class NodeNames:
-    """One program's name, namespace and remappings; rospy has one of them in a process."""
+    """The name, namespace and remappings of a program; a process has one."""
 
     def __init__(self, argv: Iterable[str], environ: Mapping[str, str]) -> None:
         self.mappings: dict[str, str] = {}
@@ -31,7 +31,7 @@ class NodeNames:
         self.caller_id = self.namespace + UNNAMED
 
     def load(self, argv: Iterable[str]) -> None:
-        """Read the remappings of a command line."""
+        """Read the remappings of a command line. Raises ROSInitException for a value that is not YAML."""
         self.mappings = {}
         self.private_params = {}
         for argument in argv:
@@ -46,7 +46,7 @@ class NodeNames:
                 self.mappings[source] = target
 
     def set_node_name(self, base_name: str) -> str:
-        """Set the name that init_node gives; private names now resolve. Returns the full name."""
+        """Set the node's name, with which private names resolve. Returns its full name."""
         self.caller_id = self._plain(base_name, self.caller_id)
         self.namespace = _parent(self.caller_id)
         self.resolved_mappings = {
@@ -58,7 +58,7 @@ class NodeNames:
         return self.caller_id
 
     def resolve(self, name: str, caller_id: str | None = None) -> str:
-        """Return the full name after remapping, as seen from a node."""
+        """Return the full name after remapping, as in the node `caller_id` (default: this node)."""
         caller_id = caller_id or self.caller_id
         if not name:
             return _parent(caller_id)
@@ -66,7 +66,10 @@ class NodeNames:
         return self.resolved_mappings.get(resolved, resolved)
 
     def resolve_early(self, name: str) -> str:
-        """Return the full name of a topic or service that is made before init_node. Raises ValueError."""
+        """Return the full name of a topic or service that is created before init_node.
+
+        Raises ValueError for a private name, ROSInitException if it is remapped to one.
+        """
         if is_private(name):
             raise ValueError("~name topics cannot be created before init_node() has been called")
         fake_caller = self.namespace + "node"
@@ -81,7 +84,7 @@ class NodeNames:
         return resolved
 
     def remap(self, name: str) -> str:
-        """Return the resolved target of a name that is remapped as written, else the name as it is."""
+        """Return the resolved target of a name that the command line remaps, else the same name."""
         return self._plain(self.mappings[name], self.caller_id) if name in self.mappings else name
 
     def _plain(self, name: str, caller_id: str) -> str:
@@ -95,12 +98,12 @@ class NodeNames:
 
 
 def is_remap_argument(argument: str) -> bool:
-    """Return whether a command line argument is ROS's: a remapping, a parameter or a special name."""
+    """Return whether an argument belongs to ROS: a remapping, a parameter or a special name."""
     return _REMAP.fullmatch(argument) is not None
 
 
 def _parent(full_name: str) -> str:
-    """Return the namespace of a full name, with a slash at the end, as in rospy."""
+    """Return the namespace of a full name, with a slash at the end."""
     return full_name[: full_name.rstrip("/").rfind("/") + 1] or "/"
 
 
@@ -133,7 +136,7 @@ def get_namespace() -> str:
 
 
 def resolve_name(name: str, caller_id: str | None = None) -> str:
-    """Return the full, remapped form of a name."""
+    """Return the full name after remapping."""
     return names.resolve(name, caller_id)
 
 

@@ -1,4 +1,4 @@
-"""The node of this process: its graph after init_node, and the handles that wait for it."""
+"""The node of this process: its graph after init_node, and the functions that wait for the graph."""
 
 from __future__ import annotations
 
@@ -49,7 +49,11 @@ class Node:
         return self._graph
 
     def call(self, coroutine: Coroutine[Any, Any, _T]) -> _T:
-        """Run a coroutine in the node's loop and wait for it; errors of the graph become ROSException."""
+        """Run a coroutine in the node's loop, and return its result.
+
+        Raises MasterAwayException if no master answers, ROSException for an invalid setting, and the other
+        errors of the coroutine.
+        """
         try:
             return self.loop.call(coroutine)
         except MasterUnreachableError as error:
@@ -58,14 +62,14 @@ class Node:
             raise ROSException(f"{error}") from None
 
     def master(self) -> MasterClient:
-        """Return a client of the master; before init_node, for an unnamed node."""
+        """Return a client of the master; before init_node, its caller id is that of an unnamed node."""
         with self.lock:
             if self._master is None or self._master.caller_id != names.caller_id:
                 self._master = MasterClient(self.environment().master_uri, names.caller_id)
             return self._master
 
     def environment(self) -> RosEnvironment:
-        """Return the settings of environment variables and special arguments. Raises ROSInitException."""
+        """Return the settings in environment variables and special arguments. Raises ROSInitException."""
         environ = dict(os.environ)
         mappings = names.mappings
         for key, variable in (
@@ -81,7 +85,7 @@ class Node:
             raise ROSInitException(f"{error}") from None
 
     def when_joined(self, join: Callable[[], object]) -> None:
-        """Run a function that needs the graph, now or after the node has joined."""
+        """Run a function that needs the graph: now, or when the node has joined."""
         with self.lock:
             if self._graph is None:
                 self._waiting.append(join)
@@ -89,7 +93,7 @@ class Node:
         join()
 
     def forget(self, join: Callable[[], object]) -> None:
-        """Cancel a function of `when_joined`."""
+        """Cancel `when_joined` for a function."""
         with self.lock:
             if join in self._waiting:
                 self._waiting.remove(join)
@@ -131,12 +135,12 @@ node = Node()
 
 
 def is_initialized() -> bool:
-    """Return whether init_node has been called and succeeded."""
+    """Return whether init_node has succeeded."""
     return node.is_initialized
 
 
 def get_node_uri() -> str | None:
-    """Return the URI of the node's XML-RPC server, None before init_node."""
+    """Return the URI of the node's XML-RPC server; None before init_node."""
     return node.graph.node_uri if node.is_initialized else None
 
 

@@ -1,4 +1,4 @@
-"""rospy's parameter functions: they read and write the master's parameters."""
+"""The functions of rospy for the parameters of the master, and the master's API."""
 
 from __future__ import annotations
 
@@ -15,7 +15,10 @@ _UNSPECIFIED: Any = object()
 
 
 def get_param(param_name: str, default: Any = _UNSPECIFIED) -> Any:
-    """Return a parameter's value, or `default` if it is not set. Raises KeyError, ROSException."""
+    """Return a parameter's value, or `default` if it is not set.
+
+    Raises KeyError if it is not set and there is no default, ROSException.
+    """
     try:
         return _in_python(node.call(node.master().get_param(names.resolve(param_name))))
     except UnknownNameError:
@@ -25,7 +28,7 @@ def get_param(param_name: str, default: Any = _UNSPECIFIED) -> Any:
 
 
 def get_param_cached(param_name: str, default: Any = _UNSPECIFIED) -> Any:
-    """Return a parameter's value; asks the master each time, so it is never outdated."""
+    """Return a parameter's value, like `get_param`: the master is asked each time."""
     return get_param(param_name, default)
 
 
@@ -35,7 +38,7 @@ def get_param_names() -> list[str]:
 
 
 def set_param(param_name: str, param_value: Any) -> None:
-    """Set a parameter; a dict replaces the tree below the name. Raises ROSException."""
+    """Set a parameter; a dict replaces all parameters below the name. Raises ROSException."""
     try:
         node.call(node.master().set_param(names.resolve(param_name), _for_master(param_value)))
     except GraphError as error:
@@ -48,7 +51,7 @@ def has_param(param_name: str) -> bool:
 
 
 def delete_param(param_name: str) -> None:
-    """Delete a parameter. Raises KeyError, ROSException."""
+    """Delete a parameter. Raises KeyError if it is not set, ROSException."""
     try:
         node.call(node.master().delete_param(names.resolve(param_name)))
     except UnknownNameError:
@@ -56,11 +59,11 @@ def delete_param(param_name: str) -> None:
 
 
 def search_param(param_name: str) -> str | None:
-    """Return the full name of the nearest parameter, upward from the node, or None."""
+    """Return the full name of the parameter in the nearest namespace, or None. Raises ROSException."""
     return node.call(node.master().search_param(names.mappings.get(param_name, param_name)))
 
 
-# Methods whose first argument is a name.
+# Methods of the master whose first argument is a name.
 _RESOLVED = frozenset(
     {
         "deleteParam",
@@ -84,7 +87,7 @@ _RESOLVED = frozenset(
 
 
 class MasterProxy:
-    """The master's API as methods that return `[code, text, value]`, and parameters as a mapping."""
+    """The master's API as methods that return `[code, text, value]`, and the parameters as a mapping."""
 
     def __init__(self, uri: str, caller_id: str | None = None) -> None:
         self._caller_id = caller_id
@@ -120,12 +123,12 @@ class MasterProxy:
 
 
 def get_master(env: object = None) -> MasterProxy:
-    """Return the master's API."""
+    """Return the API of this program's master; `env` has no effect."""
     return MasterProxy(node.environment().master_uri)
 
 
 def get_published_topics(namespace: str = "/") -> list[list[str]]:
-    """Return names and types of the topics that are published. Raises ROSException."""
+    """Return the names and types of published topics below a namespace. Raises ROSException."""
     code, text, value = get_master().getPublishedTopics(namespace)
     if code != 1:
         raise ROSException(f"unable to get published topics: {text}")
@@ -133,7 +136,7 @@ def get_published_topics(namespace: str = "/") -> list[list[str]]:
 
 
 def _for_master(value: Any) -> Any:
-    """Return a value with xmlrpc.client's binary data as bytes."""
+    """Return a value with the binary data of xmlrpc.client as bytes, and tuples as lists."""
     if isinstance(value, dict):
         return {name: _for_master(each) for name, each in value.items()}
     if isinstance(value, list | tuple):
@@ -142,7 +145,7 @@ def _for_master(value: Any) -> Any:
 
 
 def _in_python(value: Any) -> Any:
-    """Return a value with bytes as xmlrpc.client's binary data, whose `.data` programs read."""
+    """Return a value with bytes as binary data of xmlrpc.client, because programs read its `.data`."""
     if isinstance(value, dict):
         return {name: _in_python(each) for name, each in value.items()}
     if isinstance(value, list):

@@ -1,4 +1,4 @@
-"""rospy.Publisher: publishing from any thread, as fast as the graph accepts messages."""
+"""rospy.Publisher: publishes from any thread, as fast as the graph accepts messages."""
 
 from __future__ import annotations
 
@@ -18,14 +18,14 @@ from rostether.rospy.client.shutdown import is_shutdown
 from rostether.rospy.client.topic import SharedTopic, Topic, topics
 from rostether.tcpros.message_framing import encode_messages
 
+# The messages and bytes that may wait for the loop's thread: a program that publishes faster has to wait.
 MAX_WAITING_MESSAGES = 100
-# The bytes that may wait for the loop's thread; then a program that publishes faster must wait.
 MAX_WAITING_BYTES = 4 << 20
 
-# The longest time that a program waits: a graph that shuts down accepts nothing more.
+# The limit of that wait: a graph that shuts down accepts no more messages.
 MAX_WAIT_S = 1.0
 
-# How long a slow subscriber may delay a program at a time.
+# How long a slow subscriber may delay a call of `publish`.
 MAX_PAUSE_S = 0.1
 
 
@@ -38,7 +38,7 @@ class SubscribeListener:
         """Handle a new subscriber; `peer_publish` publishes only to it."""
 
     def peer_unsubscribe(self, topic_name: str, num_peers: int) -> None:
-        """Handle a subscriber that has left; `num_peers` remain."""
+        """Handle the end of a subscription; `num_peers` subscribers remain."""
 
 
 class PublishedTopic(SharedTopic[Ros1Publisher]):
@@ -66,7 +66,7 @@ class PublishedTopic(SharedTopic[Ros1Publisher]):
             node.loop.post(publisher.latch)
 
     def publish(self, message: Message, only: SubscriberConnection | None = None) -> None:
-        """Publish to all subscribers, or to one."""
+        """Publish to all subscribers, or `only` to one. Raises ROSException for a closed topic."""
         if self._is_closed or self._endpoint is None:
             if not is_shutdown():
                 raise ROSException("publish() to a closed topic")
@@ -155,7 +155,10 @@ class PublishedTopic(SharedTopic[Ros1Publisher]):
 
 
 class Publisher(Topic[PublishedTopic]):
-    """Publishes messages on a topic; may be made before init_node."""
+    """Publishes messages on a topic; a program may create it before init_node.
+
+    `tcp_nodelay`, `headers` and the value of `queue_size` have no effect.
+    """
 
     def __init__(
         self,
@@ -185,9 +188,10 @@ class Publisher(Topic[PublishedTopic]):
             node.when_joined(self.impl.open)
 
     def publish(self, *args: Any, **kwds: Any) -> None:
-        """Publish a message, or one made of the arguments.
+        """Publish a message, or a new message with these fields.
 
-        Raises ROSSerializationException when a value does not fit, ROSException before init_node.
+        Raises ROSSerializationException if a value does not fit its field, ROSException before init_node or
+        after `unregister`, and TypeError or AttributeError for arguments that are not fields.
         """
         if self.impl is None:
             raise ROSException("publish() to an unregistered() handle")
@@ -201,7 +205,10 @@ class Publisher(Topic[PublishedTopic]):
 
 
 def args_kwds_to_message(data_class: type[Message], args: tuple[Any, ...], kwds: dict[str, Any]) -> Message:
-    """Return the message that the arguments of a call give. Raises TypeError."""
+    """Return the message in the arguments of a call, or a new message with these fields.
+
+    Raises TypeError, AttributeError.
+    """
     if args and kwds:
         raise TypeError("publish() can be called with arguments or keywords, but not both.")
     if len(args) == 1:

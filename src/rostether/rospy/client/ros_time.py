@@ -1,4 +1,4 @@
-"""rospy.Time and rospy.Duration, the clock they read, and waiting on it."""
+"""rospy.Time and rospy.Duration, ROS time, and the functions that wait for it."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ from rostether.rospy.client.node import node
 from rostether.rospy.client.shutdown import is_shutdown, shutdown
 from rostether.rostime import NS_PER_S
 
-# How often to check simulated time: it usually changes a hundred times a second.
+# The interval of checks of simulated time, which usually changes a hundred times a second.
 SIMULATED_POLL_S = 0.002
 
-# Set by programs that read the time without a node.
+# Whether the program may read the wall clock without a node.
 _initialized = False
 
 
@@ -45,7 +45,7 @@ class Time(stamps.Time):
 
     @classmethod
     def from_seconds(cls, float_secs: float) -> Time:
-        """Create one from seconds; the older name of `from_sec`."""
+        """Create a time from seconds; the older name of `from_sec`."""
         return cls.from_sec(float_secs)
 
     @classmethod
@@ -54,7 +54,7 @@ class Time(stamps.Time):
 
 
 def is_wallclock() -> bool:
-    """Return whether ROS time is the wall clock's."""
+    """Return whether ROS time is the time of the wall clock."""
     return not (node.is_initialized and node.graph.is_time_simulated)
 
 
@@ -65,7 +65,7 @@ def set_rostime_initialized(val: bool) -> None:
 
 
 def is_rostime_initialized() -> bool:
-    """Return whether `get_rostime` works."""
+    """Return whether a program can read ROS time."""
     return node.is_initialized or _initialized
 
 
@@ -79,7 +79,7 @@ def get_rostime() -> Time:
 
 
 def get_time() -> float:
-    """Return ROS time in seconds."""
+    """Return ROS time in seconds. Raises ROSInitException before init_node."""
     return get_rostime().to_sec()
 
 
@@ -89,9 +89,10 @@ def simulated_time_s() -> float | None:
 
 
 def sleep(duration: Any) -> None:
-    """Sleep for seconds or a Duration of ROS time; a shutdown ends it.
+    """Sleep for seconds or a Duration of ROS time, at most until the shutdown.
 
-    In simulated time, it raises ROSTimeMovedBackwardsException, and ROSInterruptException at a shutdown.
+    In simulated time, raises ROSTimeMovedBackwardsException if time moves back, and ROSInterruptException at
+    the shutdown.
     """
     seconds = duration.to_sec() if isinstance(duration, stamps.Duration) else float(duration)
     if is_wallclock():
@@ -100,7 +101,8 @@ def sleep(duration: Any) -> None:
         return
     start = get_time()
     while start == 0 and not shutdown.event.wait(SIMULATED_POLL_S):
-        start = get_time()  # there is no time before the first /clock
+        # Simulated time is zero before the first /clock.
+        start = get_time()
     end = start + seconds
     now = start
     while now < end and not shutdown.event.wait(SIMULATED_POLL_S):
@@ -112,7 +114,7 @@ def sleep(duration: Any) -> None:
 
 
 def wallsleep(duration: float) -> None:
-    """Sleep for seconds of the wall clock; a shutdown ends it."""
+    """Sleep for seconds of the wall clock, at most until the shutdown."""
     if duration > 0:
         shutdown.event.wait(duration)
 
@@ -130,7 +132,7 @@ class Rate:
         return self._remaining(get_rostime())
 
     def sleep(self) -> None:
-        """Sleep until the next cycle is due; after a delay of two cycles, restart from the current time."""
+        """Sleep until the next cycle is due; after a delay of two cycles, restart at the current time."""
         now = get_rostime()
         try:
             sleep(self._remaining(now))
@@ -149,7 +151,7 @@ class Rate:
 
 
 class TimerEvent:
-    """The argument of a timer's callback: when this and the last call were due and happened."""
+    """The argument of a timer's callback: the expected and real times of this call and of the last one."""
 
     def __init__(
         self,
@@ -167,7 +169,7 @@ class TimerEvent:
 
 
 class Timer(threading.Thread):
-    """Calls back with a TimerEvent every `period`, or once, in its own thread."""
+    """Calls back with a TimerEvent in its own thread: every `period`, or once with `oneshot`."""
 
     def __init__(self, period: Any, callback: Any, oneshot: bool = False, reset: bool = False) -> None:
         super().__init__(daemon=True)

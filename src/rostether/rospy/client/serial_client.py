@@ -16,13 +16,18 @@ from rostether.rospy.client.logs import TerminalHandler
 from rostether.rospy.client.message_types import all_types
 from rostether.rospy.client.node import node, require_running
 from rostether.rospy.client.ros_time import simulated_time_s
-from rostether.rospy.client.shutdown import MAX_JOIN_S, is_shutdown_requested, shutdown
+from rostether.rospy.client.shutdown import is_shutdown_requested, shutdown
 from rostether.serde.store import TypeStore
 from rostether.transports.address import DEFAULT_BAUD, DEFAULT_PORT, Address, SerialAddress, TcpAddress
 
+# As in rosserial_python.
 _DEFAULT_DEVICE = "/dev/ttyUSB0"
-# How long the end of the program waits for the boards to be asked to stop.
+
+# How long the end of the program waits until the boards have been asked to stop.
 _CLOSE_LIMIT_S = 3.0
+
+# How long a call waits for the shutdown that has ended it.
+_SHUTDOWN_LIMIT_S = 5.0
 
 _LEVELS = {
     Level.DEBUG: logging.DEBUG,
@@ -84,7 +89,7 @@ class _Terminal:
 
 
 class _OwnGraph:
-    """The program's node as the node of a board, which leaves it when the board has disconnected."""
+    """The graph of the program for the session of a board, which closes its graph at its end."""
 
     def __init__(self, graph: Graph) -> None:
         self._graph = graph
@@ -93,7 +98,7 @@ class _OwnGraph:
         return getattr(self._graph, name)
 
     async def close(self) -> None:
-        """Do nothing: the program continues."""
+        """Do nothing: the program still uses the graph."""
 
 
 def _serve(address: Address) -> None:
@@ -102,7 +107,7 @@ def _serve(address: Address) -> None:
         node.call(_serve_until_shutdown(address))
     if is_shutdown_requested():
         # The boards end before is_shutdown() becomes true: a program that checks it now would serve again.
-        shutdown.event.wait(MAX_JOIN_S)
+        shutdown.event.wait(_SHUTDOWN_LIMIT_S)
 
 
 async def _serve_until_shutdown(address: Address) -> None:

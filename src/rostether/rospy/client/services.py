@@ -30,7 +30,10 @@ _ANY_SERVICE = ServiceType(ANY_TYPE, ANY_MD5SUM, ANY_MESSAGE, ANY_MESSAGE)
 
 
 class Service:
-    """Offers a service; the handler gets a request and returns a response, or its fields."""
+    """Offers a service; `handler` gets a request, and returns a response or its fields.
+
+    `buff_size` has no effect. Raises ServiceException if the node already offers the service.
+    """
 
     def __init__(
         self,
@@ -70,7 +73,7 @@ class Service:
             pass
 
     def error_handler(self, e: Exception, exc_type: Any, exc_value: Any, tb: Any) -> None:
-        """Log the error of a handler; a program may give another function, or override this one."""
+        """Log the error of a handler; a program may pass another function, or override this one."""
         if self._error_handler is not None:
             self._error_handler(e, exc_type, exc_value, tb)
         else:
@@ -103,7 +106,7 @@ class Service:
 
 
 class ServiceProxy:
-    """Calls a service like a function; a persistent one keeps its connection."""
+    """Calls a service like a function. `persistent` calls share a connection; `headers` has no effect."""
 
     def __init__(
         self,
@@ -120,7 +123,7 @@ class ServiceProxy:
         self._client: ServiceClient | None = None
 
     def __call__(self, *args: Any, **kwds: Any) -> Any:
-        """Call it with a request or the request's fields; return the response.
+        """Call the service with a request or the request's fields, and return the response.
 
         Raises ServiceException, genpy's SerializationError, ROSInterruptException, TypeError.
         """
@@ -153,7 +156,7 @@ class ServiceProxy:
         _wait(self.resolved_name, timeout)
 
     def close(self) -> None:
-        """Close a kept connection."""
+        """Close the connection of a persistent proxy."""
         client, self._client = self._client, None
         if client is not None and not is_shutdown():
             node.call(client.close())
@@ -162,7 +165,8 @@ class ServiceProxy:
 def wait_for_service(service: str, timeout: Any = None) -> None:
     """Wait until a node offers a service.
 
-    Raises ROSException after `timeout` seconds (or a Duration), ROSInterruptException at a shutdown.
+    Raises ROSException after `timeout` seconds (or a Duration), ValueError if it is zero,
+    ROSInterruptException at a shutdown.
     """
     _wait(names.resolve(service), timeout)
 
@@ -177,7 +181,7 @@ def parse_rosrpc_uri(uri: str) -> tuple[str, int]:
 
 
 def response_of(returned: Any, response_class: type[Message]) -> Message:
-    """Return a handler's return value as a response. Raises ServiceException."""
+    """Return what a handler returned as a response. Raises ServiceException."""
     if isinstance(returned, Message) and returned._type == response_class._type:
         return returned
     if returned is None:

@@ -12,12 +12,9 @@ from collections.abc import Callable
 from types import FrameType
 from typing import Any
 
-# How long the end of a program waits for one thread.
-MAX_JOIN_S = 5.0
-
 
 class Shutdown:
-    """The state of the shutdown; hooks run once, first the program's, then rospy's."""
+    """The state of the shutdown; hooks run once: first those of the program, then those of rospy."""
 
     def __init__(self) -> None:
         self.event = threading.Event()
@@ -29,7 +26,7 @@ class Shutdown:
         self._previous: dict[int, Any] = {}
 
     def on_client(self, hook: Callable[[], object]) -> None:
-        """Add a hook of the program; publishing still works in it."""
+        """Add a hook of the program, which can still publish; during a shutdown, call it at once."""
         if not callable(hook):
             raise TypeError(f"shutdown hook [{hook}] must be a function or callable object: {type(hook)}")
         if self.event.is_set():
@@ -46,7 +43,7 @@ class Shutdown:
         self._hooks.append(hook)
 
     def signal(self, reason: str) -> None:
-        """End the node. Idempotent; returns when it has left."""
+        """End the node. Idempotent; returns after the node has left the graph."""
         with self._lock:
             if self.is_requested:
                 return
@@ -60,7 +57,7 @@ class Shutdown:
                 _run(hook, reason)
 
     def register_signals(self) -> None:
-        """End the node on SIGTERM and SIGINT; previous handlers are called too."""
+        """End the node on SIGTERM and SIGINT, and then call the previous handlers."""
         for number in (signal.SIGTERM, signal.SIGINT):
             self._previous[number] = signal.signal(number, self._handle_signal)
 

@@ -1,4 +1,4 @@
-"""Times and durations of messages, like genpy's: mutable, with arithmetic, compared only with their kind.
+"""Times and durations of messages, as in genpy: mutable, with arithmetic, compared only with their kind.
 
 Source for what users see: http://docs.ros.org/en/noetic/api/genpy/html/
 """
@@ -28,7 +28,7 @@ class TVal:
 
     @classmethod
     def from_sec(cls: type[_T], float_secs: float) -> _T:
-        """Create one from seconds; fractions of a nanosecond are cut off."""
+        """Create a stamp from seconds; fractions of a nanosecond are cut off."""
         return cls(*_split_s(float_secs))
 
     def is_zero(self) -> bool:
@@ -45,11 +45,11 @@ class TVal:
         self.secs, self.nsecs = _carry(self.secs, self.nsecs)
 
     def to_sec(self) -> float:
-        """Return seconds."""
+        """Return the value in seconds."""
         return float(self.secs) + float(self.nsecs) / 1e9
 
     def to_nsec(self) -> int:
-        """Return nanoseconds."""
+        """Return the value in nanoseconds."""
         return self.secs * NS_PER_S + self.nsecs
 
     def __hash__(self) -> int:
@@ -113,7 +113,7 @@ class Time(TVal):
             raise TypeError("time values must be positive")
 
     def to_time(self) -> float:
-        """Return seconds, as `time.time()` counts them."""
+        """Return the seconds since the epoch, like `time.time()`."""
         return self.to_sec()
 
     def __sub__(self, other: object) -> Any:

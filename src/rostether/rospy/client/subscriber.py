@@ -1,4 +1,4 @@
-"""rospy.Subscriber: callbacks in a thread for each publisher, one connection for all callbacks of a topic."""
+"""rospy.Subscriber: calls back in a thread for each publisher; the callbacks of a topic share connections."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ class SubscribedTopic(SharedTopic[Subscription]):
         self._latched: dict[str, Message] = {}
         self._threads: list[CallbackThread[tuple[bytes, Mapping[str, str]]]] = []
         self._full = 0
-        self._reported = False
+        self._is_reported = False
 
     def close(self) -> None:
         """Unsubscribe, and end the threads."""
@@ -42,13 +42,13 @@ class SubscribedTopic(SharedTopic[Subscription]):
         super().close()
 
     def add_callback(self, callback: Callable[..., object], arguments: Any) -> None:
-        """Call back with every message from now on, and with the latched messages already received."""
+        """Call back with each later message, and now with the latched messages that were received before."""
         self.callbacks = [*self.callbacks, (callback, arguments)]
         for message in list(self._latched.values()):
             _invoke(message, callback, arguments)
 
     def remove_callback(self, callback: Callable[..., object], arguments: Any) -> None:
-        """Remove the callback. Raises KeyError."""
+        """Remove a callback. Raises KeyError if there is none with these arguments."""
         remaining = list(self.callbacks)
         try:
             remaining.remove((callback, arguments))
@@ -103,8 +103,8 @@ class SubscribedTopic(SharedTopic[Subscription]):
         try:
             message: Any = read_message(self.data_class, payload)
         except DeserializationError as error:
-            if not self._reported:
-                self._reported = True
+            if not self._is_reported:
+                self._is_reported = True
                 logerr("cannot deserialize a message of %s: %s", self.resolved_name, error)
             return
         message._connection_header = header
@@ -115,7 +115,10 @@ class SubscribedTopic(SharedTopic[Subscription]):
 
 
 class Subscriber(Topic[SubscribedTopic]):
-    """Calls a function with each message of a topic."""
+    """Calls a function with each message of a topic; `buff_size` has no effect.
+
+    Raises ROSException for a size that is not valid.
+    """
 
     def __init__(
         self,

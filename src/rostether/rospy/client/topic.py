@@ -20,7 +20,7 @@ _E = TypeVar("_E")
 
 
 class SharedTopic(ABC, Generic[_E]):
-    """The state that all handles to one topic share; its endpoint exists once the node has joined."""
+    """The state that all handles to a topic share; its endpoint exists after the node has joined."""
 
     verb = ""
 
@@ -33,7 +33,7 @@ class SharedTopic(ABC, Generic[_E]):
         self._is_closed = False
 
     def open(self) -> None:
-        """Make the endpoint. Raises ROSException."""
+        """Create the endpoint, unless closed. Raises ROSException."""
         if self._is_closed:
             return
         try:
@@ -42,7 +42,7 @@ class SharedTopic(ABC, Generic[_E]):
             raise ROSException(f"cannot {self.verb} {self.resolved_name}: {error}") from None
 
     def close(self) -> None:
-        """Close the endpoint, or never make it."""
+        """Close the endpoint; one that does not exist yet is never created."""
         self._is_closed = True
         node.forget(self.open)
         if self._endpoint is not None and not is_shutdown():
@@ -50,7 +50,7 @@ class SharedTopic(ABC, Generic[_E]):
 
     @property
     def connection_count(self) -> int:
-        """How many nodes are connected."""
+        """The number of connected nodes."""
         return 0 if self._endpoint is None else self._count_connections(self._endpoint)
 
     def has_connection(self, node_name: str) -> bool:
@@ -84,7 +84,7 @@ class Topics:
         self._lock = threading.RLock()
 
     def acquire(self, key: Hashable, make: Callable[[], _S]) -> tuple[_S, bool]:
-        """Return the shared part for one more handle, and whether it is new."""
+        """Return the shared state for another handle, and whether the state is new."""
         found: Any
         with self._lock:
             is_new = key not in self._topics
@@ -93,7 +93,7 @@ class Topics:
         return found, is_new
 
     def release(self, key: Hashable) -> None:
-        """Release a handle; the last one closes the topic."""
+        """Release a handle; the release of the last one closes the topic."""
         with self._lock:
             shared = self._topics[key]
             shared.handle_count -= 1
@@ -112,7 +112,7 @@ topics = Topics()
 
 
 class Topic(Generic[_S]):
-    """Base of the handles to a topic; `resolved_name` is its full name, `impl` their shared state."""
+    """Base of the handles to a topic; `resolved_name` is its full name, `impl` the state that they share."""
 
     impl: _S | None
     _key: Hashable
@@ -138,7 +138,7 @@ class Topic(Generic[_S]):
         self.md5sum = data_class._md5sum
 
     def get_num_connections(self) -> int:
-        """Return how many nodes are connected."""
+        """Return the number of connected nodes."""
         return 0 if self.impl is None else self.impl.connection_count
 
     def unregister(self) -> None:

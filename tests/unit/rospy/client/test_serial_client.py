@@ -17,7 +17,7 @@ from rostether.rospy.client import serial_client
 from std_msgs.msg import String
 
 # On a busy machine the boards take their time.
-serial_client.MAX_JOIN_S = 60
+serial_client._SHUTDOWN_LIMIT_S = 60
 
 def hear(message):
     print("heard", message.data)

@@ -1,0 +1,37 @@
+from __future__ import annotations
+
+from types import SimpleNamespace
+
+import pytest
+
+from rostether.rospy.client import message_filters
+from rostether.rospy.client.message_filters import (
+    ApproximateTimeSynchronizer,
+    SimpleFilter,
+    TimeSynchronizer,
+)
+from rostether.rospy.client.ros_time import Time
+
+
+def stamped(seconds: int) -> SimpleNamespace:
+    return SimpleNamespace(header=SimpleNamespace(stamp=Time(seconds)))
+
+
+@pytest.mark.parametrize(("reset", "count"), [(True, 1), (False, 0)])
+def test_a_jump_back_in_time_clears_the_queues_with_reset(
+    monkeypatch: pytest.MonkeyPatch, reset: bool, count: int
+) -> None:
+    now = Time(100)
+    monkeypatch.setattr(message_filters, "get_rostime", lambda: now)
+    first, second = SimpleFilter(), SimpleFilter()
+    together: list[object] = []
+    TimeSynchronizer([first, second], 1, reset).registerCallback(lambda *messages: together.append(messages))
+    first.signalMessage(stamped(100))
+    now = Time(1)
+    for each in (first, second):
+        each.signalMessage(stamped(1))
+    assert len(together) == count
+
+
+def test_filters_can_be_created_before_the_node() -> None:
+    assert ApproximateTimeSynchronizer([SimpleFilter()], 1, 0.1).slop.to_sec() == pytest.approx(0.1)
