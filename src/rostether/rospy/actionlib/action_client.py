@@ -1,4 +1,4 @@
-"""actionlib.ActionClient: sends goals and follows the status, result and feedback of each."""
+"""actionlib.ActionClient: sends goals, and follows the status, result and feedback of each."""
 
 from __future__ import annotations
 
@@ -20,6 +20,7 @@ from rostether.rospy.client.shutdown import is_shutdown
 from rostether.rospy.client.stamps import Duration as AnyDuration
 from rostether.rospy.client.subscriber import Subscriber
 
+# As in actionlib.
 DEFAULT_QUEUE_SIZE = 10
 _POLL_S = 0.01
 
@@ -27,7 +28,10 @@ _numbers = itertools.count(1)
 
 
 class ActionClient:
-    """A client of the action in a namespace: `goal` and `cancel` out, `status`, `result`, `feedback` in."""
+    """A client of the action in a namespace.
+
+    Publishes `goal` and `cancel`, and subscribes to `status`, `result` and `feedback`.
+    """
 
     def __init__(self, ns: str, ActionSpec: Any) -> None:  # noqa: N803 - the name is actionlib's
         parts = ActionParts.of(ActionSpec)
@@ -44,9 +48,13 @@ class ActionClient:
         name = remap_name(ns)
         self.pub_goal = Publisher(f"{name}/goal", parts.goal, queue_size=out_size)
         self.pub_cancel = Publisher(f"{name}/cancel", GoalID, queue_size=out_size)
-        self.status_sub = self._subscribe(name, "status", GoalStatusArray, self._handle_statuses, in_size)
-        self.result_sub = self._subscribe(name, "result", parts.result, self._handle_result, in_size)
-        self.feedback_sub = self._subscribe(name, "feedback", parts.feedback, self._handle_feedback, in_size)
+        self.status_sub = Subscriber(
+            f"{name}/status", GoalStatusArray, self._handle_statuses, queue_size=in_size
+        )
+        self.result_sub = Subscriber(f"{name}/result", parts.result, self._handle_result, queue_size=in_size)
+        self.feedback_sub = Subscriber(
+            f"{name}/feedback", parts.feedback, self._handle_feedback, queue_size=in_size
+        )
 
     def stop(self) -> None:
         """Leave the action's topics."""
@@ -73,7 +81,7 @@ class ActionClient:
         transition_cb: Callable[[ClientGoalHandle], object] | None,
         feedback_cb: Callable[[ClientGoalHandle, Any], object] | None,
     ) -> ClientGoalHandle:
-        """Create a handle before the goal is sent: the server may answer before the call returns."""
+        """Return a handle to a goal that is sent afterwards, because the server may answer immediately."""
         stamp = Time.now()
         goal_id = GoalID(id=f"{get_caller_id()}-{next(_numbers)}-{stamp.to_sec():.3f}", stamp=stamp)
         action_goal = self.ActionGoal(goal_id=goal_id, goal=goal)
@@ -88,11 +96,11 @@ class ActionClient:
         self.pub_cancel.publish(GoalID())
 
     def cancel_goals_at_and_before_time(self, time: Any) -> None:
-        """Ask the server to cancel the goals sent until then."""
+        """Ask the server to cancel the goals that were sent until `time`."""
         self.pub_cancel.publish(GoalID(stamp=time))
 
     def wait_for_server(self, timeout: Any = 0.0) -> bool:
-        """Wait until a server is connected, at most `timeout` (zero: without a limit)."""
+        """Wait until a server is connected; return False after `timeout` (zero: no limit) or shutdown."""
         limit = as_duration(timeout)
         deadline = get_rostime() + limit
         while not is_shutdown():
@@ -112,11 +120,6 @@ class ActionClient:
         server = status._connection_header["callerid"]
         endpoints: tuple[Any, ...] = (self.pub_goal, self.pub_cancel, self.result_sub, self.feedback_sub)
         return all(each.impl is not None and each.impl.has_connection(server) for each in endpoints)
-
-    def _subscribe(
-        self, name: str, leaf: str, kind: type[Message], callback: Callable[[Any], None], size: int | None
-    ) -> Subscriber:
-        return Subscriber(f"{name}/{leaf}", kind, callback, queue_size=size)
 
     def _handle_statuses(self, message: Any) -> None:
         self.last_status_msg = message
@@ -140,7 +143,7 @@ class ActionClient:
 
 
 def queue_size(parameter: str) -> int | None:
-    """Return a queue's size from a parameter, or None."""
+    """Return the size of a queue from a parameter; None if it is not a positive number."""
     size = get_param(parameter, -1)
     return size if isinstance(size, int) and size > 0 else None
 

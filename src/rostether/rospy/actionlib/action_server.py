@@ -18,12 +18,15 @@ from rostether.rospy.client.ros_time import Duration, Time, Timer
 from rostether.rospy.client.shutdown import is_shutdown
 from rostether.rospy.client.subscriber import Subscriber
 
+# As in actionlib.
 DEFAULT_QUEUE_SIZE = 50
 DEFAULT_STATUS_HZ = 5.0
-# How long an ended goal stays in the list, so that its client receives the result.
+
+# As in actionlib: how long an ended goal stays in the list, so that its client receives its status.
 DEFAULT_LISTED_S = 5.0
 
-# The most goals and cancel requests in a list; beyond it, the oldest ended goal is removed early.
+# The limit of goals and cancel requests in a list, because peers can send any number. At the limit, the
+# oldest ended one is removed.
 MAX_LISTED = 10_000
 
 _CANCELLED_BEFORE = (
@@ -37,9 +40,10 @@ def no_cancel(goal_handle: ServerGoalHandle) -> None:
 
 
 class ActionServer:
-    """A server of the action in a namespace: `goal` and `cancel` in, `status`, `result`, `feedback` out.
+    """A server of the action in a namespace.
 
-    Callbacks get a ServerGoalHandle, with the server's lock held.
+    Subscribes to `goal` and `cancel`, and publishes `status`, `result` and `feedback`. Callbacks get a
+    ServerGoalHandle, and run with the lock of the server.
     """
 
     def __init__(
@@ -77,11 +81,11 @@ class ActionServer:
             self.start()
 
     def register_goal_callback(self, cb: Callable[[ServerGoalHandle], object]) -> None:
-        """Call another function with new goals from now on."""
+        """Set the function to call with new goals."""
         self.goal_callback = cb
 
     def register_cancel_callback(self, cancel_cb: Callable[[ServerGoalHandle], object]) -> None:
-        """Call another function with goals to be cancelled from now on."""
+        """Set the function to call with goals that should be cancelled."""
         self.cancel_callback = cancel_cb
 
     def start(self) -> None:
@@ -102,7 +106,7 @@ class ActionServer:
             endpoint.unregister()
 
     def initialize(self) -> None:
-        """Create publishers, subscribers and the timer of the status list; `start` calls it."""
+        """Create the publishers, the subscribers and the timer of the status list, for `start`."""
         name = remap_name(self.ns)
         size = queue_size("actionlib_server_pub_queue_size") or DEFAULT_QUEUE_SIZE
         self.status_pub = Publisher(f"{name}/status", GoalStatusArray, latch=True, queue_size=size)
@@ -149,13 +153,13 @@ class ActionServer:
                 self.feedback_pub.publish(message)
 
     def publish_status_async(self, event: object) -> None:
-        """Publish the list, as the timer does."""
+        """Publish the status list; the timer calls this."""
         with self.lock:
             if self.started:
                 self.publish_status()
 
     def publish_status(self) -> None:
-        """Publish the list of goals; those that ended some time ago leave it."""
+        """Remove goals from the status list that ended some time ago, and publish the list."""
         with self.lock:
             now = Time.now()
             ended_before = [goal for goal in self.status_list if self._is_over(goal, now)]
@@ -202,7 +206,7 @@ class ActionServer:
                     if handle.set_cancel_requested():
                         self.cancel_callback(handle)
             if goal_id.id and not is_known:
-                # The goal itself may be late.
+                # The goal may arrive after its cancel request.
                 early = ServedGoal(goal_id, GoalStatus.RECALLING)
                 early.ended_at = Time.now()
                 self._list(early)

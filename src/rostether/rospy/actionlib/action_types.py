@@ -1,4 +1,4 @@
-"""The common part of action clients and servers: the parts of a type, names of states, errors."""
+"""The common part of action clients and servers: the classes of an action, the names of states, the error."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ class ActionParts(Struct, frozen=True):
 
     @classmethod
     def of(cls, action: Any) -> ActionParts:
-        """Return the parts of `action`, as genpy makes it of an .action file. Raises ActionException."""
+        """Return the parts of the class `action` of an .action file. Raises ActionException."""
         try:
             example = action()
             return cls(

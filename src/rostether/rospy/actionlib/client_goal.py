@@ -1,4 +1,4 @@
-"""One goal, on the client's side."""
+"""A goal in an action client: its state, and the program's handle to it."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _MAY_BE_UNKNOWN = (CommState.WAITING_FOR_GOAL_ACK, CommState.WAITING_FOR_RESULT)
 
 
 class FollowedGoal:
-    """A goal's state machine; callbacks run in the thread that received the message, one at a time."""
+    """The state machine of a goal; callbacks run one at a time, in the thread that received the message."""
 
     def __init__(
         self,
@@ -46,7 +46,7 @@ class FollowedGoal:
                 self.transition_to(CommState.WAITING_FOR_CANCEL_ACK)
 
     def note_status(self, status: Any) -> None:
-        """Apply the goal's status in the server's list; `status` is None if the goal is not listed."""
+        """Apply the goal's status in the list of the server; None if the goal is not listed."""
         with self.mutex:
             if self.state == CommState.DONE:
                 return
@@ -97,7 +97,7 @@ class FollowedGoal:
 
 
 class ClientGoalHandle:
-    """A program's handle to a goal that it has sent; a client follows a goal only while a handle exists."""
+    """A program's handle to a goal that it has sent. A client follows a goal only while a handle exists."""
 
     def __init__(self, comm_state_machine: FollowedGoal) -> None:
         self.comm_state_machine = comm_state_machine
@@ -121,7 +121,7 @@ class ClientGoalHandle:
         return self.comm_state_machine.state
 
     def get_goal_status(self) -> int:
-        """Return the server's last status, of actionlib_msgs/GoalStatus."""
+        """Return the last status from the server, a constant of actionlib_msgs/GoalStatus."""
         return int(self.comm_state_machine.latest_goal_status.status)
 
     def get_goal_status_text(self) -> str:
@@ -134,7 +134,7 @@ class ClientGoalHandle:
         return None if latest is None else latest.result
 
     def get_terminal_state(self) -> int:
-        """Return how the goal ended; LOST before the end."""
+        """Return the final status of the goal, a constant of TerminalState; LOST before the end."""
         goal = self.comm_state_machine
         with goal.mutex:
             if goal.state != CommState.DONE:

@@ -1,4 +1,4 @@
-"""The states of a goal between client and server, and the transitions that a server's status causes."""
+"""The states of a goal in its client, and the transitions that a status from the server causes."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from rostether.rospy.actionlib.action_types import GoalStatus, name_of_state
 
 
 class CommState:
-    """States of a goal as its client follows it."""
+    """The states of a goal in its client."""
 
     WAITING_FOR_GOAL_ACK = 0
     PENDING = 1
@@ -24,7 +24,7 @@ class CommState:
 
 
 class TerminalState:
-    """How a goal may end."""
+    """The final statuses of a goal."""
 
     RECALLED = GoalStatus.RECALLED
     REJECTED = GoalStatus.REJECTED
@@ -53,8 +53,8 @@ _RECALLING, _PREEMPTING = CommState.RECALLING, CommState.PREEMPTING
 
 _Transitions = dict[int, tuple[int, ...]]
 
-# The states from a pending goal to each status; states that were too short to be published are included,
-# because programs rely on them.
+# The states that a pending goal passes to reach each status. They include states that were too short to be
+# published, because programs rely on them.
 _FROM_PENDING: _Transitions = {
     GoalStatus.PENDING: (),
     GoalStatus.ACTIVE: (_ACTIVE,),
@@ -78,7 +78,7 @@ _FROM_CANCELLING: _Transitions = {
 _ENDED_BY_SERVER = (GoalStatus.REJECTED, GoalStatus.RECALLED, GoalStatus.PREEMPTED)
 _ENDED_BY_WORK = (GoalStatus.SUCCEEDED, GoalStatus.ABORTED)
 
-# State and status to the states that follow; a status that is missing does not fit the state.
+# State -> status -> the states that follow. A missing status is invalid in that state.
 TRANSITIONS: dict[int, _Transitions] = {
     CommState.WAITING_FOR_GOAL_ACK: {
         **_FROM_PENDING,

@@ -1,4 +1,4 @@
-"""One goal on the server's side: its status, and the program's handle of it."""
+"""A goal in an action server: its status, and the program's handle to it."""
 
 from __future__ import annotations
 
@@ -22,13 +22,12 @@ _CANCEL_REQUESTED = {GoalStatus.PENDING: GoalStatus.RECALLING, GoalStatus.ACTIVE
 
 
 class ServedGoal:
-    """A goal in a server's list, or a cancel request that arrived before its goal."""
+    """A goal in the list of a server; without `goal`, a cancel request that arrived before its goal."""
 
     def __init__(self, goal_id: Any = None, status: int = GoalStatus.PENDING, goal: Any = None) -> None:
         self.goal = goal
         self.status: Any = GoalStatus(goal_id=goal_id or goal.goal_id, status=status)
-
-        # When it ended, zero before that; it stays in the list for some time.
+        # Zero until the goal ends; then it stays in the list for some time.
         self.ended_at = Time()
         if not self.status.goal_id.id:
             self.status.goal_id = GoalIDGenerator().generate_ID()
@@ -37,7 +36,7 @@ class ServedGoal:
 
 
 class GoalPublisher(Protocol):
-    """The part of a server that a goal's handle uses; `lock` is held while a status changes."""
+    """The part of a server that the handle of a goal uses; a change of a status holds `lock`."""
 
     lock: threading.RLock
     ActionResultType: Any
@@ -71,7 +70,7 @@ class ServerGoalHandle:
         return hash(self.get_goal_id().id)
 
     def get_default_result(self) -> Any:
-        """Return an empty result."""
+        """Return an empty result, or None for an empty handle."""
         return None if self.action_server is None else self.action_server.ActionResultType()
 
     def get_goal(self) -> Any:
@@ -79,12 +78,12 @@ class ServerGoalHandle:
         return None if self.goal is None else self.goal.goal
 
     def get_goal_id(self) -> Any:
-        """Return the goal's GoalID."""
+        """Return the goal's GoalID; an empty one for an empty handle."""
         found = self._found("get a goal id")
         return GoalID() if found is None else found[1].status.goal_id
 
     def get_goal_status(self) -> Any:
-        """Return the goal's GoalStatus."""
+        """Return the goal's GoalStatus; an empty one for an empty handle."""
         found = self._found("get goal status")
         return GoalStatus() if found is None else found[1].status
 
@@ -118,7 +117,7 @@ class ServerGoalHandle:
             found[0].publish_feedback(found[1].status, feedback)
 
     def set_cancel_requested(self) -> bool:
-        """Record a cancel request; False if that changes nothing."""
+        """Record a cancel request; return False if that does not change the status."""
         found = self._found("cancel")
         if found is None:
             return False
@@ -131,30 +130,30 @@ class ServerGoalHandle:
             server.publish_status()
             return True
 
-    def _change(self, ways: dict[int, int], wanted: str, text: str) -> ServedGoal | None:
+    def _change(self, transitions: dict[int, int], wanted: str, text: str) -> ServedGoal | None:
         found = self._found("set status")
         if found is None:
             return None
         server, goal = found
         with server.lock:
-            status = ways.get(goal.status.status)
+            status = transitions.get(goal.status.status)
             if status is None:
                 logerr("To transition to %s, it is currently in state: %d", wanted, goal.status.status)
                 return None
             logdebug("Goal %s: %s", goal.status.goal_id.id, GoalStatus.to_string(status))
             goal.status.status = status
             goal.status.text = text
-            if ways is _ACCEPTED:
+            if transitions is _ACCEPTED:
                 server.publish_status()
             return goal
 
-    def _end(self, ways: dict[int, int], wanted: str, result: Any, text: str) -> None:
+    def _end(self, transitions: dict[int, int], wanted: str, result: Any, text: str) -> None:
         server = self.action_server
         if server is None:
             self._found("set status")
             return
         with server.lock:
-            goal = self._change(ways, wanted, text)
+            goal = self._change(transitions, wanted, text)
             if goal is not None:
                 goal.ended_at = Time.now()
                 server.publish_result(goal.status, self.get_default_result() if result is None else result)

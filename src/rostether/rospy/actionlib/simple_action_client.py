@@ -16,7 +16,7 @@ from rostether.rospy.client.names import resolve_name
 from rostether.rospy.client.ros_time import get_rostime
 from rostether.rospy.client.shutdown import is_shutdown
 
-# How often a wait checks the clock, which may be simulated.
+# The interval of the checks of ROS time, which may be simulated.
 _POLL_S = 0.1
 
 
@@ -65,7 +65,10 @@ class SimpleActionClient:
     def send_goal_and_wait(
         self, goal: Message, execute_timeout: Any = 0.0, preempt_timeout: Any = 0.0
     ) -> int:
-        """Send a goal, wait for its end, and cancel it at the timeout. Returns its status."""
+        """Send a goal, wait for its end, and return its status.
+
+        After `execute_timeout`, cancels the goal and waits at most `preempt_timeout` for its end.
+        """
         self.send_goal(goal)
         if not self.wait_for_result(execute_timeout):
             logdebug("Canceling goal")
@@ -93,14 +96,14 @@ class SimpleActionClient:
         return self.simple_state == SimpleGoalState.DONE
 
     def get_result(self) -> Any:
-        """Return the result, or None."""
+        """Return the result; None without a goal, or before its end."""
         if self.gh is None:
             logerr("Called get_result when no goal is running")
             return None
         return self.gh.get_result()
 
     def get_state(self) -> int:
-        """Return the goal's status, of actionlib_msgs/GoalStatus; LOST without a goal."""
+        """Return the goal's status, a constant of actionlib_msgs/GoalStatus; LOST without a goal."""
         if self.gh is None:
             return int(GoalStatus.LOST)
         status = self.gh.get_goal_status()
@@ -119,7 +122,7 @@ class SimpleActionClient:
         self.action_client.cancel_all_goals()
 
     def cancel_goals_at_and_before_time(self, time: Any) -> None:
-        """Ask the server to cancel the goals sent until then."""
+        """Ask the server to cancel the goals that were sent until `time`."""
         self.action_client.cancel_goals_at_and_before_time(time)
 
     def cancel_goal(self) -> None:

@@ -21,9 +21,9 @@ _ACCEPTED = "This goal has been accepted by the simple action server"
 
 
 class SimpleActionServer:
-    """A server that runs `execute_cb(goal)` in its own thread, or returns goals on request.
+    """A server that runs `execute_cb(goal)` in its own thread, or else returns goals from `accept_new_goal`.
 
-    Its lock is acquired after that of its `action_server`, never before.
+    A thread acquires the lock of `action_server` before `lock`, never after it.
     """
 
     def __init__(
@@ -49,7 +49,7 @@ class SimpleActionServer:
         )
         self.execute_thread: threading.Thread | None = None
         if execute_cb is not None:
-            # No daemon: a program whose main function has ended continues to serve.
+            # No daemon, so that a program continues to serve after its main function.
             self.execute_thread = threading.Thread(target=self._execute_goals, name=f"actionlib {name}")
             self.execute_thread.start()
 
@@ -58,7 +58,7 @@ class SimpleActionServer:
         self.action_server.start()
 
     def accept_new_goal(self) -> Any:
-        """Start and return the newest goal, or None; the previous goal is cancelled."""
+        """Accept and return the newest goal, or None if there is none; cancel the previous goal."""
         with self.action_server.lock, self.lock:
             if not self.new_goal or self.next_goal.get_goal() is None:
                 logerr("Attempting to accept the next goal when a new goal is not available")
@@ -73,7 +73,7 @@ class SimpleActionServer:
             return self.current_goal.get_goal()
 
     def is_new_goal_available(self) -> bool:
-        """Return whether a goal waits."""
+        """Return whether a goal is waiting to be accepted."""
         return self.new_goal
 
     def is_preempt_requested(self) -> bool:
@@ -110,7 +110,7 @@ class SimpleActionServer:
         return self.action_server.ActionResultType()
 
     def register_goal_callback(self, cb: Callable[[], object]) -> None:
-        """Call a function when a goal arrives, without `execute_cb`."""
+        """Set a function to call when a goal arrives; it has no effect with `execute_cb`."""
         if self.execute_callback is not None:
             logwarn(
                 "Cannot call SimpleActionServer.register_goal_callback() because an executeCallback exists. "
@@ -120,14 +120,14 @@ class SimpleActionServer:
             self.goal_callback = cb
 
     def register_preempt_callback(self, cb: Callable[[], object]) -> None:
-        """Call a function when the current goal should be cancelled."""
+        """Set a function to call when the current goal should be cancelled."""
         self.preempt_callback = cb
 
     def internal_goal_callback(self, goal: ServerGoalHandle) -> None:
-        """Accept a goal, unless it is older than the current ones."""
+        """Store a goal as the next one, unless it is older than the current ones."""
         with self.execute_condition:
             try:
-                self._accept_goal(goal)
+                self._store_goal(goal)
             except Exception as error:  # noqa: BLE001 - a program's callback must not end the server
                 logerr("SimpleActionServer.internal_goal_callback - exception %s", error)
 
@@ -139,9 +139,9 @@ class SimpleActionServer:
             elif preempt == self.next_goal:
                 self.new_goal_preempt_request = True
 
-    def _accept_goal(self, goal: ServerGoalHandle) -> None:
-        here = [each for each in (self.current_goal, self.next_goal) if each.get_goal() is not None]
-        if any(goal.get_goal_id().stamp < each.get_goal_id().stamp for each in here):
+    def _store_goal(self, goal: ServerGoalHandle) -> None:
+        known = [each for each in (self.current_goal, self.next_goal) if each.get_goal() is not None]
+        if any(goal.get_goal_id().stamp < each.get_goal_id().stamp for each in known):
             goal.set_canceled(None, _PREEMPTED)
             return
         if self.next_goal.get_goal() is not None and self.next_goal != self.current_goal:

@@ -1,6 +1,6 @@
-"""rosbag.Bag: lets scripts read and write bags, like rosbag's Python module.
+"""rosbag.Bag: reads and writes bags for scripts, like the Python module of rosbag.
 
-It also reads MCAP files and ROS 2 bags. Source: wiki.ros.org/rosbag/Code API
+It also reads MCAP files and ROS 2 bags. Source: http://wiki.ros.org/rosbag/Code%20API
 """
 
 from __future__ import annotations
@@ -45,7 +45,10 @@ VERSION = 200
 
 
 class Bag:
-    """A bag opened for reading (`r`), writing (`w`) or appending (`a`)."""
+    """A bag opened for reading (`r`), writing (`w`) or appending (`a`); `skip_index` has no effect.
+
+    Raises ROSBagException, ValueError for an invalid argument, OSError for a missing file.
+    """
 
     def __init__(
         self,
@@ -57,7 +60,7 @@ class Bag:
         options: Mapping[str, Any] | None = None,
         skip_index: bool = False,
     ) -> None:
-        # A stream is opened again by its name: recordings are read and written at its path.
+        # A stream is opened again by its name, because recordings are read and written at a path.
         f = f if isinstance(f, str | Path) else getattr(f, "name", None)
         if not isinstance(f, str | Path):
             raise ValueError("this rosbag needs the path of a file, or a file that has a path")  # noqa: TRY004
@@ -72,7 +75,7 @@ class Bag:
         self._writer: BagWriter | None = None
         self._types = BagTypes()
         path = self._path = Path(f)
-        # Missing files raise Python's own errors.
+        # A missing file raises the error of Python.
         if mode == "r":
             path.stat()
             self._reader = self._open(path)
@@ -96,7 +99,7 @@ class Bag:
 
     @property
     def filename(self) -> str:
-        """The file's name as it was given."""
+        """The file's name, as given."""
         return self._filename
 
     @property
@@ -106,12 +109,12 @@ class Bag:
 
     @property
     def mode(self) -> str:
-        """How it was opened."""
+        """The mode in which the bag was opened."""
         return self._mode
 
     @property
     def options(self) -> dict[str, Any]:
-        """The options of the chunks."""
+        """The settings of written chunks."""
         return {"compression": self._compression, "chunk_threshold": self._chunk_threshold}
 
     @property
@@ -141,7 +144,7 @@ class Bag:
         raw: bool = False,
         return_connection_header: bool = False,
     ) -> Iterator[Any]:
-        """Yield (topic, message, time) by time, both ends included.
+        """Yield (topic, message, time) in the order of time, from `start_time` to `end_time` inclusive.
 
         A raw message is (type, bytes, md5sum, position, class); the position is always None.
         """
@@ -171,7 +174,11 @@ class Bag:
         raw: bool = False,
         connection_header: Mapping[str, str | bytes] | None = None,
     ) -> None:
-        """Write a message with a time (default: the wall clock)."""
+        """Write a message with the time `t` (default: the wall clock).
+
+        Raises ValueError for a closed bag or a missing argument, UnsupportedOperation for a bag that is read,
+        ROSBagException.
+        """
         if self._writer is None:
             raise ValueError(_CLOSED) if self._reader is None else UnsupportedOperation("write")
         if not topic or msg is None:
@@ -188,7 +195,7 @@ class Bag:
             raise ROSBagException(str(error)) from None
 
     def flush(self) -> None:
-        """Flush everything written to the operating system."""
+        """Pass all written data to the operating system."""
         if self._writer is not None:
             self._writer.flush()
 
@@ -207,7 +214,7 @@ class Bag:
             reader.close()
 
     def reindex(self) -> Iterator[int]:
-        """Repair a bag that was not closed and yield the progress."""
+        """Repair a bag that was not closed. Yields the progress in bytes."""
         yield 0
         if self._reader is not None:
             self._reader.close()
@@ -216,7 +223,7 @@ class Bag:
         yield self.size
 
     def get_message_count(self, topic_filters: Any = None) -> int:
-        """Return the number of messages, of some topics or all."""
+        """Return the number of messages of some topics (default: all)."""
         names = _names(topic_filters)
         with self._reading() as reader:
             counts = reader.counts
@@ -231,7 +238,7 @@ class Bag:
         return self._span()[1] / NS_PER_S
 
     def get_type_and_topic_info(self, topic_filters: Any = None) -> TypesAndTopicsTuple:
-        """Return types with their md5sums, and topics with type, counts and frequency."""
+        """Return the types with their md5sums, and the topics with their types, counts and frequencies."""
         with self._reading() as reader:
             return types_and_topics(reader, _names(topic_filters))
 
@@ -259,7 +266,7 @@ class Bag:
             raise ROSBagException(str(error)) from None
 
     def _continue(self, path: Path) -> None:
-        """Copy the bag to a new file, which replaces it at the close."""
+        """Copy the bag to a new file; `close` replaces the bag with it."""
         reader = self._open(path)
         writer = self._create(path.with_name(f".{path.name}.unfinished"))
         for message in reader.messages():
@@ -271,15 +278,14 @@ class Bag:
         if self._reader is None:
             if self._writer is None:
                 raise ValueError(_CLOSED)
-            # After a flush, the written data consists of whole chunks: a bag that was not closed, but can be
-            # read.
+            # After a flush, the file has only whole chunks, so it can be read like a bag that was not closed.
             self._writer.flush()
             return self._open(self._writer.path)
         return self._reader
 
     @contextmanager
     def _reading(self) -> Iterator[RecordingReader]:
-        """Provide a reader of the bag, even after the bag is closed, like rosbag."""
+        """Provide a reader of the bag; as in rosbag, also of a closed bag."""
         if self._reader is not None:
             yield self._reader
             return

@@ -1,4 +1,4 @@
-"""The results of rosbag's Python module: messages, and facts about a bag."""
+"""The values that rosbag's Python module returns: messages, and facts about a bag."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from rostether.rostime import NS_PER_S
 
 
 class Compression:
-    """How chunks may be compressed."""
+    """The compressions of chunks."""
 
     NONE = "none"
     BZ2 = "bz2"
@@ -53,7 +53,7 @@ class TypesAndTopicsTuple(NamedTuple):
 
 
 class CompressionTuple(NamedTuple):
-    """How most chunks are compressed, and the bytes of all chunks before and after."""
+    """The most frequent compression, and the bytes of all chunks before and after compression."""
 
     compression: str
     uncompressed: int

@@ -1,4 +1,4 @@
-"""The exceptions of bags, and the classes of their messages: this process's own, or those of the bag."""
+"""The exceptions of bags, and the classes of their messages: those of this process, or of the bag."""
 
 from __future__ import annotations
 
@@ -31,12 +31,12 @@ class BagTypes:
 
 
 def header_of(connection: Connection) -> dict[str, bytes]:
-    """Return a connection's header as rosbag reads it: values are bytes."""
+    """Return the header of a connection; as in rosbag, its values are bytes."""
     return {key: value.encode("utf-8", "surrogateescape") for key, value in connection.fields().items()}
 
 
 def with_header(topic: str, kind: MessageType, header: Mapping[str, str | bytes]) -> Connection:
-    """Return the connection of a topic with a header from a script."""
+    """Return the connection of a topic with the header fields of a script."""
     given = {
         str(name): value.decode("utf-8", "surrogateescape") if isinstance(value, bytes) else str(value)
         for name, value in header.items()
@@ -46,7 +46,7 @@ def with_header(topic: str, kind: MessageType, header: Mapping[str, str | bytes]
 
 
 def raw_parts(message: Any) -> tuple[MessageType, bytes]:
-    """Return type and bytes of a raw message, as `read_messages(raw=True)` yields it.
+    """Return the type and bytes of a raw message, as `read_messages(raw=True)` yields it.
 
     Raises ROSBagException.
     """
@@ -64,7 +64,7 @@ def raw_parts(message: Any) -> tuple[MessageType, bytes]:
 
 
 def _message_class(kind: MessageType) -> type[Message]:
-    """Return this process's own class if its type is the same, else one of the recorded definition."""
+    """Return the class of this process if its type is the same, else a class of the recorded definition."""
     try:
         own = all_types().message_class(kind.name)
     except RostetherError:

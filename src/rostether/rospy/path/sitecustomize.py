@@ -1,7 +1,7 @@
-"""Python runs this at start if `run` or `launch` has put its folder on PYTHONPATH.
+"""Makes our rospy importable: Python runs this at its start if `run` or `launch` has put it on PYTHONPATH.
 
-It appends the folder with our `rospy` to the path, unless a real rospy is installed. A sitecustomize.py of
-the system or of the user also runs.
+It appends the folder with our `rospy` to the path, unless a real rospy is installed. It also runs the
+sitecustomize.py of the system or the user, because Python itself runs only the first one.
 """
 
 import importlib.machinery
@@ -22,15 +22,15 @@ def _add_rospy(here: str) -> None:
         return
     facade = os.path.dirname(here)  # noqa: PTH120
     for folder in os.environ.get("ROSTETHER_IMPORT_PATH", "").split(os.pathsep):
-        # The script runs on another Python: its own packages come first, then rostether and its dependencies.
+        # On another Python, these folders are not in the path. Its own packages have priority.
         if folder and folder not in sys.path:
             sys.path.append(folder)
     sys.path.append(os.path.join(facade, "modules"))  # noqa: PTH118
-    # Imported before our finder is added, which would search for the optional modules that msgspec tries.
+    # Imported before `install`, because our finder would search for the optional modules that msgspec tries.
     try:
         import msgspec  # noqa: F401
     except ImportError:
-        # It is compiled for the Python that rostether is installed in, and this is another version.
+        # msgspec is compiled for the version of Python in which rostether is installed.
         sys.path.insert(0, os.path.join(facade, "stand_in"))  # noqa: PTH118
     from rostether.rospy.import_hook import install
 

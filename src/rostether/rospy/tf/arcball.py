@@ -1,4 +1,4 @@
-"""tf.transformations' Arcball: turns an object with the mouse (source: Shoemake, Arcball, 1992)."""
+"""Arcball of tf.transformations: rotates an object with the mouse (source: Shoemake, ARCBALL, 1992)."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ _Vector = Sequence[float]
 
 
 def arcball_map_to_sphere(point: _Vector, center: _Vector, radius: float) -> Any:
-    """Return the point of the unit sphere below a point of the window, whose y goes down."""
+    """Return the point of the unit sphere at a point of the window, whose y axis points down."""
     x, y = (point[0] - center[0]) / radius, (center[1] - point[1]) / radius
     length = math.hypot(x, y)
     if length > 1.0:
@@ -22,11 +22,11 @@ def arcball_map_to_sphere(point: _Vector, center: _Vector, radius: float) -> Any
 
 
 def arcball_constrain_to_axis(point: _Vector, axis: _Vector) -> Any:
-    """Return the point of the great circle around an axis that is nearest to a point of the sphere."""
+    """Return the nearest point to a point of the sphere on the great circle perpendicular to an axis."""
     along = _dot(point, axis)
     across = [value - along * part for value, part in zip(point, axis, strict=True)]
     if rotations.vector_norm(across) > _EPSILON:
-        # Return the one of the two opposite points that is on the visible half.
+        # Of two opposite points, this is the one on the visible half.
         return rotations.unit_vector([-value for value in across] if across[2] < 0.0 else across)
     if axis[2] == 1.0:
         return rotations.as_array([1.0, 0.0, 0.0])
@@ -63,7 +63,7 @@ class Arcball:
         self._axes = [rotations.unit_vector(axis) for axis in axes]
 
     def setconstrain(self, constrain: bool) -> None:
-        """Turn about the nearest axis only, or freely."""
+        """Set whether the object rotates only about the nearest axis."""
         self._is_constrained = bool(constrain)
 
     def getconstrain(self) -> bool:

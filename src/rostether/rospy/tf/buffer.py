@@ -22,7 +22,7 @@ from rostether.rospy.tf.exceptions import (
     TransformException,
 )
 
-# The part of a timeout that passes between two checks, as in tf2_ros.
+# The interval between two checks, as a part of the timeout, as in tf2_ros.
 POLLING_SCALE = 0.01
 
 
@@ -40,13 +40,13 @@ class Buffer(BufferInterface):
         self._set(transform, authority, is_static=False)
 
     def set_transform_static(self, transform: Any, authority: str = "default_authority") -> None:
-        """Store a TransformStamped that holds for all times."""
+        """Store a TransformStamped that is valid at all times."""
         self._set(transform, authority, is_static=True)
 
     def lookup_transform(
         self, target_frame: str, source_frame: str, time: Any, timeout: Any = NO_TIME
     ) -> Any:
-        """Return a TransformStamped, waiting for it at most `timeout`.
+        """Return a TransformStamped; wait for it at most `timeout`.
 
         Raises LookupException, ConnectivityException, ExtrapolationException, InvalidArgumentException.
         """
@@ -91,12 +91,15 @@ class Buffer(BufferInterface):
         timeout: Any = NO_TIME,
         return_debug_tuple: bool = False,
     ) -> Any:
-        """Return whether a lookup would succeed within `timeout`, or a pair with the reason why not."""
+        """Return whether a lookup would succeed within `timeout`.
+
+        With `return_debug_tuple`, returns a pair with the reason why it would not.
+        """
         result = _wait(lambda: self.can_transform_core(target_frame, source_frame, time), timeout)
         return result if return_debug_tuple else result[0]
 
     def can_transform_core(self, target_frame: str, source_frame: str, time: Any) -> tuple[bool, str]:
-        """Return whether a lookup would succeed now, and why not."""
+        """Return whether a lookup would succeed now, and the reason why it would not."""
         with self._lock:
             reason = self._buffer.lookup_error(target_frame, source_frame, time.to_nsec())
         return not reason, reason
@@ -111,7 +114,7 @@ class Buffer(BufferInterface):
         timeout: Any = NO_TIME,
         return_debug_tuple: bool = False,
     ) -> Any:
-        """Return whether a lookup over time would succeed within `timeout`."""
+        """Return whether a lookup over time would succeed within `timeout`, like `can_transform`."""
         route = (target_frame, target_time, source_frame, source_time, fixed_frame)
         result = _wait(lambda: self._can_look_up_full(*route), timeout)
         return result if return_debug_tuple else result[0]
@@ -144,7 +147,7 @@ class Buffer(BufferInterface):
             return self._buffer.children
 
     def clear(self) -> None:
-        """Forget all transforms."""
+        """Remove all transforms."""
         with self._lock:
             self._buffer.clear()
 
@@ -184,7 +187,7 @@ def _wait(can: Callable[[], tuple[bool, str]], timeout: Any) -> tuple[bool, str]
     result = can()
     if not result[0] and timeout.to_nsec() > 0:
         start = get_rostime()
-        # A large jump back in time means that a bag starts again.
+        # After a large jump back in time, such as when a bag starts again, the wait ends.
         while not result[0] and start - Duration(3) <= get_rostime() < start + timeout:
             sleep(timeout * POLLING_SCALE)
             result = can()

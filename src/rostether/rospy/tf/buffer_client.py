@@ -1,4 +1,4 @@
-"""tf2_ros.BufferClient: asks the buffer of another node for transforms, by the action of its BufferServer."""
+"""tf2_ros.BufferClient: gets transforms from the buffer of another node, by an action of its BufferServer."""
 
 from __future__ import annotations
 
@@ -20,11 +20,12 @@ from rostether.rospy.tf.exceptions import (
     TransformException,
 )
 
+# As in tf2_ros.
 _PADDING = Duration(2)
 
 
 class BufferClient(BufferInterface):
-    """Looks up transforms at the server in the namespace `ns`, without receiving /tf.
+    """Looks up transforms with the server in the namespace `ns`, without receiving /tf.
 
     A lookup ends `timeout_padding` after its timeout if the server does not answer.
     """

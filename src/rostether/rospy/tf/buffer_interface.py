@@ -16,12 +16,12 @@ _Function = TypeVar("_Function", bound=Callable[..., Any])
 
 
 class TransformRegistration:
-    """How to transform stamped messages, by their class; shared by all buffers."""
+    """The functions that transform stamped messages, by their class; all buffers share them."""
 
     _by_class: ClassVar[dict[Any, Callable[[Any, Any], Any]]] = {}
 
     def add(self, key: Any, callback: Callable[[Any, Any], Any]) -> None:
-        """Register a function that transforms messages of a class."""
+        """Register the function that transforms messages of a class."""
         self._by_class[key] = callback
 
     def get(self, key: Any) -> Callable[[Any, Any], Any]:
@@ -30,34 +30,34 @@ class TransformRegistration:
 
 
 class ConvertRegistration:
-    """How to convert between classes, directly or by a message; shared by all buffers."""
+    """The functions that convert between classes, directly or by a message; all buffers share them."""
 
     _to_message: ClassVar[dict[Any, Callable[[Any], Any]]] = {}
     _from_message: ClassVar[dict[Any, Callable[[Any], Any]]] = {}
     _directly: ClassVar[dict[Any, Callable[[Any], Any]]] = {}
 
     def add_to_msg(self, key: Any, callback: Callable[[Any], Any]) -> None:
-        """Register a function that makes messages of values of a class."""
+        """Register the function that converts values of a class to messages."""
         self._to_message[key] = callback
 
     def add_from_msg(self, key: Any, callback: Callable[[Any], Any]) -> None:
-        """Register a function that makes values of a class of messages."""
+        """Register the function that converts messages to values of a class."""
         self._from_message[key] = callback
 
     def add_convert(self, key: Any, callback: Callable[[Any], Any]) -> None:
-        """Register a function for the pair of a class and the class into which it converts."""
+        """Register the function that converts values of `key[0]` to `key[1]`, a pair of classes."""
         self._directly[key] = callback
 
     def get_to_msg(self, key: Any) -> Callable[[Any], Any]:
-        """Return the function that makes messages of values of a class. Raises TypeException."""
+        """Return the function that converts values of a class to messages. Raises TypeException."""
         return _registered(self._to_message, key)
 
     def get_from_msg(self, key: Any) -> Callable[[Any], Any]:
-        """Return the function that makes values of a class of messages. Raises TypeException."""
+        """Return the function that converts messages to values of a class. Raises TypeException."""
         return _registered(self._from_message, key)
 
     def get_convert(self, key: Any) -> Callable[[Any], Any]:
-        """Return the function that converts from a class to another. Raises TypeException."""
+        """Return the function that converts between a pair of classes. Raises TypeException."""
         return _registered(self._directly, key)
 
 
@@ -68,7 +68,7 @@ def _registered(functions: dict[Any, _Function], key: Any) -> _Function:
 
 
 def convert(a: Any, b_type: Any) -> Any:
-    """Return a value as another class, or a copy of it. Raises TypeException."""
+    """Return a value converted to a class, or a copy if it has the class. Raises TypeException."""
     registration = ConvertRegistration()
     try:
         function = registration.get_convert((type(a), b_type))
@@ -86,7 +86,7 @@ def Stamped(obj: Any, stamp: Any, frame_id: str) -> Any:  # noqa: N802 - the nam
 
 
 class BufferInterface:
-    """Transforms messages by looking up transforms."""
+    """The base of buffers: transforms messages with the lookups of a subclass."""
 
     def __init__(self) -> None:
         self.registration = TransformRegistration()
@@ -94,7 +94,7 @@ class BufferInterface:
     def transform(
         self, object_stamped: Any, target_frame: str, timeout: Any = NO_TIME, new_type: Any = None
     ) -> Any:
-        """Return a stamped message in another frame. Import tf2_geometry_msgs for its types."""
+        """Return a stamped message in another frame; its type needs an import such as tf2_geometry_msgs."""
         header = object_stamped.header
         found = self.lookup_transform(target_frame, header.frame_id, header.stamp, timeout)
         moved = self.registration.get(type(object_stamped))(object_stamped, found)

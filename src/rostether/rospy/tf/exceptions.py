@@ -12,7 +12,7 @@ class ConnectivityException(TransformException):
 
 
 class LookupException(TransformException):
-    """A frame that was never published, or a loop of frames."""
+    """A frame was never published, or the frames form a loop."""
 
 
 class ExtrapolationException(TransformException):

@@ -12,8 +12,7 @@ from rostether.rospy.tf.buffer_interface import TransformRegistration
 def do_transform_point(point: Any, transform: Any) -> Any:
     """Return a PointStamped in the transform's parent frame."""
     result = _stamped("PointStamped", transform)
-    given = point.point
-    result.point.x, result.point.y, result.point.z = transform_of(transform).apply(_xyz(given))
+    _set_xyz(result.point, transform_of(transform).apply(_xyz(point.point)))
     return result
 
 

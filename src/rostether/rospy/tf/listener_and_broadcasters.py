@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+from collections.abc import Callable
 from typing import Any
 
 from rostether.robot.tf_messages import TF_STATIC_TOPIC, TF_TOPIC, TF_TYPE
@@ -18,7 +19,7 @@ UNKNOWN_AUTHORITY = "default_authority"
 
 
 class TransformListener:
-    """Fills a buffer from /tf and /tf_static; a jump back in time empties it."""
+    """Fills a buffer from /tf and /tf_static; a jump back in time clears it."""
 
     def __init__(
         self,
@@ -46,16 +47,17 @@ class TransformListener:
 
     def callback(self, data: Any) -> None:
         """Store changing transforms."""
-        self._check_for_reset()
-        for transform in data.transforms:
-            self.buffer.set_transform(transform, data._connection_header.get("callerid", UNKNOWN_AUTHORITY))
+        self._store(data, self.buffer.set_transform)
 
     def static_callback(self, data: Any) -> None:
         """Store static transforms."""
+        self._store(data, self.buffer.set_transform_static)
+
+    def _store(self, data: Any, set_transform: Callable[[Any, str], None]) -> None:
         self._check_for_reset()
         authority = data._connection_header.get("callerid", UNKNOWN_AUTHORITY)
         for transform in data.transforms:
-            self.buffer.set_transform_static(transform, authority)
+            set_transform(transform, authority)
 
     def _check_for_reset(self) -> None:
         with self._lock:
@@ -87,7 +89,7 @@ class TransformBroadcaster(_Broadcaster):
 
 
 class StaticTransformBroadcaster(_Broadcaster):
-    """Publishes static transforms; later subscribers receive the last call."""
+    """Publishes static transforms; later subscribers receive only those of the last call."""
 
     def __init__(self) -> None:
         super().__init__(TF_STATIC_TOPIC, latch=True)

@@ -11,13 +11,13 @@ from typing import Any
 
 from rostether.rospy.tf import rotations
 
-# Rounding in matrices that users compute.
+# The rounding errors in matrices that users compute.
 TOLERANCE = 1e-8
 ORTHOGONAL_TOLERANCE = 1e-6
 
 
 def require_numpy() -> Any:
-    """Return numpy. Raises ImportError."""
+    """Return numpy. Raises ImportError if it is not installed."""
     numpy = rotations.numpy_module()
     if numpy is None:
         raise ImportError("this function of tf.transformations needs numpy; run: pip install numpy")
@@ -217,13 +217,16 @@ def orthogonalization_matrix(lengths: Sequence[float], angles: Sequence[float]) 
 
 
 def superimposition_matrix(v0: Any, v1: Any, scaling: bool = False, usesvd: bool = True) -> Any:
-    """Return the rigid transform that brings points (3xN) closest to others; `usesvd` has no effect."""
+    """Return the rigid transform from points (3xN) closest to others, with `scaling` a similarity transform.
+
+    `usesvd` has no effect.
+    """
     np = require_numpy()
     start, end = (np.array(each, dtype=float)[:3] for each in (v0, v1))
     start_center, end_center = start.mean(axis=1), end.mean(axis=1)
     start, end = start - start_center[:, None], end - end_center[:, None]
     left, _, right = np.linalg.svd(end @ start.T)
-    # Excludes a reflection.
+    # The sign excludes a reflection.
     left[:, 2] *= np.sign(np.linalg.det(left @ right))
     linear = left @ right
     if scaling:

@@ -1,4 +1,4 @@
-"""sensor_msgs.point_cloud2: reads and makes point clouds."""
+"""sensor_msgs.point_cloud2: reads and creates point clouds."""
 
 from __future__ import annotations
 

@@ -60,7 +60,7 @@ def projection_from_matrix(matrix: Any, pseudo: bool = False) -> tuple[Any, Any,
         return homogeneous(point), normal, direction, None, False
     size = np.linalg.norm(last)
     normal, linear, translation, w = -last / size, linear / size, translation / size, matrix[3, 3] / size
-    # By `projection_matrix`, with n = normal and e = eye, or eye + n with `pseudo`: linear = scale I - e n',
+    # In `projection_matrix`, with n = normal and e = eye, or eye + n with `pseudo`: linear = scale I - e n',
     # translation = (point n) e, w = eye n, and scale = w - point n.
     outer = np.outer(normal, normal)
     across = np.identity(3) - outer

@@ -13,7 +13,7 @@ from collections.abc import Sequence
 from functools import cache
 from typing import Any
 
-from rostether.robot.transform import multiply, slerp
+from rostether.robot.transform import conjugated, multiply, slerp
 from rostether.robot.transform import quaternion_from_matrix as _from_matrix
 
 _EPSILON = 4 * 2.0**-52
@@ -22,7 +22,7 @@ _LETTERS = "xyz"
 
 def identity_matrix() -> Any:
     """Return the 4x4 identity."""
-    return as_array([[float(row == column) for column in range(4)] for row in range(4)])
+    return as_array(_identity())
 
 
 def translation_matrix(direction: Sequence[float]) -> Any:
@@ -49,7 +49,7 @@ def rotation_matrix(angle: float, direction: Sequence[float], point: Sequence[fl
 
 
 def inverse_matrix(matrix: Any) -> Any:
-    """Return the inverse of a matrix; without numpy, of a rigid transform's."""
+    """Return the inverse of a matrix; without numpy, the matrix must be a rigid transform."""
     if (numpy := numpy_module()) is not None:
         return numpy.linalg.inv(matrix)
     rows = _rows(matrix)
@@ -105,11 +105,10 @@ def euler_from_quaternion(quaternion: Sequence[float], axes: str = "sxyz") -> tu
 
 def quaternion_from_euler(ai: float, aj: float, ak: float, axes: str = "sxyz") -> Any:
     """Return the quaternion of three Euler angles; `sxyz` are roll, pitch and yaw."""
-    is_rotating, letters = axes[0] == "r", axes[1:]
-    _convention(axes)
+    is_rotating = _convention(axes)[0]
     first, second, third = (
         _axis_rotation(_LETTERS.index(letter), angle)
-        for letter, angle in zip(letters, (ai, aj, ak), strict=True)
+        for letter, angle in zip(axes[1:], (ai, aj, ak), strict=True)
     )
     if is_rotating:
         return as_array(multiply(multiply(first, second), third))
@@ -153,8 +152,7 @@ def quaternion_multiply(quaternion1: Sequence[float], quaternion0: Sequence[floa
 
 def quaternion_conjugate(quaternion: Sequence[float]) -> Any:
     """Return the conjugate."""
-    x, y, z, w = _as_quaternion(quaternion)
-    return as_array([-x, -y, -z, w])
+    return as_array(conjugated(_as_quaternion(quaternion)))
 
 
 def quaternion_inverse(quaternion: Sequence[float]) -> Any:
@@ -167,7 +165,7 @@ def quaternion_inverse(quaternion: Sequence[float]) -> Any:
 def quaternion_slerp(
     quat0: Sequence[float], quat1: Sequence[float], fraction: float, spin: int = 0, shortestpath: bool = True
 ) -> Any:
-    """Return the rotation at a fraction of the way from one to another, with `spin` additional half turns."""
+    """Return the rotation at a fraction of the way between two, with `spin` additional half turns."""
     start, end = (_as_quaternion(unit_vector(each)) for each in (quat0, quat1))
     if fraction in (0.0, 1.0):
         return as_array(end if fraction else start)
@@ -192,7 +190,10 @@ def random_quaternion(rand: Sequence[float] | None = None) -> Any:
 
 
 def vector_norm(data: Any, axis: int | None = None, out: Any = None) -> Any:
-    """Return a vector's length, or the lengths along an axis of an array (needs numpy)."""
+    """Return the length of a vector, or the lengths along an axis of an array (needs numpy).
+
+    With `out`, stores the result in it and returns None.
+    """
     if out is not None:
         out[...] = vector_norm(data, axis)
         return None
@@ -202,7 +203,10 @@ def vector_norm(data: Any, axis: int | None = None, out: Any = None) -> Any:
 
 
 def unit_vector(data: Any, axis: int | None = None, out: Any = None) -> Any:
-    """Return a vector of length one, or an array of them along an axis (needs numpy)."""
+    """Return a vector with length one, or the vectors along an axis of an array (needs numpy).
+
+    With `out`, stores the result in it and returns None.
+    """
     if out is not None:
         out[...] = unit_vector(data, axis)
         return None
@@ -260,7 +264,7 @@ def as_array(values: Any) -> Any:
 
 @cache
 def numpy_module() -> Any:
-    """Return numpy, None if it is not installed."""
+    """Return numpy; None if it is not installed."""
     from importlib import import_module
 
     try:

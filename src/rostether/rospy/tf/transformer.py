@@ -1,4 +1,4 @@
-"""The listener and broadcaster of the older tf, on top of tf2 as in every ROS since Hydro."""
+"""The listener and broadcaster of tf, the predecessor of tf2; as in ROS since Hydro, they use tf2."""
 
 # ruff: noqa: N802 - the names are tf's
 
@@ -101,7 +101,7 @@ class Transformer:
         return self._buffer.all_frames_as_string()
 
     def clear(self) -> None:
-        """Forget all transforms."""
+        """Remove all transforms."""
         self._buffer.clear()
 
     def setUsingDedicatedThread(self, value: bool) -> None:

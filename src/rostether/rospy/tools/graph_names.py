@@ -1,4 +1,4 @@
-"""rosgraph.names: functions that join, resolve and check names."""
+"""rosgraph.names: joins, resolves and checks names."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from rostether.mechanisms.anonymous import anonymous_name as anonymous_name
 from rostether.names.graph_name import canonical, is_global, is_private, join
 from rostether.names.graph_name import is_legal_name as _is_legal
 from rostether.rospy.client.exceptions import ROSException
-from rostether.rospy.client.names import NodeNames
+from rostether.rospy.client.names import NodeNames, is_remap_argument
 
 SEP = "/"
 GLOBALNS = "/"
@@ -24,7 +24,7 @@ _BASE_NAME = re.compile(r"[A-Za-z]\w*")
 
 
 def namespace(name: str) -> str:
-    """Return the namespace that a name is in, with a slash at the end. Raises ValueError, TypeError."""
+    """Return the namespace of a name, with a slash at the end. Raises ValueError for None, TypeError."""
     if name is None:
         raise ValueError("name")
     if not isinstance(name, str):
@@ -45,7 +45,7 @@ def make_global_ns(name: str) -> str:
 
 
 def get_ros_namespace(env: Mapping[str, str] | None = None, argv: Iterable[str] | None = None) -> str:
-    """Return the namespace that the command line or ROS_NAMESPACE gives."""
+    """Return the namespace of the command line, else of ROS_NAMESPACE, with a slash at the end."""
     for argument in sys.argv if argv is None else argv:
         if argument.startswith("__ns:="):
             return make_global_ns(argument.removeprefix("__ns:="))
@@ -53,7 +53,7 @@ def get_ros_namespace(env: Mapping[str, str] | None = None, argv: Iterable[str] 
 
 
 def make_caller_id(name: str) -> str:
-    """Return a program's name on the graph, with a slash at the end."""
+    """Return the full name of a program on the graph, with a slash at the end."""
     return make_global_ns(ns_join(get_ros_namespace(), name))
 
 
@@ -74,7 +74,7 @@ def is_legal_base_name(name: str | None) -> bool:
 
 def is_legal_remap(arg: str | None) -> bool:
     """Return whether an argument is a remapping."""
-    return arg is not None and re.fullmatch(r"[~/A-Za-z_][\w/]*:=.*", arg) is not None
+    return arg is not None and is_remap_argument(arg)
 
 
 def canonicalize_name(name: str) -> str:
@@ -83,7 +83,7 @@ def canonicalize_name(name: str) -> str:
 
 
 def resolve_name(name: str, namespace_: str, remappings: Mapping[str, str] | None = None) -> str:
-    """Return the full name, as seen from the node `namespace_`."""
+    """Return the full name after remapping, as in the node `namespace_`."""
     if not name:
         return namespace(namespace_)
     name = canonical(name)
@@ -95,7 +95,7 @@ def resolve_name(name: str, namespace_: str, remappings: Mapping[str, str] | Non
 
 
 def script_resolve_name(script_name: str, name: str) -> str:
-    """Return the full name, as seen from a program without a node."""
+    """Return the full name, as in a program without a node."""
     if not name:
         return get_ros_namespace()
     if is_private(name):
@@ -104,7 +104,7 @@ def script_resolve_name(script_name: str, name: str) -> str:
 
 
 def scoped_name(caller_id: str, name: str) -> str:
-    """Return a full name as seen from a node's namespace. Raises ROSException for a relative node name."""
+    """Return a full name relative to a node's namespace. Raises ROSException for a relative node name."""
     if not is_global(caller_id):
         raise ROSException("caller_id must be global")
     return canonicalize_name(name)[len(namespace(caller_id)) :]

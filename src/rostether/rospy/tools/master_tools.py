@@ -1,8 +1,7 @@
-"""The functions of ROS's tools that nodes use: rosgraph's Master and rosparam's files."""
+"""The functions of rosgraph and rosparam that nodes use: the master's API, parameters and their files."""
 
 from __future__ import annotations
 
-import os
 import sys
 from pathlib import Path
 from typing import Any
@@ -37,7 +36,10 @@ class RosParamIOException(RosParamException):
 
 
 class Master:
-    """The master's API as methods that return values, called in the name of `caller_id`."""
+    """The master's API as methods that return values, with the caller id `caller_id`.
+
+    The methods raise MasterError, MasterFailure, ROSException.
+    """
 
     def __init__(self, caller_id: str, master_uri: str | None = None) -> None:
         self.caller_id = make_caller_id(caller_id).removesuffix("/")
@@ -65,7 +67,7 @@ class Master:
 
 
 def get_master_uri(env: object = None, argv: object = None) -> str:
-    """Return the URI of the master that this program uses."""
+    """Return the URI of this program's master; `env` and `argv` have no effect."""
     from rostether.rospy.client.node import node
 
     return node.environment().master_uri
@@ -79,10 +81,13 @@ def is_master_online(master_uri: str | None = None) -> bool:
 def load_file(
     filename: str, default_namespace: str | None = None, verbose: bool = False
 ) -> list[tuple[Any, str]]:
-    """Return each document of a YAML file with its namespace; `-` is standard input."""
+    """Return each document of a YAML file with its namespace; `-` is standard input.
+
+    Raises RosParamException, OSError.
+    """
     if not filename or filename == "-":
         return load_str(sys.stdin.read(), filename, default_namespace)
-    if not os.path.isfile(filename):  # noqa: PTH113 - given as text
+    if not Path(filename).is_file():
         raise RosParamException(f"file [{filename}] does not exist")
     return load_str(Path(filename).read_text(encoding="utf-8"), filename, default_namespace)
 
@@ -102,7 +107,7 @@ def load_str(
 
 
 def upload_params(ns: str, values: Any, verbose: bool = False) -> None:
-    """Set a parameter, or the parameters of a tree; others stay. Raises RosParamException."""
+    """Set a parameter, or those of a tree, and keep all others. Raises RosParamException."""
     if ns == "/" and not isinstance(values, dict):
         raise RosParamException("global / can only be set to a dictionary")
     set_param_raw(ns, values)

@@ -1,4 +1,4 @@
-"""The functions of rosnode for programs: list nodes, ping them, and end them."""
+"""The functions of rosnode for programs: they list nodes, ping them, and end them."""
 
 from __future__ import annotations
 
@@ -16,6 +16,7 @@ from rostether.rospy.client.node import node
 from rostether.rospy.tools.graph_names import make_global_ns
 from rostether.rospy.tools.master_tools import Master, MasterError, MasterException
 
+# As in rosnode.
 PING_TIMEOUT_S = 3.0
 PING_INTERVAL_S = 1.0
 _OWN_NAME = "/rosnode"
@@ -39,7 +40,7 @@ def get_node_names(namespace: str | None = None) -> list[str]:
 
 
 def get_api_uri(master: Master, caller_id: str, skip_cache: bool = False) -> str | None:
-    """Return a node's URI, or None if the master does not know it. Raises ROSNodeIOException."""
+    """Return the URI of a node; None if the master does not know it. Raises ROSNodeIOException."""
     try:
         return str(master.lookupNode(caller_id))
     except MasterError:
@@ -54,7 +55,7 @@ def get_machines_by_nodes() -> list[str]:
 
 
 def get_nodes_by_machine(machine: str) -> list[str]:
-    """Return the nodes on a machine, given by a name or an address. Raises ROSNodeIOException."""
+    """Return the nodes on a machine, which is a host name or an address. Raises ROSNodeIOException."""
     nodes = list(_machines())
     hosts = hosts_of_machine(machine, (host for _, host in nodes))
     return [name for name, host in nodes if host in hosts]
@@ -112,7 +113,7 @@ def kill_nodes(node_names: Iterable[str]) -> tuple[list[str], list[str]]:
 
 
 def cleanup_master_blacklist(master: Master, blacklist: Iterable[str]) -> None:
-    """Make the master forget nodes."""
+    """Unregister all topics and services of nodes."""
     publishers, subscribers, services = master.getSystemState()
     for name in blacklist:
         print("Unregistering", name)

@@ -1,4 +1,4 @@
-"""The functions of rosservice that programs use: they list services, look up their types, and call them."""
+"""The functions of rosservice for programs: they list services, look up their types, and call them."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from rostether.rospy.client.node import node
 from rostether.rospy.client.ros_time import get_rostime
 from rostether.rospy.client.services import ServiceProxy
 from rostether.rospy.tools.graph_names import make_global_ns, script_resolve_name
-from rostether.rospy.tools.master_tools import Master, MasterError, MasterException
+from rostether.rospy.tools.master_tools import Master, MasterException
 from rostether.tcpros.handshake import probe_fields
 
 _OWN_NAME = "/rosservice"
@@ -33,7 +33,10 @@ class ROSServiceIOException(ROSServiceException):
 def get_service_list(
     node: str | None = None, namespace: str | None = None, include_nodes: bool = False
 ) -> list[Any]:
-    """Return the services, or those of a node or namespace; with `include_nodes` as [service, nodes]."""
+    """Return the services, or those of a node or namespace; with `include_nodes` as [service, nodes].
+
+    Raises ROSServiceIOException.
+    """
     try:
         services = Master(_OWN_NAME).getSystemState()[2]
     except ConnectionRefusedError:
@@ -47,7 +50,7 @@ def get_service_list(
 
 
 def get_service_uri(service_name: str) -> str | None:
-    """Return the URI of a service, None if no node offers it. Raises ROSServiceIOException."""
+    """Return the URI of a service; None if no node offers it. Raises ROSServiceIOException."""
     try:
         return str(Master(_OWN_NAME).lookupService(service_name))
     except MasterException:
@@ -57,7 +60,7 @@ def get_service_uri(service_name: str) -> str | None:
 
 
 def get_service_node(service_name: str) -> str | None:
-    """Return the node that offers a service, None if there is none."""
+    """Return the node that offers a service; None if there is none. Raises ROSServiceIOException."""
     for name, nodes in get_service_list(include_nodes=True):
         if name == service_name and nodes:
             return str(nodes[0])
@@ -65,7 +68,10 @@ def get_service_node(service_name: str) -> str | None:
 
 
 def get_service_headers(service_name: str, service_uri: str) -> dict[str, str]:
-    """Return the header of a service's server. Raises ROSServiceException, ROSServiceIOException."""
+    """Return the connection header of a service's server.
+
+    Raises ROSServiceException for an invalid URI, ROSServiceIOException if the server does not answer.
+    """
     try:
         address = parse_rpc_uri(service_uri, scheme="rosrpc")
     except ConfigError:
@@ -90,18 +96,13 @@ def get_service_headers(service_name: str, service_uri: str) -> dict[str, str]:
 
 
 def get_service_type(service_name: str) -> str | None:
-    """Return a service's type, None if no node offers it. Raises ROSServiceIOException."""
-    try:
-        uri = Master(_OWN_NAME).lookupService(service_name)
-    except MasterError:
-        return None
-    except ConnectionRefusedError:
-        raise ROSServiceIOException("Unable to communicate with master!") from None
-    return get_service_headers(service_name, uri).get("type")
+    """Return the type of a service; None if no node offers it. Raises ROSServiceIOException."""
+    uri = get_service_uri(service_name)
+    return None if uri is None else get_service_headers(service_name, uri).get("type")
 
 
 def rosservice_find(service_type: str) -> list[str]:
-    """Return the services of a type. Raises ROSServiceIOException where the master does not answer."""
+    """Return the services of a type. Raises ROSServiceIOException if the master does not answer."""
     found = []
     for name in get_service_list():
         try:
@@ -122,7 +123,7 @@ def get_service_class_by_name(service_name: str) -> Any:
             if known
             else f"Service [{service_name}] is not available."
         )
-    # Old roscpp servers name the request's type.
+    # Old servers of roscpp send the type of the request.
     found = get_service_class(kind) or get_service_class(kind.removesuffix("Request"))
     if found is None:
         raise ROSServiceException(f"Unable to load type [{kind}].")

@@ -15,6 +15,7 @@ from rostether.rospy.client.shutdown import is_shutdown
 from rostether.rospy.tools.graph_names import ANYTYPE, script_resolve_name
 from rostether.rospy.tools.master_tools import Master
 
+# As in rostopic.
 _POLL_S = 0.1
 
 Evaluate = Callable[[Any], Any]
@@ -29,17 +30,18 @@ class ROSTopicIOException(ROSTopicException):
 
 
 def get_topic_type(topic: str, blocking: bool = False) -> tuple[str | None, str | None, Evaluate | None]:
-    """Return a topic's type, its full name, and a function that reads the field if the name includes one.
+    """Return a topic's type, its full name, and a function that reads the field in the name, if there is one.
 
-    All are None if the topic is unknown. Raises ROSTopicIOException.
+    All are None if the topic is unknown. With `blocking`, waits until it is known. Raises
+    ROSTopicIOException.
     """
-    reported = False
+    is_reported = False
     while True:
         found = _topic_type(topic)
         if found[0] is not None or not blocking or is_shutdown():
             return found
-        if not reported:
-            reported = True
+        if not is_reported:
+            is_reported = True
             sys.stderr.write(f"WARNING: topic [{topic}] does not appear to be published yet\n")
         time.sleep(_POLL_S)
 
@@ -134,9 +136,9 @@ def publish_message(
     once: bool = False,
     verbose: bool = False,
 ) -> None:
-    """Publish a message with these fields: once, or repeatedly if there is a rate. Raises ROSTopicException.
+    """Publish a message with these fields: once, or repeatedly at `rate` in Hz. Raises ROSTopicException.
 
-    Without `once` it returns when the node shuts down, so that latched messages stay available.
+    Without `once`, returns when the node shuts down, so that latched messages stay available.
     """
     from rostether.rospy.client.client import spin
 
@@ -189,7 +191,7 @@ def _types() -> list[tuple[str, str]]:
 
 
 def _index_of(text: str) -> int | slice:
-    """Read `3]` or `1:10:2]`. Raises ValueError."""
+    """Return the index or slice in a text such as `3]` or `1:10:2]`. Raises ValueError."""
     if not text.endswith("]"):
         raise ValueError(text)
     parts = [int(part) if part else None for part in text.removesuffix("]").split(":")]

@@ -1,4 +1,4 @@
-"""rostopic's statistics of a topic: the rate, delay and size of its messages."""
+"""The statistics of rostopic: the rate, delay and size of a topic's messages."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from typing import Any
 
 from rostether.rospy.client.ros_time import get_rostime
 
-# The number of messages that are measured, if no window is given.
+# As in rostopic: the number of messages that are measured without a window.
 MAX_WINDOW = 50_000
 
 
@@ -33,11 +33,11 @@ class ROSTopicHz:
 
     @property
     def times(self) -> list[float]:
-        """The seconds between messages."""
+        """The intervals between messages in seconds."""
         return self.get_times()
 
     def get_times(self, topic: str | None = None) -> list[float]:
-        """Return the seconds between a topic's messages."""
+        """Return the intervals between a topic's messages in seconds."""
         return list(self._steps[topic])
 
     def callback_hz(self, m: Any, topic: str | None = None) -> None:
@@ -85,7 +85,7 @@ class ROSTopicHz:
 
 
 class ROSTopicDelay:
-    """Measures the age of messages on arrival, from the stamps in their headers."""
+    """Measures the age of messages on arrival, by the stamps in their headers."""
 
     def __init__(self, window_size: int) -> None:
         self.window_size = MAX_WINDOW if window_size < 0 else window_size
@@ -126,7 +126,7 @@ class ROSTopicDelay:
 
 
 class ROSTopicBandwidth:
-    """Measures bytes a second of AnyMsg messages."""
+    """Measures the bandwidth of AnyMsg messages in bytes per second."""
 
     def __init__(self, window_size: int = 100) -> None:
         self.window_size = window_size if window_size > 0 else 100
@@ -135,7 +135,7 @@ class ROSTopicBandwidth:
 
     @property
     def times(self) -> list[float]:
-        """The arrival times of messages."""
+        """The arrival times of messages in seconds since the epoch."""
         return [when for when, _ in self._arrivals]
 
     @property

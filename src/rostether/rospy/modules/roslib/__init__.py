@@ -7,7 +7,7 @@ for _name in ("message", "names", "packages"):
 
 
 def load_manifest(package_name: str) -> None:
-    """Do nothing: packages are importable as they are."""
+    """Do nothing: packages are importable without their manifest."""
 
 
 def is_interactive() -> bool:

@@ -1,4 +1,4 @@
-"""What our rospy needs of msgspec, for a Python of another version: msgspec is compiled for one version."""
+"""The part of msgspec that our rospy needs, for other Python versions than the one it is compiled for."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ __all__ = ["Struct", "field"]
 
 
 class Struct:
-    """The base of value classes, as dataclasses; the options of msgspec that only save memory do nothing."""
+    """The base of value classes, which become dataclasses; options that only save memory have no effect."""
 
     __struct_fields__: tuple[str, ...] = ()
 
