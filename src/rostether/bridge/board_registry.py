@@ -64,8 +64,9 @@ class BoardRegistry:
         """Return the board of a new connection: a lost board that reconnected, else a new one.
 
         `node_name` is the full name; a number is appended if another board has it. With `replaces_silent`,
-        the new connection replaces a silent one of the same peer: this method waits until the old connection
-        has received data, or was silent for HALF_OPEN_S. Raises SessionError for a name that was dismissed.
+        the new connection replaces a silent one of the same peer. For this, the method waits until the old
+        connection has received data, or was silent for HALF_OPEN_S. Raises SessionError for a name that was
+        dismissed.
         """
         number = 1
         has_waited = False

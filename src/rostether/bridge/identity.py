@@ -1,8 +1,9 @@
 """The node name of a board: from its link address, else from devices.toml, else from a stable identity.
 
-A serial port on USB is named by the adapter's serial number where it has one, so that a board keeps its name
-whichever port it gets; other ports by their path; boards on a network by their address without the port,
-which changes with every connection. If two boards would have the same name, `_2`, `_3` ... is appended.
+The identity of a serial port on USB is the adapter's serial number, if it has one: a board keeps its name
+whichever port it gets. That of another port is its path. That of a board on a network is its address without
+the port, which changes with every connection. If two boards would have the same name, `_2`, `_3` ... is
+appended.
 """
 
 from __future__ import annotations

@@ -22,8 +22,8 @@ from collections.abc import Callable
 
 from msgspec import Struct
 
-# The data that waits for one subscriber before its oldest messages are dropped: 0.3 s of the fastest flood
-# (13 MB/s), three times the longest pause of a board, and 20 s of the fastest serial line.
+# The data that waits for one subscriber before its oldest messages are dropped. This is 0.3 s of the fastest
+# flood (13 MB/s), three times the longest pause of a board, and 20 s of the fastest serial line.
 DEFAULT_QUEUE_BYTES = 4 << 20
 
 # 20 ms of that flood: a subscriber stays busy until its publisher continues, without a noticeable delay.

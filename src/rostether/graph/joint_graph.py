@@ -154,11 +154,12 @@ class JointGraph:
 
     async def has_param(self, name: str) -> bool:
         """Return whether a parameter is set in any graph."""
-        return await self._any(lambda graph: graph.has_param(name), bool) or False
+        return any(await self._all(lambda graph: graph.has_param(name)))
 
     async def search_param(self, name: str) -> str | None:
         """Find the nearest parameter of that name in the first graph that has one."""
-        return await self._any(lambda graph: graph.search_param(name), lambda found: found is not None)
+        found = await self._all(lambda graph: graph.search_param(name))
+        return next((each for each in found if each is not None), None)
 
     async def list_params(self) -> list[str]:
         """Return the full names of all parameters of all graphs, sorted."""
@@ -202,7 +203,7 @@ class JointGraph:
         await asyncio.shield(self._closing)
 
     async def wait_closed(self) -> str:
-        """Wait until the node has left one of the graphs, by `close` or a shutdown request; return the reason."""
+        """Wait until the node has left one of the graphs, by `close` or by a request; return the reason."""
         await self._closed.wait()
         return self._reason
 
@@ -237,11 +238,6 @@ class JointGraph:
         # A graph that does not answer must not hide the answers of the others.
         answered = (UnknownNameError, ServiceUnavailableError)
         raise next((fault for fault in faults if isinstance(fault, answered)), faults[0])
-
-    async def _any(
-        self, ask: Callable[[Graph], Awaitable[ResultT]], is_it: Callable[[ResultT], bool]
-    ) -> ResultT | None:
-        return next((found for found in await self._all(ask) if is_it(found)), None)
 
     async def _all(self, ask: Callable[[Graph], Awaitable[ResultT]]) -> list[ResultT]:
         """Return the answers of all graphs that answer. Raises if none does."""

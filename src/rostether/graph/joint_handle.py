@@ -1,6 +1,6 @@
 """Opens one handle (a publisher, a subscriber, a service, a watch) in each of several graphs.
 
-A graph that refuses it for now (its master does not answer) is asked again; one that refuses it permanently
+A graph that refuses it for now (its master does not answer) is asked again. One that refuses it permanently
 (it does not know the type) is omitted. Neither disturbs the others.
 """
 

@@ -88,7 +88,7 @@ class SubscribeOptions(TypedDict, total=False):
     skip_own: bool
     # Leaves out the messages of these nodes; names may be added and removed at any time.
     skip_nodes: Container[str]
-    # For ANY_MESSAGE: takes the type of the first publisher, and refuses publishers of other types as long
+    # For ANY_MESSAGE: adopts the type of the first publisher, and refuses publishers of other types as long
     # as one of this type is connected.
     one_type: bool
 

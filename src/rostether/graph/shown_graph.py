@@ -34,7 +34,7 @@ class ShownGraph(Struct, frozen=True):
 
 
 def choose(snapshot: Snapshot, names: Iterable[str] = (), *, with_hidden: bool = False) -> ShownGraph:
-    """Select the nodes and topics with one of `names` or in such a namespace, and their neighbors.
+    """Select the nodes and topics with one of `names`, or in a namespace of that name, and their neighbors.
 
     Raises UnknownNameError for a name that is not in the graph.
     """

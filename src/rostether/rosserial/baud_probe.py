@@ -4,7 +4,7 @@ A board that receives a topic request at its own rate answers immediately; at an
 and does not answer. The rates are therefore tried one after another. The likely ones come first, and are
 repeated while a bootloader may still run. A board that was configured before sends messages without a
 request; at a wrong rate, they are noise. But 230400 and 250000 baud are so close that short frames are
-received correctly: such a rate is accepted only if all its frames are valid.
+received correctly. One of these rates is accepted only if few of its bytes are damaged.
 
     phase    until                              then
     LISTEN   1.2 s of silence                   ASK                       (only if asked to listen first)
@@ -49,16 +49,16 @@ SURVEY_DWELL_S = 1.1
 # Bytes before this pause were a boot message.
 QUIET_S = 4.0
 
-# Noise looks like one message on an unknown topic id once in 65,536 tries, but not like two.
+# Noise looks like one message on an unknown topic id once in 65,536 tries; two are a board.
 MIN_MESSAGES = 2
 
 # Rates closer than this read some of each other's frames: bits are sampled at most 0.8 bits too late.
 NEAR_RATIO = 1.12
 
-# At such a rate, the bytes after the first frame have arrived within this time.
+# At a near rate, the bytes after the first frame have arrived within this time.
 CONFIRM_S = 0.1
 
-# At such a rate, the largest damaged share of the bytes; at the wrong one, more than half is damaged.
+# At a near rate, the largest damaged share of the bytes; at the wrong one, more than half is damaged.
 MAX_DAMAGE = 0.25
 
 # Noise looks like text of this length once in a million tries.

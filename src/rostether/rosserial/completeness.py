@@ -1,9 +1,9 @@
 """Decides after each round whether all announcements of a device were received.
 
-A round is one topic request and the burst that answers it; any part of both may be lost. The announcements
-of a round count as complete if later rounds announce nothing new: one more round on a clean line, three if
-there is a sign of loss (rounds that differ, damage, gaps in the ids, a service without request or response,
-fewer announcements than before), none if the round equals the last complete state.
+A round is one topic request and the burst that answers it; any part of both may be lost. The announcements of
+a round count as complete if later rounds announce nothing new: one more round on a clean line, three if there
+is a sign of loss, none if the round equals the last complete state. Signs of loss are rounds that differ,
+damage, gaps in the ids, a service without request or response, and fewer announcements than before.
 """
 
 from __future__ import annotations

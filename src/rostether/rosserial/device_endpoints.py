@@ -1,8 +1,8 @@
 """The endpoints of a device, numbered and announced in the order of the established library.
 
 The ids of subscribers start at 100, those of publishers at 100 + the maximum number of subscribers. A service
-uses one id of each kind: the device publishes the response and subscribes to the request, or the other way
-round for a service that it calls.
+uses one id of each kind. If the device serves it, it publishes the response and subscribes to the request. If
+the device calls it, it publishes the request and subscribes to the response.
 """
 
 from __future__ import annotations

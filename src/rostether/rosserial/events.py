@@ -1,11 +1,6 @@
 """The reports of links, as frozen values. Directions and roles are the device's.
 
-`HostLink` reports: MessagesReceived, TopicAnnounced, TopicWithdrawn, ServiceAnnounced, ServiceWithdrawn,
-AnnouncementRefused, NegotiationSettled, TimeRequested, LogReceived, ParameterRequested, FrameDiscarded,
-UnknownTopicId, ControlFlood, DeviceReset, DeviceSilent, ProtocolDetected.
-
-`DeviceLink` reports: MessagesReceived, TopicsRequested, Unconfigured, TimeAnswered, ParameterReceived,
-ParameterTimedOut, StopReceived, FrameDiscarded, UnknownTopicId.
+`HostEvent` lists the reports of a `HostLink`, `DeviceEvent` those of a `DeviceLink`.
 """
 
 from __future__ import annotations

@@ -11,8 +11,8 @@ Noise may look like a header that claims 65535 bytes. A header that claims more 
 refused immediately. The others are searched for frames inside them:
 
 - If the topic and the length are possible, the search is due when no more bytes arrive. It is also due while
-  bytes arrive, but then the frame is only given up if it ends with several valid frames in a row: boards do
-  not send those inside a message.
+  bytes arrive. Then the frame is only given up if it ends with several valid frames in a row: boards do not
+  send those inside a message.
 - If not, it is due soon after the frame began, even while bytes arrive.
 
 A search destroys nothing: without a complete frame inside, the decoder waits for the rest, which a slow

@@ -1,11 +1,11 @@
 """Scans a buffer in one pass: finds its frames, other bytes, and the start of an unfinished frame.
 
-Frames that follow each other under the same header (same topic, same length) are the common case, so one
-header is checked once and `struct.iter_unpack` cuts the whole run at C speed. A known header costs one
-dictionary lookup.
+Usually, many frames with the same header (same topic, same length) follow each other. Then the header is
+checked once, and `struct.iter_unpack` cuts the whole run at C speed. A known header costs one dictionary
+lookup.
 
-Other bytes are reported in stretches. A stretch begins where a check fails, and ends where a frame may begin;
-so every byte of the buffer is in exactly one frame, one stretch or the unfinished rest. After a failed check,
+Other bytes are reported in stretches. A stretch begins where a check fails, and ends where a frame may begin.
+So every byte of the buffer is in exactly one frame, one stretch or the unfinished rest. After a failed check,
 the search continues at the byte after the sync, because noise may contain a valid header.
 """
 
@@ -93,7 +93,7 @@ class Scan(msgspec.Struct):
 class FrameScanner:
     """Finds the frames of one protocol version, remembering headers from buffer to buffer.
 
-    A header that claims more than the limit of its topic id in `refused_above` is not a frame; the limit of
+    A header that claims more than the limit of its topic id in `refused_above` is not a frame. The limit of
     other ids is under None.
     """
 

@@ -1,6 +1,6 @@
 """The host's end of a rosserial line: received bytes become events, and requests become bytes to send.
 
-The link combines state machines, and has no states of its own:
+The link combines these state machines, and has no other states:
 
     ProtocolDetector, FrameDecoder   bytes to frames
     Negotiation                      when to request topics, when all are known
@@ -56,8 +56,9 @@ class HostLink:
     """The host's link to one device: bytes, messages and `now_s` go in, events and bytes come out.
 
     `now_s` is the time of any monotonic clock.
-    After every call that may have changed something, send `data_to_send()` and wait for `get_timer()`; after
-    `receive_data` only if it was not quiet, which halves the cost of boards that send one message at a time.
+    After every call that may have changed something, send `data_to_send()` and wait for `get_timer()`. After
+    a `receive_data` that was quiet, this is not necessary, which halves the cost of boards that send one
+    message at a time.
     """
 
     def __init__(self, config: HostLinkConfig | None = None) -> None:

@@ -17,7 +17,7 @@ from rostether.rostime import Time
 # A frame with a wrong version byte: an unconfigured board requests the time, a configured one ignores it.
 PROBE = b"\xff\x00"
 
-# Sent before and after a version 1 request while the version is not known: without it, a sketch that reads
+# Sent before and after a version 1 request while the version is not known. Without it, a sketch that reads
 # two requests at once would mistake the last `ff` of one for the start of the next.
 OTHER_VERSION_GUARD = b"\x00"
 

@@ -1,7 +1,7 @@
 """Tracks whether the device is connected and configured, with probes that only a reset board answers.
 
 A board that has been reset sends nothing on user ids, although the host continues to send. A frame start with
-a wrong version byte (`ff 00`) makes an unconfigured board request the time; a configured board ignores it,
+a wrong version byte (`ff 00`) makes an unconfigured board request the time. A configured board ignores it,
 and requests the time only every 2.5 s. Without that request, the host requests the topics: every board
 answers that, even a board of protocol version 1, which ignores probes.
 

@@ -1,7 +1,7 @@
 """Detects the protocol version of a device from its first frames.
 
 Both versions are decoded until one of them yields a plausible frame. Version 2 has a header checksum, so each
-of its frames counts; version 1 has none, so only a control packet with its exact layout counts. Noise in one
+of its frames counts. Version 1 has none, so only a control packet with its exact layout counts. Noise in one
 version may be a frame in the other, so noise is reported only after the detection, or after a delay.
 """
 

@@ -1,8 +1,8 @@
 """Time on both ends of the line: the device's clock, and the time answers of the host.
 
-The established device library sets its clock to the host's stamp plus the whole round trip; `DeviceClock`
+The established device library sets its clock to the host's stamp plus the whole round trip. `DeviceClock`
 adds half of it, because the stamp was made about halfway. While the established library waits for a service
-response, a time answer ends that wait with an empty result; `AnswerGate` therefore delays time answers, for a
+response, a time answer ends that wait with an empty result. `AnswerGate` therefore delays time answers, for a
 limited time.
 """
 
@@ -29,7 +29,7 @@ HOLD_LIMIT_S = 5.0
 class DeviceClock:
     """A device's clock: time since boot until the host answers, then the host's time.
 
-    It never goes back by less than MAX_HOLD_S: if the host's clock stops, as a paused simulation's does, the
+    It never goes back by less than MAX_HOLD_S. If the host's clock stops, as in a paused simulation, the
     device's clock stops from the next answer until the host has caught up.
     """
 

@@ -1,7 +1,7 @@
 """Checks whether raw bytes have the layout of a type, without decoding them.
 
 One damaged frame in 256 passes its checksum, but its content must never reach ROS. The check runs for every
-message, so it is compiled for each type: a comparison of lengths if the size is constant, otherwise a walk
+message, so it is compiled for each type. It compares lengths if the size is constant; otherwise, it walks
 over the lengths in the payload.
 """
 

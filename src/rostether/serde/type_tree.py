@@ -1,8 +1,8 @@
 """Message types resolved for serialization: trees of numbers, stamps, text, arrays and structs.
 
 Layouts and codecs are compiled from a tree. Everything about a type that is expensive to compute is computed
-here once: its constant or minimum size on the wire, and whether its definition fits into memory (definitions
-also come from peers).
+here once: its size on the wire if it is constant, and whether its zero value fits in memory (definitions also
+come from peers).
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ MAX_FIXED_BYTES: Final = 1 << 26
 MAX_ZERO_ELEMENTS: Final = 1 << 20
 
 # The limit of elements without content in an array: they have no bytes, so the length of a payload does not
-# limit them, and four bytes could mean four billion objects.
+# limit them. Four bytes could mean four billion objects.
 MAX_EMPTY_ELEMENTS: Final = 256
 
 

@@ -36,8 +36,8 @@ Slot: TypeAlias = tuple[Role, str]
 MAX_RETRY_S = 5.0
 # Leaving must not hang on a master that does not answer.
 CLOSE_LIMIT_S = 1.0
-# Openings and closings of one board at once. Each takes 10 KB: more would fill memory when many boards come
-# or leave together.
+# Openings and closings of one board at once. Each takes 10 KB: more would fill memory when many boards
+# connect or leave together.
 CHANGED_AT_ONCE = 4
 
 

@@ -54,8 +54,8 @@ class EndpointTable:
 
         # By name: the reason why an announcement on this connection is not served.
         self.refused: dict[str, RostetherError] = {}
-        # Endpoints replaced by another type of the same name but not withdrawn yet: until the negotiation
-        # ends, it is unknown whether the board still has them.
+        # Endpoints that another type of the same name has replaced, and that were not withdrawn yet. Until
+        # the negotiation ends, it is unknown whether the board still has them.
         self._displaced: dict[_Key, Endpoint] = {}
 
     def __iter__(self) -> Iterator[tuple[Role, Endpoint]]:

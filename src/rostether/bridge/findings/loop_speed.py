@@ -68,7 +68,7 @@ class LoopSpeed:
         return len(self._intervals_s) == 1 and self._intervals_s[0] - self._period_s >= SLOW_LISTENER_S
 
     def request(self, now_s: float, asked: int) -> None:
-        """Handle a time request; `asked` counts our topic requests, each of which provokes one."""
+        """Handle a time request; `asked` counts our topic requests, which provoke one each."""
         last_s, self._last_s = self._last_s, now_s
         was_provoked = asked != self._asked
         self._asked = asked

@@ -5,7 +5,7 @@ all of it. Here, at most 20 ms of line time are in the port; the rest waits in t
 it.
 
 The baud rate alone does not give a line's speed: boards with built-in USB ignore it. If a port is empty
-before its line can have transferred all bytes, its assumed speed doubles; if it still holds bytes, the
+before its line can have transferred all bytes, its assumed speed doubles. If it still holds bytes, the
 assumed speed is the baud rate again. An adapter's own buffer looks like a fast line until it is full; the
 largest common one holds 0.1 s of 57600 baud.
 """

@@ -1,8 +1,9 @@
 """The output to one board: control traffic first, then one bounded queue for each topic, in turn.
 
 On links with flow control (TCP, pty), a queue that overflows pauses its source: the messages wait in ROS, and
-none is lost. The pause ends if the board accepts no byte for a second. On other links, and for such a board,
-the oldest messages of the topic are dropped. Control traffic and responses never wait in a queue.
+none is lost. The pause ends if the board accepts no byte for a second. On other links, and for a board that
+accepts nothing, the oldest messages of the topic are dropped. Control traffic and responses never wait in a
+queue.
 """
 
 from __future__ import annotations

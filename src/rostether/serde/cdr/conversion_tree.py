@@ -1,7 +1,7 @@
 """One ROS 1 type and one ROS 2 type with their fields matched: the input of a converter's compilation.
 
 ROS 1 writes values without gaps. CDR (XCDR1, as in ROS 2's middlewares) aligns numbers of two, four and eight
-bytes to their size, counted from the end of the four bytes of encapsulation; structs are not aligned. So most
+bytes to their size, counted from the end of the four bytes of encapsulation. Structs are not aligned. So most
 values have the same bytes on both sides, at other positions.
 """
 

@@ -24,7 +24,7 @@ class CdrConverter:
 
     CDR is the format of ROS 2's middlewares: four bytes of encapsulation, then XCDR version 1. It is written
     in little endian, and read in both byte orders; bytes after the message are padding and ignored. Fields
-    that only ROS 1 has are dropped in CDR, and zero in ROS 1; fields that only ROS 2 has get the definition's
+    that only ROS 1 has are dropped in CDR, and zero in ROS 1. Fields that only ROS 2 has get the definition's
     default, or zero.
     """
 

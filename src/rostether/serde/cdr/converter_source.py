@@ -14,7 +14,7 @@
 
 The source never contains a name from a definition, only numbers, so that no definition can inject code.
 Pieces are joined after all lengths were checked, and loops never have more elements than the payload has
-bytes for: an announced length alone allocates nothing.
+bytes for. So an announced length alone allocates nothing.
 """
 
 from __future__ import annotations

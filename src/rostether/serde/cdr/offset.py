@@ -13,7 +13,7 @@ UNIT_BYTES: Final = 4
 class Offset:
     """An expression of an index into a payload.
 
-    With `is_aligned`, the payload is CDR, whose alignment counts from index 4: the distance of the position
+    With `is_aligned`, the payload is CDR, whose alignment counts from index 4. The distance of the position
     from there, modulo `modulus` (1, 2, 4 or 8), is `residue`. Otherwise, nothing is aligned.
     """
 
