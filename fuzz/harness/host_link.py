@@ -30,8 +30,7 @@ from rostether.rosserial.events import (
     TopicWithdrawn,
 )
 from rostether.rosserial.frame import encode_frame
-from rostether.rosserial.host_link import HostLink
-from rostether.rosserial.host_link_config import HostLinkConfig
+from rostether.rosserial.host_link import HostLink, HostLinkConfig
 from rostether.rosserial.packets import Log, LogLevel, ParameterRequest, TopicInfo
 from rostether.rostime import Time
 

@@ -25,7 +25,7 @@ from rostether.rosserial.events import (
     TopicAnnounced,
     TopicRole,
 )
-from rostether.rosserial.host_link_config import HostLinkConfig
+from rostether.rosserial.host_link import HostLinkConfig
 from rostether.rosserial.packets import TopicInfo
 from rostether.serde.store import TypeStore
 from rostether.transports.address import ProgramSize

@@ -16,11 +16,12 @@ crash the device. They are not sent.
 from __future__ import annotations
 
 import logging
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+
+from msgspec import Struct
 
 from rostether.rosserial import topic_id as ids
 from rostether.rosserial.announcements import Announcements
-from rostether.rosserial.control_events import control_event
 from rostether.rosserial.control_rate import ControlRate
 from rostether.rosserial.events import (
     DAMAGE,
@@ -30,18 +31,26 @@ from rostether.rosserial.events import (
     DiscardReason,
     FrameDiscarded,
     HostEvent,
+    LogReceived,
     MessagesReceived,
     NegotiationSettled,
+    ParameterRequested,
     ProtocolDetected,
     TimeRequested,
     UnknownTopicId,
 )
+from rostether.rosserial.frame import MAX_PAYLOAD_BYTES
 from rostether.rosserial.frame_decoder import Decoded, FrameDecoder, Frames
-from rostether.rosserial.host_link_config import HostLinkConfig
 from rostether.rosserial.host_output import HostOutput
 from rostether.rosserial.link_statistics import LinkStatistics
 from rostether.rosserial.negotiation import Negotiation
-from rostether.rosserial.packets import TIME_REQUEST_BYTES, ParameterResponse
+from rostether.rosserial.packets import (
+    TIME_REQUEST_BYTES,
+    Log,
+    ParameterRequest,
+    ParameterResponse,
+    TopicInfo,
+)
 from rostether.rosserial.presence import Presence, Verdict
 from rostether.rosserial.protocol_detector import ProtocolDetector
 from rostether.rosserial.topic_answers import TimeRequestMeaning
@@ -50,6 +59,19 @@ from rostether.rosserial.unread_bytes import UnreadBytes
 from rostether.rostime import Time
 
 _LOG = logging.getLogger(__name__)
+
+
+class HostLinkConfig(Struct, frozen=True):
+    """Limits of a host link; the defaults suit all known boards."""
+
+    # The maximum of a frame: Linux devices send images in one frame.
+    max_payload_bytes: int = MAX_PAYLOAD_BYTES
+    # The established library has at most 50; each costs a registration on the ROS side.
+    max_endpoints: int = 256
+    # Returns the size of every message of a topic if its type has a fixed size, else None.
+    fixed_size: Callable[[TopicInfo], int | None] | None = None
+    # The device's name in the log.
+    name: str = "a board"
 
 
 class HostLink:
@@ -254,7 +276,7 @@ class HostLink:
             if frames.topic_id in ids.ANNOUNCEMENTS:
                 self._on_announcement(frames.topic_id, payload, now_s, events)
             else:
-                self._report(control_event(frames.topic_id, payload), now_s, events)
+                self._report(_control_event(frames.topic_id, payload), now_s, events)
 
     def _on_announcement(self, kind: int, payload: bytes, now_s: float, events: list[HostEvent]) -> None:
         info, announced = self._announcements.handle_packet(kind, payload, now_s)
@@ -351,3 +373,17 @@ class HostLink:
         if version is not None:
             self._output.queue_topic_request(version, now_s, is_guess=self._negotiation.version is None)
         self._output.pump(now_s)
+
+
+def _control_event(topic_id: int, payload: bytes) -> HostEvent:
+    """Return the event of a control packet without state; FrameDiscarded if its id or layout is not valid."""
+    event: HostEvent | None = None
+    if topic_id == ids.LOG:
+        log = Log.decode(payload)
+        event = log and LogReceived(*log)
+    elif topic_id == ids.PARAMETER:
+        request = ParameterRequest.decode(payload)
+        event = request and ParameterRequested(*request)
+    else:
+        return FrameDiscarded(DiscardReason.UNEXPECTED, payload)
+    return event or FrameDiscarded(DiscardReason.PACKET, payload, topic_id)

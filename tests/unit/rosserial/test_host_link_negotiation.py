@@ -24,8 +24,7 @@ from rostether.rosserial.events import (
     TopicWithdrawn,
     UnknownTopicId,
 )
-from rostether.rosserial.host_link import HostLink
-from rostether.rosserial.host_link_config import HostLinkConfig
+from rostether.rosserial.host_link import HostLink, HostLinkConfig
 from rostether.rosserial.packets import TopicInfo
 from unit.rosserial.decoding import can_send, frame
 from unit.rosserial.host_link_boards import (

@@ -8,8 +8,7 @@ from rostether.rosserial import topic_id as ids
 from rostether.rosserial.events import DiscardReason, FrameDiscarded, MessagesReceived, TimeRequested
 from rostether.rosserial.frame import encode_frame
 from rostether.rosserial.frame_decoder import FIRST_SEARCH_S, FrameDecoder, Frames, PayloadLimits
-from rostether.rosserial.host_link import HostLink
-from rostether.rosserial.host_link_config import HostLinkConfig
+from rostether.rosserial.host_link import HostLink, HostLinkConfig
 from rostether.rosserial.packets import TopicInfo
 from unit.rosserial.decoding import frame
 from unit.rosserial.host_link_boards import BURST, CHATTER, TIME, run_to_settled, settled_link
