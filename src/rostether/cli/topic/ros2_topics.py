@@ -23,6 +23,7 @@ from rostether.cli.topic.ros2_chosen_topic import ChosenRos2Topic, choose_ros2_t
 from rostether.cli.topic.ros2_listing import Ros2TopicListing
 from rostether.errors import GraphError
 from rostether.graph.ros_clock import wall_time
+from rostether.mechanisms.text import counted
 from rostether.ros2.types.message_text import DEFAULT_TRUNCATE_LENGTH, MessageText, TextStyle
 from rostether.ros2.types.native_registry import short_name
 from rostether.ros2.types.value_form import ValueForm
@@ -35,9 +36,9 @@ if TYPE_CHECKING:
 # As in `ros2 topic pub`: the rate without -r, and the interval of the lines about missing subscribers.
 DEFAULT_RATE_HZ = 1.0
 WAIT_LINE_S = 1.0
-# The count of subscribers comes from memory; -1 should not be noticeably later than its subscriber.
+# The number of subscribers is in memory, and a message should not be noticeably later than its subscriber.
 MATCH_POLL_S = 0.02
-# As in `ros2 topic pub`: the last message is sent before the publisher ends.
+# As in `ros2 topic pub`: the time to send the last message before the publisher ends.
 KEEP_ALIVE_S = 0.1
 # A subscriber on a busy machine may take seconds to discover the publisher; the limit is for one that hangs.
 ACKNOWLEDGE_S = 10.0
@@ -134,25 +135,27 @@ async def _wait_for_subscribers(publisher: TypedPublisher[...], times: int, opti
 
 
 async def _echo(graph: GraphOptions, topic: str, type_name: str | None, options: EchoOptions) -> None:
+    count = 0
     async with tool_node(graph, options.msg_paths) as tool:
         try:
             async with asyncio.timeout(options.timeout_s):
-                await _print(tool, topic, type_name, options)
+                chosen = await choose_ros2_topic(tool, topic, type_name, options.field)
+                printer = _Printer(tool, chosen, options)
+                async with shown_messages(tool.graph.messages(chosen.topic, chosen.type)) as messages:
+                    async for message in messages:
+                        printer.show(message)
+                        count = printer.shown_count
+                        if printer.is_done:
+                            return
         except TimeoutError:
+            if count and options.wanted_count is None:
+                return
+            kind = "message" if options.expression is None else "matching message"
+            what = f"only {count} of {counted(options.wanted_count or 0, kind)}" if count else f"no {kind}"
             raise GraphError(
-                f"no message was received on {topic} within {options.timeout_s:g} s; "
+                f"{what} arrived on {topic} within {options.timeout_s:g} s; "
                 f"`rostether topic info {topic}` shows its publishers"
             ) from None
-
-
-async def _print(tool: ToolNode, topic: str, type_name: str | None, options: EchoOptions) -> None:
-    chosen = await choose_ros2_topic(tool, topic, type_name, options.field)
-    printer = _Printer(tool, chosen, options)
-    async with shown_messages(tool.graph.messages(chosen.topic, chosen.type)) as messages:
-        async for message in messages:
-            printer.show(message)
-            if printer.is_done:
-                return
 
 
 def _style(options: EchoOptions) -> TextStyle:

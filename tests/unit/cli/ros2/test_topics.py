@@ -137,9 +137,17 @@ def test_ros2_options_are_accepted(world: ZenohWorld, shell: Shell) -> None:
 
 
 def test_echo_of_nothing_ends_in_time(world: ZenohWorld, shell: Shell) -> None:
-    assert "no message was received on /cmd_vel" in shell.failure(
-        "topic", "echo", "--timeout", "0.2", "/cmd_vel", "geometry_msgs/Twist"
+    echo = ("topic", "echo", "--timeout")
+    assert "no message arrived on /cmd_vel within 0.2 s; `rostether topic info" in shell.failure(
+        *echo, "0.2", "/cmd_vel", "geometry_msgs/Twist"
     )
+    for seconds in ("0.5", "5", "30"):
+        result = shell(*echo, seconds, "/name", "std_msgs/String")
+        if result.out:
+            break
+    assert (result.code, result.out, result.err) == (0, "data: arm\n---\n", "")
+    few = shell.failure(*echo, seconds, "-n", "2", "/name", "std_msgs/String")
+    assert f"only 1 of 2 messages arrived on /name within {seconds} s" in few
 
 
 def test_pub(world: ZenohWorld, shell: Shell) -> None:
