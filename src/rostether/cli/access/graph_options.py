@@ -88,7 +88,7 @@ def installed_middleware() -> Middleware:
 
 @dataclass(frozen=True, slots=True)
 class ZenohReach:
-    """The zenoh options: endpoints such as `tcp/192.168.1.7:7447`, and a `RouterChoice`."""
+    """The zenoh options: endpoints such as `tcp/192.168.1.7:7447`, and a value of --zenoh-router."""
 
     connect: tuple[str, ...] = ()
     listen: tuple[str, ...] = ()

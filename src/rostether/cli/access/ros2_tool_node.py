@@ -30,8 +30,8 @@ T = TypeVar("T")
 HIDDEN_NAME = "/_rostether"
 # A snapshot comes from memory; a user does not notice this delay.
 POLL_INTERVAL_S = 0.05
-# The longest wait for a given name. DDS announces it immediately, and again after 3 s if that is lost;
-# zenoh's router has announced it before the command starts.
+# The longest wait for a given name. DDS announces a name immediately, and again after 3 s if that is lost;
+# zenoh's router already knows the names when the command starts.
 PATIENCE_S = {Middleware.ZENOH: 1.0, Middleware.RCLPY: 4.0}
 # A longer warning would not fit on a line.
 MAX_SHOWN_DOMAINS = 8

@@ -100,7 +100,7 @@ async def native_session(graph: GraphOptions, msg_paths: Sequence[Path]) -> Asyn
     registry = NativeRegistry.from_environment(msg_paths)
     types = NativeTypes(registry)
     await types.searched()
-    # If this process has the router, the boards' session is the router.
+    # The boards' session is the router if this process has one; this session must not be another.
     reach = ZenohReach(graph.zenoh.connect, (), "never")
     async with ros2_access(graph.ros2, msg_paths, reach=reach, types=types) as access:
         yield NativeSession(access.join, types, registry)

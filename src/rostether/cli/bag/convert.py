@@ -47,8 +47,8 @@ def bag_convert(
 ) -> None:
     """Write the messages of SOURCE to TARGET, with their times, topics and types.
 
-    The formats follow from the names: .bag, .mcap or .db3; a name without one of these extensions is a ROS 2
-    bag, a folder. Messages are copied byte for byte, and converted only between ROS 1 and ROS 2.
+    The extensions .bag, .mcap and .db3 select the format; a name without one of them is a ROS 2 bag, a
+    folder. Messages are copied byte for byte, and converted only between ROS 1 and ROS 2.
     """
     from rostether.recording.files import Form
     from rostether.recording.reindexing import copy, refuse_same

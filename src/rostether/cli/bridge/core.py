@@ -68,7 +68,7 @@ def core(
     With --ros2 zenoh, run the zenoh router of this machine, like rmw_zenohd. It listens on localhost:7447, or
     only at the --zenoh-listen endpoints.
     """
-    # Without --ros2 this is the ROS 1 master, even if ROS 2 is sourced: ROS 2 has none.
+    # Without --ros2, run the ROS 1 master even if ROS 2 is sourced: ROS 2 has no master.
     if ros2 is not None:
         if ros2 == Middleware.RCLPY:
             raise click.UsageError(

@@ -13,7 +13,7 @@ from rostether.mechanisms.text import counted
 
 Style: TypeAlias = Literal["", "bold", "dim", "green", "yellow", "bold red"]
 
-# In characters. A narrower terminal cuts the lines, because a name and a state need 27.
+# In characters, for a name, a state and a column. Narrower terminals cut the lines.
 _MIN_WIDTH = 40
 # Room for `/serial_node_2`, and for a name that contains the id of a USB device.
 _NAME_MIN = 15

@@ -30,7 +30,7 @@ probe_option = add_option(
     multiple=True,
 )
 
-# The limits of `bridge.settings.BridgeSettings`, by their names on the command line, with the values allowed.
+# The limits of `bridge.settings.BridgeSettings`, by their names on the command line, and the allowed values.
 BRIDGE_LIMITS = {
     **{key.replace("_", "-"): limit for key, limit in BOARD_LIMITS.items()},
     "connections": Limit("connections", 1, 4096),

@@ -184,8 +184,9 @@ def finding_types(types: Ros2Types, probe: Callable[[str], Awaitable[str]] | Non
         if name == ANY_TYPE and probe is not None:
             name = await probe(service)
         if name == ANY_TYPE or " " in name:
+            found = "" if name == ANY_TYPE else f" (it may be {name})"
             raise UnknownTypeError(
-                f"the type of the service {service} is unknown ({name}); give it as --service {service}=TYPE"
+                f"the type of the service {service} is unknown{found}; give it as --service {service}=TYPE"
             )
         package, _, short_name = name.partition("/")
         if not short_name.startswith("srv/"):

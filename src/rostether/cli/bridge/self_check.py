@@ -145,7 +145,7 @@ def _find_multicast() -> str:
     from rostether.platform.multicast_socket import REFERENCE_GROUP
 
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
-        # Joins the group on the interface that the system chooses; nothing is sent.
+        # Joins the group on the interface that the system chooses; no datagram is sent to it.
         group = socket.inet_aton(REFERENCE_GROUP) + bytes(4)
         try:
             probe.setsockopt(socket.IPPROTO_IP, socket.IP_ADD_MEMBERSHIP, group)

@@ -270,7 +270,7 @@ async def _serve(
             ):
                 if settings.discovers:
                     supervisor.discover(KnownBoards(known_boards_path()), taken=opened)
-                # Existing objects are permanent: frozen, they no longer make a garbage collection take 20 ms.
+                # Existing objects are permanent. A garbage collection that searched them would take 20 ms.
                 gc.freeze()
                 await supervisor.wait_done()
                 return EXIT_FAILED if supervisor.has_failed else EXIT_DONE

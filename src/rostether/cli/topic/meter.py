@@ -44,7 +44,9 @@ class TopicMeter:
     def stamp_s(self, name: str, message: Any) -> float:
         """Return the time in a message's header in seconds. Raises ConfigError without a header."""
         if "header" not in type(message).__slots__:
-            raise ConfigError(f"{name} has no header, so the age of its messages is unknown")
+            raise ConfigError(
+                f"{name} has no header, so the age of its messages is unknown; choose a topic with a header"
+            )
         stamp = message.header.stamp
         return stamp.sec + stamp.nanosec * 1e-9 if self.is_ros2 else float(stamp.to_s())
 

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from rostether.ros2.types.native_registry import NativeRegistry
     from rostether.serde.field_path import FieldPath
 
-# The interval at which a snapshot is searched for a topic that does not exist yet; a user waits no longer.
+# The interval at which the graph is searched for a topic that does not exist yet, as on ROS 1.
 POLL_S = 0.1
 
 
