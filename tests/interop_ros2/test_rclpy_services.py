@@ -24,10 +24,14 @@ SERVICES = {
 }
 
 
-async def test_parameters_that_are_set_are_described(join: JoinGraph) -> None:
+async def test_parameters_that_are_set_are_described(
+    join: JoinGraph, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    # A busy machine may need longer than users wait.
+    monkeypatch.setattr("rostether.ros2.parameters.client.CALL_TIMEOUT_S", 60)
     node, asker = await join("/described"), await join("/asker")
     await node.set_param("~gain", 1.5)
-    client = ParameterClient(asker, timeout_s=60)
+    client = ParameterClient(asker)
     # Set by another node, without having been declared.
     await client.set("/described", {"name": typed_value("name", "arm")})
     described = await client.describe("/described", ["gain", "name"])

@@ -13,7 +13,7 @@ from interop_ros2.rclpy_peer import PEER_NAME, RclpyPeer
 from ros2_domains import own_domain
 from rostether.msgdef.registry import Registry
 from rostether.msgdef.ros2.definitions import Ros2Definitions
-from rostether.ros2.types.message_text import MessageText
+from rostether.ros2.types.message_text import MessageText, TextStyle
 from rostether.ros2.types.native_registry import NativeRegistry
 from rostether.ros2.types.value_form import ValueForm
 from rostether.rostime import Time
@@ -138,7 +138,7 @@ def test_messages_are_shown_as_python_shows_them(name: str, fields: dict[str, An
     definition = registry.ros2_message(name)
     codec = TypeStore(registry).codec(definition.full_name.replace(f"/{kind}/", "/").replace("_R", "R"))
     ours = ValueForm(registry.ros2_message, Time).fill(codec, definition, [fields])
-    assert MessageText(registry.ros2_message).python(ours, definition) == repr(theirs)
+    assert MessageText(registry.ros2_message, TextStyle()).python(ours, definition) == repr(theirs)
 
 
 async def test_the_doctor_joins(peer: RclpyPeer) -> None:

@@ -14,9 +14,6 @@ from rostether.errors import RecordingError
 from rostether.mechanisms.text import counted
 from rostether.recording.recorded import Connection, RecordingWriter
 
-# The size that rosbag uses: bz2 compresses it in about a minute.
-DEFAULT_BUFFER_BYTES = 256 << 20
-
 # The interval of warnings while compression is too slow.
 REPORT_PERIOD_S = 5.0
 
@@ -37,7 +34,7 @@ class BackgroundWriter:
         self,
         writer: RecordingWriter,
         *,
-        buffer_bytes: int = DEFAULT_BUFFER_BYTES,
+        buffer_bytes: int,
         report: Callable[[str], None],
     ) -> None:
         self.lost_count = 0

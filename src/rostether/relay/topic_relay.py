@@ -41,7 +41,7 @@ class TopicRelay:
     the subscription pauses, in the source graph's queues.
     """
 
-    def __init__(self, topic: str, source: Side, target: Side, skip_nodes: Container[str] = ()) -> None:
+    def __init__(self, topic: str, source: Side, target: Side, skip_nodes: Container[str]) -> None:
         self._topic = topic
         self._source = source
         self._target = target

@@ -19,11 +19,11 @@ if TYPE_CHECKING:
 
 @asynccontextmanager
 async def open_ros2(
-    middleware: str, types: Ros2Types, environ: Mapping[str, str] | None = None
+    middleware: str, types: Ros2Types, environ: Mapping[str, str] | None
 ) -> AsyncIterator[JoinGraph]:
     """Yield a function that joins nodes during the block; `middleware` is zenoh or rclpy.
 
-    `environ` is os.environ by default. Raises ConfigError if the middleware is unknown or not installed,
+    `environ` None means os.environ. Raises ConfigError if the middleware is unknown or not installed,
     GraphError if the graph cannot be joined.
     """
     environment = Ros2Environment.read(environ)

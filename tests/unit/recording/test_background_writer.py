@@ -46,7 +46,7 @@ class _Slow:
 def test_all_that_is_written_is_in_the_file(tmp_path: Path, compression: str) -> None:
     reported: list[str] = []
     inner = BagWriter(tmp_path / "a.bag", compression=compression, chunk_bytes=1000)
-    writer = BackgroundWriter(inner, report=reported.append)
+    writer = BackgroundWriter(inner, buffer_bytes=1 << 20, report=reported.append)
     numbers = [writer.add_connection(connection(topic)) for topic in ("/a", "/b")]
     for index in range(500):
         writer.write(numbers[index % 2], START_NS + index, [text(f"message {index}")])
@@ -79,7 +79,7 @@ def test_what_finds_no_room_is_lost_and_reported() -> None:
 
 def test_it_flushes_when_nothing_waits() -> None:
     inner = _Slow()
-    writer = BackgroundWriter(inner, report=print)
+    writer = BackgroundWriter(inner, buffer_bytes=1 << 20, report=print)
     number = writer.add_connection(connection())
     writer.write(number, 1, [b""])
     writer.flush()
@@ -93,7 +93,7 @@ def test_it_flushes_when_nothing_waits() -> None:
 def test_an_error_of_the_thread_is_raised_by_the_next_call() -> None:
     inner = _Slow(RecordingError("the disk is full"))
     inner.may_go.set()
-    writer = BackgroundWriter(inner, report=print)
+    writer = BackgroundWriter(inner, buffer_bytes=1 << 20, report=print)
     writer.write(writer.add_connection(connection()), 1, [b""])
     with pytest.raises(RecordingError, match="the disk is full"):
         writer.close()

@@ -38,7 +38,7 @@ class Ros2Channels:
     not fit their type are omitted, and counted by `unfit`.
     """
 
-    def __init__(self, types: Ros2Types | None = None, unfit: UnfitMessages | None = None) -> None:
+    def __init__(self, types: Ros2Types | None, unfit: UnfitMessages | None) -> None:
         self.channels: list[Ros2Channel] = []
         self._unfit = unfit
         self._types = types

@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from rostether.recording.chunked_writer import DEFAULT_CHUNK_BYTES
-from rostether.recording.compression import NONE
 from rostether.recording.mcap.writer import McapWriter
 from rostether.recording.recorded import Connection
 from rostether.recording.ros2.channels import Ros2Channels, UnfitMessages
@@ -25,10 +23,10 @@ class Ros2McapWriter(McapWriter):
         self,
         path: Path,
         *,
-        compression: str = NONE,
-        chunk_bytes: int = DEFAULT_CHUNK_BYTES,
-        types: Ros2Types | None = None,
-        unfit: UnfitMessages | None = None,
+        compression: str,
+        chunk_bytes: int,
+        types: Ros2Types | None,
+        unfit: UnfitMessages | None,
     ) -> None:
         super().__init__(path, compression=compression, chunk_bytes=chunk_bytes)
         self.channels = Ros2Channels(types, unfit)

@@ -75,7 +75,7 @@ class GoalId(msgspec.Struct, frozen=True):
         """Return the serialized id."""
         return _STAMP.pack(*self.stamp) + write_text(self.text)
 
-    def status(self, status: int, text: str = "") -> bytes:
+    def status(self, status: int, text: str) -> bytes:
         """Return a serialized GoalStatus of this goal."""
         return self.write() + bytes([status]) + write_text(text)
 

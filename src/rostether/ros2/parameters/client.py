@@ -25,9 +25,8 @@ class ParameterClient:
     invalid.
     """
 
-    def __init__(self, graph: Graph, timeout_s: float = CALL_TIMEOUT_S) -> None:
+    def __init__(self, graph: Graph) -> None:
         self._graph = graph
-        self._timeout_s = timeout_s
 
     async def names(self, node: str) -> list[str]:
         """Return the names of a node's parameters, including those that are declared but not set."""
@@ -84,7 +83,7 @@ class ParameterClient:
         payload = interfaces.codec(f"{name}Request").encode(request)
         try:
             answer = await self._graph.call_service(
-                f"{node}/{verb}", interfaces.service(name), payload, timeout_s=self._timeout_s
+                f"{node}/{verb}", interfaces.service(name), payload, timeout_s=CALL_TIMEOUT_S
             )
         except ServiceUnavailableError as error:
             raise ServiceUnavailableError(

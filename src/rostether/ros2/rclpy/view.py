@@ -84,14 +84,14 @@ def offered_types(node: Any, service: str) -> list[str]:
 
 
 async def watch_changes(
-    take: Callable[[], Awaitable[Snapshot]], closed: asyncio.Event, interval_s: float = POLL_INTERVAL_S
+    take: Callable[[], Awaitable[Snapshot]], closed: asyncio.Event
 ) -> AsyncIterator[Snapshot]:
     """Yield a snapshot from `take` now and one after each change, until `closed` is set."""
     latest = await take()
     yield latest
     while not closed.is_set():
         try:
-            async with asyncio.timeout(interval_s):
+            async with asyncio.timeout(POLL_INTERVAL_S):
                 await closed.wait()
         except TimeoutError:
             snapshot = await take()

@@ -43,9 +43,9 @@ class TextStyle(Struct, frozen=True):
 class MessageText:
     """Prints messages; `lookup` returns the ROS 2 definition of a message by its full name."""
 
-    def __init__(self, lookup: Callable[[str], Ros2Message], style: TextStyle | None = None) -> None:
+    def __init__(self, lookup: Callable[[str], Ros2Message], style: TextStyle) -> None:
         self._lookup = lookup
-        self._style = style or TextStyle()
+        self._style = style
 
     def yaml(self, message: Message, definition: Ros2Message) -> str:
         """Return a message's YAML, which ends with a line break."""

@@ -54,7 +54,7 @@ class ZenohPublication:
         *,
         node: NodeEntities,
         report: Report,
-        latch: bool = False,
+        latch: bool,
         qos: Qos | None = None,
         queue_bytes: int | None = None,
     ) -> None:

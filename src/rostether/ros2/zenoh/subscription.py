@@ -57,9 +57,9 @@ class ZenohSubscriber:
         receiver: Receiver,
         *,
         node: NodeEntities,
-        own_gids: Callable[[], set[bytes]] | None = None,
-        skip_nodes: Container[str] = (),
-        one_type: bool = False,
+        own_gids: Callable[[], set[bytes]] | None,
+        skip_nodes: Container[str],
+        one_type: bool,
     ) -> None:
         self.topic = topic
         self._support = support

@@ -12,7 +12,6 @@ from rostether.errors import GraphError, ServiceUnavailableError, UnknownNameErr
 from rostether.graph.memory_graph import MemoryGraph
 from rostether.graph.memory_network import MemoryNetwork
 from rostether.graph.ports import ParamValue
-from rostether.ros2.parameters.client import ParameterClient
 from rostether.ros2.parameters.graph_parameters import GraphParameters
 from rostether.ros2.parameters.services import PARAMETER_EVENTS, ParameterServices
 from rostether.ros2.parameters.store import ParameterStore
@@ -91,7 +90,9 @@ async def test_refusals_carry_the_nodes_reason() -> None:
         await GraphParameters(ParameterStore(), me).set("/fixed/gain", 1)
 
 
-async def test_a_node_without_parameters_is_named_and_skipped_in_lists() -> None:
+async def test_a_node_without_parameters_is_named_and_skipped_in_lists(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     network = MemoryNetwork()
     _, me = await network.join("/bare"), await network.join("/me")
     hanging = await network.join("/hanging")
@@ -106,7 +107,7 @@ async def test_a_node_without_parameters_is_named_and_skipped_in_lists() -> None
     parameters = GraphParameters(ParameterStore({"a": 1}), me)
     with pytest.raises(ServiceUnavailableError, match="node /bare does not give access to its parameters"):
         await parameters.get("/bare/gain")
-    parameters._client = ParameterClient(me, timeout_s=0.05)
+    monkeypatch.setattr("rostether.ros2.parameters.client.CALL_TIMEOUT_S", 0.05)
     assert await parameters.names() == ["/me/a", "/me/use_sim_time"]
     # It hangs until the test releases it.
     await hanging.close()

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import asyncio
 
+import pytest
+
 from rostether.graph.ports import Snapshot
 from rostether.ros2.rclpy.view import offered_types, take_snapshot, watch_changes
 
@@ -52,14 +54,15 @@ def test_the_types_of_a_service() -> None:
     assert offered_types(FakeNode(), "/undo") == []
 
 
-async def test_only_changes_are_reported() -> None:
+async def test_only_changes_are_reported(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("rostether.ros2.rclpy.view.POLL_INTERVAL_S", 0.001)
     snapshots = [Snapshot(("/a",)), Snapshot(("/a",)), Snapshot(("/b",))]
     closed = asyncio.Event()
 
     async def take() -> Snapshot:
         return snapshots.pop(0)
 
-    changes = watch_changes(take, closed, interval_s=0.001)
+    changes = watch_changes(take, closed)
     assert [await anext(changes), await anext(changes)] == [Snapshot(("/a",)), Snapshot(("/b",))]
     closed.set()
     assert await anext(changes, None) is None

@@ -32,7 +32,7 @@ def text(name: str, fields: dict[str, Any], **style: Any) -> str:
 
 
 def python(name: str, fields: dict[str, Any]) -> str:
-    printer = MessageText(REGISTRY.ros2_message)
+    printer = MessageText(REGISTRY.ros2_message, TextStyle())
     return printer.python(fill(name, fields), REGISTRY.ros2_message(name))
 
 
@@ -61,7 +61,7 @@ def test_yaml_without_arrays_and_cut() -> None:
 
 
 def test_csv() -> None:
-    printer = MessageText(REGISTRY.ros2_message)
+    printer = MessageText(REGISTRY.ros2_message, TextStyle())
     message = fill("sensor_msgs/JointState", {"header": "auto", "name": ["a", "b"], "position": [0.5]})
     assert printer.csv(message, REGISTRY.ros2_message("sensor_msgs/JointState")) == "12,34,,a,b,0.5,,"
 
