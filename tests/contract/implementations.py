@@ -43,7 +43,7 @@ async def _open_joint() -> AsyncIterator[JoinGraph]:
 @asynccontextmanager
 async def _open_ros1() -> AsyncIterator[JoinGraph]:
     master = await MasterServer.start(port=0)
-    yield functools.partial(join_ros1, master_uri=master.uri, environment=RosEnvironment.read({}))
+    yield functools.partial(join_ros1, environment=RosEnvironment.read({}).with_master(master.uri))
     await master.close()
 
 

@@ -30,7 +30,9 @@ class Stage:
     async def join(self, name: str) -> Ros1Graph:
         """Join as a node."""
         node = await join_ros1(
-            name, master_uri=self.peers.master_uri, environment=RosEnvironment.read({}), check_interval_s=0.1
+            name,
+            environment=RosEnvironment.read({}).with_master(self.peers.master_uri),
+            check_interval_s=0.1,
         )
         self._nodes.append(node)
         return node

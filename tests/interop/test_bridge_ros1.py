@@ -75,8 +75,7 @@ class Bridged:
     ) -> Graph:
         return await join_ros1(
             node_name,
-            master_uri=self.peers.master_uri,
-            environment=RosEnvironment.read({}),
+            environment=RosEnvironment.read({}).with_master(self.peers.master_uri),
             namespace=namespace,
             remappings=remappings,
         )

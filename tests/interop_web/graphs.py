@@ -44,7 +44,7 @@ async def _ros1() -> AsyncIterator[GraphOfTest]:
     master = await MasterServer.start(port=0)
     client = MasterClient(master.uri, "/asking")
     yield GraphOfTest(
-        functools.partial(join_ros1, master_uri=master.uri, environment=RosEnvironment.read({})),
+        functools.partial(join_ros1, environment=RosEnvironment.read({}).with_master(master.uri)),
         TypeStore(Registry()),
         ask_type=functools.partial(probe_type, client),
     )

@@ -24,23 +24,14 @@ _log = logging.getLogger("rostether.ros1.master")
 class Roscore:
     """A master with its log collector; `start` makes one that listens."""
 
-    def __init__(
-        self, master: MasterServer, environment: RosEnvironment, *, respawn_pause_s: float = _RESPAWN_PAUSE_S
-    ) -> None:
+    def __init__(self, master: MasterServer, environment: RosEnvironment) -> None:
         self._master = master
         self._environment = environment.with_master(master.uri)
-        self._respawn_pause_s = respawn_pause_s
         self._rosout: Ros1Graph | None = None
         self._keeper: asyncio.Task[None] | None = None
 
     @classmethod
-    async def start(
-        cls,
-        environment: RosEnvironment,
-        *,
-        port: int = DEFAULT_MASTER_PORT,
-        respawn_pause_s: float = _RESPAWN_PAUSE_S,
-    ) -> Roscore:
+    async def start(cls, environment: RosEnvironment, *, port: int = DEFAULT_MASTER_PORT) -> Roscore:
         """Start on the environment's addresses; port 0 means a free one.
 
         Raises GraphError if the port is in use, ConfigError if an address does not belong to this machine or
@@ -54,7 +45,7 @@ class Roscore:
             limits=environment.limits,
             own_names=environment.own_names,
         )
-        core = cls(master, environment, respawn_pause_s=respawn_pause_s)
+        core = cls(master, environment)
         try:
             core._rosout = await core._join_rosout()
         except BaseException as error:
@@ -103,7 +94,7 @@ class Roscore:
             reason = await rosout.wait_closed()
             _log.info("/rosout has stopped (%s); starting it again", reason)
             self._rosout = None
-            await asyncio.sleep(self._respawn_pause_s)
+            await asyncio.sleep(_RESPAWN_PAUSE_S)
             try:
                 self._rosout = rosout = await self._join_rosout()
             except GraphError as error:

@@ -100,12 +100,12 @@ class XmlRpcClient:
                 f"{self.peer} at {self.uri} sent an invalid answer to {method}: {error}"
             ) from error
 
-    async def call_status(self, method: str, *args: object, timeout_s: float | None = None) -> StatusTriplet:
+    async def call_status(self, method: str, *args: object) -> StatusTriplet:
         """Call a ROS method and return its `(code, status message, value)`. Raises the same errors as `call`.
 
         Code 1 is success, 0 failure, -1 the caller's error; the value counts only with code 1.
         """
-        answer = await self.call(method, *args, timeout_s=timeout_s)
+        answer = await self.call(method, *args)
         if not (isinstance(answer, list) and len(answer) == 3 and isinstance(answer[0], int)):
             raise GraphError(f"{self.peer} at {self.uri} answered {method} without [code, message, value]")
         text = answer[1][:MAX_SHOWN_CHARS] if isinstance(answer[1], str) else ""

@@ -40,8 +40,7 @@ def memory_pair(
     """Create two connected transports; with `can_pause=False`, a paused reader loses data beyond 64 KiB."""
     first = MemoryTransport(names[1], Direction.FIRST_TO_SECOND, manipulator, can_pause=can_pause)
     second = MemoryTransport(names[0], Direction.SECOND_TO_FIRST, manipulator, can_pause=can_pause)
-    first.join(second)
-    second.join(first)
+    first._other, second._other = second, first
     return first, second
 
 
@@ -69,10 +68,6 @@ class MemoryTransport:
         self._error: TransportError | None = None
         self._is_loss_reported = False
         self._end_event = asyncio.Event()
-
-    def join(self, other: MemoryTransport) -> None:
-        """Set the other end."""
-        self._other = other
 
     @property
     def write_buffer_bytes(self) -> int:

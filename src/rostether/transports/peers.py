@@ -204,7 +204,6 @@ class PeerTable(Generic[PeerKey]):
         on_transport: Callable[[Transport], None],
         *,
         max_peers: int = MAX_PEERS,
-        idle_limit_s: float = IDLE_LIMIT_S,
         clock: Callable[[], float] | None = None,
         on_forget: Callable[[PeerKey], None] | None = None,
         entry: PeerEntry | None = None,
@@ -217,7 +216,6 @@ class PeerTable(Generic[PeerKey]):
         self._on_transport = on_transport
         self._on_forget = on_forget
         self._max_peers = max_peers
-        self._idle_limit_s = idle_limit_s
         self._peers: dict[PeerKey, PeerTransport[PeerKey]] = {}
         self._sweep_timer: asyncio.TimerHandle | None = None
         self._is_writing_paused = False
@@ -301,8 +299,8 @@ class PeerTable(Generic[PeerKey]):
     def expire(self, now_s: float) -> None:
         """End every peer that was silent for too long."""
         for peer in list(self._peers.values()):
-            if peer.expires and now_s - peer.received_at_s >= self._idle_limit_s:
-                silence = f"{peer.peer} was silent for {self._idle_limit_s:g} s"
+            if peer.expires and now_s - peer.received_at_s >= IDLE_LIMIT_S:
+                silence = f"{peer.peer} was silent for {IDLE_LIMIT_S:g} s"
                 peer.end(TransportClosedError(f"{silence}; check its power and its network"))
 
     def pause_writing(self) -> None:
@@ -327,7 +325,7 @@ class PeerTable(Generic[PeerKey]):
 
     def _schedule_sweep(self) -> None:
         # A silent peer ends at most this quarter of the limit too late.
-        self._sweep_timer = asyncio.get_running_loop().call_later(self._idle_limit_s / 4, self._sweep)
+        self._sweep_timer = asyncio.get_running_loop().call_later(IDLE_LIMIT_S / 4, self._sweep)
 
     def _sweep(self) -> None:
         self._sweep_timer = None

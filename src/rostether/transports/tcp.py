@@ -280,19 +280,19 @@ class _AcceptedTransport(TcpTransport):
         super().connection_lost(exc)
 
 
-async def connect_tcp(address: TcpAddress, *, limit_s: float = CONNECT_LIMIT_S) -> TcpTransport:
+async def connect_tcp(address: TcpAddress) -> TcpTransport:
     """Connect to a peer. Raises TransportOpenError, TransportTimeoutError, ConfigError."""
     greeting = make_greeting(address)
     endpoint = show_endpoint(address.host, address.port)
     loop = asyncio.get_running_loop()
     try:
-        async with asyncio.timeout(limit_s):
+        async with asyncio.timeout(CONNECT_LIMIT_S):
             _, transport = await loop.create_connection(
                 lambda: TcpTransport(f"tcp {endpoint}"), address.host, address.port
             )
     except TimeoutError as error:
         raise TransportTimeoutError(
-            f"{endpoint} does not answer within {limit_s:g} s; check its address and its network"
+            f"{endpoint} does not answer within {CONNECT_LIMIT_S:g} s; check its address and its network"
         ) from error
     except OSError as error:
         raise explain_connect_error(endpoint, error) from error

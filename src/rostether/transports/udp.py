@@ -17,7 +17,7 @@ from rostether.errors import TransportTimeoutError
 from rostether.mechanisms.text import show_endpoint
 from rostether.transports.address import UdpAddress
 from rostether.transports.allow_list import AllowList
-from rostether.transports.peers import IDLE_LIMIT_S, MAX_PEERS, Medium, PeerEntry, PeerTable, PeerTransport
+from rostether.transports.peers import MAX_PEERS, Medium, PeerEntry, PeerTable, PeerTransport
 from rostether.transports.sockets import RESOLVE_LIMIT_S, explain_bind_error, explain_connect_error
 from rostether.transports.transport import Transport
 
@@ -107,8 +107,6 @@ class UdpListener(_DatagramSocket):
         on_transport: Callable[[Transport], None],
         allow: AllowList,
         max_peers: int,
-        idle_limit_s: float,
-        clock: Callable[[], float] | None,
         entry: PeerEntry | None,
     ) -> None:
         super().__init__()
@@ -118,8 +116,6 @@ class UdpListener(_DatagramSocket):
             self._medium("udp listener", self.send),
             on_transport,
             max_peers=max_peers,
-            idle_limit_s=idle_limit_s,
-            clock=clock,
             entry=entry,
         )
 
@@ -130,15 +126,13 @@ class UdpListener(_DatagramSocket):
         on_transport: Callable[[Transport], None],
         *,
         max_peers: int = MAX_PEERS,
-        idle_limit_s: float = IDLE_LIMIT_S,
-        clock: Callable[[], float] | None = None,
         entry: PeerEntry | None = None,
     ) -> UdpListener:
         """Listen; `entry` decides which senders become peers (None: all).
 
         Raises TransportOpenError if the port is in use or the host is not an address of this machine.
         """
-        listener = cls(on_transport, AllowList(address.allow), max_peers, idle_limit_s, clock, entry)
+        listener = cls(on_transport, AllowList(address.allow), max_peers, entry)
         try:
             family, sockaddr = await _resolve(address.host, address.port)
             sock = _make_socket(family, local=sockaddr)

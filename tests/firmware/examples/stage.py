@@ -230,8 +230,7 @@ async def _join(
 ) -> Graph:
     return await join_ros1(
         name,
-        master_uri=master_uri,
-        environment=RosEnvironment.read({}),
+        environment=RosEnvironment.read({}).with_master(master_uri),
         namespace=namespace,
         remappings=remappings,
     )

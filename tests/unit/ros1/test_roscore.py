@@ -19,8 +19,9 @@ from waiting import until
 
 
 @pytest.fixture
-async def core() -> AsyncIterator[Roscore]:
-    core = await Roscore.start(RosEnvironment(), port=0, respawn_pause_s=0.02)
+async def core(monkeypatch: pytest.MonkeyPatch) -> AsyncIterator[Roscore]:
+    monkeypatch.setattr("rostether.ros1.roscore._RESPAWN_PAUSE_S", 0.02)
+    core = await Roscore.start(RosEnvironment(), port=0)
     yield core
     await core.close()
     await core.close()

@@ -26,7 +26,6 @@ class FakeMedium:
             ),
             self.arrivals,
             max_peers=max_peers,
-            idle_limit_s=10.0,
             clock=lambda: self.now_s,
         )
 
@@ -121,11 +120,11 @@ async def test_only_the_silent_expire(medium: FakeMedium) -> None:
     _, silent = await medium.peer("a")
     _, lively = await medium.peer("b")
     known = medium.table.add("c", expires=False)
-    medium.now_s = 9.0
+    medium.now_s = 29.0
     medium.table.receive("b", b"here")
-    medium.now_s = 10.0
+    medium.now_s = 30.0
     medium.table.expire(medium.now_s)
-    assert "peer a was silent for 10 s" in str(await silent.until_lost())
+    assert "peer a was silent for 30 s" in str(await silent.until_lost())
     assert not lively.losses
     assert known.write_buffer_bytes == 0
     assert len(medium.table) == 2

@@ -286,7 +286,8 @@ async def test_a_missing_listener_is_reported() -> None:
         await connect_tcp(TcpAddress("127.0.0.1", port, connect=True))
 
 
-async def test_a_peer_that_does_not_answer_is_given_up() -> None:
+async def test_a_peer_that_does_not_answer_is_given_up(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("rostether.transports.tcp.CONNECT_LIMIT_S", 0.2)
     with socket.socket() as full:
         full.bind(("127.0.0.1", 0))
         full.listen(0)
@@ -295,7 +296,7 @@ async def test_a_peer_that_does_not_answer_is_given_up() -> None:
         try:
             with pytest.raises(TransportTimeoutError, match="does not answer within"):
                 for _ in range(20):
-                    waiting.append(await connect_tcp(address, limit_s=0.2))
+                    waiting.append(await connect_tcp(address))
         finally:
             for transport in waiting:
                 transport.abort()

@@ -34,7 +34,9 @@ async def listening(
 ) -> AsyncIterator[tuple[UdpListener, Arrivals]]:
     arrivals = Arrivals()
     address = UdpAddress("127.0.0.1", 0, allow=allow)
-    listener = await UdpListener.start(address, arrivals, max_peers=max_peers, clock=clock)
+    listener = await UdpListener.start(address, arrivals, max_peers=max_peers)
+    if clock is not None:
+        listener.peers.now_s = clock
     try:
         yield listener, arrivals
     finally:

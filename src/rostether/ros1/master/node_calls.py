@@ -56,16 +56,8 @@ class NodeCallQueue:
     The answers of nodes are ignored: rospy refuses updates of a parameter that it will watch in a moment.
     """
 
-    def __init__(
-        self,
-        on_gone: Callable[[str], None],
-        *,
-        first_retry_s: float = _FIRST_RETRY_S,
-        call_timeout_s: float = _CALL_TIMEOUT_S,
-    ) -> None:
+    def __init__(self, on_gone: Callable[[str], None]) -> None:
         self._on_gone = on_gone
-        self._first_retry_s = first_retry_s
-        self._call_timeout_s = call_timeout_s
         self._outboxes: dict[str, _Outbox] = {}
         self._large_calls = asyncio.Semaphore(_LARGE_CALLS_AT_ONCE)
         self._is_closed = False
@@ -111,7 +103,7 @@ class NodeCallQueue:
         outbox = self._outboxes.get(api)
         if outbox is None:
             try:
-                client = XmlRpcClient(api, timeout_s=self._call_timeout_s, on_lost=lambda: self.ping(api))
+                client = XmlRpcClient(api, timeout_s=_CALL_TIMEOUT_S, on_lost=lambda: self.ping(api))
             except ConfigError as error:
                 _log.debug("changes cannot be sent to a node: %s", error)
                 return
@@ -127,7 +119,7 @@ class NodeCallQueue:
             outbox.task = asyncio.get_running_loop().create_task(self._deliver(api, outbox))
 
     async def _deliver(self, api: str, outbox: _Outbox) -> None:
-        backoff = Backoff(first_s=self._first_retry_s, limit_s=_MAX_RETRY_S)
+        backoff = Backoff(first_s=_FIRST_RETRY_S, limit_s=_MAX_RETRY_S)
         while outbox.pending:
             what, arguments = next(iter(outbox.pending.items()))
             try:

@@ -12,7 +12,6 @@ from msgspec.structs import replace
 
 from rostether.errors import MasterUnreachableError
 from rostether.graph.ports import ServiceEntry, Snapshot, TopicEntry
-from rostether.graph.shared_snapshots import SharedSnapshots
 from rostether.msgdef.interface import ANY_TYPE
 from rostether.ros1.node.master_client import MasterClient
 
@@ -45,14 +44,7 @@ async def take_snapshot(master: MasterClient) -> Snapshot:
     )
 
 
-def shared_snapshots(master: MasterClient) -> SharedSnapshots:
-    """Return the snapshots of a node; requests at the same time share one."""
-    return SharedSnapshots(lambda: take_snapshot(master))
-
-
-async def watch_changes(
-    master: MasterClient, closed: asyncio.Event, interval_s: float = POLL_INTERVAL_S
-) -> AsyncIterator[Snapshot]:
+async def watch_changes(master: MasterClient, closed: asyncio.Event) -> AsyncIterator[Snapshot]:
     """Yield a snapshot now and one after each change, until `closed` is set.
 
     If the master is unreachable later, the snapshot's `problem` has the reason; only the first request
@@ -62,7 +54,7 @@ async def watch_changes(
     yield latest
     while not closed.is_set():
         try:
-            async with asyncio.timeout(interval_s):
+            async with asyncio.timeout(POLL_INTERVAL_S):
                 await closed.wait()
         except TimeoutError:
             try:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import AsyncIterator, Callable, Iterable, Mapping
+from functools import partial
 from typing import Unpack
 
 from rostether.errors import UnknownNameError
@@ -11,12 +12,13 @@ from rostether.graph.log_message import LOG_TYPE, ROSOUT, encode_log
 from rostether.graph.node_membership import NodeMembership
 from rostether.graph.ports import Level, OnMessages, ParamValue, ServiceHandler, Snapshot, SubscribeOptions
 from rostether.graph.ros_clock import CLOCK_TOPIC, CLOCK_TYPE
+from rostether.graph.shared_snapshots import SharedSnapshots
 from rostether.msgdef.interface import MessageType, ServiceType
 from rostether.names.graph_name import join, validate_name
 from rostether.ros1.environment import RosEnvironment
 from rostether.ros1.node.clock import Clock
 from rostether.ros1.node.endpoint_handles import Endpoints
-from rostether.ros1.node.graph_view import shared_snapshots, watch_changes
+from rostether.ros1.node.graph_view import take_snapshot, watch_changes
 from rostether.ros1.node.master_client import MasterClient
 from rostether.ros1.node.own_registrations import DEFAULT_CHECK_INTERVAL_S
 from rostether.ros1.node.parameters import ParameterWatch
@@ -34,7 +36,6 @@ USE_SIM_TIME = "/use_sim_time"
 async def join_ros1(
     node_name: str,
     *,
-    master_uri: str = "",
     environment: RosEnvironment | None = None,
     namespace: str = "/",
     remappings: Mapping[str, str] | None = None,
@@ -43,16 +44,14 @@ async def join_ros1(
 ) -> Ros1Graph:
     """Join the graph of a master as `node_name`; the master shuts down another node of that name.
 
-    `master_uri` overrides the environment's, which is read from os.environ by default. Every
-    `check_interval_s` the node asks the master whether it is still registered. On a shutdown request it
-    leaves immediately, or calls `on_leave` with the reason if that is given.
+    The environment is read from os.environ by default. Every `check_interval_s` the node asks the master
+    whether it is still registered. On a shutdown request it leaves immediately, or calls `on_leave` with the
+    reason if that is given.
     Raises MasterUnreachableError, InvalidNameError, ConfigError, GraphError.
     """
     environment = environment or RosEnvironment.read()
     full_name = join(namespace, validate_name(node_name))
-    master = MasterClient(
-        master_uri or environment.master_uri, full_name, max_body_bytes=environment.limits.body_bytes
-    )
+    master = MasterClient(environment.master_uri, full_name, max_body_bytes=environment.limits.body_bytes)
     graph = Ros1Graph(master, environment, namespace, remappings or {}, on_leave)
     try:
         await graph._open(check_interval_s)
@@ -76,7 +75,7 @@ class Ros1Graph(NodeMembership):
         super().__init__(master.caller_id, namespace, remappings)
         self._on_leave = on_leave
         self._master = master
-        self._snapshots = shared_snapshots(master)
+        self._snapshots = SharedSnapshots(partial(take_snapshot, master))
         self._limits = environment.limits
         self._clock = Clock()
         self._endpoints = Endpoints(master, environment, report=self._report, on_shutdown=self._leave)

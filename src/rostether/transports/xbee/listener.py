@@ -21,7 +21,7 @@ from rostether.mechanisms.backoff import Backoff
 from rostether.mechanisms.tasks import cancel_all
 from rostether.transports.address import SerialAddress, XbeeAddress
 from rostether.transports.link_quality import LinkQuality
-from rostether.transports.peers import IDLE_LIMIT_S, MAX_PEERS, Medium, PeerTable
+from rostether.transports.peers import Medium, PeerTable
 from rostether.transports.transport import SmallWriter, Transport
 from rostether.transports.xbee.frame import XbeeFrameDecoder
 from rostether.transports.xbee.host_radio import HostRadio
@@ -54,15 +54,12 @@ class XbeeListener(SmallWriter):
         address: XbeeAddress,
         on_transport: Callable[[Transport], None],
         open_serial: OpenSerial,
-        backoff: Backoff,
-        max_peers: int,
-        idle_limit_s: float,
         call: bytes,
     ) -> None:
         self._call = call if not address.peers else b""
         self._xbee_address = address
         self._open_serial = open_serial
-        self._backoff = backoff
+        self._backoff = Backoff(limit_s=1.0)
         self._loop = asyncio.get_running_loop()
         self._serial: Transport | None = None
         self._reopening: asyncio.Task[None] | None = None
@@ -79,9 +76,7 @@ class XbeeListener(SmallWriter):
             write_buffer_bytes=lambda key: self._queue.waiting_bytes(key),
             quality_of=self._quality,
         )
-        self.peers: PeerTable[int] = PeerTable(
-            medium, on_transport, max_peers=max_peers, idle_limit_s=idle_limit_s, on_forget=self._forget
-        )
+        self.peers: PeerTable[int] = PeerTable(medium, on_transport, on_forget=self._forget)
 
     @classmethod
     async def start(
@@ -90,24 +85,13 @@ class XbeeListener(SmallWriter):
         on_transport: Callable[[Transport], None],
         *,
         open_serial: OpenSerial,
-        backoff: Backoff | None = None,
-        max_peers: int = MAX_PEERS,
-        idle_limit_s: float = IDLE_LIMIT_S,
         call: bytes = b"",
     ) -> XbeeListener:
         """Open the radio's port; `call` is broadcast to find boards, unless the address has `peers=`.
 
         Raises TransportOpenError as a serial port does.
         """
-        listener = cls(
-            address,
-            on_transport,
-            open_serial,
-            backoff or Backoff(limit_s=1.0),
-            max_peers,
-            idle_limit_s,
-            call,
-        )
+        listener = cls(address, on_transport, open_serial, call)
         await listener._open()
         return listener
 

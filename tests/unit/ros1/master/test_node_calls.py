@@ -52,8 +52,10 @@ def gone() -> list[str]:
 
 
 @pytest.fixture
-async def queue(gone: list[str]) -> AsyncIterator[NodeCallQueue]:
-    queue = NodeCallQueue(gone.append, first_retry_s=0.02, call_timeout_s=60.0)
+async def queue(gone: list[str], monkeypatch: pytest.MonkeyPatch) -> AsyncIterator[NodeCallQueue]:
+    monkeypatch.setattr(module, "_FIRST_RETRY_S", 0.02)
+    monkeypatch.setattr(module, "_CALL_TIMEOUT_S", 60.0)
+    queue = NodeCallQueue(gone.append)
     yield queue
     await queue.close()
 
@@ -105,9 +107,11 @@ async def test_news_during_its_own_call_is_not_lost(node: FakeNode, queue: NodeC
 
 
 async def test_a_hanging_node_does_not_delay_others_and_is_informed_later(
-    node: FakeNode, gone: list[str]
+    node: FakeNode, gone: list[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    queue = NodeCallQueue(gone.append, first_retry_s=0.02, call_timeout_s=0.5)
+    monkeypatch.setattr(module, "_FIRST_RETRY_S", 0.02)
+    monkeypatch.setattr(module, "_CALL_TIMEOUT_S", 0.5)
+    queue = NodeCallQueue(gone.append)
     other = FakeNode()
     await other.server.start()
     node.gate.clear()
@@ -135,8 +139,11 @@ async def test_a_refused_connection_twice_is_a_node_that_has_ended(
     assert queue._outboxes == {}
 
 
-async def test_one_refusal_is_a_restart(node: FakeNode, gone: list[str]) -> None:
-    queue = NodeCallQueue(gone.append, first_retry_s=2.0)
+async def test_one_refusal_is_a_restart(
+    node: FakeNode, gone: list[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(module, "_FIRST_RETRY_S", 2.0)
+    queue = NodeCallQueue(gone.append)
     await node.server.close()
     queue.publisher_update(node.server.uri, "/t", [])
     await until(lambda: queue._outboxes[node.server.uri].refusals == 1)

@@ -43,7 +43,7 @@ class Stage:
 
     async def join(self, name: str) -> Ros1Graph:
         node = await join_ros1(
-            name, master_uri=self.uri, environment=LOOPBACK, check_interval_s=CHECK_INTERVAL_S
+            name, environment=LOOPBACK.with_master(self.uri), check_interval_s=CHECK_INTERVAL_S
         )
         self.nodes.append(node)
         return node
@@ -69,13 +69,13 @@ async def echo(request: bytes) -> bytes:
 
 async def test_no_graph_to_join() -> None:
     with pytest.raises(MasterUnreachableError, match=r"127\.0\.0\.1:1/"):
-        await join_ros1("/node", master_uri="http://127.0.0.1:1/", environment=LOOPBACK)
+        await join_ros1("/node", environment=LOOPBACK.with_master("http://127.0.0.1:1/"))
 
 
 @pytest.mark.parametrize("name", ["", "bad name", "1st", "a-b"])
 async def test_a_name_that_is_none_is_refused(name: str) -> None:
     with pytest.raises(InvalidNameError):
-        await join_ros1(name, master_uri="http://127.0.0.1:1/", environment=LOOPBACK)
+        await join_ros1(name, environment=LOOPBACK.with_master("http://127.0.0.1:1/"))
 
 
 async def test_the_environment_names_the_master(stage: Stage) -> None:
@@ -238,7 +238,7 @@ async def test_a_join_that_fails_leaves_nothing_behind() -> None:
     before = descriptors()
     for _ in range(20):
         with pytest.raises(MasterUnreachableError):
-            await join_ros1("/node", master_uri="http://127.0.0.1:1/", environment=LOOPBACK)
+            await join_ros1("/node", environment=LOOPBACK.with_master("http://127.0.0.1:1/"))
     await until(lambda: len(asyncio.all_tasks()) == 1)
     await until(lambda: descriptors() <= before + 1)
 

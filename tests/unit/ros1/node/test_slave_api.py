@@ -39,7 +39,7 @@ class Stage:
 @pytest_asyncio.fixture
 async def stage() -> AsyncIterator[Stage]:
     master = await MasterServer.start(port=0)
-    node = await join_ros1("/node", master_uri=master.uri, environment=RosEnvironment.read({}))
+    node = await join_ros1("/node", environment=RosEnvironment.read({}).with_master(master.uri))
     stage = Stage(node)
     yield stage
     await stage.client.close()

@@ -6,7 +6,6 @@ from collections.abc import AsyncIterator
 import pytest
 
 from rostether.errors import TransportOpenError
-from rostether.mechanisms.backoff import Backoff
 from rostether.transports.address import SerialAddress, XbeeAddress
 from rostether.transports.memory import MemoryTransport, memory_pair
 from rostether.transports.peers import PeerTransport
@@ -52,7 +51,6 @@ class Coordinator:
             XbeeAddress("/dev/radio", 9600, peers),
             arrivals,
             open_serial=self.open,
-            backoff=Backoff(first_s=0.001, limit_s=0.005),
             call=call,
         )
 
