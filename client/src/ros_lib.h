@@ -1,4 +1,4 @@
-// Arduino finds a library by a header with its name; sketches include ros.h.
+// Arduino finds a library by a header with the library's name. Sketches include ros.h.
 #ifndef ROS_LIB_H_
 #define ROS_LIB_H_
 

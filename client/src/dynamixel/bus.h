@@ -1,4 +1,4 @@
-// A bus of DYNAMIXEL servos with the protocol 2.0, of which this program is the controller.
+// The controller's side of a bus of DYNAMIXEL servos (protocol 2.0).
 //
 //   dynamixel::Bus<MyPort> bus(port);
 //   bus.write(1, dynamixel::TORQUE_ENABLE, 1, 1);
@@ -8,9 +8,9 @@
 //
 // A port has four functions:
 //   void write(const uint8_t* bytes, size_t size)   sends, and returns when the servos may answer (half duplex)
-//   int read()                                      a received byte, -1 if there is none
-//   uint32_t microseconds()                         a clock
-//   void idle()                                     called while there is nothing to read
+//   int read()                                      returns a received byte, or -1 if there is none
+//   uint32_t microseconds()                         reads a clock
+//   void idle()                                     is called while there is nothing to read
 #ifndef DYNAMIXEL_BUS_H_
 #define DYNAMIXEL_BUS_H_
 
@@ -23,21 +23,21 @@ enum Result : uint8_t {
   NO_ANSWER,  // the servo did not answer in time
   DAMAGED,    // data arrived, but no undamaged packet
   REFUSED,    // the servo reported an error: `error()`
-  TOO_LONG    // the packet does not fit into PACKET_BYTES
+  TOO_LONG    // the packet does not fit in PACKET_BYTES
 };
 
 template <class Port, size_t PACKET_BYTES = 64>
 class Bus {
  public:
-  // A servo answers 0.5 ms after a request, with its factory settings. `timeout_us`: the longest silence.
+  // With factory settings, a servo answers 0.5 ms after a request. `timeout_us` is the longest silence.
   explicit Bus(Port& port, uint32_t timeout_us = 5000) : port_(port), timeout_us_(timeout_us), error_(0) {}
 
   // The error of the last status packet: a ServoError, with ALERT for a hardware error.
   uint8_t error() const { return error_; }
-  // Received packets with damage since the start.
+  // The number of damaged packets received since the start.
   uint16_t damaged() const { return reader_.damaged(); }
 
-  // `model`: 1060 is an XL430.
+  // Finds a servo and reads its model: 1060 is an XL430.
   Result ping(uint8_t id, uint16_t& model) {
     writer_.begin(id, PING);
     uint8_t answer[3];
@@ -61,13 +61,13 @@ class Bus {
     return ask(id, bytes, size);
   }
 
-  // Restarts a servo, which clears its hardware error. It does not answer for about 0.2 s.
+  // Restarts a servo, which clears its hardware error. The servo then does not answer for about 0.2 s.
   Result reboot(uint8_t id) {
     writer_.begin(id, REBOOT);
     return ask(id, 0, 0);
   }
 
-  // Writes numbers to several servos with one packet. Servos do not answer it.
+  // Writes numbers to several servos with one packet, which the servos do not answer.
   Result syncWrite(uint16_t address, uint8_t size, const uint8_t* ids, const int32_t* values, uint8_t count) {
     writer_.begin(BROADCAST_ID, SYNC_WRITE);
     writer_.add16(address);
@@ -79,8 +79,8 @@ class Bus {
     return send() ? DONE : TOO_LONG;
   }
 
-  // Reads `size` bytes of each servo, into `bytes` one after the other, in the order of `ids`. The result is that of
-  // the first servo that fails: its bytes and those of the servos after it are not valid.
+  // Reads `size` bytes of each servo into `bytes`, in the order of `ids`. Stops at the first servo that fails and
+  // returns its result: the bytes of this servo and of those after it are not valid.
   Result syncRead(uint16_t address, uint16_t size, const uint8_t* ids, uint8_t* bytes, uint8_t count) {
     writer_.begin(BROADCAST_ID, SYNC_READ);
     writer_.add16(address);
@@ -95,8 +95,8 @@ class Bus {
   }
 
  private:
-  // Limits for a line that never pauses: more than any driver buffers, and more than an echoed request, its answer
-  // and some noise.
+  // Limits for a line that never pauses. The first is more than any driver buffers; the second is more than an echoed
+  // request, its answer and some noise.
   static const uint16_t MAX_WAITING_BYTES = 4096;
   static const size_t MAX_ANSWER_BYTES = 4 * PACKET_BYTES;
 
@@ -143,7 +143,7 @@ class Bus {
   PacketReader<PACKET_BYTES> reader_;
 };
 
-// A number of received bytes, little endian.
+// Convert received bytes, little endian, to a number.
 inline int32_t toInt32(const uint8_t* bytes) {
   return static_cast<int32_t>(static_cast<uint32_t>(bytes[0]) | static_cast<uint32_t>(bytes[1]) << 8 |
                               static_cast<uint32_t>(bytes[2]) << 16 | static_cast<uint32_t>(bytes[3]) << 24);

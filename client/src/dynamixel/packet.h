@@ -53,7 +53,7 @@ inline uint16_t addToCrc(uint16_t crc, uint8_t byte) {
 class Stuffing {
  public:
   Stuffing() : matched_(0) {}
-  // Whether an fd follows this byte. Call it for each byte without stuffing.
+  // Returns whether an added fd follows this byte. Call it for each byte except the added ones.
   bool follows(uint8_t byte) {
     if (matched_ == 2 && byte == 0xfd) {
       matched_ = 0;
@@ -78,7 +78,7 @@ class PacketWriter {
     stuffing_ = Stuffing();
     for (uint8_t i = 0; i < sizeof header; ++i) put(header[i]);
     put(id);
-    put(0);  // the length, which `finish` knows
+    put(0);  // the length, which `finish` writes
     put(0);
     add(instruction);
   }
@@ -87,12 +87,12 @@ class PacketWriter {
     if (stuffing_.follows(byte)) put(0xfd);
   }
   void add16(uint16_t number) { addNumber(number, 2); }
-  // The lowest `size` bytes of a number.
+  // Adds the lowest `size` bytes of a number.
   void addNumber(uint32_t number, uint8_t size) {
     for (; size > 0; --size, number >>= 8) add(static_cast<uint8_t>(number));
   }
 
-  // Adds length and CRC. False if the packet is too long.
+  // Adds length and CRC. Returns false if the packet is too long.
   bool finish() {
     const size_t length = size_ - 5;
     if (!fits_ || size_ + 2 > CAPACITY) return false;
@@ -128,7 +128,7 @@ class PacketReader {
   // Discards a packet that has not ended.
   void restart() { position_ = 0; }
 
-  // True if a packet without damage ends with this byte. It lasts until the next call.
+  // Returns true if this byte completes an undamaged packet, which stays valid until the next call.
   bool push(uint8_t byte) {
     if (position_ < HEADER_BYTES) {
       findHeader(byte);
@@ -163,7 +163,7 @@ class PacketReader {
   uint8_t instruction() const { return instruction_; }
   const uint8_t* parameters() const { return parameters_; }
   size_t size() const { return size_; }
-  // Packets that were dropped because of their CRC or length, since the start.
+  // The number of packets dropped since the start because of their CRC or length.
   uint16_t damaged() const { return damaged_; }
 
  private:

@@ -1,6 +1,6 @@
 // ros::ActionServer: a long task with feedback and a result, which can be canceled.
 //
-// It uses the five topics of actionlib: goal and cancel are received; feedback, result and status are sent. Programs
+// It uses the five topics of actionlib: it receives goal and cancel, and sends feedback, result and status. Programs
 // with actionlib can call the action. With `rostether serve --ros2` it is also an action of ROS 2.
 #ifndef ROS_ACTION_SERVER_H_
 #define ROS_ACTION_SERVER_H_
@@ -13,10 +13,10 @@
 
 namespace ros {
 
-// Action is the generated class of the definition: actionlib_tutorials::FibonacciAction. The callback, a function or
-// a member function of an Object, starts a goal. The sketch works on the goal in loop(), and ends it with
+// Action is the class generated from the definition, for example actionlib_tutorials::FibonacciAction. The callback, a
+// function or a member function of an Object, starts a goal. The sketch works on the goal in loop(), and ends it with
 // setSucceeded, setAborted or setPreempted. There is one goal at a time: a new goal preempts the previous one.
-// ID_BYTES is the size of the goal's id, including its final zero.
+// ID_BYTES is the size of the buffer for a goal's id, including its final zero.
 template <class Action, class Object = void, uint8_t ID_BYTES = 80>
 class ActionServer : public ActionServerBase_ {
  public:
@@ -32,7 +32,7 @@ class ActionServer : public ActionServerBase_ {
   ActionServer(const char* action, CallbackT callback, Object* object)
       : ActionServerBase_(action, &drive, id_text_), callback_(callback, object) {}
 
-  // Publishes feedback of the goal in progress. Returns the same as Publisher::publish; 0 if there is no goal.
+  // Publishes feedback on the goal in progress. Returns the same as Publisher::publish; 0 if there is no goal.
   int publishFeedback(const Feedback& feedback) { return checkActive() ? send(FEEDBACK, goal_, status_, feedback, "") : 0; }
 
   // Ends the goal in progress with its result. Returns the same as Publisher::publish; 0 if there is no goal.

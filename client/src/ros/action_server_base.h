@@ -1,5 +1,5 @@
-// The part of an action server that is the same for all actions: the goal in progress, its status, and the messages
-// about it.
+// The part of an action server that does not depend on the action's type: the goal in progress, its status, and the
+// messages about it.
 #ifndef ROS_ACTION_SERVER_BASE_H_
 #define ROS_ACTION_SERVER_BASE_H_
 
@@ -19,7 +19,7 @@ class ActionServerBase_ : public Endpoint {
  public:
   // Whether a goal is in progress.
   bool isActive() const { return status_ == Status::ACTIVE || status_ == Status::PREEMPTING; }
-  // Whether the client has canceled the goal in progress; then end it with setPreempted.
+  // Whether a client has canceled the goal in progress: then end the goal with setPreempted.
   bool isPreemptRequested() const { return status_ == Status::PREEMPTING; }
 
   // Publishes the status five times a second, as clients expect. Call it in loop().
@@ -34,7 +34,7 @@ class ActionServerBase_ : public Endpoint {
  protected:
   typedef actionlib_msgs::GoalID GoalID;
   typedef actionlib_msgs::GoalStatus Status;
-  // The ids of its publishers follow the id of the goal topic.
+  // The ids of the publishers follow the id of the goal topic in this order.
   enum Place { GOAL, FEEDBACK, RESULT, STATUS };
 
   ActionServerBase_(const char* action, Driver driver, char* id_text)
@@ -42,7 +42,7 @@ class ActionServerBase_ : public Endpoint {
     goal_.id = id_text;
   }
 
-  // Like NodeHandleBase_::announce, for a topic whose name is the name of the action and a suffix in flash.
+  // Like NodeHandleBase_::announce, for a topic whose name consists of the action's name and a suffix in flash.
   template <class Names>
   static ROS_APART void announce(const Endpoint& endpoint, NodeHandleBase_& node, uint8_t role, Place place, const char* suffix,
                                  Names names) {
@@ -61,7 +61,7 @@ class ActionServerBase_ : public Endpoint {
     announce(endpoint, node, ID_PUBLISHER, STATUS, status, WireFormat<actionlib_msgs::GoalStatusArray>::names());
   }
 
-  // The start of a goal message: a header, which is not used, and the id of the goal.
+  // Reads the start of a goal message: a header, which is not used, and the id of the goal.
   static ROS_APART void readGoalStart(Reader& reader, GoalID& id) {
     uint8_t seq_and_stamp[12];
     reader.value(seq_and_stamp);
@@ -75,7 +75,7 @@ class ActionServerBase_ : public Endpoint {
     return isActive();
   }
 
-  // Starts a goal whose id fits into its buffer.
+  // Starts a goal whose id fits in the buffer.
   ROS_APART void start(const GoalID& id) {
     strcpy(id_text_, id.id);
     goal_.stamp = id.stamp;
@@ -83,8 +83,8 @@ class ActionServerBase_ : public Endpoint {
     publishStatus();
   }
 
-  // Writes a message up to its content: the header and the status of a goal. Returns the bytes of the frame; 0 or -1,
-  // like Publisher::publish, if there is no frame.
+  // Writes the part of a message before its content: the header and the status of a goal. Returns the length of the
+  // frame in bytes; 0 or -1, like Publisher::publish, if there is no frame.
   ROS_APART int begin(Place place, const GoalID& goal, uint8_t status, const char* text, size_t content_bytes) {
     NodeHandleBase_& node = *nh_;
     if (!node.connected()) return 0;
@@ -116,13 +116,13 @@ class ActionServerBase_ : public Endpoint {
 
  private:
   friend class NodeHandleBase_;
-  // Including empty names and strings.
+  // The bytes of a header and of a status, with empty names and strings.
   static const uint8_t HEADER_BYTES = 16, STATUS_BYTES = 17;
-  // No goal is pending here: each is started or rejected immediately.
+  // The status pending is free for this meaning: each goal is started or rejected immediately.
   static const uint8_t NO_GOAL = Status::PENDING;
   static const uint16_t STATUS_PERIOD_MS = 200;
 
-  // The topic `cancel`.
+  // The subscriber of the topic `cancel`.
   class Cancels : public Endpoint {
    public:
     Cancels(const char* action, ActionServerBase_& server) : Endpoint(action, &drive), server_(server) {}
@@ -143,7 +143,8 @@ class ActionServerBase_ : public Endpoint {
     reader.string(id.id);
   }
 
-  // An empty id cancels all goals. A time also cancels the goals up to that time.
+  // Cancels the goal in progress if the request means it. An empty id means all goals. A time also means the goals
+  // up to that time.
   void cancel(const GoalID& asked) {
     if (status_ != Status::ACTIVE) return;
     if (!*asked.id || strcmp(asked.id, id_text_) != 0) {

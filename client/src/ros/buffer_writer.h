@@ -9,7 +9,7 @@
 
 namespace ros {
 
-// A sink in memory that is large enough.
+// A sink that writes to a buffer, which must be large enough.
 class BufferWriter {
  public:
   explicit BufferWriter(unsigned char* buffer) : start_(buffer), next_(buffer) {}

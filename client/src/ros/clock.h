@@ -1,4 +1,4 @@
-// The host's time; between the host's answers, the board's milliseconds are added.
+// The host's time: the host's last answer plus the board's milliseconds since then.
 #ifndef ROS_CLOCK_H_
 #define ROS_CLOCK_H_
 
@@ -10,7 +10,7 @@
 
 namespace ros {
 
-// The members of Time without its constructor, so that a clock can be in memory that is set to zero.
+// The members of Time without its constructor, so that zeros in memory are a valid clock.
 struct Moment {
   uint32_t sec;
   uint32_t nsec;
@@ -18,10 +18,10 @@ struct Moment {
 
 class Clock {
  public:
-  // Time at `now_ms`. Moves the reference along, so that the millisecond counter may overflow after 49 days.
+  // Returns the time at `now_ms`, and makes it the new reference: the millisecond counter may overflow after 49 days.
   //
-  // It never goes back: after an answer below the last returned time, it stops until the host's time is later. It
-  // follows the host back only if the host's clock was set back by more than MAX_HOLD_S.
+  // The time does not go back: after an answer below the last returned time, it stops until the host's time is later.
+  // Only if the host's clock was set back by more than MAX_HOLD_S does it follow the host back.
   ROS_APART const Moment& at(uint32_t now_ms) {
     uint32_t elapsed_ms = now_ms - moment_ms_;
     moment_ms_ = now_ms;
@@ -60,16 +60,16 @@ class Clock {
   }
 
  private:
-  // Longer than any round trip, and short enough for a stopped clock.
+  // Longer than any round trip, so that late answers do not set the clock back. A clock must not stop for much longer.
   static const uint32_t MAX_HOLD_S = 10;
 
-  // The latest time that was returned, and the clock that it is of.
+  // The last returned time, and the clock that returned it.
   struct Returned {
     const Clock* clock;
     Moment moment;
   };
 #if defined(__AVR__)
-  // One for all clocks: a sketch that does not use the time does not contain it.
+  // One variable for all clocks: a sketch that does not use the time does not contain it.
   static Returned& returned() {
     static Returned returned;
     return returned;

@@ -1,7 +1,7 @@
-// The receiver of framed commands in a robot, without network or clock: obeys one sender at a time, and detects when
-// to stop.
+// The receiver of framed commands in a robot, without network and clock. It obeys one sender at a time, and detects
+// when the robot must stop.
 //
-// A command is one datagram, and so is the status that answers it. Numbers are little-endian:
+// A command is one datagram, and so is the status that answers it. Numbers are little endian:
 //
 //   bytes   command                                             status
 //   0-2     "rC", version 1                                     "rS", version 1
@@ -27,12 +27,12 @@ namespace ros {
 
 class CommandReceiver {
  public:
-  // Bits: obey the datagram, and send a status to its sender.
+  // What to do after a datagram, as bits: obey it, and send a status to its sender.
   enum { NOTHING, OBEY, ANSWER };
   enum { HEADER_BYTES = 28, FRAME_BYTES = HEADER_BYTES + SipHash::TAG_BYTES };
   enum { STATUS_BYTES = 32 + 6 + 8 + SipHash::TAG_BYTES };
 
-  // Starts as robot 1 of group 0. `kind` has the first four bytes of the MD5 sum of its command type.
+  // Starts as robot 1 of group 0. `kind` holds the first four bytes of the MD5 sum of the command type.
   CommandReceiver(const FleetKey& key, uint32_t kind) {
     memset(static_cast<void*>(this), 0, sizeof *this);
     key_ = &key;
@@ -48,8 +48,8 @@ class CommandReceiver {
   void setSignal(int8_t dbm) { status_.signal_dbm = dbm; }
   bool isMoving() const { return state_ == MOVING; }
 
-  // Whether the robot must stop because the sender was silent for its time to live: true once. Call it at least twice
-  // a minute.
+  // Returns true, once, when the robot must stop because the time to live of the sender's last command has passed. Call
+  // it at least twice a minute.
   bool expired(uint16_t now_ms) {
     if (state_ == FREE || static_cast<int16_t>(now_ms - deadline_ms_) < 0) return false;
     const bool was_moving = isMoving();
@@ -57,11 +57,11 @@ class CommandReceiver {
     return was_moving;
   }
 
-  // Returns the request of a datagram, and overwrites its header and tag. After OBEY, `isMoving` returns whether to move or to
-  // stop; give the address of the sender to `setHolder`.
+  // Handles a datagram: overwrites its header and tag, and returns what to do. After OBEY, `isMoving` returns whether
+  // to move or to stop; pass the address of the sender to `setHolder`.
   uint8_t receive(uint8_t* frame, uint16_t size, uint16_t now_ms) {
     if (!isForMe(frame, size)) return NOTHING;
-    // The entry of the sender, or a new one for it, and the age of the frame.
+    // The entry of the sender, or the one to use for a new sender, and the age of the frame compared with this entry.
     Sender* sender = &own_;
     const uint8_t age = compare(frame, sender);
     uint8_t its_age = age;
@@ -74,11 +74,11 @@ class CommandReceiver {
     const uint8_t flags = frame[3];
     uint8_t refusal = NONE;
     if (flags & QUERY) refusal = QUERIED;
-    // A sender that started earlier is not obeyed again: the frame may be a replayed one.
+    // A sender that started earlier is not obeyed again: its frame may be a replay.
     else if (age == EARLIER) refusal = OLDER;
     else if (flags & STOP_ALL) refusal = NONE;
     else if (age == LATER && state_ != FREE) refusal = HELD;
-    // Frames that end motion have no payload, and so no type.
+    // Frames that end motion have no payload, and therefore no type.
     else if (flags & ARMED && number(frame + 24) != kind_) refusal = OTHER_TYPE;
     status_.refusal = refusal % QUERIED;
     uint8_t demand = NOTHING;
@@ -111,7 +111,7 @@ class CommandReceiver {
     status_.port = port;
   }
 
-  // Changes the last datagram into the status for its sender, which has STATUS_BYTES.
+  // Changes the last datagram into the status for its sender. The status has STATUS_BYTES.
   void answer(uint8_t* frame) const {
     frame[1] = 'S';
     frame[3] = state_;
@@ -124,14 +124,15 @@ class CommandReceiver {
  private:
   enum Flags { ARMED = 1, STOP_ALL = 2, RELEASE = 4, TO_GROUPS = 8, QUERY = 16 };
   enum Refusal { NONE, HELD, OLDER, OTHER_TYPE, QUERIED };
-  // As in a status.
+  // The flags of a status: bit 0 is set if the robot moves, bit 1 if a sender commands it.
   enum State { FREE, STILL = 2, MOVING };
   enum Age { COPY, NEXT, EARLIER, LATER };
-  // Epoch and sequence, as they are in a frame.
+  // The place of a frame: its epoch and its sequence, which are adjacent.
   enum { PLACE = 8, EPOCH_BYTES = 8, SEQUENCE_BYTES = 4 };
   // The longest time that a robot keeps moving after it loses its sender.
   static const uint16_t LONGEST_TTL_MS = 1000;
-  // The time between statuses: after commands, and after queries and stops, which may be lost.
+  // The shortest time between statuses while the robot drives, and after queries and stops. The latter is shorter,
+  // because such a status may be lost.
   static const uint16_t DRIVING_MS = 1000, QUICK_MS = 250;
 
   struct Sender {
@@ -143,7 +144,7 @@ class CommandReceiver {
     // The time of the last status.
     uint16_t answered_ms;
   };
-  // As in a status, from byte 28 on.
+  // The bytes of a status from byte 28 on.
   struct Status {
     uint8_t refusal;
     int8_t signal_dbm;
@@ -154,8 +155,8 @@ class CommandReceiver {
     uint8_t tag[SipHash::TAG_BYTES];
   };
 
-  // Compares a frame with the newest one of its sender. A frame of another epoch is earlier or later; one of the same
-  // epoch is the next frame or a copy.
+  // Compares a frame with the newest frame of `sender`. A frame of another epoch is EARLIER or LATER; a frame of the
+  // same epoch is NEXT or a COPY.
   ROS_APART static uint8_t compare(const uint8_t* frame, const Sender* sender) {
     const uint8_t* theirs = frame + PLACE + EPOCH_BYTES;
     const uint8_t* newest = sender->place + EPOCH_BYTES;
@@ -178,7 +179,7 @@ class CommandReceiver {
     return value;
   }
 
-  // Counts a frame, and writes the numbers of received and lost frames.
+  // Counts a frame, and writes the numbers of received and lost frames into it, as in a status.
   static void count(uint8_t* frame, Sender* sender, bool first) {
     memcpy(sender->place, frame + PLACE, sizeof sender->place);
     uint32_t received = sender->received;
@@ -192,8 +193,7 @@ class CommandReceiver {
     memcpy(frame + 24, &lost, sizeof lost);
   }
 
-  // Whether a frame is for this robot and has a valid tag. A wrong length or a missing part also makes the tag
-  // invalid.
+  // Whether a frame is for this robot and has a valid tag. With a wrong length, the tag is also invalid.
   bool isForMe(uint8_t* frame, uint16_t size) const {
     if (size < FRAME_BYTES || frame[1] != 'C' || frame[2] != 1) return false;
     uint16_t ttl_ms;

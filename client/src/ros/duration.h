@@ -5,7 +5,7 @@
 
 namespace ros {
 
-// Moves the rest of nsec outside [0, 1e9) to sec.
+// Moves whole seconds from nsec to sec, so that nsec is in [0, 1e9).
 inline void normalizeSecNSecSigned(int32_t& sec, int32_t& nsec) {
   while (nsec < 0) {
     nsec += 1000000000L;

@@ -11,13 +11,13 @@ class NodeHandleBase_;
 
 // One publisher, subscriber or service of a sketch, in the linked list of its node handle.
 //
-// The code that depends on the message type is in one function, the driver: with a reader, it handles a message
-// received on `id_`; without a reader, it announces the endpoint to the host. An AVR keeps only one pointer for it in
-// RAM.
+// The code that depends on the message type is in one function, the driver. With a reader, it handles a message
+// received on `id_`; without a reader, it announces the endpoint to the host. So each endpoint needs only one pointer
+// in RAM, and no table of virtual functions.
 class Endpoint {
  public:
   const char* topic_;
-  // The id on which it receives; a publisher sends on it. A service sends on the next id.
+  // The topic id. A service receives on it and sends on the next id.
   uint16_t id_;
 
  protected:

@@ -14,10 +14,10 @@ class Message;
 #error "ros_lib needs a little-endian processor"
 #endif
 
-struct BlockKind {};    // bytes as they are in memory
+struct BlockKind {};    // the bytes that it has in memory
 struct Float64Kind {};  // a double of four bytes, eight on the wire
 struct StringKind {};   // char pointer
-struct MessageKind {};  // its own fields
+struct MessageKind {};  // a message: its fields, one after the other
 
 template <bool message>
 struct ClassKind {

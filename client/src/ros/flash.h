@@ -1,7 +1,7 @@
 // Constant text that stays in program memory.
 //
-// An AVR copies every ordinary constant into its 2 KiB of RAM at start. Type names and md5sums are only
-// ever sent, so they stay in flash and are read byte by byte; on other boards flash is ordinary memory.
+// An AVR copies every ordinary constant to its RAM (2 KiB on an Uno) at start. Type names and md5sums are only sent,
+// so they stay in flash and are read byte by byte. On other boards, flash is ordinary memory.
 #ifndef ROS_FLASH_H_
 #define ROS_FLASH_H_
 

@@ -9,13 +9,13 @@
 
 namespace ros {
 
-// Type and md5sum of a message in flash: the length of the type, the type, and the md5sum with its length as on the
-// wire.
+// The type and md5sum of a message in flash, stored as the length of the type in one byte, the type, and the md5sum in
+// its form on the wire (with a length of four bytes).
 class FlashNames {
  public:
   explicit constexpr FlashNames(const uint8_t* names) : names_(names) {}
 
-  // The bytes of both as strings on the wire.
+  // The number of bytes that both texts take on the wire.
   size_t length() const { return static_cast<size_t>(4 + typeLength() + MD5_BYTES); }
   void write(FrameWriter& writer) const {
     writer.count(typeLength());

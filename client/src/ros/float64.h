@@ -4,7 +4,7 @@
 //   float64 s eeeeeeeeeee mmmm mmmmmmmm mmmmmmmm mmm.. (29 bits more)  bias 1023
 //
 // Widening is always exact. Narrowing rounds to nearest, ties to even, including to subnormals and to infinity; a NaN
-// stays a NaN with its sign. It works byte by byte, because an AVR has no barrel shifter.
+// stays a NaN with its sign. The code works byte by byte, because an AVR has no barrel shifter.
 #ifndef ROS_FLOAT64_H_
 #define ROS_FLOAT64_H_
 
@@ -21,7 +21,7 @@ inline uint8_t widenFloat(const void* from, uint8_t* bytes) {
   const uint8_t sign = f[3] & 0x80, f3 = f[3] & 0x7f;
   uint16_t top = 0;
   if (f0 | f1 | f2 | f3) {
-    // The difference of the exponents' biases: 896, twice that for infinities and NaNs.
+    // The difference of the exponents' biases: 896; twice that for infinities and NaNs.
     top = 0x3800;
     if (f3 == 0x7f && f2 & 0x80) top = 0x7000;
     if (f3 == 0) {
@@ -83,7 +83,7 @@ inline float narrowFloat(const uint8_t* bytes) {
   return value;
 }
 
-// Eight little-endian bytes of a float64 at `bytes`; `value` may be the AVR's four-byte double.
+// Stores `value` as the eight little-endian bytes of a float64. On an AVR, `value` is a double of four bytes.
 inline void storeFloat64(uint8_t* bytes, double value) {
   if (sizeof(double) == 8) {
     memcpy(bytes, &value, sizeof value);

@@ -13,11 +13,11 @@
 
 namespace ros {
 
-// A sink that sends a message as a frame: the length is known before, and the bytes are summed up and sent through a
-// small chunk, so that no buffer for the whole message is needed.
+// A sink that sends a message as a frame. It gets the length in advance, and collects bytes in a small chunk that it
+// adds to the checksum and sends when it is full. So no buffer for the whole message is needed.
 //
-// A node sends one frame at a time, so there is one chunk. On the stack, it would need memory in addition to the
-// calls of the line.
+// A node sends one frame at a time, so there is one chunk. On the stack, it would need memory in addition to that of
+// the line's functions.
 class FrameWriter : protected NodeState {
  public:
   using NodeState::CHUNK_BYTES;
@@ -41,7 +41,7 @@ class FrameWriter : protected NodeState {
   }
 
   void put(const void* bytes, size_t count) { copy(static_cast<const uint8_t*>(bytes), count, false); }
-  // The same for bytes in flash.
+  // Like put, for bytes in flash.
   void putFlash(const char* address, size_t count) { copy(reinterpret_cast<const uint8_t*>(address), count, true); }
   ROS_APART void widen(const void* floats, size_t bytes) {
     const uint8_t* from = static_cast<const uint8_t*>(floats);
@@ -53,7 +53,7 @@ class FrameWriter : protected NodeState {
       room_ = static_cast<chunk_length>(room_ - 8);
     }
   }
-  // The four bytes before a string or an array.
+  // Writes the four bytes of the length before a string or an array.
   ROS_APART void count(size_t length) {
     uint8_t* to = to_;
     to_ = to + 4;
@@ -90,7 +90,7 @@ class FrameWriter : protected NodeState {
     byte(static_cast<uint8_t>(word >> 8));
   }
 
-  // Ends the frame; false if the line did not accept all of it.
+  // Ends the frame. Returns false if the line did not accept all of it.
   ROS_APART bool finish() {
     byte(static_cast<uint8_t>(255 - sum_));
     flush();

@@ -12,15 +12,15 @@
 #endif
 // Hides the target of a pointer from the compiler: like ROS_APART, but works in inlined functions too.
 #define ROS_CONCEAL(pointer) asm("" : "+r"(pointer))
-// Ends the declaration of a virtual function that only the last derived class defines. An AVR has virtual tables in
-// RAM; without a definition of a class's first such function, the compiler writes no table. What remains is the
-// constructor's use of the table, which has no effect: optimization removes it.
+// Ends the declaration of a virtual function that only the most derived class defines. An AVR has virtual tables in
+// RAM. Without a definition of a class's first virtual function, the compiler writes no table for the class. Its
+// constructor still refers to the table, without effect: optimization removes this.
 #if defined(__AVR__) && defined(__OPTIMIZE_SIZE__)
 #define ROS_ABSTRACT
 #else
 #define ROS_ABSTRACT = 0
 #endif
-// All functions that this function calls are inlined, except ROS_NOINLINE ones.
+// Inlines all functions that this function calls, except ROS_NOINLINE ones.
 #define ROS_FLATTEN __attribute__((flatten))
 
 #endif

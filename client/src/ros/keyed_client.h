@@ -8,12 +8,11 @@
 //   ...
 //   ros::NodeHandle_<ArduinoTcpHardware<ros::KeyedClient<EthernetClient> > > nh;
 //   ...
-//   nh.getHardware()->client().setKey(F("content of board.key"));
+//   nh.getHardware()->client().setKey(F("the text in board.key"));
 //
 // The host:  rostether serve "tcp://:11411?psk=board.key"
 //
-// It refuses programs without the key, but does not encrypt. If the board supports TLS, a TLS client can be the inner
-// one.
+// It refuses hosts without the key, but does not encrypt. If the board supports TLS, NetworkClient can be a TLS client.
 #ifndef ROS_KEYED_CLIENT_H_
 #define ROS_KEYED_CLIENT_H_
 
@@ -26,13 +25,13 @@
 
 namespace ros {
 
-// Four lines of text: the host's greeting with a nonce, our answer with a nonce and a proof, the host's proof.
+// The hello consists of three lines of text:
 //
 //   host   RSPSK1 NONCE
-//   board  RSPSK1 OUR_NONCE PROOF      PROOF: HMAC-SHA256 over "rostether psk1 connector NONCE OUR_NONCE"
-//   host   RSPSK1 PROOF                the same with "listener"
+//   board  RSPSK1 BOARD_NONCE PROOF    PROOF: HMAC-SHA256 of "rostether psk1 connector NONCE BOARD_NONCE"
+//   host   RSPSK1 PROOF                the same with "listener" instead of "connector"
 //
-// A nonce is 16 bytes, a proof 32, both in hex.
+// A nonce has 16 bytes and a proof has 32, both in hex.
 template <class NetworkClient>
 class KeyedClient : public NetworkClient {
  public:
@@ -40,14 +39,14 @@ class KeyedClient : public NetworkClient {
 
   KeyedClient() : seed_(0), refusal_(NONE) {}
 
-  // The text of the key file, which is not copied. `seed` is a value that an attacker cannot know, such as the
-  // noise of an open analog input. Without it, an attacker who can start a board at a chosen microsecond could replay
-  // the host's part.
+  // Sets the key: the text of the key file, which is not copied and must stay valid. `seed` is a value that an attacker
+  // cannot know, such as the noise of an open analog input. Without it, an attacker who can start a board at a chosen
+  // microsecond could replay the host's lines.
   void setKey(const char* key, uint32_t seed = 0) { set(KeyText(key), seed); }
   void setKey(const __FlashStringHelper* key, uint32_t seed = 0) { set(KeyText(key), seed); }
 
-  // The reason why the hello of the last connection failed: the host sent nothing in time or closed the connection,
-  // did not ask for a key, or could not prove that it has this board's key.
+  // Returns why the hello of the last connection failed. The host sent nothing in time or closed the connection, did
+  // not ask for a key, or could not prove that it has this board's key.
   Refusal refusal() const { return refusal_; }
 
   int connect(IPAddress server, uint16_t port) { return greeted(NetworkClient::connect(server, port)); }
@@ -55,7 +54,7 @@ class KeyedClient : public NetworkClient {
 
  private:
   static const uint8_t NONCE_HEX = 32, PROOF_HEX = 64, WORD = 7;
-  // The host gives up after five seconds.
+  // The host also waits five seconds.
   static const uint16_t LIMIT_MS = 5000;
 
   void set(const KeyText& key, uint32_t seed) {

@@ -9,7 +9,7 @@
 
 namespace ros {
 
-// An archive that measures a message; for types without strings and arrays, the sum is a constant.
+// An archive that measures a message. For types without strings and arrays, the length is a constant.
 class LengthCounter {
  public:
   constexpr LengthCounter() : length_(0) {}

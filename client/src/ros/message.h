@@ -20,7 +20,7 @@
 #include "ros/time.h"
 #include "ros/writer.h"
 
-// The name and md5sum of a message: getType and getMD5 for sketches, and the same texts in flash for announcements.
+// The type and md5sum of a message: getType and getMD5 for sketches, and the same texts in flash for announcements.
 // A space is 32: " \0\0\0" is the length of the md5sum on the wire.
 #define ROS_MESSAGE_TYPE(type, md5)                                    \
   static const char* getType() { return type; }                        \
@@ -55,13 +55,13 @@ class Message {
     return static_cast<int>(sink.length());
   }
 
-  // The same, but returns -1 and writes nothing if the message does not fit into `capacity` bytes.
+  // The same, but returns -1 and writes nothing if the message does not fit in `capacity` bytes.
   int serialize(unsigned char* buffer, size_t capacity) const {
     return serializedLength() <= capacity ? serialize(buffer) : -1;
   }
 
-  // Reads a message of exactly `length` bytes; returns `length`, or -1 if the bytes are not such a message. Strings
-  // and arrays then point into `buffer`, where bytes are moved. Arrays of strings and of messages need more memory,
+  // Reads a message of exactly `length` bytes. Returns `length`, or -1 if the bytes are not a message of this type.
+  // Moves bytes in `buffer`: strings and arrays then point into it. Arrays of strings and of messages need more memory,
   // which is the end of the buffer: [length, capacity).
   int deserialize(unsigned char* buffer, size_t length, size_t capacity) {
     Reader reader(buffer, length, buffer + length, buffer + capacity);
@@ -70,9 +70,9 @@ class Message {
   }
   int deserialize(unsigned char* buffer, size_t length) { return deserialize(buffer, length, length); }
 
-  // Reads a message from bytes that are known to be one, and returns their number, or -1. Prefer the functions above:
-  // this one does not know where the buffer ends. Except on an AVR, arrays of strings and of messages are stored on
-  // the heap.
+  // Reads a message from bytes that are known to be valid. Returns their number, or -1. Prefer the function above: this
+  // one does not know where the buffer ends. It stores arrays of strings and of messages on the heap; on an AVR it
+  // refuses them.
   int deserialize(unsigned char* buffer) {
     Reader reader(buffer);
     M::_fields(reader, self());

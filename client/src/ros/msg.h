@@ -1,7 +1,7 @@
-// Message headers of an older generator, or written by hand: with virtual functions and without bounds.
+// The base of message classes of an older generator, or written by hand: with virtual functions and without bounds.
 //
-// Sketches with such headers still compile and work. Generate the headers again if possible: these functions are only
-// checked after they have read a message, and they write through a buffer on the stack.
+// Sketches with such headers still compile and work. Generate the headers again if possible: the node can check these
+// functions only after they have read a message, and needs a buffer on the stack for a message that they write.
 #ifndef ROS_MSG_H_
 #define ROS_MSG_H_
 

@@ -1,5 +1,5 @@
-// Commands for one robot of a fleet, from a multicast group, as sent by rostether's multicast bridge and `fleet
-// drive`.
+// Receives the commands for one robot of a fleet from a multicast group. The sender is rostether's multicast bridge, or
+// the command `rostether fleet drive`.
 //
 //   #include <Ethernet.h>
 //   #include <EthernetUdp.h>
@@ -16,9 +16,10 @@
 //   ...
 //   commands.spinOnce();
 //
-// EthernetUDP for W5100 and W5500, WiFiUDP for Wi-Fi, or any class with Arduino's UDP interface. `halt` is called when a
-// sender demands it, and when the time to live of the last command has passed; so `loop` must not block for long. A chip
-// that answers may wait for the sender's address: Ethernet.setRetransmissionTimeout limits that.
+// The second type is EthernetUDP for a W5100 or W5500, WiFiUDP for Wi-Fi, or any class with Arduino's UDP interface.
+// spinOnce calls `halt` when a sender demands it, and when the time to live of the last command has passed. So loop()
+// must not block for long. A network chip may block while it searches for the sender's address: limit this with
+// Ethernet.setRetransmissionTimeout.
 #ifndef ROS_MULTICAST_COMMAND_H_
 #define ROS_MULTICAST_COMMAND_H_
 
@@ -33,7 +34,7 @@
 
 namespace ros {
 
-// The first four bytes of the MD5 sum of a message type, as in a frame.
+// Computes the kind of a message type: the first four bytes of its MD5 sum, in the byte order of a frame.
 struct CommandKind {
   constexpr explicit CommandKind(const char* md5) : value(word(md5, 4)) {}
   const uint32_t value;
@@ -52,14 +53,15 @@ class MulticastCommand {
   typedef void (*Drive)(const M&);
   typedef void (*Halt)();
 
-  // The key is not copied from program memory. The default key is all zeros: then tags detect damage, but no forgery.
+  // The key stays in program memory. The default key is all zeros: then tags detect damage, but no forgery.
   MulticastCommand(Drive drive, Halt halt, const FleetKey& key = FleetKey::none())
       : drive_(drive), halt_(halt), receiver_(key, KIND) {}
 
-  // The id of this robot, and the mask of its groups. It obeys commands to either. Robot 1 of group 0 by default.
+  // Sets the id of this robot, and the mask of its groups: bit N is group N. It obeys commands to its id and to its
+  // groups. The default is robot 1 of group 0.
   void setRobot(uint32_t id, uint32_t groups = 1) { receiver_.setRobot(id, groups); }
 
-  // The strength of the radio's signal in dBm, which statuses report.
+  // Sets the strength of the radio's signal in dBm that statuses report.
   void setSignal(int8_t dbm) { receiver_.setSignal(dbm); }
 
   // Stops the robot and joins the group. The network must be up.
@@ -68,7 +70,7 @@ class MulticastCommand {
     socket_.begin(static_cast<uint32_t>(group), port);
   }
 
-  // Call it in each loop.
+  // Handles received commands, and halts when the time to live has passed. Call it in each loop().
   void spinOnce() {
     MulticastCommand* self = this;
     ROS_CONCEAL(self);
@@ -78,7 +80,7 @@ class MulticastCommand {
   bool isMoving() const { return receiver_.isMoving(); }
 
  private:
-  // The limit for one call; more datagrams wait for the next call.
+  // The limit for one call, so that it ends: more datagrams wait for the next call.
   static const uint8_t MAX_DATAGRAMS = 8;
   static const size_t COMMAND_BYTES = CommandReceiver::FRAME_BYTES + PAYLOAD_BYTES;
   static const size_t STATUS_BYTES = CommandReceiver::STATUS_BYTES;

@@ -1,4 +1,4 @@
-// A UDP port in a multicast group that stays reachable: over any class with Arduino's UDP interface.
+// A UDP port in a multicast group, over any class with Arduino's UDP interface, that stays reachable.
 #ifndef ROS_MULTICAST_SOCKET_H_
 #define ROS_MULTICAST_SOCKET_H_
 
@@ -14,12 +14,12 @@
 
 namespace ros {
 
-// Whether answers need a socket of their own: in a group, a socket of a W5100 or W5500 sends only to the group.
+// Whether answers need a separate socket: a socket of a W5100 or W5500 that has joined a group sends only to the group.
 template <class NetworkUdp>
 struct AnswersApart {
   enum { value = 0 };
 };
-#if defined(ethernet_h_)  // Arduino's Ethernet library, which the sketch includes before
+#if defined(ethernet_h_)  // the sketch has included Arduino's Ethernet library
 template <>
 struct AnswersApart<EthernetUDP> {
   enum { value = 1 };
@@ -28,9 +28,9 @@ struct AnswersApart<EthernetUDP> {
 template <bool apart>
 struct AnswersApartTag {};
 
-// Network chips stop receiving a group after some time, and switches forget its members. So a socket that receives
-// nothing is opened again every second, and any other socket every minute. Classes without multicast receive only
-// unicast.
+// Network chips stop receiving from a group after some time, and switches forget the group's members. So a socket that
+// receives nothing is opened again every second, and any other socket every minute. With a class that does not support
+// multicast, it receives only unicast datagrams.
 template <class NetworkUdp>
 class MulticastSocket {
  public:
@@ -40,7 +40,7 @@ class MulticastSocket {
     watch(static_cast<uint16_t>(millis()), true);
   }
 
-  // The size of the next datagram, which `udp` then reads; 0 or less if there is none.
+  // Returns the size of the next datagram, which `udp` then reads; 0 or less if there is none.
   int next(uint16_t now_ms) {
     const int size = udp_.parsePacket();
     if (size > 0) received_ = ticks(now_ms);
@@ -58,7 +58,7 @@ class MulticastSocket {
 #endif
   }
 
-  // Opens the socket again if that is due, or if a datagram is overdue (`expected`).
+  // Opens the socket again if that is due, or if `expected`: a datagram should have arrived.
   ROS_APART void watch(uint16_t now_ms, bool expected) {
     const uint8_t now = ticks(now_ms);
     const uint8_t open = static_cast<uint8_t>(now - opened_);
@@ -92,7 +92,7 @@ class MulticastSocket {
     return 0;
   }
 
-  // Answers from the group's port, so that the sender can use this port for unicast.
+  // Answers from the group's port, so that the sender can send unicast datagrams to the source of an answer.
   void answerBy(AnswersApartTag<true>, const uint8_t* bytes, size_t size) {
     NetworkUdp apart;
     if (apart.begin(port_)) send(apart, bytes, size);

@@ -1,5 +1,5 @@
-// The messages of a topic from a multicast group, in bare datagrams, as sent by rostether's multicast bridge without
-// `_framed`, and by the original multicast_topic_bridge.
+// Receives the messages of a topic from a multicast group, in datagrams without frames. The sender is rostether's
+// multicast bridge without `_framed`, or the original multicast_topic_bridge.
 //
 //   ros::MulticastTopic<arduino_control::ArduinoControl, EthernetUDP> commands(&drive, &halt);
 //   ...
@@ -36,7 +36,7 @@ class MulticastTopic {
     socket_.begin(static_cast<uint32_t>(group), port);
   }
 
-  // Call it in each loop.
+  // Handles received messages, and halts after the timeout. Call it in each loop().
   void spinOnce() {
     uint8_t count = MAX_DATAGRAMS;
     uint16_t now_ms;
@@ -53,7 +53,7 @@ class MulticastTopic {
   bool isMoving() const { return moving_; }
 
  private:
-  // The limit for one call; more datagrams wait for the next call.
+  // The limit for one call, so that it ends: more datagrams wait for the next call.
   static const uint8_t MAX_DATAGRAMS = 8;
 
   bool receiveOne(uint16_t now_ms) {

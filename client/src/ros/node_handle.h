@@ -14,22 +14,29 @@
 
 namespace ros {
 
-// A node on a Hardware: a class with `void init()`, `int read()` (a byte, or less than 0 if there is none), `void
-// write(uint8_t* bytes, int count)` and `unsigned long time()` (ms).
+// A node on a Hardware, which is a class with these functions:
+//   void init()                              opens the line
+//   int read()                               returns a received byte, or less than 0 if there is none
+//   void write(uint8_t* bytes, int count)    sends bytes
+//   unsigned long time()                     returns the time in milliseconds
 //
-// If the Hardware also has `int writable()`, the number of bytes that write accepts at once, the node never waits:
-// while the transmitter is full, it continues to read. A Hardware that reconnects by itself has `bool relinked()`:
-// whether the link was lost or replaced since the last call. Between this change and the call, it must not send or
-// receive bytes; then the node introduces itself again. If it also has `void relink()`, the node calls it when the
-// host is silent for about 10 s, because a network can fail without ending the connection. With `bool isReliable()`,
-// it says that no byte is lost within a connection, as over TCP; then the node waits longer for the rest of a frame.
+// These functions are optional:
+//   int writable()      Returns the number of bytes that write accepts at once. With it, the node never waits: while
+//                       the transmitter is full, it continues to read.
+//   bool relinked()     For a Hardware that reconnects by itself: returns whether the link was lost or replaced since
+//                       the last call. Between this change and the call, the Hardware must not send or receive bytes.
+//                       After the call, the node introduces itself again.
+//   void relink()       Together with relinked(): makes a new link. The node calls it when the host is silent for about
+//                       10 s, because a network can fail without ending the connection.
+//   bool isReliable()   Returns whether a connection loses no byte, like TCP. Then the node waits longer for the rest
+//                       of a frame.
 //
-// INPUT_SIZE is the longest message that can be received. The number of publishers and subscribers is not limited,
-// and messages are sent without a buffer: the other sizes have no effect.
+// INPUT_SIZE is the length of the longest message that can be received. The other sizes have no effect: the number of
+// publishers and subscribers is not limited, and messages are sent without a buffer.
 template <class Hardware, int MAX_SUBSCRIBERS = 25, int MAX_PUBLISHERS = 25, int INPUT_SIZE = 512, int OUTPUT_SIZE = 512>
 class NodeHandle_ : public NodeHandleBase_ {
  public:
-  // A time and an empty TopicInfo request must always fit.
+  // At least a time, and a request for the topics, must fit.
   static const uint16_t INPUT_BYTES = INPUT_SIZE < 16 ? 16 : INPUT_SIZE;
   static_assert(INPUT_SIZE <= 0xffff - FRAME_OVERHEAD_BYTES, "no frame is longer than 65535 bytes");
 
@@ -73,7 +80,7 @@ class NodeHandle_ : public NodeHandleBase_ {
   uint32_t time() override { return static_cast<uint32_t>(hardware_.time()); }
 
  private:
-  // A transmitter that accepts no byte for this long is not connected: at 9600 baud one byte takes 1 ms.
+  // If the transmitter accepts no byte for this time, the line is not connected: at 9600 baud, one byte takes 1 ms.
   static const uint16_t STALL_MS = 100;
 
   template <class H>
@@ -101,8 +108,8 @@ class NodeHandle_ : public NodeHandleBase_ {
   template <class H>
   static void relink(H&, long) {}
 
-  // Handles received bytes. Separate from spinOnce, which usually finds none, and is faster without the registers for
-  // this function.
+  // Handles received bytes. It is separate from spinOnce, which usually finds none: without this function's registers,
+  // spinOnce is faster.
   ROS_NOINLINE int8_t spinOn() {
     const uint16_t began_ms = milliseconds();
     for (;;) {
@@ -142,7 +149,7 @@ class NodeHandle_ : public NodeHandleBase_ {
         bytes += room;
         began_ms = milliseconds();
       } else {
-        // After a stall the next frame does not wait for it again.
+        // After a stall, the next frame does not wait again.
         if (stalled_ || since(began_ms, milliseconds()) > STALL_MS) {
           stalled_ = true;
           window_.countDropped();
@@ -171,7 +178,7 @@ class NodeHandle_ : public NodeHandleBase_ {
   }
 
  protected:
-  // Node handle classes of sketches initialize it.
+  // Protected for the constructors of sketches' own node handle classes.
   Hardware hardware_;
 
  private:

@@ -30,19 +30,20 @@ class ActionServer;
 
 class NodeHandleBase_ : public FrameWriter {
  public:
-  // Handles the received bytes and runs callbacks. Returns SPIN_OK; SPIN_ERR if the host asked for the topics;
+  // Handles the received bytes and runs callbacks. Returns SPIN_OK; SPIN_ERR if the host requested the topics;
   // SPIN_TIMEOUT if the time limit ended it before all bytes were handled.
   virtual int spinOnce() = 0;
 
   // Whether a host is connected and knows this node's topics.
   bool connected() const { return connected_; }
 
-  // The longest time in ms for which spinOnce reads a line that never pauses; 0 for the default.
+  // Sets the longest time for which spinOnce reads a line that never pauses; 0 restores the default, 1 s.
   void setSpinTimeout(const uint32_t& timeout_ms) {
     spin_timeout_ms_ = timeout_ms == 0 ? SPIN_TIMEOUT_MS : timeout_ms > 0xffff ? 0xffff : static_cast<uint16_t>(timeout_ms);
   }
 
-  // The number of frames that were dropped (noise, damage, wrong length), and of messages that could not be sent.
+  // The number (modulo 65536) of received frames that were dropped because of damage, a wrong length or an unknown
+  // topic, and of messages that were too long to be sent.
   uint16_t dropped() const { return window_.dropped(); }
 
   // The host's time; before its first answer, the time since the board started.
@@ -69,7 +70,7 @@ class NodeHandleBase_ : public FrameWriter {
     client.nh_ = this;
     return add(client, 2);
   }
-  // For the class in ros/action_server.h.
+  // For ros::ActionServer, which needs ros/action_server.h.
   template <class Action, class Object, uint8_t ID_BYTES>
   bool advertiseAction(ActionServer<Action, Object, ID_BYTES>& server) {
     server.nh_ = this;
@@ -115,16 +116,19 @@ class NodeHandleBase_ : public FrameWriter {
     finish();
   }
 
-  // Gets values from the host's parameter server. Returns false, and logs a warning on the host, if there are not
-  // `length` values of that type, or no answer within `timeout_ms`. The text forms copy into buffers, which must be
-  // large enough, or into one buffer whose size is known.
+  // Gets a parameter with `length` values from the host's parameter server. Returns false and logs a warning on the
+  // host if the parameter does not have `length` values of this type, or if there is no answer within `timeout_ms`.
+  //
+  // The form with char** copies each text to a buffer that must be large enough. The form with `text_bytes` cuts a text
+  // that is too long for its buffer.
   bool getParam(const char* name, int* values, int length = 1, int timeout_ms = 1000);
   bool getParam(const char* name, float* values, int length = 1, int timeout_ms = 1000);
   bool getParam(const char* name, bool* values, int length = 1, int timeout_ms = 1000);
   bool getParam(const char* name, char** values, int length = 1, int timeout_ms = 1000);
   bool getParam(const char* name, char* text, size_t text_bytes, int timeout_ms = 1000);
 
-  // Sends a message. Returns the bytes sent; 0 without a host; -1 if it is too long for a frame or the line did not accept it.
+  // Sends a message. Returns the number of bytes sent; 0 without a host; -1 if the message is too long for a frame or
+  // was not accepted by the line.
   template <class M>
   ROS_APART int send(uint16_t id, const M& message) {
     if (!checkConnected()) return 0;
@@ -145,23 +149,23 @@ class NodeHandleBase_ : public FrameWriter {
   // The longest message that can be received.
   uint16_t largestMessage() const { return window_.largestPayload(); }
 
-  // For drivers: whether the host is connected. Received bytes are handled first: after a reset, the host's answer
-  // may be waiting, and a sketch that publishes, spins and sleeps for a second must not sleep again before its first
-  // message.
+  // For drivers: returns whether a host is connected. If not, it first handles the received bytes: after a reset, the
+  // host's answer may be among them. So a sketch that publishes, spins and then sleeps need not sleep again before its
+  // first message.
   bool checkConnected() {
     if (!connected_) spinOnce();
     return connected_;
   }
 
-  // For drivers: counts messages that are too long for any frame.
+  // For drivers: returns whether a message is too long for any frame, and then counts it as dropped.
   bool isTooLong(size_t length) {
     if (length <= 0xffff - FRAME_OVERHEAD_BYTES) return false;
     window_.countDropped();
     return true;
   }
 
-  // For drivers: whether the reader has read exactly one message. If so, its data stays valid until the driver
-  // returns.
+  // For drivers: returns whether the reader has read exactly one message. If so, the data of this message stays valid
+  // until the driver returns.
   bool accept(const Reader& reader) {
     if (!reader.complete()) {
       window_.countDropped();
@@ -212,13 +216,13 @@ class NodeHandleBase_ : public FrameWriter {
 
   NodeHandleBase_() { spin_timeout_ms_ = SPIN_TIMEOUT_MS; }
 
-  // Starts again: the next spinOnce introduces the node.
+  // Drops all received bytes; the next spinOnce introduces the node to the host.
   ROS_APART void start(uint8_t* buffer, uint16_t buffer_bytes) {
     window_.open(buffer, buffer_bytes);
     contactAgain();
   }
 
-  // Prepares for another host, and introduces the node to it immediately.
+  // Prepares for another host; the next spinOnce introduces the node to it.
   void contactAgain() {
     connected_ = false;
     unanswered_ = 0;
@@ -226,11 +230,12 @@ class NodeHandleBase_ : public FrameWriter {
     requested_ms_ = static_cast<uint16_t>(shortTime() - SYNC_PERIOD_MS);
   }
 
-  // Milliseconds modulo 65536: enough for a few seconds, and half the work for a processor of 8 bits.
+  // The time in milliseconds modulo 65536: enough to measure a few seconds, and half the work for a processor of 8
+  // bits.
   uint16_t shortTime() { return static_cast<uint16_t>(time()); }
   static uint16_t since(uint16_t then_ms, uint16_t now_ms) { return static_cast<uint16_t>(now_ms - then_ms); }
 
-  // Handles the result of `examine`; returns false to read no more bytes in this spinOnce.
+  // Handles the result of `examine`. Returns false if this spinOnce must read no more bytes.
   bool handle(uint8_t found) {
     if (found == ReceiveWindow::WHOLE_FRAME) {
       if (depth_ == MAX_NESTED_SPINS) return false;
@@ -241,7 +246,7 @@ class NodeHandleBase_ : public FrameWriter {
     return !window_.held();
   }
   bool isOverdue(uint16_t began_ms, uint16_t now_ms) const { return since(began_ms, now_ms) > spin_timeout_ms_; }
-  // Whether a frame has started and its rest was lost.
+  // Whether the rest of a frame in progress was lost.
   bool isTorn(uint16_t now_ms, bool is_reliable) const {
     return !window_.empty() && since(received_ms_, now_ms) >= (is_reliable ? RELIABLE_GAP_MS : GAP_MS);
   }
@@ -249,9 +254,10 @@ class NodeHandleBase_ : public FrameWriter {
   // Whether the host has not answered the last requests for the time.
   bool isHostSilent() const { return unanswered_ == MAX_UNANSWERED; }
 
-  // Answers the host's requests. Repeated requests get one answer: a sketch that sleeps finds several requests at
-  // once, and an answer to each would look like several resets. Without a request, it asks for the time; a host that
-  // answers but does not request the topics has not noticed that the board was reset.
+  // Answers the host's requests for topics. Repeated requests get one answer: a sketch that sleeps finds several
+  // requests at once, and an answer to each would look like several resets. Without a request, it requests the time. A
+  // host that answers this but does not request the topics has not noticed that the board was reset: then the node
+  // announces them.
   ROS_APART int8_t keepInTouch(uint16_t now_ms) {
     uint8_t due = due_;
     due_ = NOTHING_DUE;
@@ -277,21 +283,23 @@ class NodeHandleBase_ : public FrameWriter {
   }
 
  private:
-  // One bit each.
+  // What keepInTouch must react to, as bits: a host that searches for boards, a time without a request for the topics,
+  // and a request for the topics.
   enum Due { NOTHING_DUE = 0, PROBED = 1, INTRODUCTION_DUE = 2, ANSWER_DUE = 4 };
 
-  // Together with SYNC_PERIOD_MS: after 9 to 11 s without an answer, the host has disconnected.
+  // The number of requests for the time, one per SYNC_PERIOD_MS, without an answer: the host has disconnected after 9
+  // to 11 s.
   static const uint8_t MAX_UNANSWERED = 5;
-  // After a gap of this length inside a frame, its rest was lost. Longer than pauses of a network, and short enough
-  // that the board soon receives again after a wrong length.
+  // After a gap of this length inside a frame, its rest was lost. This is longer than the pauses of a network, and
+  // short enough that the board soon receives again after a wrong length.
   static const uint16_t GAP_MS = 200;
-  // TCP loses no byte: the rest is late while lost packets are sent again, for the fourth time after 3 s.
+  // TCP loses no byte, but the rest is late while lost packets are sent again: for the fourth time after 3 s.
   static const uint16_t RELIABLE_GAP_MS = 5000;
-  // A host that searches for boards sends wrong version bytes, and so does noise; one answer is enough for a burst.
+  // A host that searches for boards sends other version bytes, and so does noise. One answer to a burst is enough.
   static const uint8_t ANSWER_PAUSE_MS = 20;
-  // The limit of nested callbacks that wait in a spinOnce; more would need all of an Uno's stack.
+  // The limit of callbacks inside each other, each of which waits in a spinOnce. More would need all of an Uno's stack.
   static const uint8_t MAX_NESTED_SPINS = 3;
-  // The time limit for one call; a line that never pauses must not block loop().
+  // The default time limit of a spinOnce: a line that never pauses must not block loop().
   static const uint16_t SPIN_TIMEOUT_MS = 1000;
 
   static FlashText flashText(const __FlashStringHelper* text) {
@@ -299,10 +307,10 @@ class NodeHandleBase_ : public FrameWriter {
     return flash;
   }
 
-  // Whether an endpoint that is announced in this role receives messages of the host: subscribers, requests.
+  // Whether an endpoint receives messages from the host in this role: a subscriber, or the receiving part of a service.
   static bool receives(uint8_t role) { return role & 1; }
 
-  // The pointer to an endpoint in the list, or the last pointer.
+  // The pointer in the list that points to `wanted`; the last pointer of the list for nullptr.
   Endpoint** linkTo(const Endpoint* wanted) {
     Endpoint** link = &endpoints_;
     while (*link != wanted) link = &(*link)->next_;
@@ -339,7 +347,7 @@ class NodeHandleBase_ : public FrameWriter {
 
   ROS_APART void handleTime(const uint8_t* host) {
     const uint32_t now_ms = time();
-    // The host read its clock halfway between request and answer.
+    // Assumes that the host read its clock halfway between request and answer.
     const uint16_t answer_ms = awaiting_time_ ? since(requested_ms_, static_cast<uint16_t>(now_ms)) / 2 : 0;
     clock_.follow(host, now_ms - answer_ms);
     awaiting_time_ = false;

@@ -18,11 +18,13 @@ class Endpoint;
 
 // The state of a node. It has no constructors, so that one loop can set it to zero: constructors would need 80 bytes
 // of code on an AVR. The most used fields come first, because an AVR reaches the first 63 bytes of an object with
-// short instructions. The virtual functions are here, so that `this` is the same address in all classes of a node.
+// short instructions. The virtual functions are in this class so that `this` is the same address in all classes of a
+// node.
 struct NodeState {
-// The largest chunk that is written at once. On a network, each becomes a packet, and most frames should fit into one.
+// The size of the largest chunk, which is written at once. On a network, each chunk becomes a packet, and most frames
+// should fit in one.
 #if defined(ROS_SMALL_MEMORY)
-  // The receive window lends memory for a chunk. If it cannot, this is enough for a double and a count.
+  // The receive window lends memory for a chunk. If it cannot, these bytes are enough for a double and a count.
   typedef uint8_t chunk_length;
   static const chunk_length SPARE_BYTES = 12;
 #if defined(ROSSERIAL_ARDUINO_TCP) || defined(ROSSERIAL_ARDUINO_UDP)
@@ -49,7 +51,7 @@ struct NodeState {
   bool sending_;
   // The received frame.
   ReceiveWindow window_;
-  // A message is read completely before its callback sends one, so they share memory.
+  // A message is read completely before its callback sends another, so the reader and the chunk share memory.
   union {
     Reader reader_;
     uint8_t spare_[SPARE_BYTES];

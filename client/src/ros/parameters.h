@@ -10,17 +10,17 @@
 
 namespace ros {
 
-// One request of a parameter, and the destination of its answer. Wire: RequestParam, whose response is the lists
-// int32[] ints, float32[] floats, string[] strings, of which the host fills one, or none if there is no such parameter.
+// A request for a parameter, and the destination of its answer. Wire: the service RequestParam. Its response has the
+// lists int32[] ints, float32[] floats and string[] strings. The host fills one of them, or none if it has no such
+// parameter.
 class ParameterRequest : public Endpoint {
  public:
   enum List { INT_LIST, FLOAT_LIST, TEXT_LIST };
-  // Stores one element of the list: four bytes of a number, or a string. There is one function for each kind of
-  // value, so a program contains only those that it uses.
+  // Stores one element of the list: the four bytes of a number, or a string. There is one function for each kind of
+  // value, and a program contains only those that it uses.
   typedef void (*Store)(void* values, size_t index, const uint8_t* element);
 
-  // Requests `name`. Returns whether the parameter is a list with the wanted number of elements, which are then
-  // stored.
+  // Requests `name`. If the parameter has `length` elements in this list, stores them and returns true.
   static ROS_APART bool ask(NodeHandleBase_& node, const char* name, List list, Store store, void* values, size_t length,
                             int timeout_ms) {
     return ParameterRequest(name, list, store, values, length).ask(node, static_cast<unsigned int>(timeout_ms));

@@ -1,8 +1,8 @@
 // An archive that reads a message from its bytes, and never beyond them.
 //
-// Data stays in the buffer if possible: a string moves down by one byte over its length prefix to make room for its
-// NUL, and an array of numbers stays (or moves down by up to three bytes if the processor needs aligned words).
-// Arrays of strings and of messages need additional memory, the arena.
+// Data stays in the buffer if possible. A string moves down by one byte, over its length prefix, to make room for its
+// NUL. An array of numbers stays, or moves down by up to three bytes if the processor needs aligned words. Arrays of
+// strings and of messages need additional memory, the arena.
 #ifndef ROS_READER_H_
 #define ROS_READER_H_
 
@@ -29,7 +29,7 @@ class Reader {
   explicit Reader(uint8_t* buffer)
       : next_(buffer), remaining_(SIZE_MAX / 2), arena_(nullptr), arena_end_(nullptr), ok_(true), heap_(true) {}
 
-  // Begins to read, as with the first constructor.
+  // Starts to read these bytes; the arguments are those of the constructor.
   void open(uint8_t* buffer, size_t length, uint8_t* arena, uint8_t* arena_end) {
     next_ = buffer;
     remaining_ = length;
@@ -40,7 +40,7 @@ class Reader {
   }
 
   bool ok() const { return ok_; }
-  // Whether the bytes were exactly this message.
+  // Whether the bytes were exactly one message.
   bool complete() const { return ok_ && remaining_ == 0; }
   size_t consumed(const uint8_t* buffer) const { return static_cast<size_t>(next_ - buffer); }
   uint8_t* arenaEnd() const { return arena_end_; }
@@ -76,7 +76,7 @@ class Reader {
     M::_fields(*this, part);
   }
 
-  // A message with its own read function, without bounds; whether it has read too far is only known afterwards.
+  // Reads a message with the message's own function, which knows no bounds: it can be checked only afterwards.
   template <class M>
   void unbounded(M& message) {
     const int consumed = message.deserialize(next_);
@@ -117,8 +117,8 @@ class Reader {
     array = start;
     advance(length * 8);
   }
-  // The number of elements in the prefix of an array; 0, with ok() false, if too few bytes are left for them. Each
-  // element takes at least `element_bytes`.
+  // Reads the prefix of an array and returns the number of its elements; 0, with ok() false, if too few bytes are left
+  // for them. Each element takes at least `element_bytes`.
   size_t listLength(size_t element_bytes) {
     const size_t length = prefix();
     if (length > remaining_ / element_bytes) {
@@ -127,7 +127,7 @@ class Reader {
     }
     return length;
   }
-  // Skips bytes that are available, aligned or not.
+  // Skips bytes, which must be available, and returns their address, which may not be aligned.
   const uint8_t* skip(size_t bytes) {
     const uint8_t* start = next_;
     advance(bytes);
@@ -158,7 +158,8 @@ class Reader {
     advance(count);
   }
 
-  // The length before a string or an array; 0, with ok() false, if it is larger than the number of bytes left.
+  // Reads the length before a string or an array; returns 0, with ok() false, if it is larger than the number of bytes
+  // left.
   ROS_APART size_t prefix() {
     uint32_t length = 0;
     value(length);
@@ -179,7 +180,7 @@ class Reader {
     return ok_ ? static_cast<size_t>(length) : 0;
   }
 
-  // Elements of `size` bytes: they stay, or move down to the end of their prefix.
+  // Returns the address of an array's elements of `size` bytes, which stay or move down over the end of their prefix.
   uint8_t* settle(size_t length, size_t size) {
     uint8_t* start = next_;
 #if !defined(__AVR__)
@@ -260,7 +261,7 @@ class Reader {
     for (size_t i = 0; i < length; ++i) message(array[i]);
   }
 
-  // A bool must be 0 or 1; the bytes of an array are corrected in place.
+  // Corrects the bytes of an array of bool in place: a bool must be 0 or 1.
   template <class T>
   void normalize(T*, size_t) {}
   void normalize(bool* array, size_t length) {

@@ -20,7 +20,7 @@
 
 namespace ros {
 
-// It accepts no bytes before it is opened: all its members are zero until then.
+// A window that is not yet open accepts no bytes: all its members are zero.
 class ReceiveWindow {
  public:
   void open(uint8_t* bytes, uint16_t capacity) {
@@ -61,7 +61,7 @@ class ReceiveWindow {
     NOISE_BEFORE_FRAME = 1,  // bytes that were not a frame, and are dropped
     WHOLE_FRAME = 2          // a whole, undamaged frame is at the front
   };
-  // Examines the received bytes.
+  // Examines the received bytes: drops those that are not a frame, until the next frame is at the front.
   ROS_APART uint8_t examine() {
     uint8_t found = NOTHING_WHOLE;
     while (begin_ != end_) {
@@ -69,7 +69,8 @@ class ReceiveWindow {
       if (wanted <= have()) {
         if (wanted) return WHOLE_FRAME;
       } else {
-        // Inside a callback, there may be too little room for the frame, and the awaited response follows after it.
+        // Inside a callback, there may be too little room for this frame. Then it is dropped, because the response that
+        // the callback waits for may follow.
         if (wanted > space()) compact();
         if (wanted <= space()) {
           goal_ = begin_ + wanted;
@@ -99,7 +100,7 @@ class ReceiveWindow {
     drop();
     goal_ = end_;
   }
-  // Drops all bytes: they belong to another link.
+  // Drops all bytes.
   void forget() {
     begin_ = end_ = goal_ = base_;
     if (space() >= FIRST_LOOK_BYTES) goal_ += FIRST_LOOK_BYTES;
@@ -108,8 +109,9 @@ class ReceiveWindow {
   // The number of frames that started and were dropped (modulo 65536).
   uint16_t dropped() const { return dropped_; }
 
-  // Lends memory at the limit for bytes to send: at most `wanted` and at most half of the free memory, so that bytes
-  // can still be received. Returns 0 if there is too little, or if the last message may be there.
+  // Lends memory below the limit for bytes to send, and returns its size: at most `wanted` and at most half of the free
+  // memory, so that bytes can still be received. Returns 0 if there is too little, or if the data of the last message
+  // may be there.
   uint16_t lend(uint16_t wanted) {
     uint16_t room = static_cast<uint16_t>(limit_ - end_) / 2;
     if (room < MIN_LENT_BYTES || held_) return 0;
@@ -128,7 +130,7 @@ class ReceiveWindow {
   void release() { held_ = false; }
   bool held() const { return held_; }
 
-  // Takes the frame at the front out of the window; the destructor frees its bytes.
+  // Removes the frame at the front from the window; the destructor frees its bytes.
   class Taken {
    public:
     explicit Taken(ReceiveWindow& window) : window_(window), base_(window.base_), limit_(window.limit_) {
@@ -160,7 +162,7 @@ class ReceiveWindow {
   };
 
  private:
-  // Sync and version.
+  // The sync byte and the version byte.
   static const uint8_t FIRST_LOOK_BYTES = 2;
   static const uint8_t MIN_LENT_BYTES = 16;
 
@@ -168,8 +170,8 @@ class ReceiveWindow {
   uint16_t have() const { return static_cast<uint16_t>(end_ - begin_); }
   uint16_t space() const { return static_cast<uint16_t>(limit_ - begin_); }
 
-  // Returns the number of bytes that are needed to check this frame further; at most the available number if it is
-  // complete and undamaged; 0 if it is not a frame.
+  // Checks the frame at the front. Returns the number of bytes that are needed for the next check; the frame's length,
+  // of which all bytes are available, if the frame is complete and undamaged; 0 if the bytes are not a frame.
   ROS_APART uint16_t judge() {
     const uint8_t* frame = begin_;
     if (frame[0] != FRAME_SYNC) return 0;
@@ -189,7 +191,8 @@ class ReceiveWindow {
     return sum == 0xff ? whole : 0;
   }
 
-  // Moves the bytes to the front; `examine` then determines again how many are wanted.
+  // Moves the bytes down to the base. `examine` must then determine again how many are wanted. Returns false if they
+  // are already there.
   bool compact() {
     if (begin_ == base_) return false;
     const uint16_t kept = have();

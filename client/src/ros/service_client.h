@@ -7,15 +7,15 @@
 
 namespace ros {
 
-// Calls a service and waits for its response; other callbacks run meanwhile.
+// Calls a service and waits for its response. Other callbacks run meanwhile.
 template <class Request, class Response>
 class ServiceClient : public Endpoint {
  public:
   constexpr explicit ServiceClient(const char* service) : Endpoint(service, &drive), nh_(nullptr), response_(nullptr) {}
 
-  // Returns true when the response has arrived; false without a host, during another call, or after `timeout_ms` (the
-  // default is a little less than the time after which a host has disconnected). Strings and arrays of the response
-  // stay valid until the next spinOnce.
+  // Returns true when the response has arrived; false without a host, during another call of this client, or after
+  // `timeout_ms`. The default is about the time after which a silent host has disconnected. Strings and arrays of the
+  // response stay valid until the next spinOnce.
   bool call(const Request& request, Response& response, uint32_t timeout_ms = 10000) {
     if (!nh_ || response_ || nh_->send(id_ + 1, request) <= 0) return false;
     response_ = &response;

@@ -6,7 +6,7 @@
 
 namespace ros {
 
-// Answers calls of a service: the callback fills in the response, which is sent when the callback returns.
+// Answers calls of a service. The callback fills in the response, which is sent when the callback returns.
 template <class Request, class Response, class Object = void>
 class ServiceServer : public Endpoint {
  public:

@@ -36,7 +36,7 @@ class Sha256 {
 
   // Computes the result; nothing can be added after this.
   void finish(uint8_t (&digest)[DIGEST_BYTES]) {
-    // The length has 64 bits, of which 32 are used.
+    // The length in bits has 64 bits on the wire, of which this code uses 32.
     const uint32_t bits = bytes_ * 8;
     const uint8_t zero = 0;
     add(static_cast<uint8_t>(0x80));

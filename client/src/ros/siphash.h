@@ -1,7 +1,7 @@
 // SipHash-2-4 (Aumasson and Bernstein, 2012): a tag of 8 bytes that only holders of the key can make.
 //
-// AVRs have no short instructions to add and rotate words of 64 bits, so this is assembly: a compiler makes twice as
-// much code.
+// An AVR has no short instructions to add and rotate words of 64 bits. Therefore its code is assembly: a compiler makes
+// twice as much code.
 #ifndef ROS_SIPHASH_H_
 #define ROS_SIPHASH_H_
 
@@ -27,7 +27,7 @@ class FleetKey {
               at(hex, 16), at(hex, 17), at(hex, 18), at(hex, 19), at(hex, 20), at(hex, 21), at(hex, 22), at(hex, 23),
               at(hex, 24), at(hex, 25), at(hex, 26), at(hex, 27), at(hex, 28), at(hex, 29), at(hex, 30), at(hex, 31)} {}
 
-  // The key of a fleet without one.
+  // The key for a fleet that has no key file.
   static const FleetKey& none() {
     static const FleetKey zeros ROS_FLASH("00000000000000000000000000000000");
     return zeros;
@@ -37,7 +37,7 @@ class FleetKey {
 
  private:
   static constexpr uint8_t at(const char* hex, uint8_t i) {
-    // The bytes of each word in reverse order.
+    // SipHash's constants, with the bytes of each word in reverse order, as in memory.
     return static_cast<uint8_t>("uespemosmodnarodarenegylsetybdet"[i] ^ (digit(hex[i % 16 * 2]) << 4 | digit(hex[i % 16 * 2 + 1])));
   }
   static constexpr uint8_t digit(char c) {
@@ -54,12 +54,12 @@ class SipHash {
  public:
   static const uint8_t TAG_BYTES = 8;
 
-  // Combines the 8 bytes after `length` bytes with the tag of these bytes (XOR): zeros become the tag, and the tag
-  // becomes zeros. Returns 0 if they are zeros now. The time does not depend on the values.
+  // XORs the 8 bytes after the message with the tag of the message's `length` bytes: zeros become the tag, and a valid
+  // tag becomes zeros. Returns 0 if the 8 bytes are zeros now. The time does not depend on the values.
 #if defined(__AVR__)
   ROS_APART static uint8_t combine(const FleetKey* key, uint8_t* bytes, uint16_t length) {
-    // v0 to v3, then the 8 bytes after the message, whose place holds its last word meanwhile. Static, because a stack
-    // frame takes more code.
+    // v0 to v3, then a copy of the 8 bytes after the message: their place holds the message's last word meanwhile. It
+    // is static, because a stack frame takes more code.
     static uint8_t state[5 * 8];
     uint8_t *x, *z, count, byte, over, factor = static_cast<uint8_t>(length);
     const uint8_t* const tag = bytes + length;
@@ -86,7 +86,7 @@ class SipHash {
         "st -Z, %[factor]\n\t"
         "movw r30, r26\n\t"
         "sbiw r30, 40\n"
-        // Each word: v3 ^= word, two rounds, v0 ^= word. Z is v0 here.
+        // Each word: v3 ^= word, two rounds, v0 ^= word. Z points to v0 here.
         "1: adiw r30, 24\n\t"
         "movw r26, %[next]\n\t"
         "rcall 8f\n\t"
@@ -123,7 +123,7 @@ class SipHash {
         "dec %[count]\n\t"
         "brne 1b\n\t"
         "rjmp 9f\n"
-        // Two rounds. Z is v1 at first, and v0 at the end. In each step X is a, and Z is b.
+        // Two rounds. Z points to v1 at first, and to v0 at the end. In each step, X points to a, and Z to b.
         "2: rcall 2f\n\t"
         "adiw r30, 8\n"
         "2: movw r26, r30\n\t"
@@ -170,7 +170,7 @@ class SipHash {
         "dec %[count]\n\t"
         "brne 6b\n\t"
         "sbiw r26, 8\n\t"
-        // b turned left: by `factor`, and then by 7 bits once or twice.
+        // Rotates b left: by `factor`, and then by 7 bits once or twice.
         "bst %[factor], 6\n\t"
         "rcall 6f\n\t"
         "ldi %[factor], 128\n\t"
@@ -187,7 +187,7 @@ class SipHash {
         "dec %[count]\n\t"
         "brne 1b\n\t"
         "ret\n"
-        // A turn. Z is behind b.
+        // One rotation. Z points to the byte after b.
         "6: ld %[byte], -Z\n\t"
         "sbiw r30, 7\n\t"
         "mul %[byte], %[factor]\n\t"

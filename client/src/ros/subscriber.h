@@ -6,8 +6,8 @@
 
 namespace ros {
 
-// Runs a callback, a function or a member function of an object, for each message of a topic.
-// Strings and arrays of the message point into the receive buffer: copy data that you need after the callback.
+// Runs a callback, a function or a member function of an object, for each message of a topic. Strings and arrays of the
+// message point into the receive buffer: copy data that you need after the callback.
 template <class M, class Object = void>
 class Subscriber : public Endpoint {
  public:

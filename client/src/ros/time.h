@@ -7,7 +7,7 @@
 
 namespace ros {
 
-// Moves the rest of nsec above 1e9 to sec.
+// Moves whole seconds from nsec to sec, so that nsec is below 1e9.
 inline void normalizeSecNSec(uint32_t& sec, uint32_t& nsec) {
   while (nsec >= 1000000000UL) {
     nsec -= 1000000000UL;

@@ -20,7 +20,7 @@ namespace ros {
 
 template <class M, bool generated = IsMessage<M>::value>
 struct WireFormat {
-  // All messages of one of these classes are sent and read in the same way.
+  // The class whose functions handle the message.
   typedef M Class;
 
   static FlashNames names() { return M::flashNames(); }
@@ -95,6 +95,7 @@ struct WireFormat<M, false> {
     void write(FrameWriter& frame) const { frame.put(bytes_, length_); }
 
    private:
+    // `serialize` knows no bounds, so there must be room for the longest message. An AVR's stack has little.
 #if defined(__AVR__)
     static const size_t LARGEST_MESSAGE_BYTES = 280;
 #else

@@ -12,10 +12,10 @@ namespace ros {
 
 // An archive that writes a message as ROS 1 serialization.
 //
-// Fields that are adjacent in memory, and have the same form on the wire, are written as one run. The compiler knows
-// where they are, so a function that writes a message is ROS_FLATTEN: the search for runs disappears, and only one
-// call per run is left. GCC 5 compares a field's address with another field's end at compile time, but not with a sum
-// of an address and a length.
+// Fields that are adjacent in memory and have the same bytes on the wire are written as one run. The compiler knows
+// where the fields are. So a function that writes a message is ROS_FLATTEN: the search for runs disappears, and only
+// one call per run is left. GCC 5 compares a field's address with another field's end at compile time, but not with a
+// sum of an address and a length.
 //
 // Sink has `void put(const void* bytes, size_t count)`, `void widen(const void* floats, size_t bytes)` for the doubles
 // of an AVR, `void count(size_t)` and `void string(const char*)`.

@@ -1,5 +1,6 @@
-// ESP8266 and ESP32: the serial port, or Wi-Fi once the sketch calls setConnection. Sketches for the established library call
-// it without defining ROSSERIAL_ARDUINO_TCP: that library defines the macro for these boards. ESP_SERIAL leaves the network out.
+// ESP8266 and ESP32: the serial port, or Wi-Fi once the sketch calls setConnection. Sketches for the established
+// library call it without defining ROSSERIAL_ARDUINO_TCP: that library defines the macro for these boards. If the
+// sketch defines ESP_SERIAL, it has only the serial port.
 #ifndef ROS_PLATFORM_ARDUINO_ESP_H_
 #define ROS_PLATFORM_ARDUINO_ESP_H_
 
@@ -7,7 +8,7 @@
 
 namespace ros {
 
-// The network, through virtual functions: a sketch that does not call setConnection contains none of its code.
+// The network as virtual functions: a sketch that does not call setConnection contains none of the network's code.
 class Network {
  public:
   virtual void setConnection(const IPAddress& server, int port) = 0;

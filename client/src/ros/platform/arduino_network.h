@@ -1,4 +1,4 @@
-// The network that an Arduino board has: built-in Wi-Fi, or an Ethernet shield.
+// The network of an Arduino board: built-in Wi-Fi, or an Ethernet shield.
 #ifndef ROS_PLATFORM_ARDUINO_NETWORK_H_
 #define ROS_PLATFORM_ARDUINO_NETWORK_H_
 
@@ -15,7 +15,7 @@
 #include <WiFiS3.h>
 #define ROS_NETWORK WiFi
 #elif defined(ESP32) || defined(ARDUINO_RASPBERRY_PI_PICO_W) || defined(ROSSERIAL_ARDUINO_WIFI)
-// On boards with another Wi-Fi library (WiFiNINA, WiFi101), the sketch includes that library first.
+// For a board with another Wi-Fi library (WiFiNINA, WiFi101), the sketch must include that library before <ros.h>.
 #if !defined(WiFi_h) && !defined(WIFI_H)
 #include <WiFi.h>
 #endif

@@ -50,7 +50,7 @@ class ArduinoTcpHardware {
   unsigned long time() { return millis(); }
 
  private:
-  // Asking a network chip whether it is still connected takes as long as reading many bytes from it.
+  // The time between checks of the connection: for a network chip, a check takes as long as reading many bytes.
   static const uint8_t WATCH_PERIOD_MS = 10;
 
   void watch() {

@@ -48,7 +48,7 @@ class ArduinoUdpHardware {
     return byte;
   }
 
-  // The node writes whole frames, each in one or several chunks of which the first begins with the frame's length.
+  // The node writes whole frames in one or several chunks. The first chunk contains the frame's length.
   void write(uint8_t* bytes, int count) {
     if (!unsent_) unsent_ = static_cast<uint16_t>((bytes[2] | bytes[3] << 8) + ros::FRAME_OVERHEAD_BYTES);
     unsent_ = static_cast<uint16_t>(unsent_ - count);
@@ -63,14 +63,15 @@ class ArduinoUdpHardware {
   unsigned long time() { return millis(); }
 
  private:
-  // Fits into every network chip, and is not split by networks. The host treats datagrams as pieces of one stream of bytes.
+  // This fits in every network chip, and networks do not split it. The host treats datagrams as pieces of one stream of
+  // bytes, so a longer frame can be sent in several datagrams.
   static const uint16_t LONGEST_DATAGRAM_BYTES = 1400;
 
   NetworkUdp udp_;
   IPAddress server_;
   uint16_t port_;
   uint16_t local_port_;
-  uint16_t unsent_;  // missing bytes of the frame
+  uint16_t unsent_;  // bytes of the frame that the node has not written yet
   uint16_t packed_;  // bytes in the datagram in progress
   int unread_;       // unread bytes of the received datagram
 };

@@ -5,8 +5,8 @@
 
 namespace ros {
 
-// A ring buffer between a program and an interrupt: one writes, the other reads, without a lock. It is empty if all
-// bytes are zero, like static memory: a constructor would have to run before the first interrupt.
+// A ring buffer between a program and an interrupt: one writes and the other reads, without a lock. Zeros, as in static
+// memory, are an empty ring: a constructor would have to run before the first interrupt.
 template <uint16_t SIZE>
 class ByteRing {
  public:
@@ -21,7 +21,7 @@ class ByteRing {
     bytes_[head_] = byte;
     head_ = (head_ + 1) & (SIZE - 1);
   }
-  // The oldest byte, or -1.
+  // Removes and returns the oldest byte; -1 if the ring is empty.
   int take() {
     if (head_ == tail_) return -1;
     const uint8_t byte = bytes_[tail_];

@@ -73,7 +73,7 @@ class MbedHardware {
   void write(uint8_t* bytes, int count) {
     for (int i = 0; i < count; ++i) port_.putc(bytes[i]);
   }
-  // The timer overflows after 71 minutes of microseconds; its overflows are counted.
+  // The timer counts microseconds and overflows after 71 minutes; its overflows are counted.
   unsigned long time() {
     const uint32_t now_us = static_cast<uint32_t>(timer_.read_us());
     rest_us_ += now_us - seen_us_;

@@ -16,15 +16,16 @@ enum PipeState { PIPE_FAILED, PIPE_PENDING, PIPE_OPEN };
 // It never blocks.
 //
 // A Pipe has
-//   PipeState open(uint32_t wait_ms)        begins or continues opening, for about this time
-//   int read(uint8_t* bytes, size_t size)   bytes read; 0 if there are none; less if the pipe is broken
-//   int write(const uint8_t* bytes, size_t) bytes written; 0 if it accepts none; less if the pipe is broken
-//   void wait(uint32_t wait_ms)             until it can be read or written, at most this long
-//   void close()
-//   bool isNetwork()                        whether it can fail without an error
-//   const char* name(), const char* reason()  what is opened, and why that failed
-//   static uint32_t milliseconds()          of a clock that is never set
-// A copy of it is closed.
+//   PipeState open(uint32_t wait_ms)         starts or continues to open it, for about this time
+//   int read(uint8_t* bytes, size_t size)    returns the number of bytes read; less than 0 if the pipe is broken
+//   int write(const uint8_t* bytes, size_t)  returns the number of bytes written; less than 0 if the pipe is broken
+//   void wait(uint32_t wait_ms)              waits until it can be read or written, but at most for this time
+//   void close()                             closes it
+//   bool isNetwork()                         returns whether the link can fail without an error
+//   const char* name()                       returns the name of what it opens
+//   const char* reason()                     returns why it could not be opened
+//   static uint32_t milliseconds()           returns the time of a clock that is never set
+// The copy of an open Pipe is closed.
 template <class Pipe>
 class PipeHardware {
  public:
@@ -59,7 +60,7 @@ class PipeHardware {
     return input_[next_++];
   }
 
-  // Bytes that the system does not accept yet are buffered; without a link, bytes are dropped.
+  // Buffers bytes that the system does not accept yet. Without a link, it drops them.
   void write(const uint8_t* bytes, int count) {
     if (!link_.isOpen() || count <= 0) return;
     size_t length = static_cast<size_t>(count);
@@ -79,19 +80,19 @@ class PipeHardware {
   }
 
   bool relinked() { return link_.takeChange(); }
-  // A serial port stays open: its program may start at any time.
+  // Reconnects to a silent host. A serial port stays open: the host's program may start at any time.
   void relink() {
     if (pipe_.isNetwork() && link_.isConnected()) lose();
   }
   bool isReliable() { return pipe_.isNetwork(); }
-  // Since the first initNode.
+  // The time since the first initNode.
   unsigned long time() { return Pipe::milliseconds() - began_ms_; }
 
  private:
   // initNode waits for the host, but a spinOnce that reconnects must not delay the program.
   static const uint32_t FIRST_WAIT_MS = 1000;
   static const uint32_t LATER_WAIT_MS = 5;
-  // The node checks for received bytes after this time.
+  // A full output delays the node by at most this time before it checks for received bytes again.
   static const uint32_t FULL_WAIT_MS = 5;
 
   void attempt(uint32_t wait_ms) {

@@ -40,7 +40,7 @@
 #endif
 
 #if defined(ROS_HARDWARE)
-// The longest message that can be received; depends on the memory.
+// The length of the longest message that can be received. It depends on the board's memory.
 #if !defined(ROS_INPUT_SIZE)
 #if defined(__AVR_ATmega8__) || defined(__AVR_ATmega168__) || defined(__AVR_ATmega168P__)
 #define ROS_INPUT_SIZE 150
@@ -54,8 +54,8 @@
 #endif
 
 namespace ros {
-// A sketch may define another ros::NodeHandle, for example with a smaller INPUT_SIZE: a name in `ros` itself comes
-// before one that only a using-directive adds.
+// A sketch may define its own ros::NodeHandle, for example with a smaller INPUT_SIZE: a name in `ros` itself hides the
+// one that only a using-directive adds.
 namespace platform {
 typedef NodeHandle_<ROS_HARDWARE, 25, 25, ROS_INPUT_SIZE, ROS_INPUT_SIZE> NodeHandle;
 }  // namespace platform

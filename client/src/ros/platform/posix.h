@@ -1,9 +1,9 @@
-// Linux (Raspberry Pi and other embedded boards), macOS and other Unixes: a serial port or TCP, by its name.
+// Linux (Raspberry Pi and other embedded boards), macOS and other Unixes: a serial port or TCP, chosen by its name.
 //
 //   nh.initNode("/dev/ttyUSB0")         a path is a serial port
-//   nh.initNode("192.168.15.149")       anything else a host, with the port 11411
+//   nh.initNode("192.168.15.149")       anything else is a host, by default with the port 11411
 //   nh.initNode("robot.local:11412")
-//   nh.initNode()                       the one in the environment variable ROSSERIAL_PORT, or DEFAULT_PORT
+//   nh.initNode()                       the name in the environment variable ROSSERIAL_PORT, or DEFAULT_PORT
 #ifndef ROS_PLATFORM_POSIX_H_
 #define ROS_PLATFORM_POSIX_H_
 

@@ -10,7 +10,7 @@ namespace ros {
 
 #if defined(__linux__)
 
-// The constant of a rate that has one, or B0.
+// Returns the constant for a baud rate; B0 if there is none.
 inline speed_t standardSpeed(long baud) {
   static const struct {
     long baud;
@@ -28,8 +28,8 @@ inline speed_t standardSpeed(long baud) {
   return B0;
 }
 
-// Sets any other rate (250000 is usual on an AVR of 16 MHz). Returns false on processors whose kernel has another
-// structure for it.
+// Sets a baud rate without a constant (250000 is usual on an AVR at 16 MHz). Returns false if it cannot be set, and on
+// processors whose kernel has another structure for it.
 inline bool setUncommonBaud(int fd, long baud) {
 #if defined(__x86_64__) || defined(__i386__) || defined(__arm__) || defined(__aarch64__) || defined(__riscv)
   // struct termios2 of asm/termbits.h, which cannot be included beside termios.h.
@@ -51,7 +51,7 @@ inline bool setUncommonBaud(int fd, long baud) {
 #endif
 }
 
-// Applies `line` with this rate in both directions.
+// Applies the settings `line` with this baud rate in both directions. Returns false if that fails.
 inline bool setPosixBaud(int fd, struct termios& line, long baud) {
   const speed_t speed = standardSpeed(baud);
   cfsetispeed(&line, speed == B0 ? B38400 : speed);

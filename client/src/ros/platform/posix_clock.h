@@ -7,7 +7,7 @@
 
 namespace ros {
 
-// Milliseconds of a clock that is never set.
+// Returns the time, in milliseconds, of a clock that is never set.
 inline uint32_t posixMilliseconds() {
   struct timespec now;
   clock_gettime(CLOCK_MONOTONIC, &now);

@@ -23,7 +23,7 @@ struct PosixSockets {
   static void start() {}
   static uint32_t milliseconds() { return posixMilliseconds(); }
 
-  // A socket that is connecting, or NONE.
+  // Starts to connect. Returns the socket, or NONE if that failed.
   static int connect(const struct sockaddr* address, int length) {
     const int handle = socket(address->sa_family, SOCK_STREAM, 0);
     if (handle < 0) return NONE;
@@ -50,7 +50,7 @@ struct PosixSockets {
     errno = error;
     return error == 0 ? PIPE_OPEN : PIPE_FAILED;
   }
-  // The reason why the last socket did not connect.
+  // Returns why the last socket did not connect.
   static const char* reason() { return strerror(errno); }
 
   static int read(int handle, uint8_t* bytes, size_t size) {

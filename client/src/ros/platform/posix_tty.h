@@ -17,7 +17,7 @@
 
 namespace ros {
 
-// A terminal device, raw, 8N1, without flow control, for PipeHardware.
+// A terminal device as a Pipe for PipeHardware: raw, 8N1, without flow control.
 class TtyPipe {
  public:
   TtyPipe() : baud_(57600), fd_(-1), reason_("") { path_[0] = '\0'; }

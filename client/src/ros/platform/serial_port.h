@@ -5,7 +5,7 @@
 
 namespace ros {
 
-// Whether availableForWrite, of this type, is the default of Print, which always returns 0.
+// Whether Method, the type of a class's availableForWrite, is that of the default in Print, which always returns 0.
 template <class Method>
 struct IsOfPrint {
   static const bool value = false;
@@ -19,7 +19,7 @@ struct IsOfPrint<Result (Print::*)() const> {
   static const bool value = true;
 };
 
-// Points to a port like `Class*`, but also to a port of another class.
+// A pointer to a port, like `Class*`, that may also point to a port of another class.
 template <class Class>
 class SerialPort {
  public:
@@ -29,7 +29,7 @@ class SerialPort {
     sawOtherClass() = true;
   }
 
-  // For members that only `Class` has; not for a port of another class.
+  // For members that only `Class` has. Do not use it for a port of another class.
   Class* operator->() const { return &port(); }
 
   void begin(unsigned long baud) {
@@ -41,13 +41,15 @@ class SerialPort {
   }
   int read() { return stream_->read(); }
   void write(const uint8_t* bytes, int count) { write<Class>(bytes, static_cast<size_t>(count), 0); }
-  // The number of bytes that write accepts at once. If the port does not report it, any number: then write waits.
+  // Returns the number of bytes that write accepts at once. If the port does not report it, this is a large number, and
+  // write waits.
   int writable() { return isOther() ? control_(stream_, 0) : room(port(), 0); }
 
  private:
   static const int ANY_ROOM = 0x7fff;
 
-  // If all ports of a program are of `Class`, nothing sets this, and the compiler removes the checks.
+  // Whether a port of another class exists. If all ports of a program are of `Class`, no code sets this, and the
+  // compiler removes the checks.
   static bool& sawOtherClass() {
     static bool saw = false;
     return saw;
@@ -80,7 +82,8 @@ class SerialPort {
   }
 
 #if defined(__AVR__)
-  // For a port that inherits Print's write of many bytes, which calls `write` for each byte: calls it directly.
+  // For a port that inherits Print's function to write many bytes, which calls `write` for each byte: calls that
+  // directly.
   template <class Port, size_t (Print::*)(const uint8_t*, size_t) = &Port::write>
   void write(const uint8_t* bytes, size_t count, int) {
     for (; count; --count) stream_->write(*bytes++);

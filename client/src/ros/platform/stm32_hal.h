@@ -1,4 +1,4 @@
-// STM32 with ST's HAL (CubeMX, CubeIDE): uses a UART of the project, by default huart2, with DMA if it is configured.
+// STM32 with ST's HAL (CubeMX, CubeIDE): a UART of the project, by default huart2. It uses DMA if that is configured.
 //
 // The project configures the baud rate, the UART's interrupt and preferably DMA: circular reception and normal
 // transmission. The program forwards the callbacks of the HAL:
@@ -99,11 +99,11 @@ class STM32Hardware {
   UART_HandleTypeDef* huart;
   uint8_t rbuf[rbuflen];
   uint8_t tbuf[tbuflen];
-  uint16_t rind;            // next to read
-  volatile uint16_t rhead;  // where the next byte goes, without DMA
-  uint16_t twind;           // next to write
-  volatile uint16_t tfind;  // first not sent
-  volatile uint16_t tcount;  // in progress
+  uint16_t rind;            // index of the next byte to read
+  volatile uint16_t rhead;  // without DMA: index of the next received byte
+  uint16_t twind;           // index of the next byte to write
+  volatile uint16_t tfind;  // index of the first byte that is not sent yet
+  volatile uint16_t tcount;  // number of bytes that are being sent
 };
 
 #endif

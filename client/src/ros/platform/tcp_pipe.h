@@ -10,7 +10,8 @@
 
 namespace ros {
 
-// A TCP connection to "host", "host:port" or "[address]:port", by the system's socket calls (Sockets), for PipeHardware.
+// A TCP connection to "host", "host:port" or "[address]:port" as a Pipe for PipeHardware. Sockets has the system's
+// functions.
 //
 // A name is looked up only once if possible: a look-up blocks, and spinOnce should not block.
 template <class Sockets>
@@ -35,7 +36,7 @@ class TcpPipe {
       current_ = 0;
       begin();
     }
-    // Tries the next address of a name if one refuses.
+    // If one address of a name refuses the connection, tries the next one.
     for (;;) {
       if (socket_ != Sockets::NONE) {
         const PipeState state = Sockets::connected(socket_, wait_ms);
@@ -61,7 +62,7 @@ class TcpPipe {
 
  private:
   static const int MAX_ADDRESSES = 4;
-  // The first retransmissions of a lost SYN come after 1 and 3 s.
+  // Long enough for the first two retransmissions of a lost SYN, after 1 and 3 s.
   static const uint32_t CONNECT_MS = 4000;
 
   bool lookUp() {
@@ -77,7 +78,7 @@ class TcpPipe {
       port = end + 1;
     }
     snprintf(host, sizeof host, "%.*s", static_cast<int>(end - name), name);
-    // As in the established library, a text that is not a number means the default port.
+    // As in the established library, a port that is not a number means the default port.
     if (atoi(port) <= 0) port = "11411";
     Sockets::start();
     struct addrinfo hints;

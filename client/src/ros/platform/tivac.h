@@ -1,8 +1,8 @@
 // Tiva C boards (TM4C123, TM4C129) with TivaWare: UART0, which is the debugger's port, and SysTick for the time.
-// With Energia they are Arduinos: platform/arduino.h.
+// With Energia, these boards are Arduinos and use platform/arduino.h.
 //
-// ROSSERIAL_BAUDRATE, RX_BUFFER_SIZE and TX_BUFFER_SIZE (powers of two) may be defined before <ros.h>. A TM4C129 must
-// define TM4C129FREQ, the frequency that it set.
+// The program may define ROSSERIAL_BAUDRATE, RX_BUFFER_SIZE and TX_BUFFER_SIZE (powers of two) before <ros.h>. For a
+// TM4C129 it must define TM4C129FREQ, the frequency to which it has set the processor's clock.
 #ifndef ROS_PLATFORM_TIVAC_H_
 #define ROS_PLATFORM_TIVAC_H_
 
@@ -59,7 +59,7 @@ class TivaCHardware {
                             UART_CONFIG_WLEN_8 | UART_CONFIG_STOP_ONE | UART_CONFIG_PAR_NONE);
     MAP_UARTFIFOEnable(UART0_BASE);
     UARTIntRegister(UART0_BASE, &onUart);
-    // RT: for received bytes that wait below the FIFO's limit.
+    // RT is the interrupt for received bytes that wait because they do not reach the FIFO's limit.
     MAP_UARTIntEnable(UART0_BASE, UART_INT_RX | UART_INT_RT | UART_INT_TX);
     MAP_IntEnable(INT_UART0);
     MAP_IntMasterEnable();
@@ -73,7 +73,7 @@ class TivaCHardware {
       }
       state().unsent.put(bytes[i]);
     }
-    // The interrupt reads from the same ring.
+    // The interrupt also reads from the ring.
     MAP_IntDisable(INT_UART0);
     transmit();
     MAP_IntEnable(INT_UART0);
@@ -98,7 +98,7 @@ class TivaCHardware {
   }
 
  private:
-  // One object for the program: interrupt handlers have no object.
+  // One state for the program: interrupt handlers have no object.
   struct State {
     ros::ByteRing<RX_BUFFER_SIZE> received;
     ros::ByteRing<TX_BUFFER_SIZE> unsent;

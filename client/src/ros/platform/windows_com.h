@@ -13,7 +13,7 @@
 
 namespace ros {
 
-// A COM port, 8N1, without flow control, for PipeHardware.
+// A COM port as a Pipe for PipeHardware: 8N1, without flow control.
 class ComPipe {
  public:
   ComPipe() : baud_(57600), handle_(INVALID_HANDLE_VALUE), reason_("") { setName(""); }
@@ -84,6 +84,7 @@ class ComPipe {
   static uint32_t milliseconds() { return GetTickCount(); }
 
  private:
+  // A write returns after this time even if the port accepts nothing: spinOnce must not block for long.
   static const DWORD WRITE_LIMIT_MS = 50;
 
   char name_[64];

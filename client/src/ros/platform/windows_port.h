@@ -1,4 +1,4 @@
-// Windows: a serial port or TCP, by its name. Link with ws2_32, and include <ros.h> before <windows.h>.
+// Windows: a serial port or TCP, chosen by its name. Link with ws2_32, and include <ros.h> before <windows.h>.
 //
 //   nh.initNode("COM3")                   COM and a number is a serial port
 //   nh.initNode("127.0.0.1:11411")        anything else is a host, by default with the port 11411

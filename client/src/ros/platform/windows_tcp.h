@@ -2,7 +2,7 @@
 #ifndef ROS_PLATFORM_WINDOWS_TCP_H_
 #define ROS_PLATFORM_WINDOWS_TCP_H_
 
-// winsock2.h first: windows.h would include the winsock of 1993.
+// winsock2.h must come first: otherwise, windows.h includes the winsock of 1993.
 #include <winsock2.h>
 #include <ws2tcpip.h>
 #include <windows.h>
@@ -25,7 +25,7 @@ struct WindowsSockets {
   }
   static uint32_t milliseconds() { return GetTickCount(); }
 
-  // A socket that is connecting, or NONE.
+  // Starts to connect. Returns the socket, or NONE if that failed.
   static SOCKET connect(const struct sockaddr* address, int length) {
     const SOCKET handle = socket(address->sa_family, SOCK_STREAM, IPPROTO_TCP);
     if (handle == INVALID_SOCKET) return NONE;
