@@ -11,7 +11,8 @@ ros::NodeHandle nh;
 rosserial_arduino::Adc adc;
 ros::Publisher pub_adc("adc", &adc);
 
-// The mean of four, rounded. The first sample after a change of the input may still show the old input.
+// Returns the mean of four samples, rounded. The first sample after a change of the input is not used: it may still
+// show the old input.
 uint16_t measure(int input) {
   analogRead(input);
   uint16_t sum = 2;

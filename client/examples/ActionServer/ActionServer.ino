@@ -1,4 +1,4 @@
-// ActionServer: an action, a task that takes time. It counts Fibonacci numbers, two a second, and can be canceled.
+// ActionServer: an action, a task that takes time. It computes two Fibonacci numbers a second, and can be canceled.
 //
 // Wiring:  none.
 // Try it:  rostether serve /dev/ttyACM0
@@ -35,7 +35,7 @@ void begin(const actionlib_tutorials::FibonacciGoal& goal) {
   stepped_ms = millis();
 }
 
-// The numbers so far, as a feedback or a result.
+// Returns the numbers so far, as feedback or as the result.
 template <class Message>
 Message soFar() {
   Message message;

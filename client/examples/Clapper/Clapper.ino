@@ -8,7 +8,7 @@
 
 const int MICROPHONE = A0;
 const int LOUD = 200;                      // 0 to 1023; increase it in a noisy room
-const unsigned long ECHO_MS = 100;         // the echo of a clap lasts this long
+const unsigned long ECHO_MS = 100;         // the echo of a clap is shorter
 const unsigned long LONGEST_PAUSE_MS = 600;  // between the two claps
 
 ros::NodeHandle nh;

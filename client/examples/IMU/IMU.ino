@@ -5,7 +5,7 @@
 //
 // A gyroscope follows every movement, but drifts. Gravity and the Earth's magnetic field show the true attitude, but
 // every movement disturbs their measurement. A complementary filter combines the fast changes of the gyroscope with
-// the slow changes of the others.
+// the slow changes of gravity and field.
 // Roll, pitch and yaw are zero when the sensor lies flat and its x axis points to magnetic north.
 
 #include <Wire.h>
@@ -16,8 +16,8 @@
 
 #include "Mpu9150.h"
 
-const float MEMORY_S = 0.5;           // after this time gravity and field outweigh the gyroscope
-const unsigned long PERIOD_MS = 100;  // one round of messages fills the line, at 57600 baud, for 80 ms
+const float MEMORY_S = 0.5;           // after this time, gravity and field count more than the gyroscope
+const unsigned long PERIOD_MS = 100;  // at 57600 baud, one round of messages takes 80 ms
 
 ros::NodeHandle nh;
 
@@ -51,7 +51,7 @@ geometry_msgs::Quaternion turnAbout(float x, float y, float z, float angle) {
   return turn;
 }
 
-// The attitude from gravity and the magnetic field.
+// Computes the attitude from gravity and the magnetic field.
 geometry_msgs::Quaternion trueAttitude() {
   const Vector3& a = sensor.acceleration;
   const Vector3& m = sensor.magnetic_field;
@@ -60,7 +60,7 @@ geometry_msgs::Quaternion trueAttitude() {
   const float up = a.y * sr + a.z * cr;
   const float pitch = atan2(-a.x, up);
   const float sp = sin(pitch), cp = cos(pitch);
-  // The field as it would be if the sensor lay flat: a compass.
+  // The horizontal components of the field: a compass that corrects the tilt of the sensor.
   const float north = m.x * cp + (m.y * sr + m.z * cr) * sp;
   const float west = m.y * cr - m.z * sr;
   const float yaw = atan2(-west, north);
@@ -104,13 +104,13 @@ void setup() {
   broadcaster.init(nh);
 
   imu.header.frame_id = "imu_link";
-  setDiagonal(imu.orientation_covariance, 0.0012);        // 2 degrees, in rad, squared
+  setDiagonal(imu.orientation_covariance, 0.0012);        // the square of 2 degrees in rad
   setDiagonal(imu.angular_velocity_covariance, 1e-5);     // 0.2 degrees a second
   setDiagonal(imu.linear_acceleration_covariance, 0.01);  // 0.1 m/s^2
 
   transform.header.frame_id = "base_link";
   transform.child_frame_id = "imu_link";
-  transform.transform.translation.x = 1.0;  // meters; apart, so that both are visible in rviz
+  transform.transform.translation.x = 1.0;  // meters: with this distance, both frames are visible in rviz
 
   has_sensor = sensor.begin();
   sensor.measure();

@@ -16,7 +16,7 @@ sensor_msgs::Range range_msg;
 ros::Publisher pub_range("range_data", &range_msg);
 unsigned long measured_ms;
 
-// Meters. The voltage falls with the distance; plotted over 1 / (distance + 0.42 cm), the data sheet's curve is a line:
+// Returns meters. In the data sheet, the voltage is proportional to 1 / (distance + 0.42 cm):
 //   volts = 12.2 / (centimeters + 0.42)
 float measureRange() {
   const float volts = analogRead(SENSOR) * (5.0 / 1024);

@@ -1,4 +1,4 @@
-// Logging: messages for people, in the host's log (/rosout). There are five levels; this shows each in turn.
+// Logging: texts in the host's log (/rosout). There are five levels; this sketch uses each in turn.
 //
 // Wiring: none.
 // Try it:  rostether serve /dev/ttyACM0          rostether topic echo /rosout

@@ -1,4 +1,4 @@
-// Two driven wheels: turns speeds into motor signals, and wheel angles into the robot's position.
+// Two driven wheels: converts speeds to motor signals, and wheel angles to the robot's position.
 #ifndef DRIVE_H
 #define DRIVE_H
 
@@ -8,14 +8,14 @@
 // encoders, the robot assumes that its motors turn exactly as fast as commanded.
 // #define ENCODERS
 
-// A TurtleBot3 Burger.
+// The values of a TurtleBot3 Burger.
 const float WHEEL_RADIUS = 0.033;      // m
 const float WHEEL_SEPARATION = 0.160;  // m
 const float MAX_SPEED = 0.22;          // m/s
 const float MAX_TURN_RATE = 2.84;      // rad/s
 const float TICKS_PER_TURN = 4096;     // of an encoder
 
-const unsigned long COMMAND_LIFE_MS = 500;  // without a new command the robot stops
+const unsigned long COMMAND_LIFE_MS = 500;  // after this time without a new command, the robot stops
 
 struct Wheel {
   const uint8_t direction_pin;
@@ -24,13 +24,13 @@ struct Wheel {
   float target;  // rad/s
   float speed;   // rad/s
   float angle;   // rad
-  float rest;    // of a tick, when there is no encoder
+  float rest;    // the fraction of a tick, without an encoder
 };
 
 Wheel left = {4, 5, 0, 0, 0, 0, 0};
 Wheel right = {7, 6, 0, 0, 0, 0, 0};
 
-float x, y, heading;        // m, m, rad: since the start, or the last reset
+float x, y, heading;        // m, m, rad since the start or the last reset
 float speed, turn_rate;     // m/s, rad/s
 bool has_power = true;
 unsigned long commanded_ms;
@@ -61,7 +61,7 @@ void command(float forward, float turn) {
 
 void turnWheel(Wheel& wheel, float dt) {
   if (!has_power) wheel.target = 0;
-  // The whole supply voltage at full speed, straight ahead.
+  // The motor gets the whole supply voltage at full speed straight ahead.
   const float duty = fabs(wheel.target) * (255 * WHEEL_RADIUS / MAX_SPEED);
   digitalWrite(wheel.direction_pin, wheel.target < 0);
   analogWrite(wheel.pwm_pin, duty < 255 ? duty + 0.5 : 255);
@@ -80,7 +80,7 @@ void turnWheel(Wheel& wheel, float dt) {
   wheel.speed = (wheel.angle - before) / dt;
 }
 
-// Call it often; `dt` is the time since the last call, in seconds.
+// Updates the motors and the position. Call it often; `dt` is the time since the last call, in seconds.
 void drive(float dt) {
   if (millis() - commanded_ms > COMMAND_LIFE_MS) left.target = right.target = 0;
   turnWheel(left, dt);

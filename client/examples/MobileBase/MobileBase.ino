@@ -1,10 +1,10 @@
 // MobileBase: the tasks of a TurtleBot3 Burger's board, for any robot with two driven wheels.
 //
-//   in   cmd_vel       geometry_msgs/Twist        drive; without a new one it stops after half a second
+//   in   cmd_vel       geometry_msgs/Twist        speeds; without a new one, the robot stops after half a second
 //        motor_power   std_msgs/Bool              false: the wheels stop
-//        reset         std_msgs/Empty             sets x = y = 0 here
+//        reset         std_msgs/Empty             makes the current place x = y = 0
 //        sound         turtlebot3_msgs/Sound      a melody
-//   out  odom, joint_states, tf                   where it is, ten times a second
+//   out  odom, joint_states, tf                   the robot's position, ten times a second
 //        imu, magnetic_field, sensor_state        ten times a second
 //        battery_state, version_info              once a second
 //
@@ -40,12 +40,12 @@ const int BATTERY = A0;
 const float FULL_VOLTS = 12.4;   // three lithium cells
 const float EMPTY_VOLTS = 11.0;
 
-// Received messages are small, a Twist has 48 bytes: these sizes (subscribers, publishers, bytes in, bytes out) leave
-// an Uno's memory to the messages that are sent.
+// Received messages are small: a Twist has 48 bytes. These sizes (subscribers, publishers, bytes in, bytes out) leave
+// the memory of an Uno to the messages that are sent.
 ros::NodeHandle_<ArduinoHardware, 4, 9, 128, 1024> nh;
 
 // A publisher needs only the type. Messages are created when they are sent, one after the other in the
-// same memory. All at once they would take 800 bytes, and an Uno has 2048.
+// same memory. All of them together would take 800 bytes, and an Uno has 2048.
 template <class Message>
 Message* only() {
   return NULL;
@@ -89,7 +89,7 @@ ros::Subscriber<std_msgs::Bool> sub_power("motor_power", &power_cb);
 ros::Subscriber<std_msgs::Empty> sub_reset("reset", &reset_cb);
 ros::Subscriber<turtlebot3_msgs::Sound> sub_sound("sound", &sound_cb);
 
-// Keeps the compiler from inlining them into one function that holds all messages at once.
+// Keeps the compiler from inlining the functions into one that needs memory for all messages at once.
 #define APART __attribute__((noinline))
 
 APART void publishOdometry(const ros::Time& stamp) {
@@ -154,7 +154,7 @@ APART void publishField(const ros::Time& stamp) {
 }
 
 float batteryVolts() {
-  return analogRead(BATTERY) * (3 * 5.0 / 1024);  // the resistors divide it by three
+  return analogRead(BATTERY) * (3 * 5.0 / 1024);  // the resistors divide the voltage by three
 }
 
 APART void publishState(const ros::Time& stamp) {
@@ -221,7 +221,7 @@ void loop() {
 
   const ros::Time stamp = nh.now();
   publishOdometry(stamp);
-  nh.spinOnce();  // a round takes 60 ms; commands should not wait that long
+  nh.spinOnce();  // a round of messages takes 60 ms: commands should not wait that long
   publishTransform(stamp);
   publishJoints(stamp);
   publishState(stamp);

@@ -1,4 +1,4 @@
-// An MPU-9150 on I2C: accelerometer, gyroscope and (a separate chip in the same case) magnetometer.
+// An MPU-9150 on I2C: accelerometer, gyroscope, and (as a separate chip in the same case) magnetometer.
 #ifndef MPU9150_H
 #define MPU9150_H
 
@@ -11,7 +11,7 @@ struct Vector3 {
 
 class Mpu9150 {
  public:
-  Vector3 acceleration;      // m/s^2; level and at rest z is 9.81, the reaction to gravity
+  Vector3 acceleration;      // m/s^2; if the sensor is level and at rest, z is 9.81, the reaction to gravity
   Vector3 angular_velocity;  // rad/s
   Vector3 magnetic_field;    // tesla
 
@@ -24,7 +24,7 @@ class Mpu9150 {
     write(MPU, 0x1b, 1 << 3);                   // gyroscope up to 500 degrees a second
     write(MPU, 0x1c, 1 << 3);                   // accelerometer up to 4 g
     write(MPU, 0x37, 0x02);                     // access the magnetometer directly
-    write(MAGNETOMETER, 0x0a, 0x0f);            // first its factory calibration
+    write(MAGNETOMETER, 0x0a, 0x0f);            // access its factory calibration first
     if (read(MAGNETOMETER, 0x10, 3)) {
       for (int i = 0; i < 3; i++) adjustment_[i] = 1 + (Wire.read() - 128) / 256.0;
     }
@@ -51,10 +51,10 @@ class Mpu9150 {
   static const uint8_t MPU = 0x68;
   static const uint8_t MAGNETOMETER = 0x0c;
 
-  // A measurement takes 9 ms: reads the last one when it is ready, and starts the next.
+  // Reads the last measurement, which takes 9 ms, when it is ready, and starts the next one.
   void measureMagneticField() {
     if (read(MAGNETOMETER, 0x02, 1) && (Wire.read() & 1) && read(MAGNETOMETER, 0x03, 6)) {
-      // It is mounted with other axes: its x is the board's y, its y the board's x, its z points down.
+      // The magnetometer's axes differ: its x is the case's y, its y is the case's x, and its z points down.
       const float tesla = 0.3e-6;
       magnetic_field.y = readLittleWord() * tesla * adjustment_[0];
       magnetic_field.x = readLittleWord() * tesla * adjustment_[1];
@@ -75,7 +75,7 @@ class Mpu9150 {
       delay(2);
     }
     const Vector3 mean = {sum.x / samples, sum.y / samples, sum.z / samples};
-    // The data sheet promises less than 20 degrees a second; more is a movement.
+    // By the data sheet, the offset is less than 20 degrees a second: more is a movement.
     const float limit = 20 * DEG_TO_RAD;
     if (fabs(mean.x) < limit && fabs(mean.y) < limit && fabs(mean.z) < limit) zero_ = mean;
   }

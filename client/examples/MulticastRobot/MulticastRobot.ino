@@ -3,7 +3,7 @@
 // Wiring:  an Ethernet shield (W5100, W5500) on an Uno; an ESP32 or Uno R4 WiFi needs none.
 //          Motor driver, right: direction on pin 7, PWM on 9; left: direction on 8, PWM on 3. ESP32: 26, 25, 33, 32.
 // Try it:  rostether fleet drive 1 --speed 0.5 --for 2 --key-file fleet.key
-//          where fleet.key holds the key below; make your own with: openssl rand -hex 16 > fleet.key
+//          where fleet.key contains the key below; make your own with: openssl rand -hex 16 > fleet.key
 
 #if defined(ESP32)
 #define HAS_WIFI
@@ -51,7 +51,7 @@ void halt() {
   turn(right, 0);
 }
 
-// 0 degrees is forward, 90 right, 180 back; speed 1 is all of the supply's voltage.
+// 0 degrees is forward, 90 right, 180 back; speed 1 is the whole supply voltage.
 void drive(const arduino_control::ArduinoControl& command) {
   if (!(fabs(command.dir) <= 180 && command.speed >= 0 && command.speed <= 2)) return halt();
   const float outer = ceil(255 * command.speed);
@@ -86,13 +86,13 @@ ros::MulticastCommand<arduino_control::ArduinoControl, EthernetUDP> commands(&dr
 void connect() {
   byte mac[] = {0x00, 0xAA, 0xBB, 0xCC, 0xDE, ROBOT};
   while (!Ethernet.begin(mac)) {}
-  // Do not wait for a sender that disappeared: the motors are running.
+  // The motors are running: do not wait long for the address of a sender that has disappeared.
   Ethernet.setRetransmissionTimeout(20);
   Ethernet.setRetransmissionCount(1);
 }
 
 void watchNetwork() {
-  // May wait for an answer.
+  // This may block until the DHCP server answers.
   if (!commands.isMoving()) Ethernet.maintain();
 }
 #endif

@@ -1,6 +1,6 @@
 // Odom: a simulated robot that drives in a circle. Publishes its pose as the transform odom -> base_link.
 //
-// Wiring: none. A real robot would read speed and turn rate from its wheels' encoders.
+// Wiring: none. A real robot would read its speed and turn rate from the encoders of its wheels.
 // Try it:  rostether serve /dev/ttyACM0          rostether topic echo /tf
 
 #include <ros.h>

@@ -1,4 +1,4 @@
-// Parameters: settings that are stored on the host, read once at the start. A "~" stands for this node's own name.
+// Parameters: settings that are stored on the host, read once at the start. In names, "~" means the name of this node.
 //
 // Wiring: none.
 // Try it:  rostether param set /serial_node/gains "[1.5, 0.25, 0.01]"

@@ -1,4 +1,4 @@
-// ServiceClient: calls the service "test_srv" of another node once a second, and passes its answer on to "chatter".
+// ServiceClient: calls the service "test_srv" of another node once a second, and publishes the answer on "chatter".
 //
 // Wiring: none. The server can be another board with the example ServiceServer.
 // Try it:  rostether serve /dev/ttyACM0 /dev/ttyACM1          rostether topic echo /chatter

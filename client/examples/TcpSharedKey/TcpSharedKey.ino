@@ -2,7 +2,7 @@
 //
 // Wiring:  an Ethernet shield (W5100, W5500) on the board, a cable to the network of the host; nothing on A0.
 // Try it:  rostether serve "tcp://0.0.0.0:11411?psk=board.key"          rostether topic echo /chatter
-//          where board.key holds the key below; make your own with: openssl rand -hex 32 > board.key
+//          where board.key contains the key below; make your own with: openssl rand -hex 32 > board.key
 
 #include <SPI.h>
 #include <Ethernet.h>

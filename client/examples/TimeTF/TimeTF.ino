@@ -1,4 +1,4 @@
-// TimeTF: the host's time, and a coordinate frame. Publishes a transform: base_link is one meter in front of odom.
+// TimeTF: a coordinate frame, with the host's time. Publishes a transform: base_link is one meter in front of odom.
 //
 // Wiring: none.
 // Try it:  rostether serve /dev/ttyACM0          rostether topic echo /tf
@@ -19,7 +19,7 @@ void setup() {
   transform.header.frame_id = "odom";
   transform.child_frame_id = "base_link";
   transform.transform.translation.x = 1.0;
-  transform.transform.rotation.w = 1.0;  // not turned: x = y = z = 0, w = 1
+  transform.transform.rotation.w = 1.0;  // no rotation: x = y = z = 0, w = 1
 }
 
 void loop() {

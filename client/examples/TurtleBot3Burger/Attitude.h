@@ -1,4 +1,4 @@
-// The robot's roll, pitch and yaw: the gyroscope shows each movement, gravity corrects roll and pitch.
+// The robot's roll, pitch and yaw: the gyroscope shows each movement, and gravity corrects roll and pitch.
 #ifndef ATTITUDE_H
 #define ATTITUDE_H
 

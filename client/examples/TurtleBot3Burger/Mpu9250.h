@@ -12,11 +12,11 @@ struct Vector3 {
 // Axes: x forward, y left, z up.
 class Mpu9250 {
  public:
-  Vector3 acceleration;      // m/s^2; level and at rest it reads z = 9.81
+  Vector3 acceleration;      // m/s^2; if the robot is level and at rest, z is 9.81, the reaction to gravity
   Vector3 angular_velocity;  // rad/s
   Vector3 magnetic_field;    // tesla
 
-  // False if no MPU-9250 answers.
+  // Returns false if no MPU-9250 answers.
   bool begin() {
     pinMode(BDPIN_SPI_CS_IMU, OUTPUT);
     digitalWrite(BDPIN_SPI_CS_IMU, HIGH);
@@ -43,7 +43,7 @@ class Mpu9250 {
     return true;
   }
 
-  // Takes the mean of the next measurements as the gyroscope's zero. The robot must be at rest.
+  // Starts to compute the gyroscope's zero, the mean of its next measurements. The robot must be at rest.
   void calibrate() {
     samples_ = 0;
     sum_.x = sum_.y = sum_.z = 0;
@@ -62,7 +62,7 @@ class Mpu9250 {
     const uint8_t* field = bytes + 14;
     const bool is_new = field[0] & 1, is_too_strong = field[7] & 8;
     if (!is_new || is_too_strong) return;
-    // The magnetometer is mounted with other axes.
+    // The magnetometer has other axes than the chip.
     const float tesla = 0.15e-6f;
     magnetic_field.x = littleWord(field + 3) * tesla * adjustment_[1];
     magnetic_field.y = littleWord(field + 1) * tesla * adjustment_[0];
@@ -86,7 +86,7 @@ class Mpu9250 {
   bool beginMagnetometer() {
     uint8_t factory[3];
     if (!writeMagnetometer(0x0b, 1)) return false;     // reset
-    if (!writeMagnetometer(0x0a, 0x0f)) return false;  // its factory calibration
+    if (!writeMagnetometer(0x0a, 0x0f)) return false;  // access its factory calibration
     for (uint8_t i = 0; i < 3; ++i) {
       if (!readMagnetometer(0x10 + i, factory[i])) return false;
       adjustment_[i] = 1 + (factory[i] - 128) / 256.0f;
@@ -94,7 +94,7 @@ class Mpu9250 {
     return writeMagnetometer(0x0a, 0) && writeMagnetometer(0x0a, 0x16);  // 100 measurements a second, of 16 bits
   }
 
-  // The chip reads 8 bytes of the magnetometer, from its status, at each measurement.
+  // Makes the chip read 8 bytes of the magnetometer, starting with its status, at each measurement.
   void readMagnetometerAlways() {
     write(0x25, 0x80 | MAGNETOMETER);
     write(0x26, 0x02);

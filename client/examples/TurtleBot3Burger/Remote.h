@@ -1,4 +1,5 @@
-// ROBOTIS' remote control RC-100 on the Bluetooth connector: packets ff 55, the buttons and their complements.
+// ROBOTIS' remote control RC-100 on the Bluetooth connector. A packet is ff 55, then two bytes of buttons, each with
+// its complement.
 #ifndef REMOTE_H
 #define REMOTE_H
 
@@ -10,7 +11,7 @@ class Remote {
 
   void begin() { SerialBT2.begin(57600); }
 
-  // Whether a packet was received.
+  // Handles received bytes. Returns whether a packet was received.
   bool update() {
     bool has_come = false;
     while (SerialBT2.available() > 0) has_come = push(static_cast<uint8_t>(SerialBT2.read())) || has_come;

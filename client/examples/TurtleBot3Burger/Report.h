@@ -1,4 +1,4 @@
-// The parts of the robot for /diagnostics.
+// The state of the robot's parts for /diagnostics.
 #ifndef REPORT_H
 #define REPORT_H
 
@@ -68,7 +68,7 @@ class Report {
     status.values = values_ + first_value_;
     first_value_ = value_count_;
   }
-  // With one decimal. Not every board's printf supports %f.
+  // Writes a value with one decimal, without %f: not every board's printf supports it.
   void addValue(const char* key, float value, const char* unit) {
     const long tenths = lround(value * 10);
     values_[value_count_].key = key;

@@ -8,7 +8,7 @@
 const int SONAR_TRIGGER = BDPIN_GPIO_1;
 const int SONAR_ECHO = BDPIN_GPIO_2;
 const int ILLUMINATION = A1;
-// Connectors for ROBOTIS' OLLO sensors: 2 an infrared sensor, 3 and 4 touch sensors.
+// The connectors for ROBOTIS' OLLO sensors: connector 2 has an infrared sensor, 3 and 4 have touch sensors.
 const int OLLO_POWER = 46;
 const int CLIFF_LIGHT = 44;
 const int CLIFF = 45;
@@ -18,7 +18,7 @@ const int LEDS[] = {BDPIN_LED_USER_1, BDPIN_LED_USER_2, BDPIN_LED_USER_3, BDPIN_
 
 const float FULL_VOLTS = 12.4;  // three lithium cells
 const float EMPTY_VOLTS = 11.0;
-// An echo from 0.68 m. The program waits for it, between two measurements of the IMU.
+// The time of an echo from 0.68 m. The program waits for the echo between two measurements of the IMU.
 const unsigned long SONAR_LIMIT_US = 4000;
 
 class Sensors {
@@ -44,7 +44,7 @@ class Sensors {
     return (digitalRead(BDPIN_PUSH_SW_1) == HIGH ? turtlebot3_msgs::SensorState::BUTTON0 : 0) |
            (digitalRead(BDPIN_PUSH_SW_2) == HIGH ? turtlebot3_msgs::SensorState::BUTTON1 : 0);
   }
-  // How much of its light comes back from the floor, 0 to 1023.
+  // The amount of the infrared sensor's light that the floor reflects, 0 to 1023.
   float cliff() const {
     digitalWrite(CLIFF_LIGHT, HIGH);
     delayMicroseconds(15);
@@ -63,10 +63,10 @@ class Sensors {
     digitalWrite(SONAR_TRIGGER, HIGH);
     delayMicroseconds(10);
     digitalWrite(SONAR_TRIGGER, LOW);
-    sonar = pulseIn(SONAR_ECHO, HIGH, SONAR_LIMIT_US) * 0.0171f;  // cm in a microsecond, there and back
+    sonar = pulseIn(SONAR_ECHO, HIGH, SONAR_LIMIT_US) * 0.0171f;  // cm per microsecond, there and back
   }
 
-  // The board's LEDs light at LOW. Bit 0 is USER1.
+  // Lights the board's LEDs, which light at LOW. Bit 0 is USER1.
   void show(uint8_t lit) {
     lit_ = lit;
     for (uint8_t i = 0; i < 4; ++i) digitalWrite(LEDS[i], lit >> i & 1 ? LOW : HIGH);

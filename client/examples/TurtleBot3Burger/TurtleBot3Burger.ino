@@ -1,15 +1,16 @@
-// TurtleBot3Burger: the firmware of a TurtleBot3 Burger, for its board OpenCR.
+// TurtleBot3Burger: the firmware for the board of a TurtleBot3 Burger, an OpenCR.
 //
-//   in   cmd_vel        geometry_msgs/Twist                drive; without a new one it stops after half a second
-//        motor_power    std_msgs/Bool                      false: the wheels are free
-//        reset          std_msgs/Empty                     x = y = 0 is here; at rest, calibrates the gyroscope too
+//   in   cmd_vel        geometry_msgs/Twist                speeds; without a new one, it stops after half a second
+//        motor_power    std_msgs/Bool                      false: the wheels turn freely
+//        reset          std_msgs/Empty                     makes the current place x = y = 0; at rest, also
+//                                                          calibrates the gyroscope
 //        sound          turtlebot3_msgs/Sound              a melody
 //   out  imu, magnetic_field                               200 times a second
 //        odom, joint_states, tf, sensor_state,
 //        battery_state, cmd_vel_rc100                      30 times a second
 //        version_info, firmware_version, diagnostics       once a second
 //
-// The parameter ~tf_prefix comes before the names of frames, for several robots in one graph.
+// The parameter ~tf_prefix is put before the names of frames: for several robots in one graph.
 //
 // Wiring:  as ROBOTIS delivers the robot: the servos XL430 (left 1, right 2, 1 Mbaud) at the connectors TTL, the
 //          battery, and the USB port to the computer. Optional: sonar HC-SR04 at GPIO 1 (trigger) and 2 (echo); OLLO
@@ -44,7 +45,7 @@
 #include "Sensors.h"
 #include "Wheels.h"
 
-// Subscribers, publishers, bytes in, bytes out.
+// The sizes are: subscribers, publishers, bytes in, bytes out.
 ros::NodeHandle_<ArduinoHardware, 4, 12, 512, 1024> nh;
 
 nav_msgs::Odometry odom;
@@ -85,12 +86,12 @@ uint32_t commanded_ms, remote_ms;
 uint32_t measured_us;
 uint8_t rounds;
 
-// Frames, with the prefix.
+// The names of the frames, with the prefix.
 struct Frames {
   char odom[48], base_footprint[48], base_link[48], imu_link[48], mag_link[48];
 } frames;
 
-// Is due `hertz` times a second. A loop that is late skips what it has missed.
+// A task that is due `hertz` times a second. A loop that is late skips the times that it has missed.
 class Rate {
  public:
   explicit Rate(uint32_t hertz) : period_us_(1000000 / hertz), last_us_(0) {}
@@ -146,7 +147,7 @@ void setDiagonal(Number* covariance, float variance) {
   covariance[0] = covariance[4] = covariance[8] = variance;
 }
 
-// The constant parts of the messages.
+// Fills in the constant parts of the messages.
 void fillMessages() {
   odom.header.frame_id = transform.header.frame_id = frames.odom;
   odom.child_frame_id = transform.child_frame_id = frames.base_footprint;
@@ -248,7 +249,7 @@ void drive() {
   remote_twist.angular.z = remote.turn;
 }
 
-// USER1 lights while it is connected, USER2 with a low battery, USER3 without torque, USER4 blinks.
+// USER1 lights while the host is connected, USER2 if the battery is low, USER3 without torque. USER4 blinks.
 void showLights() {
   const bool is_low = sensors.batteryVolts() < EMPTY_VOLTS;
   sensors.show((nh.connected() ? 1 : 0) | (is_low ? 2 : 0) | (wheels.hasTorque() ? 0 : 4) | (rounds & 16 ? 8 : 0));

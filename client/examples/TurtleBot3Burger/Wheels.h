@@ -1,4 +1,4 @@
-// The two XL430 servos of a TurtleBot3 Burger: turns speeds into commands, and wheel angles into odometry.
+// The two XL430 servos of a TurtleBot3 Burger: converts speeds to commands, and wheel angles to odometry.
 #ifndef WHEELS_H
 #define WHEELS_H
 
@@ -10,9 +10,9 @@ const float WHEEL_RADIUS = 0.033;      // m
 const float WHEEL_SEPARATION = 0.160;  // m
 const float MAX_SPEED = 0.22;          // m/s
 const float MAX_TURN_RATE = 2.84;      // rad/s
-const uint32_t COMMAND_LIFE_MS = 500;  // without a new command the robot stops
+const uint32_t COMMAND_LIFE_MS = 500;  // after this time without a new command, the robot stops
 
-// The longest silence of a servo. Simulated servos are programs, which can need longer.
+// The longest silence of a servo. Simulated servos are programs, and may need more time.
 #if !defined(DYNAMIXEL_TIMEOUT_US)
 #define DYNAMIXEL_TIMEOUT_US 5000
 #endif
@@ -25,7 +25,7 @@ class DynamixelPort {
     digitalWrite(BDPIN_DXL_PWR_EN, HIGH);
     Serial3.begin(1000000);
     drv_dxl_tx_enable(FALSE);
-    delay(300);  // the servos start
+    delay(300);  // until the servos have started
   }
   void write(const uint8_t* bytes, size_t size) {
     drv_dxl_tx_enable(TRUE);
@@ -42,7 +42,7 @@ struct Wheel {
   int32_t ticks;
   float angle;  // rad, since the start
   float speed;  // rad/s
-  float load;   // part of the full torque, -1 to 1
+  float load;   // a fraction of the full torque, -1 to 1
   float volts;
   uint8_t celsius;
   uint8_t hardware_error;
@@ -54,7 +54,7 @@ class Wheels {
   Wheels() : bus_(port_, DYNAMIXEL_TIMEOUT_US) {}
 
   Wheel left, right;
-  float x, y, heading;     // m, m, rad: since the start, or the last reset
+  float x, y, heading;     // m, m, rad since the start or the last reset
   float speed, turn_rate;  // m/s, rad/s
   bool has_failed;         // a servo does not answer
   uint32_t failures;       // failed requests since the start
@@ -66,8 +66,8 @@ class Wheels {
 
   void resetOdometry() { x = y = heading = 0; }
 
-  // Without torque the wheels are free. With it, a servo that stopped because of a hardware error starts again.
-  // `measure` repeats what a servo did not do.
+  // Switches the torque. Without it, the wheels turn freely. With it, a servo that stopped because of a hardware error
+  // starts again. If a servo fails to do this, `measure` tries again.
   void setTorque(bool on) {
     wants_torque_ = on;
     for (uint8_t i = 0; i < 2; ++i) {
@@ -112,9 +112,9 @@ class Wheels {
  private:
   static constexpr uint8_t LEFT_ID = 1, RIGHT_ID = 2;
   static const uint8_t IDS[2];
-  static const int32_t LIMIT = 265;       // units: what a new XL430 accepts, 0.21 m/s
+  static const int32_t LIMIT = 265;       // units: the largest speed that a new XL430 accepts, 0.21 m/s
   static const uint8_t WATCHDOG = 25;     // units of 20 ms: the servos stop when this program stops
-  // From the torque to the temperature.
+  // The part of the control table from the torque to the temperature.
   static const uint16_t BLOCK_BYTES = dynamixel::PRESENT_TEMPERATURE + 1 - dynamixel::TORQUE_ENABLE;
 
   Wheel& wheel(uint8_t index) { return index == 0 ? left : right; }
@@ -129,7 +129,7 @@ class Wheels {
     return static_cast<int32_t>(constrain(round(units), -LIMIT, LIMIT));
   }
 
-  // The torque is last: a servo without torque is prepared again.
+  // Sets up a servo. The torque comes last: a servo without torque is set up again.
   void prepare(uint8_t id) {
     uint8_t mode;
     if (!note(bus_.read(id, dynamixel::OPERATING_MODE, &mode, 1))) return;
@@ -154,7 +154,7 @@ class Wheels {
     wheel.ticks = dynamixel::toInt32(block + dynamixel::PRESENT_POSITION);
     wheel.volts = dynamixel::toInt16(block + dynamixel::PRESENT_INPUT_VOLTAGE) * 0.1f;
     wheel.celsius = block[dynamixel::PRESENT_TEMPERATURE];
-    // Its power was off for a moment, so it has lost its count of turns.
+    // The power of the servo was off for a moment, so it has lost its count of turns.
     const bool has_restarted = block[dynamixel::BUS_WATCHDOG] == 0;
     if (has_restarted) is_known_ = false;
     if (!wants_torque_) {

@@ -20,7 +20,7 @@ sensor_msgs::Range range_msg;
 ros::Publisher pub_range("ultrasound", &range_msg);
 unsigned long measured_ms;
 
-// The time at which the echo pin leaves the level; 0 if it does not. Unlike pulseIn(), micros() does not lose time
+// Returns the time at which the echo pin leaves the level; 0 if it does not. Unlike pulseIn(), micros() loses no time
 // while bytes are received and sent on the serial line.
 unsigned long endOf(int level) {
   const unsigned long began_us = micros();
@@ -30,7 +30,7 @@ unsigned long endOf(int level) {
   return micros();
 }
 
-// Meters; infinite when no echo came back.
+// Returns meters; infinity if there is no echo.
 float measureRange() {
   digitalWrite(TRIG, HIGH);  // a pulse of 10 us starts a measurement
   delayMicroseconds(10);
@@ -38,7 +38,7 @@ float measureRange() {
   const unsigned long sent_us = endOf(LOW);
   const unsigned long back_us = endOf(HIGH);
   if (sent_us == 0 || back_us == 0) return INFINITY;
-  return (back_us - sent_us) * (SPEED_OF_SOUND / 2);  // the sound went there and back
+  return (back_us - sent_us) * (SPEED_OF_SOUND / 2);  // the sound goes there and back
 }
 
 void setup() {

@@ -81,7 +81,7 @@ float measureRange() {
   const unsigned long sent_us = endOf(LOW);
   const unsigned long back_us = endOf(HIGH);
   if (sent_us == 0 || back_us == 0) return INFINITY;
-  return (back_us - sent_us) * (SPEED_OF_SOUND / 2);  // the sound went there and back
+  return (back_us - sent_us) * (SPEED_OF_SOUND / 2);  // the sound goes there and back
 }
 
 void publishRange() {
