@@ -1,4 +1,4 @@
-# Imu: the acceleration and turning of an MPU-6050 or MPU-9150, 50 times a second on the topic "imu_data".
+# Imu: the acceleration and turn rate of an MPU-6050 or MPU-9150, 50 times a second on the topic "imu_data".
 #
 # Wiring:  sensor VCC - 3V3, GND - GND, SDA - GP4, SCL - GP5.
 # Try it:  rostether serve /dev/ttyACM0          rostether topic echo /imu_data
@@ -13,8 +13,8 @@ from sensor_msgs.msg import Imu
 
 SENSOR = 0x68
 WAKE, FILTER, GYROSCOPE, ACCELEROMETER, MEASURED = 0x6B, 0x1A, 0x1B, 0x1C, 0x3B
-ACCELERATION = 4 * 9.80665 / 32768  # m/s^2, of a range of 4 g
-ANGULAR_VELOCITY = 500 * pi / 180 / 32768  # rad/s, of a range of 500 degrees a second
+ACCELERATION = 4 * 9.80665 / 32768  # m/s^2 per unit, in a range of 4 g
+ANGULAR_VELOCITY = 500 * pi / 180 / 32768  # rad/s per unit, in a range of 500 degrees a second
 PERIOD_MS = 20
 
 i2c = I2C(0, sda=Pin(4), scl=Pin(5), freq=400_000)
@@ -39,7 +39,7 @@ def begin():
 
 def measure():
     i2c.readfrom_mem_into(SENSOR, MEASURED, registers)
-    # The fourth is the sensor's temperature.
+    # The fourth value is the sensor's temperature.
     ax, ay, az, _, wx, wy, wz = unpack(">7h", registers)
     message.linear_acceleration.x = ax * ACCELERATION
     message.linear_acceleration.y = ay * ACCELERATION

@@ -1,6 +1,6 @@
 # Servo: turns a hobby servo to the angle, in degrees from 0 to 180, that it receives on the topic "servo".
 #
-# Wiring:  servo red - VBUS (5V; its own supply for more than one small servo), brown - GND, orange - GP15.
+# Wiring:  servo red - VBUS (5V; a separate supply for more than one small servo), brown - GND, orange - GP15.
 # Try it:  rostether serve /dev/ttyACM0          rostether topic pub -1 /servo std_msgs/UInt16 45
 
 import time

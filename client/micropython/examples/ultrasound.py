@@ -10,7 +10,7 @@ from machine import Pin, time_pulse_us
 from sensor_msgs.msg import Range
 
 SPEED_OF_SOUND = 343.0e-6  # meters in a microsecond, at 20 degrees Celsius
-PERIOD_MS = 50  # under 25 ms the last echo would disturb the next
+PERIOD_MS = 50  # below 25 ms, the last echo would disturb the next one
 LONGEST_ECHO_US = 25000  # there and back over 4 m
 
 trigger = Pin(3, Pin.OUT)
@@ -28,8 +28,8 @@ message.header.frame_id = "ultrasound"
 
 
 def measure():
-    """Return the distance in meters; infinite if no echo came back."""
-    trigger.value(1)  # ten microseconds start a measurement
+    """Return the distance in meters; infinity if there is no echo."""
+    trigger.value(1)  # a pulse of 10 us starts a measurement
     time.sleep_us(10)
     trigger.value(0)
     echo_us = time_pulse_us(echo, 1, LONGEST_ECHO_US)

@@ -1,16 +1,17 @@
-"""The host's time, kept between its answers with the board's milliseconds."""
+"""The host's time: the host's last answer plus the board's milliseconds since then."""
 
 from ros.ticks import ticks_diff
 from ros.times import Time
 
-# Longer than any round trip, and short enough for a clock to stop.
+# Longer than any round trip, so that late answers do not set the clock back. It must not stop much longer.
 _MAX_HOLD_S = 10
 
 
 class Clock:
-    """Never goes back: after an earlier answer it stops until the host has caught up.
+    """A clock that does not go back.
 
-    It follows the host back only if the host's clock was set back by more than 10 s.
+    After an answer below the last returned time, it stops until the host's time is later. It follows the host
+    back only if the host's clock was set back by more than 10 s.
     """
 
     def __init__(self, now_ms):
@@ -19,7 +20,7 @@ class Clock:
         self._ms = now_ms
 
     def advance(self, now_ms):
-        """Move to a moment of the board's clock, so that its counter may start at 0 again."""
+        """Make a moment of the board's clock the new reference, so that its counter may start at 0 again."""
         elapsed_ms = ticks_diff(now_ms, self._ms)
         self._ms = now_ms
         nsec = self._nsec + elapsed_ms % 1000 * 1000000
@@ -36,7 +37,7 @@ class Clock:
         return Time(self._returned_sec, self._returned_nsec)
 
     def follow(self, sec, nsec, now_ms, age_ms):
-        """Set the clock by the host's time `age_ms` ago."""
+        """Set the clock: `sec` and `nsec` were the host's time `age_ms` before `now_ms`."""
         self._sec = sec
         self._nsec = nsec + age_ms * 1000000
         self._ms = now_ms

@@ -21,22 +21,23 @@ SPIN_ERR = -1
 SPIN_TIMEOUT = -2
 
 _SYNC_PERIOD_MS = 2200
-# With _SYNC_PERIOD_MS: after 11 s without an answer, the host counts as disconnected.
+# Together with _SYNC_PERIOD_MS: after 9 to 11 s without an answer, the host has disconnected.
 _MAX_UNANSWERED = 4
-# A gap of this length within a frame means that the rest was lost: longer than the pauses of a Wi-Fi network.
+# After a gap of this length inside a frame, its rest was lost. The pauses of a Wi-Fi network are shorter.
 _GAP_MS = 500
-# TCP loses no byte: the rest is late while lost packets are sent again, for the fourth time after 3 s.
+# TCP loses no byte, but the rest is late while lost packets are sent again: for the fourth time after 3 s.
 _RELIABLE_GAP_MS = 5000
-# A host that searches for boards sends wrong version bytes, and so does noise; a burst needs one answer.
+# A host that searches for boards sends other version bytes, and so does noise. A burst needs one answer.
 _ANSWER_PAUSE_MS = 20
-# The time for which received bytes are handled at once; a line that never pauses must not stop the program.
+# The time limit of a spinOnce: a line that never pauses must not stop the program.
 _SPIN_TIMEOUT_MS = 1000
-# A transmitter that accepts no byte for this long is not connected: at 9600 baud one byte takes 1 ms.
+# If the transmitter accepts no byte for this time, it is not connected: one byte takes 1 ms at 9600 baud.
 _STALL_MS = 100
-# The limit of nested callbacks that wait in a spinOnce; more would fill a board's stack.
+# The limit of callbacks inside each other, each waiting in a spinOnce. More would fill a board's stack.
 _MAX_DEPTH = 3
 
-# The pending answers to the host, one bit each.
+# What _keep_in_touch must react to, as bits: a host that searches for boards, a time without a request for
+# the topics, and a request for the topics.
 _PROBED = 1
 _INTRODUCTION_DUE = 2
 _ANSWER_DUE = 4
@@ -45,15 +46,17 @@ _ANSWER_DUE = 4
 class NodeHandle:
     """A node on some hardware, by default the board's USB port.
 
-    `input_size` is the longest message that it can receive, `output_size` the longest that it can send, in
-    bytes.
+    `input_size` is the length of the longest message that it can receive, and `output_size` of the longest
+    that it can send, in bytes.
 
     The hardware has `read(view, at)`, which reads the available bytes into a memoryview from `at` on, without
-    waiting, and returns their number; and `write(view)`, which returns how many bytes were accepted. Hardware
-    that reconnects by itself, and loses no bytes of a connection, has `relinked()`: whether the link was lost
-    or made since the last call. If it has `relink()`, that is called when the host does not answer for 11 s,
-    because a network can fail without ending the connection. If it has `interrupt()`, that is called for a
-    Ctrl-C between two frames.
+    waiting, and returns their number. It also has `write(view)`, which returns how many bytes were accepted.
+
+    Hardware that reconnects by itself, and loses no byte of a connection, has `relinked()`: it returns
+    whether the link was lost or made since the last call. Between this change and the call, it must not read
+    or write bytes. If the hardware has `relink()`, the node calls it when the host is silent for about 10 s,
+    because a network can fail without ending the connection. If it has `interrupt()`, the node calls it after
+    a Ctrl-C between two frames.
     """
 
     def __init__(self, hardware=None, input_size=512, output_size=512):
@@ -99,7 +102,7 @@ class NodeHandle:
         return self._connected
 
     def dropped(self):
-        """Return how many frames were damaged or unknown, or could not be sent."""
+        """Return the number of frames that were damaged, had an unknown topic, or could not be sent."""
         return self._window.dropped
 
     def now(self):
@@ -107,7 +110,7 @@ class NodeHandle:
         return self._clock.at(ticks_ms())
 
     def setNow(self, moment):
-        """Set the clock, until the host's next answer."""
+        """Set the clock to a Time, which is valid until the host's next answer."""
         self._clock.set(moment, ticks_ms())
 
     def advertise(self, publisher):
@@ -133,7 +136,7 @@ class NodeHandle:
         self._connected = True
 
     def requestSyncTime(self):
-        """Ask the host for its time."""
+        """Request the host's time."""
         self._requested_ms = ticks_ms()
         self._clock.advance(self._requested_ms)
         self._awaits_time = True
@@ -163,10 +166,10 @@ class NodeHandle:
         self._log(4, text)
 
     def getParam(self, name, timeout_ms=1000):
-        """Return a parameter of the host: a number, a text, or a list of them.
+        """Return a parameter of the host: a number, a text, or a list of them. A boolean is 0 or 1.
 
-        None, and a warning in the host's log, if there is none, or no answer within `timeout_ms`.
-        A boolean is 0 or 1.
+        Returns None, and logs a warning on the host, if there is no such parameter, or no answer within
+        `timeout_ms`.
         """
         writer = self._begin()
         writer.string(name)
@@ -184,7 +187,8 @@ class NodeHandle:
     def spinOnce(self):
         """Read received bytes, and run the callbacks for them.
 
-        Returns SPIN_OK; SPIN_ERR if the host asked for the topics; SPIN_TIMEOUT if the line never paused.
+        Returns SPIN_OK; SPIN_ERR if the host requested the topics; SPIN_TIMEOUT if the time limit ended it
+        before all bytes were handled.
         """
         window = self._window
         began_ms = now_ms = ticks_ms()
@@ -212,7 +216,7 @@ class NodeHandle:
         return self._keep_in_touch(now_ms)
 
     def spin_while(self, condition, timeout_ms):
-        """Spin while `condition()` is true, at most `timeout_ms`."""
+        """Spin while `condition()` is true, but at most for `timeout_ms`."""
         began_ms = ticks_ms()
         while condition() and ticks_diff(ticks_ms(), began_ms) < timeout_ms:
             self.spinOnce()
@@ -222,9 +226,11 @@ class NodeHandle:
     def send(self, topic_id, message):
         """For publishers and services: send a message.
 
-        Returns its bytes, 0 without a host, -1 if it is too long or the line did not accept it.
+        Returns the number of bytes sent; 0 without a host; -1 if the message is too long or was not accepted
+        by the line.
         """
-        # After a reset, the host's answer may be waiting. A callback runs because of an earlier message.
+        # After a reset, the host's answer may be among the received bytes. Inside a callback, they are
+        # already being handled.
         if not self._connected and self._depth == 0:
             self.spinOnce()
         if not self._connected:
@@ -237,7 +243,10 @@ class NodeHandle:
         return self._finish(topic_id)
 
     def announce(self, role, topic_id, topic, message_class):
-        """For endpoints: announce a topic, a service's requests or its responses, as topic id `role`."""
+        """For endpoints: announce a topic, or the requests or responses of a service.
+
+        `role` is the topic id of the announcement.
+        """
         writer = self._begin()
         writer.number("H", topic_id)
         writer.string(topic)
@@ -304,7 +313,7 @@ class NodeHandle:
 
     def _handle_time(self, reader):
         now_ms = ticks_ms()
-        # The host read its clock halfway between request and answer.
+        # Assumes that the host read its clock halfway between request and answer.
         age_ms = ticks_diff(now_ms, self._requested_ms) // 2 if self._awaits_time else 0
         sec = reader.number("I")
         self._clock.follow(sec, reader.number("I"), now_ms, age_ms)
@@ -314,7 +323,7 @@ class NodeHandle:
             self._due |= _INTRODUCTION_DUE
 
     def _keep_in_touch(self, now_ms):
-        """Answer the host's requests, equal ones once. Without requests, ask for the time."""
+        """Answer the host's requests for topics, repeated ones once. Without a request, request the time."""
         due = self._due
         self._due = 0
         if self._window.read_foreign() and not self._connected:
@@ -344,7 +353,10 @@ class NodeHandle:
         return writer
 
     def _finish(self, topic_id):
-        """Send the written bytes; return their number, -1 if the line did not accept them."""
+        """Send the written bytes as a frame.
+
+        Returns the number of bytes sent; -1 if the message is too long or was not accepted by the line.
+        """
         writer = self._writer
         end = writer.at
         try:
@@ -361,7 +373,7 @@ class NodeHandle:
         return end + 1 if self._transmit(writer.view[: end + 1]) else -1
 
     def _transmit(self, data):
-        """Write bytes, and read while the transmitter is full. False if the line accepts no more bytes."""
+        """Write bytes, reading while the transmitter is full. Return False once the line accepts no more."""
         write = self._hardware.write
         began_ms = ticks_ms()
         while True:
@@ -374,7 +386,7 @@ class NodeHandle:
                 data = data[count:]
                 began_ms = ticks_ms()
             elif self._stalled or ticks_diff(ticks_ms(), began_ms) > _STALL_MS:
-                # After a stall the next frame does not wait for it again.
+                # After a stall, the next frame does not wait again.
                 self._stalled = True
                 self._window.dropped += 1
                 return False

@@ -2,9 +2,10 @@
 
 
 def read_parameter(reader):
-    """Read RequestParam's response: int32[] ints, float32[] floats, string[] strings; one has elements.
+    """Read the response of RequestParam: int32[] ints, float32[] floats, string[] strings.
 
-    Returns a value if it is one, a list of several, None if there is no such parameter. Raises MisfitError.
+    Only one of them has elements. Returns a single value; a list of several values; None if there is no such
+    parameter. Raises MisfitError.
     """
     ints = reader.array("i")
     floats = reader.array("f")

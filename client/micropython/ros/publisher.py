@@ -12,10 +12,10 @@ class Publisher(Endpoint):
         self._nh.announce(ID_PUBLISHER, self.id, self.topic, self._class)
 
     def publish(self, message):
-        """Send a message; return its bytes.
+        """Send a message.
 
-        0 without a host, -1 if it is too long or the line did not accept it.
-        Raises TypeError for a message of another class.
+        Returns the number of bytes sent; 0 if the topic is not advertised or no host is connected; -1 if the
+        message is too long or was not accepted by the line. Raises TypeError for a message of another class.
         """
         if not isinstance(message, self._class):
             raise TypeError(self.topic + " has messages of " + self._class._type)

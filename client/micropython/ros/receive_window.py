@@ -4,7 +4,7 @@ from ros.wire import Reader
 
 _SYNC = 0xFF
 _VERSION = 0xFE
-# sync, version, length (2), its checksum, topic id (2), and after the payload its checksum.
+# Sync, version, length (2), length checksum, topic id (2), and the checksum after the payload.
 _HEADER_BYTES = 7
 OVERHEAD_BYTES = 8
 _CTRL_C = 3
@@ -24,10 +24,10 @@ class ReceiveWindow:
         self._begin = self._end = 0
         self._foreign = False
         self.reader = Reader(self._bytes)
-        # Beginnings of frames that did not become a message.
+        # The number of frames that started but did not become a message, and of messages that were not sent.
         self.dropped = 0
-        # Whether a Ctrl-C arrived between two frames. After a damaged frame, that byte may belong to the
-        # frame.
+        # Whether a Ctrl-C arrived between two frames. After a damaged frame, such a byte is ignored: it may
+        # belong to the frame.
         self.interrupted = False
         self._in_step = True
 
@@ -36,7 +36,7 @@ class ReceiveWindow:
         return self._begin == self._end
 
     def fill(self, hardware):
-        """Read bytes of the hardware into the free room; return their number."""
+        """Read bytes from the hardware into the free room; return their number."""
         if self._begin == self._end:
             self._begin = self._end = 0
         elif self._end == len(self._bytes):
@@ -78,7 +78,7 @@ class ReceiveWindow:
         return -1
 
     def _frame_end(self, at):
-        """Return the end of a frame by its header; 0 for a damaged header, or a frame that is too long."""
+        """Return the end of a frame, from its header; 0 for a damaged header, or a frame that is too long."""
         data = self._bytes
         length = data[at + 2] | data[at + 3] << 8
         if (data[at + 2] + data[at + 3] + data[at + 4]) & 255 != 255 or length > self.largest_payload:
@@ -92,11 +92,11 @@ class ReceiveWindow:
         self._begin += 1
 
     def forget(self):
-        """Drop all bytes: they arrived on another link."""
+        """Drop all bytes."""
         self._begin = self._end
 
     def read_foreign(self):
-        """Return whether bytes dropped since the last call began a frame of another version."""
+        """Return whether bytes dropped since the last call were the start of a frame of another version."""
         foreign = self._foreign
         self._foreign = False
         return foreign

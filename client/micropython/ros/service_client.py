@@ -5,7 +5,7 @@ from ros.topic_id import ID_SERVICE_CLIENT
 
 
 class ServiceClient(Endpoint):
-    """Calls a service of the graph, and waits for its response; other callbacks run meanwhile."""
+    """Calls a service of the graph, and waits for its response. Other callbacks run meanwhile."""
 
     id_count = 2
 
@@ -20,7 +20,11 @@ class ServiceClient(Endpoint):
         self._nh.announce(ID_SERVICE_CLIENT + 1, self.id, self.topic, self._class.Response)
 
     def call(self, request, timeout_ms=10000):
-        """Return the response; None without a host, during another call, or after `timeout_ms`."""
+        """Call the service and return its response.
+
+        Returns None without a host, during another call, or after `timeout_ms`. Raises TypeError for a
+        request of another class.
+        """
         if not self.begin(request):
             return None
         try:
@@ -30,7 +34,7 @@ class ServiceClient(Endpoint):
         return response
 
     def begin(self, request):
-        """Send a request; return whether it was sent. Raises TypeError for one of another class."""
+        """Send a request; return whether it was sent. Raises TypeError for a request of another class."""
         if not isinstance(request, self._class.Request):
             raise TypeError(self.topic + " has requests of " + self._class.Request._type)
         if not self._nh or self._waits or self._nh.send(self.id + 1, request) <= 0:

@@ -5,7 +5,7 @@ from ros.topic_id import ID_SERVICE_SERVER
 
 
 class ServiceServer(Endpoint):
-    """Answers the calls of a service: `callback(request, response)` sets the fields of the response."""
+    """Answers calls of a service: `callback(request, response)` sets the fields of the response."""
 
     id_count = 2
 

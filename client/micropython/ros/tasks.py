@@ -6,14 +6,14 @@ from ros.ticks import ticks_diff, ticks_ms
 
 
 async def spin(node_handle, pause_s=0.002):
-    """Spin forever, beside other tasks."""
+    """Spin forever while other tasks run. `pause_s` is the time between calls of spinOnce."""
     while True:
         node_handle.spinOnce()
         await sleep(pause_s)
 
 
 async def call(client, request, timeout_ms=10000):
-    """Call a service while `spin` runs as another task; return as ServiceClient.call."""
+    """Call a service while `spin` runs as another task; return and raise the same as ServiceClient.call."""
     if not client.begin(request):
         return None
     began_ms = ticks_ms()

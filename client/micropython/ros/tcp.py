@@ -4,7 +4,7 @@ from ros.ticks import ticks_diff, ticks_ms
 
 # A restarted host is found within a second.
 _PAUSE_MS = 500
-# A host on a local network answers sooner; the program waits meanwhile.
+# A host on a local network answers sooner. The program is blocked meanwhile.
 _CONNECT_S = 2
 
 
@@ -37,7 +37,7 @@ class Tcp:
 
     def read(self, view, at):
         """Read the available bytes; return their number."""
-        # The node learns of a new link before its first byte.
+        # The node must learn of a new link before it reads the first byte.
         if self._changed:
             return 0
         if self._socket is None:
@@ -75,7 +75,7 @@ class Tcp:
                 made.close()
         else:
             self._socket = made
-            # CircuitPython's name, and MicroPython's.
+            # The function's name in CircuitPython, and in MicroPython.
             self._receive = made.recv_into if hasattr(made, "recv_into") else made.readinto
             self._changed = True
         self._tried_ms = ticks_ms()

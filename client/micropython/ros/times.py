@@ -13,7 +13,7 @@ class _Seconds:
         self.nsec = nsec % _NSEC
 
     def toSec(self):
-        """Return seconds; a float of 4 bytes holds a moment of today to about two minutes."""
+        """Return seconds. A float of 4 bytes has a resolution of about two minutes for current times."""
         return self.sec + self.nsec / _NSEC
 
     def serialize(self, writer):
@@ -32,7 +32,7 @@ class _Seconds:
 
 
 class Time(_Seconds):
-    """A moment: `sec` + `nsec` * 1e-9 seconds since 1970, with `nsec` < 1e9."""
+    """A time: `sec` + `nsec` * 1e-9 seconds since 1970, with `nsec` < 1e9."""
 
     _FORMAT = "<II"
 
@@ -46,6 +46,6 @@ class Time(_Seconds):
 
 
 class Duration(_Seconds):
-    """A span: `sec` + `nsec` * 1e-9 seconds, with 0 <= `nsec` < 1e9."""
+    """A duration, which may be negative: `sec` + `nsec` * 1e-9 seconds, with 0 <= `nsec` < 1e9."""
 
     _FORMAT = "<ii"

@@ -1,9 +1,9 @@
-"""Topic ids of the protocol; those of a program's topics count up from FIRST_USER_TOPIC."""
+"""The topic ids of the protocol and their content; user topics count up from FIRST_USER_TOPIC."""
 
-ID_PUBLISHER = 0  # TopicInfo; empty and from the host: "send me your topics"
+ID_PUBLISHER = 0  # TopicInfo; without content from the host: a request for all topics
 ID_SUBSCRIBER = 1
-ID_SERVICE_SERVER = 2  # responses; requests are one more
-ID_SERVICE_CLIENT = 4  # requests; responses are one more
+ID_SERVICE_SERVER = 2  # responses; the id for requests is one higher
+ID_SERVICE_CLIENT = 4  # requests; the id for responses is one higher
 ID_PARAMETER_REQUEST = 6
 ID_LOG = 7
 ID_TIME = 10

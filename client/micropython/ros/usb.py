@@ -18,7 +18,10 @@ def usb_hardware():
 
 
 class UsbSerial:
-    """MicroPython's standard input and output. Only a Ctrl-C between frames stops the program."""
+    """MicroPython's standard input and output.
+
+    The bytes of messages may contain a Ctrl-C, so only a Ctrl-C between two frames stops the program.
+    """
 
     def __init__(self):
         import select
@@ -32,7 +35,7 @@ class UsbSerial:
         self._output = sys.stdout.buffer
         self._poll = select.poll()
         self._poll.register(sys.stdin, select.POLLIN)
-        # Standard input waits until it has filled a buffer.
+        # Only one byte is read at a time: standard input blocks until it has filled the buffer.
         self._byte = memoryview(bytearray(1))
 
     def read(self, view, at):

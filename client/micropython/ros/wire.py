@@ -1,18 +1,19 @@
-"""Writes and reads messages in ROS 1 serialization, within buffers of a fixed size."""
+"""Writes and reads messages in ROS 1 serialization, in buffers of a fixed size."""
 
 from array import array
 from struct import pack_into, unpack_from
 
-# An element without bytes, as of std_msgs/Empty[], must not let four bytes on the line fill the memory.
+# The limit of elements without bytes, as in std_msgs/Empty[]: otherwise, an array of four bytes on the line
+# could fill the memory.
 _MAX_EMPTY = 255
 
 
 class MisfitError(ValueError):
-    """A message that does not fit into the buffer, or bytes that are not a message."""
+    """A message does not fit in the buffer, or the bytes are not a message of the expected type."""
 
 
 class Writer:
-    """A buffer that a message is written into."""
+    """Writes a message to a buffer of `size` bytes."""
 
     def __init__(self, size):
         self.buffer = bytearray(size)
@@ -32,7 +33,11 @@ class Writer:
         pack_into("<" + code, self.buffer, self.room(_SIZES[code]), value)
 
     def bytes(self, data, length=None):
-        """Write uint8[]; `length` is that of an array of a fixed length."""
+        """Write uint8[].
+
+        Here and in the other functions for arrays, `length` is the length of an array of a fixed length.
+        Raises ValueError if the array has another length.
+        """
         self._count(data, length)
         at = self.room(len(data))
         self.view[at : self.at] = bytes(data)
@@ -70,7 +75,7 @@ class Writer:
 
 
 class Reader:
-    """The bytes of a message between `at` and `end` of a buffer."""
+    """Reads a message from the bytes between `at` and `end` of a buffer."""
 
     def __init__(self, buffer):
         self.buffer = buffer
@@ -122,7 +127,7 @@ class Reader:
         return found
 
     def finish(self):
-        """Check that nothing follows. Raises MisfitError."""
+        """Check that all bytes are read. Raises MisfitError if not."""
         if self.at != self.end:
             raise MisfitError("message too long")
 
