@@ -1,4 +1,4 @@
-"""The page that explains how to make a phone trust this machine, with the certificate to install."""
+"""The page that explains how to make a device trust this machine, with the certificate to install."""
 
 from __future__ import annotations
 

@@ -124,7 +124,7 @@ class Recordings:
         await self.playback.stop()
 
     async def state(self) -> Mapping[str, Any]:
-        """Return the running recording and the finished files, as values for JSON."""
+        """Return the running recording, the playback and the finished files, as values for JSON."""
         state: dict[str, Any] = {
             "active": None,
             "playing": self.playback.state(),

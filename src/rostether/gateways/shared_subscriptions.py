@@ -138,7 +138,7 @@ class _Source:
         self._latched: dict[str, Batch] = {}
         self._last: PublisherConnection | None = None
         self._opening = asyncio.ensure_future(self._open())
-        # Subscribers that still wait get the error. Without any, asyncio would log it.
+        # Waiting subscribers get the error. If there are none, this keeps asyncio from logging it.
         self._opening.add_done_callback(lambda task: task.cancelled() or task.exception())
         self._has_ended = False
 

@@ -7,7 +7,7 @@ from itertools import islice
 
 from rostether.mechanisms.text import escape_line
 
-# An error text with a value of this length fits on a line of the page or two.
+# A longer value would hide the rest of the error.
 _MAX_SHOWN = 80
 _SHOWN_DEPTH = 3
 _REST = "..."

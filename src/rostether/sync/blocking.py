@@ -1,4 +1,4 @@
-"""Blocking methods for the program's threads, from objects of the event loop."""
+"""Makes blocking methods, for the program's threads, from the methods of objects in the event loop."""
 
 from __future__ import annotations
 

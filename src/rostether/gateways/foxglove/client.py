@@ -29,7 +29,7 @@ _VIEW_ONLY = "this connection may only view; open the page with the full token t
 
 
 class Client:
-    """One client; `sender` sends to it, and `on_closed` is called when the client has left."""
+    """One client with its rights; `sender` sends to it, and `on_closed` is called when it has left."""
 
     def __init__(
         self,

@@ -109,7 +109,7 @@ class ServiceRequest(Action, frozen=True):
 
 
 class GetParameters(ClientMessage, frozen=True):
-    """Requests the values of parameters; without names, of all of them."""
+    """Requests the values of the named parameters, or of all if none are named."""
 
     capability = "parameters"
 
@@ -135,7 +135,7 @@ class SetParameters(Action, frozen=True):
 
 
 class SubscribeParameters(ClientMessage, frozen=True):
-    """Subscribes to changes of parameters; without names, of all of them."""
+    """Subscribes to changes of the named parameters, or of all if none are named."""
 
     capability = "parametersSubscribe"
 
@@ -143,7 +143,7 @@ class SubscribeParameters(ClientMessage, frozen=True):
 
 
 class UnsubscribeParameters(ClientMessage, frozen=True):
-    """Unsubscribes from changes of parameters; without names, of all of them."""
+    """Unsubscribes from changes of the named parameters, or of all if none are named."""
 
     parameter_names: _Texts
 
@@ -172,7 +172,7 @@ class ListRecordings(ClientMessage, frozen=True):
 
 
 class StartRecording(Action, frozen=True):
-    """Starts a recording; without topics, of all of them. An op of this gateway."""
+    """Starts a recording of the topics, or of all if none are given; an op of this gateway."""
 
     topics: _Texts = ()
     format: _Text = "bag"

@@ -14,7 +14,10 @@ from rostether.gateways.foxglove.foxglove_context import FoxgloveContext
 
 
 class ClientParameters:
-    """Requests of one client; `send` sends the answers, `report_error` reports errors."""
+    """Handles one client's requests about parameters.
+
+    `send` sends the responses to the client, and `report_error` reports an error.
+    """
 
     def __init__(
         self,
@@ -52,7 +55,7 @@ class ClientParameters:
         self._ask(set_values, "parameters cannot be set")
 
     def watch(self, request: requests.SubscribeParameters) -> None:
-        """Report changes from now on; without names, of all parameters."""
+        """Report changes of the named parameters from now on, or of all if none are named."""
         if request.parameter_names:
             self._watch_each(request.parameter_names)
             return
@@ -63,7 +66,7 @@ class ClientParameters:
         self._ask(watch_all, "parameters cannot be watched")
 
     def unwatch(self, request: requests.UnsubscribeParameters) -> None:
-        """Stop reporting changes; without names, of all parameters."""
+        """Stop reporting changes of the named parameters, or of all if none are named."""
         self._unwatch_each(request.parameter_names or tuple(self._watched))
 
     def close(self) -> None:

@@ -82,7 +82,9 @@ class ClientRecordings:
             self._refuse()
             return
         if self._changes >= MAX_REQUESTS:
-            self._report_error(f"more than {MAX_REQUESTS} requests about recordings at once; wait")
+            self._report_error(
+                f"more than {MAX_REQUESTS} requests about recordings at once; wait for the responses"
+            )
             return
         self._changes += 1
 

@@ -18,7 +18,7 @@ from rostether.msgdef.registry import Registry
 from rostether.serde.codec import Codec
 from rostether.serde.store import TypeStore
 
-# Messages that a client sends before its topic is advertised: a second of a flood, or two large images.
+# The limit of messages that wait until a topic is advertised: a second of a flood, or two large images.
 MAX_EARLY_MESSAGES = 10_000
 MAX_EARLY_BYTES = 32 << 20
 

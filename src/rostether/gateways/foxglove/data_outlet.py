@@ -12,7 +12,7 @@ from collections.abc import Callable, Sequence
 
 from rostether.gateways.websocket.topic_queues import TopicQueues
 
-# The whole message in one frame.
+# The first byte of a frame that contains a whole binary message.
 _BINARY = 0x82
 _MESSAGE_DATA = 0x01
 _HEADER_BYTES = 13

@@ -1,4 +1,4 @@
-"""A command topic that a client drives under the lease of `teleop/`: its channel has a driver."""
+"""A command topic that a client drives under the lease of `teleop/`. Its channel names a driver."""
 
 from __future__ import annotations
 

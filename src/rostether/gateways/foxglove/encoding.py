@@ -17,7 +17,7 @@ from rostether.serde.layout import Layout
 # Longer messages may take longer than 10 ms. In JSON, each `{}` can be a message with default values.
 MAX_QUICK_JSON_BYTES: Final = 1 << 10
 
-# Each string in a list has its own length, which takes 4 bytes and 0.3 µs.
+# The check of each string in a list takes 0.3 µs, and an empty string has only 4 bytes.
 MAX_QUICK_ROS1_BYTES: Final = 32 << 10
 
 # Types with more default values are slow in any JSON message.
@@ -32,7 +32,7 @@ class Encoder(Struct, frozen=True):
 
     @classmethod
     def of_json(cls, codec: Codec) -> Encoder:
-        """Convert JSON."""
+        """Return the encoder of JSON messages of a type."""
         is_small = codec.tree.zero_elements <= _MANY_DEFAULTS
         return cls(
             lambda payload: codec.encode(decode_json(codec, payload)), MAX_QUICK_JSON_BYTES if is_small else 0
@@ -40,7 +40,7 @@ class Encoder(Struct, frozen=True):
 
     @classmethod
     def of_ros1(cls, layout: Layout) -> Encoder:
-        """Check ROS 1 messages."""
+        """Return the encoder of ROS 1 messages, which only checks them."""
 
         def check(payload: bytes) -> bytes:
             if not layout.accepts(payload):
@@ -54,7 +54,7 @@ class Encoder(Struct, frozen=True):
         return len(payload) > self.max_quick_bytes
 
     async def convert(self, payload: bytes) -> bytes:
-        """Return the ROS message, without delaying others. Raises SerializationError."""
+        """Return the ROS message, without delaying other clients. Raises SerializationError."""
         if self.is_slow(payload):
             return await asyncio.to_thread(self.encode, payload)
         return self.encode(payload)

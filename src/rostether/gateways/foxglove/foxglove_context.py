@@ -47,7 +47,7 @@ class FoxgloveContext(Struct, frozen=True, kw_only=True):
         return self.settings.limits
 
     def run(self, work: Coroutine[Any, Any, None]) -> None:
-        """Run the cleanup after a client or a channel; errors of the graph are ignored."""
+        """Run work that does not end with its client, such as a cleanup; errors of the graph are ignored."""
         start_task(self._work, _contained(work))
 
     async def close(self) -> None:

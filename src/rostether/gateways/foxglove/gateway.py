@@ -1,4 +1,4 @@
-"""A live graph for Foxglove: topics, services, parameters, publishing, assets, over its WebSocket protocol.
+"""Serves a live graph to Foxglove over its WebSocket protocol: topics, services, parameters and assets.
 
 async with FoxgloveGateway(graph, store, FoxgloveSettings()) as gateway:
     print(gateway.url)
@@ -113,7 +113,7 @@ class FoxgloveGateway(BlockClosable):
         )
         self._clients: dict[Client, None] = {}
         self._statuses: dict[str, str] = {}
-        # Why the graph cannot be read now.
+        # Why the graph cannot be read now; empty if it can.
         self._problem = ""
         self._following: asyncio.Task[None] | None = None
         self._leaving: asyncio.Task[None] | None = None
@@ -225,7 +225,7 @@ class FoxgloveGateway(BlockClosable):
             await asyncio.sleep(_RETRY_S)
 
     def _show_problem(self, problem: str) -> None:
-        """Show clients that the graph cannot be read, until it can."""
+        """Show clients why the graph cannot be read; an empty `problem` removes the line."""
         if problem == self._problem:
             return
         self._problem = problem

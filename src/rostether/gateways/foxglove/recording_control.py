@@ -68,7 +68,7 @@ class RecordingReports:
             self._task = asyncio.ensure_future(self._keep_reporting())
 
     async def close(self) -> None:
-        """End the reports, and the recording."""
+        """End the reports, the playback and the recording."""
         self._followers.clear()
         if self._task is not None:
             self._task.cancel()

@@ -179,7 +179,7 @@ def service_response(service_id: int, call_id: int, encoding: str, payload: byte
 
 
 def time(time_ns: int) -> bytes:
-    """Return the server's time."""
+    """Return the message with the server's time."""
     return _TIME.pack(_TIME_OPCODE, time_ns)
 
 

@@ -17,7 +17,7 @@ from rostether.mechanisms.tasks import cancel_all
 from rostether.msgdef.interface import ANY_TYPE
 from rostether.serde.store import TypeStore
 
-# Finds the type of a service that the graph does not list, by asking its server. Raises RostetherError.
+# Asks the server of a service for its type, which a ROS 1 master does not know. Raises RostetherError.
 FindServiceType: TypeAlias = Callable[[str], Awaitable[str]]
 
 # More than any graph has: a ROS 1 node of roscpp has two, one of ROS 2 seven.

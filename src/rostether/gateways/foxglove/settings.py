@@ -13,7 +13,7 @@ from rostether.gateways.websocket.settings import ConnectionLimits, ServerSettin
 # The default port of Foxglove.
 DEFAULT_PORT = 8765
 
-# The capabilities of clients besides reading topics; simulated time is also sent.
+# What clients may do besides reading topics. The gateway adds `time` while the clock is simulated.
 CAPABILITIES = (
     "clientPublish",
     "parameters",

@@ -9,7 +9,7 @@ from rostether.gateways.new_topic import DRAIN_S, wait_for_subscribers
 from rostether.graph.ports import Graph, Publisher
 from rostether.msgdef.interface import MessageType
 
-# The limit of messages that wait for subscribers; a client that sends more may lose the oldest.
+# The limit of messages that wait for subscribers; above it, they are published immediately.
 MAX_FIRST_BYTES = 4 << 20
 
 
@@ -38,7 +38,7 @@ class ClientPublication:
         return publication
 
     async def publish(self, payloads: Sequence[bytes]) -> None:
-        """Publish; a client that floods its subscribers is slowed down a little."""
+        """Publish; if a subscriber is slow, wait for it, but at most `DRAIN_S`."""
         if self._first is not None:
             self._first += payloads
             self._first_bytes += sum(map(len, payloads))

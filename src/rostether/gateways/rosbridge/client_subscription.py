@@ -45,7 +45,7 @@ _STRENGTH = list(Compression)
 
 
 class Delivery(Struct, frozen=True):
-    """The rate, queue and form of the messages of one subscription."""
+    """The rate, queue and form of the messages of one subscription, or the form of a response."""
 
     throttle_s: float = 0.0
     queue_length: int = 0
@@ -54,7 +54,7 @@ class Delivery(Struct, frozen=True):
 
     @classmethod
     def read(cls, request: Request) -> Delivery:
-        """Read a subscribe or call_service message. Raises RemoteProtocolError."""
+        """Return the delivery that a message requests. Raises RemoteProtocolError."""
         name = request.optional_word("compression") or Compression.NONE
         try:
             compression = Compression(name)

@@ -95,7 +95,7 @@ class ClientTopics:
             await subscription.close()
 
     async def close(self) -> None:
-        """End everything; publications linger."""
+        """End the subscriptions, and let the publications linger."""
         for publication in self._publications.values():
             self._context.linger(publication)
         self._publications.clear()

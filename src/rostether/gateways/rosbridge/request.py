@@ -104,9 +104,10 @@ class Request:
 
 
 def fields_by_name(request: Codec, args: Any) -> dict[str, Any]:
-    """Return a service's request by name: a client may also send a list of values, or one value.
+    """Return the fields of a service's request by name.
 
-    Raises RemoteProtocolError.
+    A client may also send a list of their values, or only the first value. Raises RemoteProtocolError for too
+    many values.
     """
     if args is None or isinstance(args, dict):
         return args or {}

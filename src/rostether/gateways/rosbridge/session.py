@@ -231,7 +231,7 @@ class Session:
         self._connection.abort()
 
     async def _next_frames(self) -> list[Frame]:
-        """Return the frames that fit into one iteration and one write."""
+        """Return the frames that fit in one iteration and one write."""
         loop = asyncio.get_running_loop()
         turn_ends_s = loop.time() + TURN_S
         frames: list[Frame] = []

@@ -10,7 +10,7 @@ from rostether.gateways.shown_values import show
 
 
 class StatusLevel(IntEnum):
-    """Levels of statuses; the worst level is the lowest, and a client receives those up to its level."""
+    """Levels of statuses, the most severe first. A client receives the statuses up to its level."""
 
     NONE = 0
     ERROR = 1

@@ -28,9 +28,10 @@ _MAX_FORMS: Final = 512
 
 
 class Leaves(msgspec.Struct, frozen=True):
-    """Converts the values that are not messages; `numbers` gets the element's `struct` format.
+    """Converts the values that are not messages.
 
-    `omitted` are fields, as `package/Name.field`, that the form omits.
+    `numbers` returns the function for arrays of numbers, given the `struct` format of an element; None keeps
+    them as lists. `omitted` are fields, as `package/Name.field`, that the form omits.
     """
 
     stamp: Callable[[Any], Any]

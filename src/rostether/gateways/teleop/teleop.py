@@ -31,7 +31,7 @@ class Driver(Hashable, Protocol):
     name: str
 
     def lease_changed(self, holder: str) -> None:
-        """Report the name of the current driver; empty: no client."""
+        """Report the name of the current driver, an empty string if there is none."""
 
     def ended(self, reason: str) -> None:
         """Report that the topic can no longer be driven, and why."""
@@ -58,7 +58,7 @@ class CommandTopic:
 
     @property
     def holder(self) -> str:
-        """The name of the current driver; empty: no client."""
+        """The name of the current driver, an empty string if there is none."""
         return self._holder.name if self._holder is not None else ""
 
     def is_stop(self, payload: bytes) -> bool:
@@ -163,7 +163,9 @@ class Teleop:
             found = self._topics.get(topic)
             if found is None:
                 if len(self._topics) >= MAX_TOPICS:
-                    raise ConfigError(f"at most {MAX_TOPICS} topics can be driven at once")
+                    raise ConfigError(
+                        f"at most {MAX_TOPICS} topics can be driven at once; close a page that drives another"
+                    )
                 graph = await self._joined()
                 publisher = await graph.advertise(topic, message_type)
                 commands = DriveCommands(message_type.name, await _read_limits(graph))

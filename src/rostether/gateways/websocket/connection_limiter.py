@@ -39,7 +39,7 @@ class ConnectionLimiter:
         self._omitted_count = 0
 
     def admit(self, transport: asyncio.BaseTransport) -> bool:
-        """Return whether a new connection is admitted, and count it; the caller reports its end."""
+        """Return whether a new connection is admitted, and count it until the caller calls `release`."""
         reason = self._refusal(transport)
         if reason:
             self.report_refusal(transport, reason)

@@ -12,11 +12,11 @@ class PingWatch:
         self._unsent_bytes = 0
 
     def received(self) -> None:
-        """Record a frame of the client, which answers all pings."""
+        """Record a frame of the client: it counts as the answer to all pings."""
         self._unanswered = 0
 
     def is_lost(self, unsent_bytes: int, *, is_reading: bool) -> bool:
-        """Return whether the client has disconnected, or else count the ping that is sent next."""
+        """Return whether the client has disconnected; if not, count the ping that is sent next."""
         has_read = unsent_bytes != self._unsent_bytes
         self._unsent_bytes = unsent_bytes
         # A client that still reads is alive, even if its pong is late. The pong of a paused client cannot be

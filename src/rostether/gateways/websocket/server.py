@@ -46,7 +46,7 @@ CLOSE_LIMIT_S = 2.0
 
 
 class WebSocketServer:
-    """Listens for connections.
+    """Accepts WebSockets and plain requests at one address.
 
     Args:
         protocol: The protocol of its WebSockets.

@@ -26,7 +26,8 @@ DOWNLOADS = "/recordings/"
 TILES = "/tiles/"
 _TILE = re.compile(r"/tiles/(\d{1,2})/(\d{1,9})/(\d{1,9})")
 
-# Only scripts, styles and images of this page; only connections to this server; no embedding in frames.
+# Only scripts, styles and images of this page; requests only to this server, but WebSockets to any gateway;
+# no embedding in frames.
 POLICY = (
     "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' blob: data:; "
     "connect-src 'self' ws: wss:; worker-src 'self' blob:; manifest-src 'self'; "

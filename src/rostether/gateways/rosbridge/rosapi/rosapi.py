@@ -227,5 +227,5 @@ def service_rows(
 
 
 def _default(asked: Message) -> str:
-    """Return the value for an unset parameter; `default` is a field of ROS 2's definitions."""
+    """Return the value for an unset parameter: the field is `default` in ROS 1, `default_value` in ROS 2."""
     return str(asked.default_value if hasattr(asked, "default_value") else asked.default)
