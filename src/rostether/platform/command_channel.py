@@ -21,10 +21,10 @@ _LAST_EPOCH_US = 1 << 62
 
 
 class CommandChannel:
-    """Sends one sender's frames; `report` gets a line when two robots have the same id.
+    """Sends one sender's frames; `report` gets a line when sending fails, or two robots have the same id.
 
-    With `reports_refusals`, it also gets a line when a robot refuses the sender.
-    Raises ConfigError for an address that is not numeric.
+    With `reports_refusals`, it also gets a line when a robot refuses the sender. Raises ConfigError for an
+    address that is not numeric.
     """
 
     def __init__(
@@ -66,9 +66,9 @@ class CommandChannel:
         return self._last_epoch_us > self.epoch_us
 
     def start_sender(self, settings: SenderSettings) -> CommandSender:
-        """Return a sender with a new epoch: the clock, or later than that of every known sender.
+        """Return a sender whose epoch is the current time, or later if a known sender has a later epoch.
 
-        The clock of an earlier sender may have been ahead: robots would refuse this one, and its stops.
+        If the clock of an earlier sender was ahead, robots would otherwise refuse this sender and its stops.
         """
         self.epoch_us = max(time.time_ns() // 1000, self._last_epoch_us + 1)
         self._refused.clear()

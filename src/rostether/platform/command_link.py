@@ -33,7 +33,7 @@ RELEASE_FRAMES = 3
 CHANGE_FRAMES = 3
 
 _LAST_SEQUENCE = 0xFFFF_FFFF
-# A frame moves a robot only if it has ARMED alone of these flags.
+# A frame moves a robot only if ARMED is the only one of these flags that it has.
 _MOTION = Flags.ARMED | Flags.STOP | Flags.RELEASE
 
 
@@ -67,7 +67,7 @@ class CommandSender:
 
     @property
     def due_s(self) -> float | None:
-        """When to call `repeat` next, None if only a command must be sent next."""
+        """When to call `repeat` next; None until the next command or stop."""
         return self._due_s
 
     def command(self, payload: bytes, now_s: float) -> list[bytes]:
@@ -157,8 +157,8 @@ class CommandReceiver:
         self._epoch_us = 0
         self._sequence = 0
         self._deadline_s: float | None = None
-        # The newest frame refused because of another sender: if it is recorded and replayed, it has no
-        # effect.
+        # The epoch and sequence of the newest frame that was refused because of another sender: replaying it
+        # has no effect.
         self._refused = (0, 0)
         self.is_moving = False
         self.lost_count = 0

@@ -115,8 +115,8 @@ class FleetSender:
 
     def close(self) -> None:
         """Release the robots, so that other senders may command them, and close the sockets."""
-        # After queries alone, robots would obey a release as one of a later sender, and then refuse earlier
-        # senders.
+        # If only queries were sent, robots would obey the release as that of a later sender, and then refuse
+        # earlier senders.
         if self._has_commanded:
             self._send([self._commands.release() for _ in range(RELEASE_FRAMES)])
         self._channel.close()

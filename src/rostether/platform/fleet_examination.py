@@ -36,8 +36,8 @@ class Examination(Struct):
     """The measurements. Robots are identified by id and host.
 
     `asks_group` is False for a fleet without multicast. `silent_hosts` are the configured addresses at which
-    no robot answers. `pairs` are two robots each, and whether the first reaches the second. `has_querier` is
-    None if this machine may not listen; `listened_s` is 0 if the fleet needs no querier.
+    no robot answers. `pairs` are pairs of robots, and whether the first reaches the second. `has_querier`
+    is None if this machine may not listen; `listened_s` is 0 if the fleet needs no querier.
     """
 
     asks_group: bool

@@ -133,7 +133,7 @@ class _Receiver:
             asyncio.get_running_loop().add_reader(each, self._read, each)
 
     async def keep_joined(self) -> None:
-        """Join, and repeat the join when due, until cancelled."""
+        """Join the group, and join again when necessary, until cancelled."""
         if not self._address.is_multicast:
             await asyncio.Event().wait()
         has_failed = False

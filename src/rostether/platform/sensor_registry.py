@@ -99,7 +99,7 @@ class SensorRegistry:
         return tuple(self._sensors.values())
 
     def find(self, sensor_id: str) -> Sensor | None:
-        """Return the sensor with an id, if there is one."""
+        """Return the sensor with an id, None if there is none."""
         return self._sensors.get(sensor_id)
 
     def state(self, sensor_id: str) -> tuple[str, str, float]:

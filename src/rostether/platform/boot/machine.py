@@ -35,7 +35,7 @@ class Machine(Struct, frozen=True):
 
     @property
     def text(self) -> str:
-        """The robot.toml."""
+        """The content of the robot.toml."""
         lines = [
             "# What this machine runs: each part is a rostether command.",
             f"name = {_quoted(self.name)}",
@@ -72,5 +72,5 @@ def _toml_key(name: str) -> str:
 
 
 def _quoted(text: str) -> str:
-    # A JSON string is a basic string of TOML, except for DEL and for characters in two escapes.
+    # A JSON string is also a basic string of TOML, if DEL is escaped and no character is a surrogate pair.
     return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007F")

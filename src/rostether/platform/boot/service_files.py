@@ -59,7 +59,7 @@ def default_robot_file(is_system: bool) -> Path:
 
 
 def files_of(installation: Installation, *, dashboard: str = "") -> Mapping[Path, str]:
-    """Return the files to write; `dashboard` is the address to open at login, if any."""
+    """Return the files to write; `dashboard` is the address to open at login, empty for none."""
     files = {installation.unit: unit_text(installation)}
     if installation.is_system:
         files[installation.rules] = RULES
@@ -69,7 +69,10 @@ def files_of(installation: Installation, *, dashboard: str = "") -> Mapping[Path
 
 
 def path_below(root: Path | None, path: Path) -> Path:
-    """Return a path in the folder `root`, such as a mounted image. Raises ConfigError if it leaves it."""
+    """Return a path below the folder `root`, such as a mounted image, or the path itself without a root.
+
+    Raises ConfigError if a link leads out of the folder.
+    """
     if root is None:
         return path
     target = root / path.relative_to("/")

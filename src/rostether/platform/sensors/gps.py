@@ -20,7 +20,7 @@ MESSAGE_TYPE = "sensor_msgs/NavSatFix"
 # Receivers send at most ten positions per second; a slow subscriber gets the newest ones.
 _MAX_WAITING = 100
 
-# Without a position for this time the sensor reports why, before it would count as silent.
+# After this time without a position, the sensor reports the reason, before it counts as silent.
 _REPORT_S = 2.5
 
 

@@ -18,7 +18,7 @@ from rostether.serde.field_path import FieldPath
 
 MESSAGE_TYPE = "std_msgs/Float64"
 
-# Without hysteresis, a value near its limit would change the state with each reading.
+# How long an alert lasts at least: a value near its limit would change the state with each reading.
 ALERT_HOLD_S = 2.0
 
 
