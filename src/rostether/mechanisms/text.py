@@ -98,3 +98,9 @@ def unpublished_warning(topic: str, published: Iterable[str]) -> str:
     """Return rostopic's warning that no node publishes a topic yet, with the most similar published one."""
     hint = did_you_mean(topic.partition("[")[0], published)
     return f"WARNING: topic [{topic}] does not appear to be published yet{hint and f'; {hint}'}"
+
+
+def unknown_topic(topic: str, known: Iterable[str]) -> str:
+    """Return the error for a topic without publishers and subscribers, with the most similar known topic."""
+    hint = did_you_mean(topic, known) or "`rostether topic list` shows all topics"
+    return f"topic {topic} has no publisher and no subscriber; {hint}"

@@ -25,8 +25,8 @@ class TopicListing:
     namespace: str | None = argument(required=False, shell_complete=complete_topics)
     bag: Path | None = option("-b --bag FILE", "List the topics of this recording.", type=PATH)
     verbose: bool = flag("-v --verbose", "Show types and how many nodes publish and subscribe.")
-    publishers: bool = flag("-p", "Only topics that are published.")
-    subscribers: bool = flag("-s", "Only topics that are subscribed to.")
+    publishers: bool = flag("-p", "List only topics that are published.")
+    subscribers: bool = flag("-s", "List only topics that are subscribed to.")
     by_host: bool = flag("--host", "Group by machine.")
     show_types: bool = flag("-t --show-types", "Show types.")
     count_topics: bool = flag("-c --count-topics", "Print only the number of topics.")
@@ -99,14 +99,16 @@ def with_field(topic: str, options: EchoOptions) -> str:
 class PubOptions:
     """The options of `topic pub`."""
 
-    once: bool = flag("-1 --once", "Publish one message, wait until it arrives, and exit.")
+    once: bool = flag(
+        "-1 --once", "Publish one message and exit after 3 s; with --ros2, as soon as subscribers have it."
+    )
     rate_hz: float | None = option(
         "-r --rate HZ", "Publish repeatedly, this many times a second.", type=POSITIVE
     )
     latch: bool = flag("-l --latch", "Also latch with -r, -f and pipes; a single message is always latched.")
     file: Path | None = option("-f --file", "Read the messages from a YAML file.", type=PATH)
     substitute_keywords: bool = flag(
-        "-s --substitute-keywords", "With -r, fill `now` and `auto` in each time."
+        "-s --substitute-keywords", "With -r, fill in `now` and `auto` for each message."
     )
     use_rostime: bool = flag("--use-rostime", "Stamp with ROS time, not with this machine's clock.")
     verbose: bool = flag("-v", "Show what is published.")

@@ -14,8 +14,8 @@ from rostether.cli.shell.running import run
 from rostether.cli.topic.options import TopicListing
 from rostether.cli.topic.ros1_chosen_topic import choose_topic, resolve_with_field
 from rostether.cli.topic.ros1_topic_views import TopicView, fetch_topics, node_uris
-from rostether.cli.topic.topics import unknown_topic
-from rostether.mechanisms.text import counted, escape_line
+from rostether.errors import UnknownNameError
+from rostether.mechanisms.text import counted, escape_line, unknown_topic
 from rostether.names.graph_name import is_in_namespace
 from rostether.ros1.environment import RosEnvironment, parse_rpc_uri
 
@@ -91,7 +91,7 @@ class Ros1TopicListing:
         views = run(fetch_topics(self._environment))
         chosen = choose_topic(name, views, store)
         if chosen is None:
-            raise unknown_topic(name, (view.name for view in views))
+            raise UnknownNameError(unknown_topic(name, (view.name for view in views)))
         if not chosen.field:
             write_line(chosen.type)
         else:
@@ -152,4 +152,4 @@ async def _fetch_one(topic: str, environment: RosEnvironment) -> tuple[TopicView
         if view.name == name:
             async with master_client(environment) as client:
                 return view, await node_uris(client, {*view.publishers, *view.subscribers})
-    raise unknown_topic(name, (view.name for view in views))
+    raise UnknownNameError(unknown_topic(name, (view.name for view in views)))

@@ -12,8 +12,8 @@ from rostether.cli.access.options import refuse_ros1_only
 from rostether.cli.access.ros2_tool_node import ToolNode, asked
 from rostether.cli.shell.output import write_json, write_line, write_result
 from rostether.cli.topic.options import TopicListing
-from rostether.cli.topic.topics import unknown_topic
-from rostether.mechanisms.text import counted, escape_line
+from rostether.errors import UnknownNameError
+from rostether.mechanisms.text import counted, escape_line, unknown_topic
 from rostether.names.graph_name import is_in_namespace, namespace_of
 from rostether.ros2.endpoint_info import EndpointInfo, EndpointKind
 from rostether.ros2.graph_view import TOPIC_KINDS, GraphView
@@ -117,7 +117,7 @@ def _view_of(graph: GraphOptions, topic: str) -> tuple[str, GraphView]:
 
     name, view = asked(graph, ask)
     if name not in view.topics(with_hidden=True):
-        raise unknown_topic(name, view.topics())
+        raise UnknownNameError(unknown_topic(name, view.topics()))
     return name, view
 
 

@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from contextlib import AbstractAsyncContextManager
 from pathlib import Path
 from typing import TYPE_CHECKING, Protocol
 
 from rostether.cli.access.graph_options import GraphOptions
-from rostether.errors import UnknownNameError
-from rostether.mechanisms.text import did_you_mean
 
 if TYPE_CHECKING:
     from rostether.cli.topic.meter import TopicMeter
@@ -55,9 +52,3 @@ def topics_of(graph: GraphOptions) -> Topics:
     from rostether.cli.topic.ros2_topics import Ros2Topics
 
     return Ros2Topics(graph)
-
-
-def unknown_topic(name: str, known: Iterable[str]) -> UnknownNameError:
-    """Return the error for a topic without publishers and subscribers; `known` are the existing topics."""
-    hint = did_you_mean(name, known) or "`rostether topic list` shows all topics"
-    return UnknownNameError(f"topic {name} has no publisher and no subscriber; {hint}")
