@@ -8,7 +8,6 @@ import re
 import shutil
 import time
 from collections.abc import Awaitable, Callable, Mapping, Sequence
-from datetime import datetime
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +17,7 @@ from rostether.graph.callbacks import report_error
 from rostether.graph.ports import Graph
 from rostether.mechanisms.run_until import run_until
 from rostether.mechanisms.text import write_failure
-from rostether.recording.files import create_recording
+from rostether.recording.files import create_recording, dated_name
 from rostether.recording.player import PlaySettings
 from rostether.recording.recorded import RecordingWriter
 from rostether.recording.recorder import Recorder
@@ -78,7 +77,7 @@ class Recordings:
                 raise ConfigError(f"at most {MAX_TOPICS} topics can be chosen; choose none to record all")
             await asyncio.to_thread(self._check_space)
             graph = await self._join()
-            self._name = datetime.now().astimezone().strftime(f"%Y-%m-%d-%H-%M-%S.{form}")
+            self._name = f"{dated_name()}.{form}"
             self._began_s, self._failure = time.monotonic(), ""
             self._recorder = Recorder(
                 graph,

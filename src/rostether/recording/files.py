@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from contextlib import AbstractContextManager, nullcontext
+from datetime import datetime
 from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -33,6 +34,11 @@ class Form(StrEnum):
 
     ROS1 = "ros1"
     ROS2 = "ros2"
+
+
+def dated_name() -> str:
+    """Return the local time as rosbag writes it in the names of files."""
+    return datetime.now().astimezone().strftime("%Y-%m-%d-%H-%M-%S")
 
 
 def open_recording(path: Path, *, is_native: bool = False, damage: str = "") -> RecordingReader:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
-from datetime import datetime
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -124,10 +123,11 @@ async def _record(
 def _files(
     folder: Path, types: Ros2Types | None
 ) -> tuple[Callable[[Path], RecordingWriter], Callable[[int], Path]]:
-    date = datetime.now().astimezone().strftime("%Y-%m-%d-%H-%M-%S")
-    if types is None:
-        from rostether.recording.files import create_recording
+    """Return a function that creates a file, and one that returns the path of a file, given its number."""
+    from rostether.recording.files import create_recording, dated_name
 
+    date = dated_name()
+    if types is None:
         return create_recording, lambda number: folder / f"{date}_{number}.bag"
     from rostether.recording.ros2.bag_writer import Ros2Bag
 

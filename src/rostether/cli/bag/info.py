@@ -7,7 +7,6 @@ from array import array
 from collections.abc import Mapping
 from contextlib import closing
 from pathlib import Path
-from statistics import median
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -19,6 +18,7 @@ from rostether.cli.shell.option_group import PATH, add_flag, add_option
 from rostether.cli.shell.output import json_option, paint_keys, warn, write_json, write_line
 from rostether.cli.shell.verbs import verb
 from rostether.errors import ConfigError
+from rostether.mechanisms.median import median
 from rostether.mechanisms.text import escape_line
 from rostether.rostime import NS_PER_S, Time
 

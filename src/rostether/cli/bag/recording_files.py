@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import AsyncIterator, Iterable
 from contextlib import asynccontextmanager
-from datetime import datetime
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -25,8 +24,6 @@ if TYPE_CHECKING:
     from rostether.recording.ros2.bag_writer import Ros2Bag
     from rostether.recording.ros2.channels import UnfitMessages
     from rostether.ros2.types.type_support import Ros2Types
-
-_SUFFIXES = (".bag", ".mcap", ".db3")
 
 format_option = add_option(
     "--format form",
@@ -52,14 +49,14 @@ def create_folder(folder: Path) -> None:
 
 
 def asked_form(typed: str | None) -> Form | None:
-    """Return the value of `--format`, None if it was not given."""
+    """Return the form of messages that `--format` selects, None if it was not given."""
     from rostether.recording.files import Form
 
     return None if typed is None else Form(typed)
 
 
 def open_for(source: Path, target: Path, asked: Form | None = None) -> tuple[RecordingReader, Form]:
-    """Open a recording to copy it to `target`; return its reader and the format to write.
+    """Open a recording to copy it to `target`; return its reader and the form of the messages to write.
 
     From ROS 2 to ROS 2, messages keep ROS 2's own fields. Raises RecordingError, ConfigError.
     """
@@ -103,23 +100,22 @@ class NewFiles:
         is_splitting: bool,
         of_ros2_graph: bool,
     ) -> None:
-        from rostether.recording.files import Form, form_for
+        from rostether.recording.files import BAG_SUFFIX, FILE_SUFFIXES, Form, dated_name, form_for
 
         source = Form.ROS2 if of_ros2_graph else Form.ROS1
+        wanted = asked or source
         self.types: Ros2Types | None = None
         self.unfit: UnfitMessages | None = None
         self._packing = packing
         self._is_splitting = is_splitting
         self._bag: Ros2Bag | None = None
         if name is None:
-            date = datetime.now().astimezone().strftime("%Y-%m-%d-%H-%M-%S")
-            name = date if not prefix else f"{prefix.removesuffix('.bag')}_{date}"
-            if (asked or source) is Form.ROS2:
-                name = f"rosbag2_{name}" if not prefix else name
+            begin = f"{prefix.removesuffix(BAG_SUFFIX)}_" if prefix else ""
+            name = f"{begin or ('rosbag2_' if wanted is Form.ROS2 else '')}{dated_name()}"
         path = Path(name)
-        suffix = path.suffix if path.suffix in _SUFFIXES else ""
-        if not suffix and (asked or source) is Form.ROS1:
-            suffix = ".bag"
+        suffix = path.suffix if path.suffix in FILE_SUFFIXES else ""
+        if not suffix and wanted is Form.ROS1:
+            suffix = BAG_SUFFIX
         self._folder = path.parent
         self._stem = path.name.removesuffix(suffix)
         self._suffix = suffix
