@@ -3,7 +3,7 @@
 Short expressions can compute for days or fill memory: `9**9**9`, `sum([[0] * 9999] * 9999, [])`,
 `'%999999999d' % 1`. So an operation costs a step, and each element, character and key of its values costs
 one. A value that can be much larger than its operands is charged before it is computed. The budget counts
-steps instead of time, so a busy machine accepts the same expressions as a quiet one.
+steps instead of time, so a busy machine accepts the same expressions as an idle one.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from typing import Any, Final
 # Two seconds of computing, 100 MB. `any(b > 250 for b in m.data)` needs 2.8 million steps for a VGA image.
 MAX_STEPS: Final = 10_000_000
 
-# The limit of a double; `9**9**9` would compute for days.
+# The largest double has 1,024 bits; `9**9**9` would compute for days.
 MAX_INTEGER_BITS: Final = 1024
 
 # 170! has 1,020 bits, 171! has 1,027.
@@ -68,7 +68,7 @@ class Budget:
         }
 
     def restart(self) -> None:
-        """Start another evaluation: no step is spent."""
+        """Start another evaluation, with no steps spent."""
         self._left = MAX_STEPS
 
     @property

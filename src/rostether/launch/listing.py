@@ -13,7 +13,7 @@ from rostether.launch.command_line import Locate, Replaced, command_of
 from rostether.launch.plan import LaunchNode, LaunchPlan
 from rostether.names.graph_name import join
 
-# As in roslaunch: a summary of long values, such as a URDF, shows only their start.
+# As in roslaunch: the summary shows only the start of a long value, such as a URDF.
 _MAX_VALUE_CHARS = 20
 
 

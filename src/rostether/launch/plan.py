@@ -1,4 +1,4 @@
-"""The content of launch files: parameters, nodes with their remaps and environments, and clean-ups."""
+"""The content of launch files: nodes, parameters to set, and parameters to dump, delete or clear before."""
 
 from __future__ import annotations
 
@@ -74,7 +74,7 @@ class DeleteParameters(Struct, frozen=True):
 
 
 class DeclaredArgument(Struct, frozen=True):
-    """An <arg> of a launch file. Users must give its value without a default, and cannot if it is fixed."""
+    """An <arg> of a launch file. Users must give a value if it has no default, but cannot if it is fixed."""
 
     name: str
     default: str | None = None

@@ -90,7 +90,10 @@ class TagReader:
         self.plan.warnings.append(f"{element.file}:{element.line}: {text}")
 
     def namespace(self, element: XmlElement, scope: Scope, node_name: str = "") -> Scope:
-        """Return the scope inside an element with ns= and clear_params=."""
+        """Return the scope inside an element with ns=; with clear_params=, the plan clears its parameters.
+
+        `node_name` is the name of a node: only its private parameters are cleared.
+        """
         namespace = self.optional(element, scope, "ns")
         if namespace == "":
             raise LaunchError(f"<{element.tag}> has an empty ns=; remove it or give a namespace")

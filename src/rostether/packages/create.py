@@ -1,6 +1,9 @@
 """Creates a package like catkin_create_pkg, so that it also builds with a real ROS.
 
-    NAME/package.xml   NAME/CMakeLists.txt   and, for roscpp: include/NAME/, for roscpp or rospy: src/
+    NAME/package.xml
+    NAME/CMakeLists.txt
+    NAME/include/NAME/   with the dependency roscpp
+    NAME/src/            with the dependency roscpp or rospy
 
 The dependencies decide which build lines are active. Those for messages and services are comments.
 """
@@ -152,7 +155,7 @@ def _call(name: str, first: str, rest: Sequence[str]) -> list[str]:
 def _person(tag: str, person: str) -> str:
     match = _PERSON.fullmatch(person)
     name, mail = (match[1], match[2]) if match else (person, f"{'.'.join(person.split())}@{_UNKNOWN_MAIL}")
-    # An author need not have an address; a maintainer must.
+    # Maintainers need an address, authors do not.
     email = f" email={quoteattr(mail)}" if match or tag == "maintainer" else ""
     return f"  <{tag}{email}>{escape(name)}</{tag}>"
 

@@ -1,7 +1,7 @@
 """Finds a package's programs, like rosrun: first in the results of its build, then in the package folder.
 
 A package that was built has its programs in `lib/PACKAGE` of the devel or install space. Scripts need no
-build, and can be anywhere below the package's own folder.
+build, and can be anywhere below the package's folder.
 """
 
 from __future__ import annotations
@@ -35,9 +35,9 @@ _PYTHON_SUFFIX = ".py"
 def find_program(package: str, name: str, folder: Path | None, environ: Mapping[str, str]) -> Path:
     """Return the program of a package.
 
-    `folder` is the package's folder, None if only its programs are installed. A name with a slash is a path
-    below the folder. Python files do not need to be executable. Raises ConfigError if no program has the
-    name, if several have it, or if the file is not executable.
+    `folder` is the package's folder; if it is None, only installed programs are searched. A name with a slash
+    is a path below the folder. Python files do not need to be executable. Raises ConfigError if no program
+    has the name, if several have it, or if the file is not executable.
     """
     if "/" in name:
         return _given_path(package, name, folder)
@@ -98,13 +98,13 @@ def library_folders(package: str, folder: Path | None, environ: Mapping[str, str
 
 
 def is_python(file: Path) -> bool:
-    """Return whether a file is a Python script, by its first line, or else by its suffix."""
+    """Return whether a file is a Python script, by its first line, else by its suffix."""
     line = shebang(file)
     return "python" in line if line else file.suffix == _PYTHON_SUFFIX
 
 
 def shebang(file: Path) -> str:
-    """Return what follows `#!` in the first line of a script; empty if it does not start with `#!`."""
+    """Return the command after `#!` in the first line of a script; empty if there is none."""
     try:
         with file.open("rb") as stream:
             line = stream.read(_MAX_SHEBANG_BYTES).split(b"\n", 1)[0]
@@ -114,7 +114,7 @@ def shebang(file: Path) -> str:
 
 
 def compiled_source(folder: Path, name: str) -> str:
-    """Return the source of a compiled program, relative to its package's folder; empty if there is none."""
+    """Return the source that a program is compiled from, relative to the package's folder; empty if none."""
     try:
         with (folder / "CMakeLists.txt").open("rb") as file:
             text = file.read(_MAX_CMAKE_BYTES).decode(errors="replace")

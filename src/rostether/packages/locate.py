@@ -10,10 +10,10 @@ The first of two packages with the same name is used, as in a catkin overlay. Th
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 
-from rostether.packages.package_xml import is_package
+from rostether.packages.package_xml import PACKAGE_FILE, is_package
 from rostether.packages.search_path import OnDuplicate, find_packages, package_name, ros_package_path
 
 SOURCE_FOLDER = "src"
@@ -26,7 +26,7 @@ _WORKSPACE_MARKS = (".catkin_workspace", ".catkin_tools", "devel/.catkin", "src/
 def package_folders(
     environ: Mapping[str, str], cwd: Path, *, on_duplicate: OnDuplicate | None = None
 ) -> dict[str, Path]:
-    """Map the names of all packages that a command started in `cwd` sees to their folders.
+    """Map the names of all packages that a command in the folder `cwd` finds to their folders.
 
     Nothing needs to be built. Folders that cannot be read and broken packages are skipped.
     """
@@ -34,6 +34,24 @@ def package_folders(
     for folder in _around(cwd):
         if name := package_name(folder):
             found.setdefault(name, folder)
+    return found
+
+
+def installed_packages(prefixes: Iterable[Path]) -> dict[str, Path]:
+    """Map the names of packages that ROS 2 has installed, in PREFIX/share/NAME, to their folders.
+
+    `prefixes` are the folders of AMENT_PREFIX_PATH; the first one that has a package is used. Prefixes that
+    cannot be read are skipped.
+    """
+    found: dict[str, Path] = {}
+    for prefix in prefixes:
+        try:
+            folders = sorted((prefix / "share").iterdir())
+        except OSError:
+            continue
+        for folder in folders:
+            if folder.name not in found and (folder / PACKAGE_FILE).is_file():
+                found[folder.name] = folder
     return found
 
 
@@ -66,7 +84,7 @@ def workspace_roots(cwd: Path) -> list[Path]:
 def workspace_of(cwd: Path) -> Path | None:
     """Return the catkin workspace that a folder is in (or is): the nearest one that has a mark.
 
-    Without a mark, it is the folder whose `src` contains `cwd`, outside of any package. None without both.
+    Without a mark, it is the folder whose `src` contains `cwd` outside of any package, or None.
     """
     parents = _upward(cwd)
     for folder in parents:

@@ -73,9 +73,10 @@ def read_package_xml(folder: Path) -> PackageXml:
 
 
 def parse_package_xml(data: bytes, *, file: str = PACKAGE_FILE, default_name: str = "") -> PackageXml:
-    """Read the text of a package.xml (formats 1 to 3), or of a manifest.xml with `default_name` as its name.
+    """Read the text of a package.xml (formats 1 to 3) or manifest.xml.
 
-    Raises ConfigError for a text that is too large, is not XML, or has a DTD, an entity or no legal name.
+    `default_name` is the name if the text has none, as in a manifest.xml. Raises ConfigError for a text that
+    is too large, is not XML, or has a DTD, an entity or no legal name.
     """
     root = parse_xml(
         data,
@@ -93,7 +94,7 @@ def parse_package_xml(data: bytes, *, file: str = PACKAGE_FILE, default_name: st
         raise ConfigError(f"{file}: {name!r} is not a package name; correct <name>")
     dependencies: dict[str, set[str]] = {}
     for element in root.children:
-        # rosbuild's <depend package="NAME"/>, or <exec_depend>NAME</exec_depend>.
+        # rosbuild writes <depend package="NAME"/>, catkin <exec_depend>NAME</exec_depend>.
         package = element.get("package") if element.tag == "depend" else None
         if element.tag in _DEPENDENCIES and (package := package or _folded(element)):
             dependencies.setdefault(package, set()).add(element.tag)

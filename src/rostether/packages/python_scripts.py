@@ -38,7 +38,7 @@ _MAX_FILES = 50
 
 
 def explain_python2(script: Path) -> str:
-    """Return what to do with a script that is Python 2 code or imports such a module; empty if it runs."""
+    """Return what to do with a script that is or imports Python 2 code; empty for other scripts."""
     for file, line, _ in _examine_all(script):
         if line:
             return f"{file}:{line}: written for Python 2; convert it with `2to3 -w {file}`"
@@ -106,7 +106,7 @@ def _is_beside(script: Path, name: str) -> bool:
 
 
 def is_module(file: Path) -> bool:
-    """Return whether a file only defines something at its top level: at least one function or class."""
+    """Return whether the top level of a file has only definitions, with at least one function or class."""
     import ast
 
     try:

@@ -22,7 +22,7 @@ MAX_DEPTH = 12
 SYSTEM_SHARE_FOLDERS = frozenset({"/usr/share", "/usr/local/share"})
 _IGNORE_FILE = "CATKIN_IGNORE"
 
-# Half of the folders of a Python package; they contain only compiled modules.
+# Folders of compiled modules, which are half of the folders of a Python package.
 _BYTE_CODE_FOLDER = "__pycache__"
 
 # A file in catkin's `devel` and `install`, and how deep copies of packages are below them, in share/NAME.

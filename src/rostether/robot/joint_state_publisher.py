@@ -75,7 +75,7 @@ async def publish_joint_states(
         ]
         loop = asyncio.get_running_loop()
         due_s = loop.time()
-        # The first message has 1, as from rospy.
+        # The first message has the number 1, as in rospy.
         sequence = 0
         try:
             while not left.done():

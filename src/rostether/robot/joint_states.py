@@ -104,7 +104,7 @@ class JointStates:
             joint.position = joint.zero
 
     def step(self) -> None:
-        """Move all free joints by `delta`, back and forth between their limits; continuous joints turn on."""
+        """Move all free joints by `delta`, back and forth between their limits; continuous joints rotate."""
         delta = self.settings.delta
         if delta <= 0:
             return

@@ -192,7 +192,7 @@ class TransformBuffer:
             try:
                 entry = cache.at(time_ns)
             except ExtrapolationError as error:
-                # The target may be below this frame.
+                # The path from the target may still reach this frame.
                 stopped = error
                 break
             if frame == target:

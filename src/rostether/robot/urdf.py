@@ -18,7 +18,7 @@ from rostether.robot.urdf_numbers import number, numbers, origin, vector
 # The largest robot descriptions have a few MB.
 MAX_XML_BYTES = 64 << 20
 
-# A thousand times the links of real robots: the tree of a robot is searched for each link.
+# A thousand times the links of real robots.
 MAX_LINKS = 100_000
 
 _NEED_LIMITS = frozenset({JointType.REVOLUTE, JointType.PRISMATIC})

@@ -19,7 +19,7 @@ def number(element: XmlElement, name: str, what: str, default: float | None = No
 
 
 def numbers(element: XmlElement, text: str, what: str, count: int) -> list[float]:
-    """Return `count` numbers."""
+    """Return the `count` numbers in a text."""
     found = [_number(element, word, what) for word in text.split()]
     if len(found) != count:
         raise element.error(f"{what} has {len(found)} numbers ({text!r}), not {count}")
@@ -27,7 +27,7 @@ def numbers(element: XmlElement, text: str, what: str, count: int) -> list[float
 
 
 def vector(element: XmlElement, text: str, what: str) -> Vector:
-    """Return three numbers."""
+    """Return the three numbers in a text."""
     x, y, z = numbers(element, text, what, 3)
     return x, y, z
 

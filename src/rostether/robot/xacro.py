@@ -97,7 +97,7 @@ def _xacro(file: Path) -> Any:
 
 @contextmanager
 def _packages_found(xacro: Any, packages: Mapping[str, Path]) -> Iterator[None]:
-    # xacro uses the ament index of ROS 2, which is not installed.
+    # xacro finds packages with the ament index of ROS 2, which is not installed.
     arguments = xacro.substitution_args
     before = arguments._eval_find
 

@@ -5,7 +5,13 @@ from pathlib import Path
 
 import pytest
 
-from rostether.packages.locate import package_around, package_folders, package_roots, workspace_of
+from rostether.packages.locate import (
+    installed_packages,
+    package_around,
+    package_folders,
+    package_roots,
+    workspace_of,
+)
 
 
 def make_package(folder: Path, name: str = "") -> Path:
@@ -82,3 +88,11 @@ def test_without_a_workspace_the_package_around_and_its_neighbors_are_found(tmp_
 
 def test_an_empty_place_has_no_packages(tmp_path: Path) -> None:
     assert package_folders({"ROS_PACKAGE_PATH": ""}, tmp_path) == {}
+
+
+def test_packages_of_all_prefixes_are_found_and_the_first_counts(tmp_path: Path) -> None:
+    for prefix, name in (("over", "arm"), ("under", "arm"), ("under", "base")):
+        make_package(tmp_path / prefix / "share" / name)
+    (tmp_path / "under/share/doc").mkdir()
+    found = installed_packages([tmp_path / "over", tmp_path / "missing", tmp_path / "under"])
+    assert found == {"arm": tmp_path / "over/share/arm", "base": tmp_path / "under/share/base"}

@@ -269,8 +269,7 @@ def _filter(parameters: Mapping[str, Any], name: str) -> NameFilter:
 def _package_folders(msg_paths: Sequence[Path]) -> Mapping[str, Path]:
     """Return the folders of all packages by name; those of --msg-path take precedence."""
     from rostether.msgdef.ros2.definition_files import install_prefixes
-    from rostether.packages.installed import installed_packages
-    from rostether.packages.locate import package_folders
+    from rostether.packages.locate import installed_packages, package_folders
     from rostether.packages.search_path import find_packages
 
     given = find_packages([each.expanduser() for each in msg_paths])

@@ -42,7 +42,7 @@ class ActionParts(Struct, frozen=True):
 
 
 def name_of_state(states: Any, number: int) -> str:
-    """Return the name of the constant in `states` with the value `number`."""
+    """Return the name of the constant in `states` with the value `number`, or NO_SUCH_STATE_number."""
     for name, value in vars(states).items():
         if isinstance(value, int) and value == number:
             return str(name)

@@ -1,4 +1,4 @@
-"""Ids for goals without one."""
+"""actionlib.GoalIDGenerator: generates the ids of goals that have none."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ _numbers = itertools.count(1)
 
 
 class GoalIDGenerator:
-    """Makes ids that start with a name (default: the node's name)."""
+    """Generates ids that start with a name (default: the node's name)."""
 
     def __init__(self, name: str | None = None) -> None:
         self.name = get_name() if name is None else name

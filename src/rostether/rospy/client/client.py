@@ -22,7 +22,7 @@ from rostether.rospy.client.publisher import Publisher
 from rostether.rospy.client.ros_time import Time, simulated_time_s
 from rostether.rospy.client.services import Service
 from rostether.rospy.client.shutdown import is_shutdown, shutdown
-from rostether.rospy.client.stamps import Duration
+from rostether.rospy.client.stamps import in_seconds
 from rostether.rospy.client.subscriber import Subscriber
 from rostether.rospy.client.topic import topics
 
@@ -104,7 +104,7 @@ def wait_for_message(topic: str, topic_type: type[Message], timeout: Any = None)
 
     Raises ROSException after `timeout` seconds (or a Duration), ROSInterruptException at a shutdown.
     """
-    timeout_s = timeout.to_sec() if isinstance(timeout, Duration) else timeout
+    timeout_s = in_seconds(timeout)
     deadline_s = None if timeout_s is None else time.monotonic() + timeout_s
     found: list[Message] = []
     news = threading.Event()

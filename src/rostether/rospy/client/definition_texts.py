@@ -1,4 +1,7 @@
-"""The functions of rosmsg for programs: the names and texts of definitions."""
+"""The functions of rosmsg for programs: the names and texts of definitions.
+
+Their arguments `raw` and `rospack` have no effect.
+"""
 
 from __future__ import annotations
 
@@ -7,16 +10,16 @@ from rostether.rospy.client.message_types import all_types
 
 
 class ROSMsgException(Exception):  # noqa: N818 - the name is rosmsg's
-    """The type is unknown."""
+    """The type is unknown, or its definition is invalid."""
 
 
 def list_msgs(package: str, rospack: object = None) -> list[str]:
-    """Return the messages of a package."""
+    """Return the messages of a package, each as `package/Name`."""
     return all_types().registry.messages(package)
 
 
 def list_srvs(package: str, rospack: object = None) -> list[str]:
-    """Return the services of a package."""
+    """Return the services of a package, each as `package/Name`."""
     return all_types().registry.services(package)
 
 

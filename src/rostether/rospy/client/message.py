@@ -90,7 +90,7 @@ class Message(_SerdeMessage):
             raise SerializationError(f"{error}") from None
 
     def _check_types(self, exc: Exception | None = None) -> None:
-        """Raise SerializationError if a value does not fit its field, else if there is an `exc`."""
+        """Raise SerializationError if a value does not fit its field, or with the text of `exc` if given."""
         self._to_bytes()
         if exc is not None:
             raise SerializationError(f"{exc}")

@@ -94,7 +94,7 @@ def sleep(duration: Any) -> None:
     In simulated time, raises ROSTimeMovedBackwardsException if time moves back, and ROSInterruptException at
     the shutdown.
     """
-    seconds = duration.to_sec() if isinstance(duration, stamps.Duration) else float(duration)
+    seconds = float(stamps.in_seconds(duration))
     if is_wallclock():
         if seconds > 0:
             shutdown.event.wait(seconds)

@@ -89,7 +89,7 @@ class _Terminal:
 
 
 class _OwnGraph:
-    """The graph of the program for the session of a board, which closes its graph at its end."""
+    """The program's graph, which a session of a board cannot close: a session closes its graph at its end."""
 
     def __init__(self, graph: Graph) -> None:
         self._graph = graph

@@ -22,7 +22,7 @@ from rostether.rospy.client.names import names
 from rostether.rospy.client.node import is_initialized, node
 from rostether.rospy.client.publisher import args_kwds_to_message
 from rostether.rospy.client.shutdown import is_shutdown, shutdown
-from rostether.rospy.client.stamps import Duration
+from rostether.rospy.client.stamps import in_seconds
 from rostether.rospy.client.subscriber import DEFAULT_BUFF_SIZE
 
 _served: dict[str, Service] = {}
@@ -152,7 +152,7 @@ class ServiceProxy:
         return read_message(self.response_class, answer)
 
     def wait_for_service(self, timeout: Any = None) -> None:
-        """Wait until a node offers the service. Raises ROSException after `timeout` seconds."""
+        """Wait until a node offers the service, like the function `wait_for_service`."""
         _wait(self.resolved_name, timeout)
 
     def close(self) -> None:
@@ -198,7 +198,7 @@ def response_of(returned: Any, response_class: type[Message]) -> Message:
 
 
 def _wait(resolved_name: str, timeout: Any) -> None:
-    timeout_s = timeout.to_sec() if isinstance(timeout, Duration) else timeout
+    timeout_s = in_seconds(timeout)
     if timeout_s == 0:
         raise ValueError("timeout must be non-zero")
     deadline_s = None if timeout_s is None else time.monotonic() + timeout_s

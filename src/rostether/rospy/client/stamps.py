@@ -1,6 +1,6 @@
 """Times and durations of messages, as in genpy: mutable, with arithmetic, compared only with their kind.
 
-Source for what users see: http://docs.ros.org/en/noetic/api/genpy/html/
+Source: http://docs.ros.org/en/noetic/api/genpy/html/
 """
 
 from __future__ import annotations
@@ -103,7 +103,7 @@ class TVal:
 
 
 class Time(TVal):
-    """A point in time."""
+    """A point in time. Raises TypeError for a negative one."""
 
     __slots__ = ()
 
@@ -162,6 +162,11 @@ class Duration(TVal):
             quotient, remainder = divmod(self.to_sec(), divisor.to_sec())
             return int(quotient), self.from_sec(remainder)
         return NotImplemented
+
+
+def in_seconds(value: Any) -> Any:
+    """Return a Duration in seconds, and any other value, such as a number of seconds, unchanged."""
+    return value.to_sec() if isinstance(value, Duration) else value
 
 
 def new_stamp(stamp_class: type[TVal], fields: tuple[int, int]) -> TVal:

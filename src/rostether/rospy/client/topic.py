@@ -123,7 +123,7 @@ class Topic(Generic[_S]):
         if data_class is None:
             raise ValueError("topic parameter 'data_class' is not initialized")
         if not (isinstance(data_class, type) and issubclass(data_class, Message)):
-            # ValueError, as rospy raises it.
+            # As in rospy, this is a ValueError.
             raise ValueError(f"data_class [{data_class}] is not a message data class")  # noqa: TRY004
         if not is_legal_name(name):
             warnings.warn(

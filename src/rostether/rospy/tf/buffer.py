@@ -120,7 +120,10 @@ class Buffer(BufferInterface):
         return result if return_debug_tuple else result[0]
 
     def get_latest_common_time(self, target_frame: str, source_frame: str) -> Time:
-        """Return the latest time at which a lookup succeeds; zero if all transforms are static."""
+        """Return the latest time at which a lookup succeeds; zero if all transforms are static.
+
+        Raises LookupException, ConnectivityException, InvalidArgumentException.
+        """
         with self._lock, _tf2_errors():
             return Time(0, self._buffer.latest_common_time_ns(target_frame, source_frame))
 

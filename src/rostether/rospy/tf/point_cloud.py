@@ -1,4 +1,4 @@
-"""sensor_msgs.point_cloud2: reads and creates point clouds."""
+"""Reads and creates point clouds, for the module sensor_msgs.point_cloud2."""
 
 from __future__ import annotations
 

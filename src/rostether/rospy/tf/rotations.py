@@ -1,8 +1,8 @@
 """Most of tf.transformations: quaternions (x, y, z, w), Euler angles and 4x4 matrices.
 
-Results are numpy arrays where numpy is installed, lists otherwise. Four letters name the order of
-Euler angles: `s` for fixed (static) or `r` for rotating axes, and the axes in order (source: Shoemake, Euler
-Angle Conversion, in Graphics Gems IV).
+Results are numpy arrays if numpy is installed, lists otherwise. Four letters name the order of Euler angles:
+`s` for fixed (static) or `r` for rotating axes, and the axes in order (source: Shoemake, Euler Angle
+Conversion, in Graphics Gems IV).
 """
 
 from __future__ import annotations
@@ -257,7 +257,7 @@ def _rows(matrix: Any) -> list[list[float]]:
 
 
 def as_array(values: Any) -> Any:
-    """Return numbers as a numpy array where numpy is installed, as a list otherwise."""
+    """Return numbers as a numpy array if numpy is installed, as a list otherwise."""
     numpy = numpy_module()
     return list(values) if numpy is None else numpy.array(values)
 

@@ -93,7 +93,7 @@ class Transformer:
         return frame_id in self.getFrameStrings()
 
     def getFrameStrings(self) -> list[str]:
-        """Return the names of the frames."""
+        """Return the names of the frames that have a parent."""
         return self._buffer.frame_names()
 
     def allFramesAsString(self) -> str:

@@ -64,7 +64,10 @@ def get_nodes_by_machine(machine: str) -> list[str]:
 def rosnode_ping(
     node_name: str, max_count: int | None = None, verbose: bool = False, skip_cache: bool = False
 ) -> bool:
-    """Ping a node once a second, `max_count` times; return False if it does not answer."""
+    """Ping a node once a second, `max_count` times (default: without end).
+
+    Returns False if the node is unknown or does not answer. Raises ROSNodeIOException.
+    """
     uri = get_api_uri(Master(_OWN_NAME), node_name)
     if uri is None:
         sys.stderr.write(f"cannot ping [{node_name}]: unknown node\n")
@@ -94,7 +97,10 @@ def rosnode_ping_all(verbose: bool = False, skip_cache: bool = False) -> tuple[l
 
 
 def kill_nodes(node_names: Iterable[str]) -> tuple[list[str], list[str]]:
-    """Ask nodes to shut down; return the nodes that were asked, and the unknown ones."""
+    """Ask nodes to shut down; return the nodes that were asked, and the unknown ones.
+
+    Raises ROSNodeIOException.
+    """
     master = Master(_OWN_NAME)
     asked: list[str] = []
     unknown: list[str] = []
@@ -128,7 +134,7 @@ def cleanup_master_blacklist(master: Master, blacklist: Iterable[str]) -> None:
 
 
 def rosnode_listnodes(namespace: str | None = None, list_uri: bool = False, list_all: bool = False) -> None:
-    """Print the names of nodes, their URIs, or both."""
+    """Print the names of nodes, their URIs, or both. Raises ROSNodeIOException."""
     master = Master(_OWN_NAME)
     for name in sorted(get_node_names(namespace)):
         uri = (get_api_uri(master, name) or "unknown address") if list_uri or list_all else ""
@@ -136,7 +142,7 @@ def rosnode_listnodes(namespace: str | None = None, list_uri: bool = False, list
 
 
 def get_node_info_description(node_name: str) -> str:
-    """Return a node's topics and services as text."""
+    """Return a node's topics and services as text. Raises ROSNodeIOException."""
     state = _state()
     types = dict(Master(_OWN_NAME).getPublishedTopics("/"))
     text = f"Node [{node_name}]"

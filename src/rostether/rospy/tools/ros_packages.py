@@ -62,7 +62,7 @@ class Manifest:
 
 
 class RosPack:
-    """Finds packages in ROS_PACKAGE_PATH and around the folder where this program was started."""
+    """Finds packages below `ros_paths`; without them, the packages that this program can use."""
 
     @staticmethod
     def get_instance(ros_paths: list[str] | None = None) -> RosPack:
@@ -137,7 +137,7 @@ def get_package_name(path: str) -> str | None:
 
 
 def get_dir_pkg(d: str) -> tuple[str | None, str | None]:
-    """Return the folder of the package that contains a path, and its name, or two None."""
+    """Return the folder of the package that contains a path, and its name, or (None, None)."""
     start = Path(d).resolve()
     for folder in (start, *start.parents):
         if is_package(folder):

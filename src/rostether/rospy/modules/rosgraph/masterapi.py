@@ -1,4 +1,4 @@
-"""rosgraph.masterapi, as programs import it."""
+"""rosgraph.masterapi: the API of the master."""
 
 # ruff: noqa: F401
 from rostether.rospy.tools.master_tools import (

@@ -1,4 +1,4 @@
-"""rosgraph.rosenv, as programs import it."""
+"""rosgraph.rosenv: the names of environment variables, and the URI of the master."""
 
 # ruff: noqa: F401
 from rostether.rospy.tools.master_tools import get_master_uri

@@ -1,1 +1,1 @@
-"""sensor_msgs, beside its messages and services."""
+"""sensor_msgs: the Python modules of the package, apart from its messages and services."""

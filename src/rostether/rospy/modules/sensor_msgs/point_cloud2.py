@@ -1,4 +1,4 @@
-"""sensor_msgs.point_cloud2, as programs import it."""
+"""sensor_msgs.point_cloud2: reads and creates point clouds."""
 
 # ruff: noqa: F401
 from rostether.rospy.tf.point_cloud import DATATYPES as _DATATYPES
