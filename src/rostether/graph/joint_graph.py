@@ -112,7 +112,7 @@ class JointGraph:
     async def advertise_service(
         self, service: str, service_type: ServiceType, handler: ServiceHandler
     ) -> JointServiceServer:
-        """Offer a service in all graphs."""
+        """Offer a service in all graphs. Raises GraphError if this node offers it already."""
         name = self.resolve(service)
         if any(
             isinstance(each, JointServiceServer) and each.service == name for each in self._open_handles()
@@ -157,7 +157,7 @@ class JointGraph:
         return any(await self._all(lambda graph: graph.has_param(name)))
 
     async def search_param(self, name: str) -> str | None:
-        """Find the nearest parameter of that name in the first graph that has one."""
+        """Return the nearest parameter of that name in the first graph that has one, else None."""
         found = await self._all(lambda graph: graph.search_param(name))
         return next((each for each in found if each is not None), None)
 

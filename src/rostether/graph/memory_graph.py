@@ -36,7 +36,7 @@ class MemoryGraph(NodeMembership):
     async def advertise(
         self, topic: str, message_type: MessageType, *, latch: bool = False, queue_bytes: int | None = None
     ) -> MemoryPublisher:
-        """Advertise a topic."""
+        """Advertise a topic. Raises TypeMismatchError, GraphError."""
         self._check_open()
         name = self.resolve(topic)
         for handle in self._handles:
@@ -68,7 +68,7 @@ class MemoryGraph(NodeMembership):
     async def advertise_service(
         self, service: str, service_type: ServiceType, handler: ServiceHandler
     ) -> MemoryServiceServer:
-        """Offer a service."""
+        """Offer a service. Raises GraphError if this node already offers it."""
         self._check_open()
         name = self.resolve(service)
         if any(isinstance(each, MemoryServiceServer) and each.service == name for each in self._handles):
@@ -81,7 +81,7 @@ class MemoryGraph(NodeMembership):
     async def call_service(
         self, service: str, service_type: ServiceType, request: bytes, *, timeout_s: float | None = None
     ) -> bytes:
-        """Call a service."""
+        """Call a service. Raises the errors of `Graph.call_service`."""
         self._check_open()
         try:
             server = self._state.service(self.resolve(service))
@@ -106,7 +106,7 @@ class MemoryGraph(NodeMembership):
         return self._state.parameters.get_or_none(self.resolve(name)) is not None
 
     async def search_param(self, name: str) -> str | None:
-        """Find the nearest parameter of that name, upward from the node itself, as rospy does."""
+        """Return the full name of the nearest parameter of that name, as rospy does, else None."""
         if name.startswith(("/", "~")):
             return self.resolve(name) if await self.has_param(name) else None
         parts = [part for part in self.node_name.split("/") if part]

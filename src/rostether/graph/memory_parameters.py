@@ -35,7 +35,7 @@ class MemoryParameters:
             return None
 
     def set(self, name: str, value: ParamValue) -> None:
-        """Set a value; a mapping replaces the whole tree below the name."""
+        """Set a value; a mapping replaces the whole tree below the name. Raises UnknownNameError for `/`."""
         value = copy.deepcopy(value)
         parts = _parts(name)
         if parts:
@@ -49,7 +49,7 @@ class MemoryParameters:
         elif isinstance(value, dict):
             self._root = value
         else:
-            raise UnknownNameError("the root of all parameters can only be set to a mapping")
+            raise UnknownNameError("the root of all parameters can only be set to a mapping; give a mapping")
         self._changed(name)
 
     def delete(self, name: str) -> None:

@@ -13,7 +13,7 @@ class NodeParameters:
     """Reads `~name`, else the name with each of `other_prefixes`, in order.
 
     Each method gets the default and the names of a parameter, which may have several spellings. A value of
-    another type raises ConfigError.
+    another type, or outside the range, raises ConfigError.
     """
 
     def __init__(self, graph: TypedGraph, *other_prefixes: str) -> None:

@@ -229,7 +229,7 @@ class Graph(Protocol):
         """Return whether a parameter is set."""
 
     async def search_param(self, name: str) -> str | None:
-        """Find the nearest parameter of that name, upward from the node itself."""
+        """Return the full name of the nearest parameter of that name, upward from the node, else None."""
 
     async def list_params(self) -> list[str]:
         """Return the full names of all parameters, sorted."""

@@ -105,8 +105,10 @@ class TypedGraph(LogMethods):
     ) -> CallbackSubscriber:
         """Call a function with each message of a topic; without `type_name`, the publisher's type is used.
 
-        The function may be async. Raises UnknownTypeError, InvalidNameError, GraphError.
+        The function may be async. Raises UnknownTypeError, InvalidNameError. A graph that refuses the
+        subscription is logged.
         """
+        self.resolve(topic)
         # A node that waits for commands may wait for hours.
         stream = self._stream(topic, type_name, DEFAULT_QUEUE_MESSAGES, reports_silence=False)
         if type_name is not None:
@@ -126,7 +128,10 @@ class TypedGraph(LogMethods):
     async def wait_for_message(
         self, topic: str, type_name: str | type[Message] | None = None, *, timeout_s: float | None = None
     ) -> Any:
-        """Return the next message of a topic; a topic without publishers is logged. Raises TimeoutError."""
+        """Return the next message of a topic; a topic without publishers is logged.
+
+        Raises TimeoutError, UnknownTypeError, InvalidNameError, and GraphError if the node leaves the graph.
+        """
         stream = self._stream(topic, type_name, 1, reports_silence=True)
         try:
             async with asyncio.timeout(timeout_s), aclosing(aiter(stream)) as messages:
@@ -210,7 +215,8 @@ class TypedGraph(LogMethods):
     ) -> ServiceServer:
         """Offer a service; `handler` takes the request and returns the response, or awaits it.
 
-        If it raises, the call fails and the caller receives the error. Raises UnknownTypeError, GraphError.
+        If it raises, the call fails and the caller receives the error.
+        Raises UnknownTypeError, InvalidNameError, GraphError.
         """
         service_type = await self._service_type(type_name)
         request_codec, response_codec = self.store.service_codecs(service_type.name)
@@ -260,7 +266,7 @@ class TypedGraph(LogMethods):
         return await self.raw.has_param(name)
 
     async def search_param(self, name: str) -> str | None:
-        """Find the nearest parameter of that name, upward from the node."""
+        """Return the full name of the nearest parameter of that name, upward from the node, else None."""
         return await self.raw.search_param(name)
 
     async def list_params(self) -> Sequence[str]:

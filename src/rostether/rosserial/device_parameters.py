@@ -31,7 +31,7 @@ class ParameterQueue:
         return self.next_to_send(now_s) if len(self._requests) == 1 else None
 
     def next_to_send(self, now_s: float) -> str | None:
-        """Return the name to send next, after the last request has ended."""
+        """Return the name to send next, after the last request has ended; None if no request waits."""
         self._due_s = None
         if not self._requests:
             return None

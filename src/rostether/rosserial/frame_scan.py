@@ -111,7 +111,7 @@ class FrameScanner:
         self._known.clear()
 
     def only_frame(self, buffer: bytes) -> tuple[int, bytes] | None:
-        """Return topic id and payload if the buffer is one valid frame with a known header.
+        """Return topic id and payload if the buffer is one valid frame with a known header, else None.
 
         It takes a quarter of the time of a scan, for boards that send one message at a time.
         """
@@ -313,7 +313,7 @@ class _DiscardedStretches:
         return self.reject(position, DiscardReason.PAYLOAD_CHECKSUM, false_starts)
 
     def sums_after(self, stride: int) -> RunningSums | None:
-        """Count the bytes of a false frame that were summed; return cheaper sums once those are too many."""
+        """Count the summed bytes of a false frame; return cheaper sums once they are too many, else None."""
         self._wasted_bytes += stride
         if self._wasted_bytes <= 2 * self._total:
             return None

@@ -166,7 +166,7 @@ class Negotiation:
             self._send(Input.UNANSWERED, now_s)
 
     def pop_request(self) -> int | None:
-        """Return the version in which to send a topic request now, once."""
+        """Return the version of a topic request that is to be sent now, once; None if none is."""
         request, self._request = self._request, None
         if request is not None:
             self._answers.requested(self._asked_s)

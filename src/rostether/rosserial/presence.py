@@ -158,7 +158,10 @@ class Presence:
         self.sign_received(now_s)
 
     def time_request_received(self, now_s: float, *, may_be_early: bool = False) -> Verdict | None:
-        """Handle a time request; `may_be_early`: it may be the answer to a topic request."""
+        """Handle a time request; return the action that is due, if any.
+
+        `may_be_early`: it may be the answer to a topic request.
+        """
         self.received_at_s = now_s
         # After a pause of this process, a request that waited seems late, and the next one early.
         is_measured = now_s - self._stalled_s >= EARLY_S

@@ -105,7 +105,7 @@ class TopicTable:
 
     @property
     def input_buffer_bytes(self) -> int | None:
-        """The known size of the device's input buffer: the payload limit of all frames to it.
+        """The size of the device's input buffer, which limits all payloads to it; None without endpoints.
 
         Publishers announce the output buffer instead; without subscribers, both are considered equal.
         """

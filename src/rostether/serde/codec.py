@@ -55,7 +55,10 @@ class Codec:
     def encode_given(
         self, message: object, fields: Mapping[str, Any], *, now: Callable[[], Time] | None = None
     ) -> bytes:
-        """Encode a message, its fields, or its only field's value. Raises the same errors as `encode`."""
+        """Encode a message, its fields, or its only field's value.
+
+        Raises SerializationError as `encode` does, and if both a message and fields are given.
+        """
         if message is None:
             return self.encode(fields, now=now)
         if fields:

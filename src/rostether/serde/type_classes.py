@@ -19,7 +19,10 @@ class Service(Generic[Request, Response]):
 
 
 def name_of_type(given: object) -> str:
-    """Return the name of a type that is given by name, as a message class or as a service class."""
+    """Return the name of a type that is given by name, as a message class or as a service class.
+
+    Raises UnknownTypeError for any other value.
+    """
     if isinstance(given, str):
         return given
     name: str = getattr(given, "_type", "")

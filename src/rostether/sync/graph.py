@@ -112,7 +112,7 @@ class Graph(OpenContext[TypedGraph], LogMethods):
     ) -> Subscriber:
         """Call a function with each message of a topic, in a thread; the queue is bounded.
 
-        Raises UnknownTypeError, InvalidNameError, GraphError.
+        Raises UnknownTypeError, InvalidNameError. A graph that refuses the subscription is logged.
         """
         name = None if type_name is None else name_of_type(type_name)
         thread = CallbackThread(f"rostether {topic}", guarded(callback), limit=DEFAULT_QUEUE_MESSAGES)

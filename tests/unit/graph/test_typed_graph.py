@@ -12,6 +12,7 @@ import pytest_asyncio
 from loop_watch import LoopWatch
 from rostether.errors import (
     GraphError,
+    InvalidNameError,
     SerializationError,
     ServiceCallError,
     TypeMismatchError,
@@ -298,6 +299,11 @@ async def test_callbacks_get_messages_until_closed(talker: TypedGraph, listener:
             await asyncio.sleep(0.005)
     with pytest.raises(UnknownTypeError):
         await listener.subscriber("/chatter", "std_msgs/Strng", hear)
+
+
+async def test_a_subscriber_with_an_illegal_name(listener: TypedGraph) -> None:
+    with pytest.raises(InvalidNameError):
+        await listener.subscriber("/left-wheel", "std_msgs/String", print)
 
 
 async def test_anext_takes_one_message_after_the_other(talker: TypedGraph, listener: TypedGraph) -> None:

@@ -71,7 +71,7 @@ class Damage:
         self._unconfirmed = 0
 
     def find(self, frame_count: int, now_s: float, reset_count: int = 0) -> Finding | None:
-        """Return a finding if too many recent frames are damaged; to be called about once a second.
+        """Return a finding if too many recent frames are damaged, else None. Called about once a second.
 
         There were `frame_count` valid frames since the start, and `reset_count` recent resets.
         """

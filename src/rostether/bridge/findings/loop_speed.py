@@ -90,7 +90,7 @@ class LoopSpeed:
         self._intervals_s.clear()
 
     def find(self, *, is_listener: bool) -> Finding | None:
-        """Return the finding; `is_listener`: data for the board may overflow its serial buffer."""
+        """Return the finding, if any; `is_listener`: data for the board may overflow its serial buffer."""
         late_s = self.late_s
         if late_s is None or late_s < (SLOW_LISTENER_S if is_listener else SLOW_TALKER_S):
             return None

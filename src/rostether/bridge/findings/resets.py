@@ -35,7 +35,7 @@ class Resets:
         return len(self._times)
 
     def find(self, now_s: float, crash_line: str | None) -> Finding | None:
-        """Return the finding; `crash_line` is the board's own explanation."""
+        """Return the finding, if any; `crash_line` is the board's explanation."""
         count = self.count(now_s)
         if count < MIN_RESETS:
             return None
