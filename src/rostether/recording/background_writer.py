@@ -26,8 +26,8 @@ _Batch = tuple[int, int, Sequence[bytes], int]
 class BackgroundWriter:
     """Passes all calls to another writer, in a thread; see `recording.recorded.RecordingWriter`.
 
-    Messages that would make more than `buffer_bytes` wait are lost; `report` then gets a line. The next call
-    raises an error of the other writer.
+    At most `buffer_bytes` wait; further messages are lost, and `report` gets a line. The next call raises an
+    error of the other writer.
     """
 
     def __init__(

@@ -1,7 +1,7 @@
 """Merges the messages of chunks by time, in bounded memory, even if the index of a chunk is wrong.
 
-Chunks may overlap in time: a chunk is opened at the time of its first message, and its messages are
-merged with those of the other open chunks. Open chunks that need too much memory are closed, and
+Chunks may overlap in time. A chunk is opened at the time of its first message, and its messages are merged
+with those of the other open chunks. Open chunks that need too much memory are closed, and
 opened again when their next message is due.
 """
 

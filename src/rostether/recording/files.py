@@ -44,7 +44,7 @@ def dated_name() -> str:
 def open_recording(path: Path, *, is_native: bool = False, damage: str = "") -> RecordingReader:
     """Open a recording for reading.
 
-    ROS 2 messages are returned as ROS 1 bytes: with the fields of the ROS 1 type, or, with `is_native`, with
+    ROS 2 messages are returned as ROS 1 bytes, with the fields of the ROS 1 type. With `is_native`, they have
     the fields of the ROS 2 type. `damage` is the reason why the index of a file is invalid. Raises
     RecordingError, and ConfigError if an extra is missing.
     """

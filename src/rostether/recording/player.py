@@ -25,7 +25,7 @@ DRAIN_S = 0.5
 # Messages sent before other tasks run: about 2 ms of reading.
 BATCH_MESSAGES = 500
 
-# Bytes sent before other tasks run: less than a subscriber's queue holds, so that large messages that are due
+# Bytes sent before other tasks run: fewer than fit in a subscriber's queue. So large messages that are due
 # together, such as images with `--immediate`, do not push each other out of it.
 BATCH_BYTES = 1 << 20
 

@@ -30,7 +30,7 @@ class Ros2Origin(Struct, frozen=True):
 class Connection(Struct, frozen=True):
     """One publisher on one topic, as its connection header describes it; `origin` is set for ROS 2.
 
-    `others` are the remaining header fields, so that copies of a file keep them: a `latching` of 0, which
+    `others` are the remaining header fields, which copies of a file keep. They are a `latching` of 0, which
     roscpp's publishers send, and private fields of the publisher.
     `is_best_effort` is set while a ROS 2 publisher is recorded; later, `origin` contains it.
     """

@@ -120,7 +120,7 @@ def copy(
 ) -> int:
     """Copy a recording's messages, sorted by time; return their number.
 
-    `form` is the form of the new messages, `storage` the file format of a ROS 2 bag, and `types` replaces the
+    `form` is the form of the new messages, and `storage` the file format of a ROS 2 bag. `types` replaces the
     ROS 2 types of the environment. On RecordingError, no file remains.
     """
     new = partial(create_recording, compression=compression, form=form, storage=storage, types=types)

@@ -1,8 +1,8 @@
 """A relay between two graphs: offers chosen topics, services and actions of each graph in the other one.
 
 A topic is relayed as long as a node other than the relay publishes it. If both directions are chosen, both
-are active at the same time: the relay's subscribers omit the messages that the relay itself publishes, so no
-message comes back. A service is offered in the graph that does not have it, while the other has it.
+are active at the same time. No message comes back, because the relay's subscribers omit the messages that the
+relay itself publishes. A service is offered in the graph that does not have it, while the other has it.
 
 Nodes that are in both graphs themselves (`graph.joint_marks`) are skipped: boards, which need no relay, and
 other relays, whose messages come from the other graph. If there are several relays, the first one that relays
@@ -34,7 +34,7 @@ from rostether.relay.side import Side
 from rostether.relay.topic_relay import TopicRelay
 from rostether.ros2.actions.board_graph import BoardJoin
 
-# The pause before a request that a graph refused is repeated; graphs come back within seconds.
+# The pause before a request that a graph refused is repeated; graphs recover within seconds.
 RETRY_S = 2.0
 
 # The time for relays and boards in both graphs to see a new relay: ROS 1 shows changes after a second.
@@ -43,7 +43,8 @@ DISCOVERY_S = 2.0
 # How long a relay waits for each older one: until the graphs show what the older one relays.
 OLDER_RELAY_WAIT_S = 1.5
 
-# How often the relay checks whether others still run: what a killed relay offered is missing for this time.
+# How often the relay checks whether other relays still run. Until then, the copies of a killed relay are
+# missing.
 CHECK_S = 3.0
 
 # How often a new relay checks for its first snapshot of a graph.
@@ -169,7 +170,7 @@ class Relay:
             task = self._ending[item] = self._relaying.pop(item)
             task.add_done_callback(partial(self._forget, item))
             task.cancel()
-        # A relay that is wanted again while it ends starts again after its end.
+        # An item that is chosen again while its relay ends is relayed again after that.
         for item in sorted(items - self._relaying.keys() - self._ending.keys(), key=lambda each: each.text):
             self._relaying[item] = asyncio.get_running_loop().create_task(self._relay_item(item))
 

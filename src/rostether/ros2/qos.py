@@ -45,4 +45,3 @@ class Qos(Struct, frozen=True):
 DEFAULT_QOS = Qos()
 LATCHED_QOS = Qos(durability=Durability.TRANSIENT_LOCAL, depth=1)
 ROSOUT_QOS = Qos(durability=Durability.TRANSIENT_LOCAL, depth=1000)
-SERVICES_QOS = Qos()

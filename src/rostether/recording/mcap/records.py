@@ -89,7 +89,7 @@ class Chunk(msgspec.Struct, frozen=True):
 
 
 class ChunkIndex(msgspec.Struct, frozen=True):
-    """The position of a chunk, and those of its message indexes by channel number (`indexes`)."""
+    """The position of a chunk, and the positions of its message indexes by channel number (`indexes`)."""
 
     start_ns: int
     end_ns: int

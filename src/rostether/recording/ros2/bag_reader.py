@@ -45,7 +45,9 @@ class Ros2BagReader:
             self.damage = str(error)
         if not metadata.files:
             if (path / FILE_NAME).exists():
-                raise RecordingError(self.damage or f"{path / FILE_NAME} lists no files")
+                raise RecordingError(
+                    self.damage or f"{path / FILE_NAME} lists no files; delete it to read the others"
+                )
             raise RecordingError(
                 f"{path} is not a ROS 2 bag: it has no {FILE_NAME} and no .mcap or .db3 files"
             )

@@ -154,7 +154,7 @@ class Db3Writer:
         try:
             self._database.execute("PRAGMA journal_mode = DELETE")
         except sqlite3.OperationalError:
-            # Another program is reading it: the log may stay, but all its content is also in the file.
+            # Another program is reading it: the log may remain, but all its content is also in the file.
             self._database.execute("PRAGMA wal_checkpoint(FULL)")
 
     def _add_topic(self, channel: Ros2Channel) -> None:

@@ -88,7 +88,7 @@ def parse_parameters(text: str, source: str) -> ParameterRules:
     except YamlError as error:
         raise ConfigError(f"parameter file {source} is {error}") from None
     except RecursionError:
-        raise ConfigError(f"parameter file {source} is nested too deeply") from None
+        raise ConfigError(f"parameter file {source} is nested too deeply; use fewer levels") from None
     except ValueError as error:
         raise ConfigError(f"parameter file {source}: {error}") from None
     return ParameterRules(tuple(entries))

@@ -45,7 +45,7 @@ class Rclpy(NamedTuple):
 
 @functools.cache
 def load_rclpy() -> Rclpy:
-    """Import rclpy. Raises ConfigError with what to install."""
+    """Import rclpy. Raises ConfigError with the command that installs it."""
     try:
         with warnings.catch_warnings():
             # Users cannot act on these warnings: rosidl's parser uses modules that Python will remove.

@@ -14,8 +14,8 @@ from rostether.ros2.endpoint_info import connection_fields
 from rostether.ros2.rclpy.installation import load_rclpy
 from rostether.ros2.rclpy.view import node_name_of
 
-# Messages kept until subscribers acknowledge them: 50 ms at the highest rate, so that a burst from a board is
-# not lost on a machine that is busy for a moment.
+# Messages kept until subscribers acknowledge them: 50 ms at the highest rate. So a machine that is busy for a
+# moment loses no burst from a board.
 PUBLISHER_DEPTH: Final = 1000
 
 # Messages kept until the executor's thread reads them: 200 ms at that rate. Creating a node, which blocks the

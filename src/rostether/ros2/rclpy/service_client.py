@@ -68,7 +68,10 @@ class RclpyServiceClient:
             async with asyncio.timeout(timeout_s):
                 response = await self._wait(answer)
         except TimeoutError:
-            raise ServiceTimeoutError(f"{self.service} did not answer within {timeout_s:g} s") from None
+            raise ServiceTimeoutError(
+                f"service {self.service} did not answer within {timeout_s:g} s; check that its node does not "
+                "hang"
+            ) from None
         finally:
             if not answer.done() or answer.cancelled():
                 self._own.thread.submit(lambda: self._forget(pending))
@@ -116,7 +119,7 @@ class RclpyServiceClient:
         while not answer.done():
             await asyncio.wait((answer,), timeout=SERVER_CHECK_INTERVAL_S)
             if not answer.done() and not self._is_ready():
-                raise ServiceCallError(f"the server of {self.service} stopped before it answered")
+                raise ServiceCallError(f"service {self.service} was shut down during the call")
         return answer.result()
 
     def _forget(self, pending: Any) -> None:

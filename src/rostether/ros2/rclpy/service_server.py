@@ -21,7 +21,7 @@ from rostether.ros2.types.type_support import ServiceSupport
 class RclpyServiceServer:
     """Implements `graph.ports.ServiceServer`.
 
-    ROS 2 cannot report that a call failed: if the handler fails, there is no answer, the caller's time limit
+    ROS 2 cannot report that a call failed. If the handler fails, there is no answer: the caller's time limit
     ends the call, and /rosout has the reason.
     """
 

@@ -23,7 +23,7 @@ EndpointKey = tuple[Kind, str]
 
 
 class GraphCache:
-    """Holds the tokens of one domain."""
+    """The tokens of one domain, and the graph that they announce."""
 
     def __init__(self) -> None:
         self._tokens: dict[str, Token] = {}

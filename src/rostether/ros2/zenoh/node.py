@@ -162,13 +162,13 @@ class ZenohGraph(Ros2Membership):
     async def _end(self) -> None:
         try:
             async with AsyncExitStack() as stack:
-                # In reverse order: users of the endpoints end before the endpoints.
+                # The stack closes in reverse order: the users of the endpoints before the endpoints.
                 stack.push_async_callback(self._endpoints.close)
                 stack.push_async_callback(self._parameter_services.close)
                 stack.push_async_callback(self._clock.close)
                 stack.push_async_callback(self._parameters.close)
         finally:
-            self._session.leave(self)
+            self._session.nodes.discard(self)
 
     def _resolve_ros2(self, name: str) -> str:
         return validate_topic_name(self.resolve(name))

@@ -8,8 +8,8 @@ States and transitions:
     cautious     as busy: the link may be       -- a minute without such a put -->            idle
                  full again at any time
 
-zenoh shows only by the duration of a put whether a link has room: if the link is full, it waits for
-`WAIT_BEFORE_DROP_US` and then drops the message. So a subscriber that hangs costs the loop one such wait per
+Only the duration of a put shows whether a link has room. If the link is full, zenoh waits for
+`WAIT_BEFORE_DROP_US`, and then drops the message. So a subscriber that hangs costs the loop one such wait per
 minute.
 """
 

@@ -13,7 +13,6 @@ from rostether.errors import ServiceCallError, ServiceTimeoutError, ServiceUnava
 from rostether.mechanisms.text import fold_line
 from rostether.ros2.early_conversion import convert
 from rostether.ros2.naming import dds_name
-from rostether.ros2.qos import SERVICES_QOS
 from rostether.ros2.types.type_support import ServiceSupport
 from rostether.ros2.zenoh.attachment import Attachment, gid_of
 from rostether.ros2.zenoh.entities import NodeEntities
@@ -39,7 +38,7 @@ class ZenohServiceClient:
         self._node = node
         type_name = dds_name(support.name)
         self._key = data_key(node.session.domain_id, service, type_name, support.type_hash)
-        self._token = node.declare(Kind.CLIENT, service, type_name, support.type_hash, SERVICES_QOS)
+        self._token = node.declare(Kind.CLIENT, service, type_name, support.type_hash)
         self._gid = gid_of(self._token.text)
         self._loop = asyncio.get_running_loop()
         self._querier = node.session.zenoh.declare_querier(
@@ -91,7 +90,8 @@ class ZenohServiceClient:
                 reply = await answer
         except TimeoutError:
             raise ServiceTimeoutError(
-                f"service {self.service} did not answer within {timeout_s:g} s"
+                f"service {self.service} did not answer within {timeout_s:g} s; check that its node does not "
+                "hang"
             ) from None
         finally:
             graph.unlisten(Kind.SERVER, self.service, watch_server)

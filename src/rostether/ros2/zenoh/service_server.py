@@ -18,7 +18,6 @@ from rostether.mechanisms.tasks import cancel_all, start_task
 from rostether.ros2.early_conversion import convert
 from rostether.ros2.handover import Handover
 from rostether.ros2.naming import dds_name
-from rostether.ros2.qos import SERVICES_QOS
 from rostether.ros2.types.type_support import ServiceSupport
 from rostether.ros2.zenoh.attachment import Attachment, parse_attachment
 from rostether.ros2.zenoh.entities import NodeEntities
@@ -63,7 +62,7 @@ class ZenohServiceServer:
         self._queryable = node.session.zenoh.declare_queryable(
             self._key, zenoh.handlers.Callback(self._put, indirect=False), complete=True
         )
-        self._token = node.declare(Kind.SERVER, service, type_name, support.type_hash, SERVICES_QOS)
+        self._token = node.declare(Kind.SERVER, service, type_name, support.type_hash)
 
     async def close(self) -> None:
         """Unadvertise; pending calls fail. Idempotent."""

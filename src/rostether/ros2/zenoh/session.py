@@ -232,7 +232,9 @@ async def _open_session(configuration: zenoh.Config) -> zenoh.Session:
             if "in use" in text:
                 advice = "stop the program that uses the port, or choose another endpoint"
             raise MasterUnreachableError(f"zenoh cannot listen: {text}; {advice}") from error
-        raise MasterUnreachableError(f"zenoh cannot open a session: {text}") from error
+        raise MasterUnreachableError(
+            f"zenoh cannot open a session: {text}; check the endpoints and the zenoh configuration"
+        ) from error
     except Exception as error:
         raise ConfigError(f"zenoh does not accept its configuration: {one_line(error)}") from error
 
@@ -240,8 +242,8 @@ async def _open_session(configuration: zenoh.Config) -> zenoh.Session:
 async def _watch_router(session: zenoh.Session, named: Sequence[str], report: Callable[[str], None]) -> None:
     """Report when no router is connected, and an empty text when one is connected again, until cancelled.
 
-    Zenoh does not report it. `named` are the endpoints in the configuration: if none ever answered, that is
-    also a problem, unless other peers are connected, because a network of peers needs no router.
+    Zenoh does not report it. `named` are the endpoints in the configuration. If none of them ever answered,
+    that is also a problem, except while other peers are connected: a network of peers needs no router.
     """
     where = f" at {', '.join(named)}" if named else ""
     problem = f"the zenoh router{where} does not answer"

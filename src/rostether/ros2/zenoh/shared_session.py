@@ -40,17 +40,9 @@ class SharedSession:
         self.nodes: set[Ros2Membership] = set()
         self._ids = itertools.count()
 
-    def leave(self, node: Ros2Membership) -> None:
-        """Remove a node that has closed."""
-        self.nodes.discard(node)
-
     def next_id(self) -> int:
         """Return an id that no other entity of this session has."""
         return next(self._ids)
-
-    def apply_own_token(self, text: str, *, is_there: bool) -> None:
-        """Add one of this session's tokens to its own view directly, not through zenoh."""
-        self.graph.apply_tokens([(text, is_there)])
 
     async def query_tokens(self, key: str, timeout_s: float) -> list[str]:
         """Return the key expressions of the tokens that match a key expression; wait at most `timeout_s`."""
@@ -81,9 +73,10 @@ class LiveToken:
         self.text = token.format()
         self._session = session
         self._declared = session.liveliness.declare_token(self.text)
-        session.apply_own_token(self.text, is_there=True)
+        # Directly, not through zenoh: this session ignores its own tokens there.
+        session.graph.apply_tokens([(self.text, True)])
 
     def withdraw(self) -> None:
         """Withdraw the token. Call it once."""
         self._declared.undeclare()
-        self._session.apply_own_token(self.text, is_there=False)
+        self._session.graph.apply_tokens([(self.text, False)])

@@ -18,7 +18,7 @@ from rostether.ros2.qos import DEFAULT_QOS, Durability, History, Qos, Reliabilit
 
 # rmw_zenoh's default depth, which tokens omit.
 DEFAULT_DEPTH = 42
-# The end of a text for quality of service: default values of deadline, lifespan and liveliness.
+# The last part of the quality of service in a token: default deadline, lifespan and liveliness.
 _TAIL = ":,:,:,,"
 
 ADMIN_SPACE = "@ros2_lv"
