@@ -106,19 +106,19 @@ class Channels:
         self._end([channel.topic])
         self._on_offer([self._add(channel.topic, actual)])
 
-    async def close(self) -> None:
-        """Stop learning types."""
-        await cancel_all(*self._learning.values())
-
-    def _has_changed(self, topic: TopicEntry) -> bool:
-        return topic.type not in (ANY_TYPE, self._names[topic.name])
-
     def known(self, name: str) -> MessageType | None:
         """Return the type of this name, or None without a definition."""
         try:
             return self._store.registry.message_type(short_type(name))
         except RostetherError:
             return None
+
+    async def close(self) -> None:
+        """Stop learning types."""
+        await cancel_all(*self._learning.values())
+
+    def _has_changed(self, topic: TopicEntry) -> bool:
+        return topic.type not in (ANY_TYPE, self._names[topic.name])
 
     def _add(self, topic: str, message_type: MessageType) -> Channel:
         channel = Channel(self._next_id, topic, message_type)

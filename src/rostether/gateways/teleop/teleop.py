@@ -8,6 +8,7 @@ from contextlib import suppress
 from typing import Protocol
 
 from rostether.errors import ConfigError, RostetherError, TypeMismatchError
+from rostether.gateways.teleop.command_lease import CommandLease
 from rostether.gateways.teleop.drive_commands import DRIVE_TYPES, DriveCommands, DriveLimits
 from rostether.graph.callbacks import report_error
 from rostether.graph.ports import Graph, Publisher
@@ -17,12 +18,6 @@ from rostether.serde.values import Message
 
 # Command topics of all clients together; a robot has one or two.
 MAX_TOPICS = 32
-
-# The dashboard sends 25 commands a second: two in a row may be lost.
-KEEP_S = 0.125
-
-# Lifting a finger for a moment does not pass the robot to another client.
-HOLD_S = 1.0
 
 
 class Driver(Hashable, Protocol):
@@ -232,64 +227,3 @@ async def _read_limits(graph: Graph) -> DriveLimits:
         with suppress(RostetherError):
             values[each] = await graph.get_param(f"~{each}")
     return DriveLimits.of(values)
-
-
-class CommandLease:
-    """The lease of one command topic. Times are seconds of a monotonic clock."""
-
-    def __init__(self) -> None:
-        self.driver: Hashable | None = None
-        self._commanded_s = 0.0
-        self._is_moving = False
-        self._has_stopped = True
-        # Drivers that were silent for `HOLD_S` while they moved the robot.
-        self._lapsed: set[Hashable] = set()
-
-    @property
-    def due_s(self) -> float | None:
-        """When `expire` must be called; None if not at all."""
-        if self.driver is None:
-            return None
-        return self._commanded_s + (KEEP_S if self._is_moving else HOLD_S)
-
-    def admits(self, driver: Hashable, now_s: float, *, is_stop: bool) -> bool:
-        """Return whether a driver's command may be published: every stop, and commands of the lease's driver.
-
-        A driver that was silent for `HOLD_S` while it moved the robot must send a stop first: after a network
-        stalls, the commands of that time arrive at once, and must not start the robot.
-        """
-        if is_stop:
-            return True
-        if self.driver is None:
-            return driver not in self._lapsed
-        # `expire` may be late in a busy process.
-        is_silent = now_s >= self._commanded_s + HOLD_S
-        return driver == self.driver and (self._has_stopped or not is_silent)
-
-    def command(self, driver: Hashable, now_s: float, *, is_stop: bool) -> None:
-        """Give the lease to the driver of an admitted command, and keep it for this driver."""
-        self.driver = driver
-        self._commanded_s = now_s
-        self._has_stopped = is_stop
-        self._is_moving = not is_stop
-        self._lapsed.discard(driver)
-
-    def expire(self, now_s: float) -> bool:
-        """Handle the expired times; return whether a stop must be published now."""
-        must_stop = False
-        if self._is_moving and now_s >= self._commanded_s + KEEP_S:
-            self._is_moving = False
-            must_stop = True
-        if self.driver is not None and now_s >= self._commanded_s + HOLD_S:
-            if not self._has_stopped:
-                self._lapsed.add(self.driver)
-            self.driver = None
-        return must_stop
-
-    def release(self, driver: Hashable) -> bool:
-        """Free the lease if it is this driver's; return whether a stop must be published now."""
-        self._lapsed.discard(driver)
-        if self.driver != driver:
-            return False
-        must_stop, self._is_moving, self.driver = self._is_moving, False, None
-        return must_stop

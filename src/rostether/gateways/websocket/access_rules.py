@@ -73,7 +73,7 @@ class PageRule(Struct, frozen=True):
         return name in _LOOPBACK_NAMES
 
 
-def is_of_program(origin: str | None) -> bool:
+def _is_of_program(origin: str | None) -> bool:
     """Return whether an Origin is not a web page: it is missing, or has a scheme such as `file:`."""
     return origin is None or (":" in origin and not origin.startswith(("http:", "https:")))
 
@@ -114,7 +114,7 @@ def single_header(headers: Headers, name: str) -> str | None:
     return values[0] if len(values) == 1 else "null"
 
 
-def explain_foreign_host(host: str) -> str:
+def _explain_foreign_host(host: str) -> str:
     """Return why a request to another machine's name is refused."""
     return f"{host!r:.200} is not a name of this machine; use its address, set ROS_HOSTNAME, or use --token"
 
@@ -175,9 +175,9 @@ class AccessRules:
     def _refusal(self, path: str, headers: Headers, pages: PageRule) -> tuple[HTTPStatus, str] | None:
         origin, host = single_header(headers, "Origin"), single_header(headers, "Host") or ""
         has_token = self.has_token(path, headers) or self._has_view_token(path, headers)
-        if not pages.admits(origin, host) and not (has_token and is_of_program(origin)):
+        if not pages.admits(origin, host) and not (has_token and _is_of_program(origin)):
             if origin is None:
-                return HTTPStatus.FORBIDDEN, explain_foreign_host(host)
+                return HTTPStatus.FORBIDDEN, _explain_foreign_host(host)
             reason = f"pages of {origin:.200} may not connect; allow them with --origin {origin:.200}"
             return HTTPStatus.FORBIDDEN, reason
         if self.token.is_required and self._wants_token_first and not has_token:
@@ -193,7 +193,7 @@ class AccessRules:
         Files are not secret, so they need no token: the page sends it when it connects.
         """
         host = single_header(headers, "Host") or ""
-        return None if self._pages.admits_host(host) else explain_foreign_host(host)
+        return None if self._pages.admits_host(host) else _explain_foreign_host(host)
 
     def download_refusal(self, path: str, headers: Headers) -> str | None:
         """Return why a request for a recording is refused, None if it is admitted.

@@ -70,7 +70,7 @@ class Reply(Struct, frozen=True):
     length: int
 
 
-class SiteFile(Struct, frozen=True):
+class _SiteFile(Struct, frozen=True):
     """One file: its content, the compressed content if that is smaller, and the tag of its version."""
 
     content_type: str
@@ -79,7 +79,7 @@ class SiteFile(Struct, frozen=True):
     tag: str
 
     @classmethod
-    def of(cls, name: str, content: bytes) -> SiteFile:
+    def of(cls, name: str, content: bytes) -> _SiteFile:
         """Compress a file and compute its tag, once for all requests."""
         # Without a timestamp, so that the same content always has the same bytes.
         compressed = gzip.compress(content, mtime=0)
@@ -117,7 +117,7 @@ class Site:
     ) -> None:
         self._downloads = downloads
         self._tiles = tiles
-        self._files = {f"/{name}": SiteFile.of(name, content) for name, content in files.items()}
+        self._files = {f"/{name}": _SiteFile.of(name, content) for name, content in files.items()}
         if index := self._files.get(f"/{INDEX}"):
             self._files["/"] = index
 

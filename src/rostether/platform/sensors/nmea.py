@@ -62,7 +62,7 @@ class NmeaReader:
     """Splits bytes into sentences and returns their positions."""
 
     def __init__(self) -> None:
-        self._pynmea2 = nmea_package()
+        self._pynmea2 = _nmea_package()
         self._buffer = bytearray()
         self._has_data = False
         self._sentence_count = 0
@@ -126,7 +126,7 @@ def _number(field: object) -> float:
     return math.nan if field in (None, "") else float(str(field))
 
 
-def nmea_package() -> Any:
+def _nmea_package() -> Any:
     """Return the package `pynmea2`. Raises ConfigError if it is not installed."""
     try:
         import pynmea2

@@ -72,7 +72,7 @@ class Rosapi:
         system = SystemAnswers(
             graph, store.registry, os.environ if environ is None else environ, is_ros2=is_ros2
         )
-        rows = service_rows(about_graph, parameters, system)
+        rows = _service_rows(about_graph, parameters, system)
         known = {short_type(name) for name in store.registry.services(ROS2_PACKAGE)} if is_ros2 else set()
         self._package = ROS2_PACKAGE if known else PACKAGE
         self._rows = {
@@ -185,7 +185,7 @@ class Row(Struct, frozen=True):
         return dict(zip(self.fields, found or (), strict=True)) | success
 
 
-def service_rows(
+def _service_rows(
     graph: GraphAnswers, parameters: ParameterServices, system: SystemAnswers
 ) -> tuple[Row, ...]:
     """Return all services of rosapi."""

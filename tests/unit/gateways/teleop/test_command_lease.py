@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import pytest
 
-from rostether.gateways.teleop.teleop import HOLD_S, KEEP_S, CommandLease
+from rostether.gateways.teleop.command_lease import HOLD_S, KEEP_S, CommandLease
 
 
 @pytest.fixture
