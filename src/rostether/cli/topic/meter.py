@@ -15,6 +15,7 @@ from rostether.cli.topic.misfit_notice import shown_messages
 from rostether.cli.topic.ros1_chosen_topic import wait_for_topic
 from rostether.errors import ConfigError, UnknownTypeError
 from rostether.graph.typed_graph import TypedGraph
+from rostether.mechanisms.block_end import task_beside
 from rostether.mechanisms.tasks import cancel_all
 from rostether.msgdef.interface import ANY_MESSAGE
 
@@ -68,11 +69,10 @@ class TopicMeter:
 
     async def reports(self, count: int | None) -> AsyncIterator[None]:
         """Yield once a second, `count` times or until the node leaves. Raises the error of `add`."""
-        leaving = asyncio.ensure_future(self.graph.raw.wait_closed())
         loop = asyncio.get_running_loop()
         due_s = loop.time()
         made = 0
-        try:
+        async with task_beside(self.graph.raw.wait_closed()) as leaving:
             while not leaving.done() and made != count:
                 due_s += REPORT_PERIOD_S
                 timeout_s = max(due_s - loop.time(), 0.0)
@@ -83,8 +83,6 @@ class TopicMeter:
                 if not done:
                     made += 1
                     yield
-        finally:
-            leaving.cancel()
 
     async def aclose(self) -> None:
         """Stop listening."""

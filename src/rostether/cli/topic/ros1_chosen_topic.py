@@ -12,6 +12,7 @@ from rostether.cli.access.ros1_access import resolve
 from rostether.cli.shell.output import warn
 from rostether.cli.topic.ros1_topic_views import TopicView, fetch_topics
 from rostether.errors import ConfigError, DefinitionError, GraphError
+from rostether.mechanisms.block_end import task_beside
 from rostether.mechanisms.text import unpublished_warning
 from rostether.ros1.environment import RosEnvironment
 from rostether.serde.field_path import FieldPath
@@ -68,8 +69,7 @@ async def wait_for_topic(name: str, graph: TypedGraph, environment: RosEnvironme
     before that.
     """
     is_reported = False
-    leaving = asyncio.ensure_future(graph.raw.wait_closed())
-    try:
+    async with task_beside(graph.raw.wait_closed()) as leaving:
         while not leaving.done():
             topics = await fetch_topics(environment)
             chosen = choose_topic(name, topics, graph.store)
@@ -81,8 +81,6 @@ async def wait_for_topic(name: str, graph: TypedGraph, environment: RosEnvironme
                 names = [topic.name for topic in topics if topic.known_type is not None]
                 warn(unpublished_warning(name, names))
             await asyncio.wait({leaving}, timeout=POLL_S)
-    finally:
-        leaving.cancel()
     raise GraphError(f"the node was shut down before topic {name} was published")
 
 

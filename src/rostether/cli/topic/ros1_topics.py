@@ -8,7 +8,7 @@ import time
 from collections.abc import AsyncIterator, Callable
 from contextlib import AbstractAsyncContextManager
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import click
 
@@ -22,6 +22,7 @@ from rostether.cli.topic.options import EchoOptions, PubOptions, with_field
 from rostether.cli.topic.ros1_listing import Ros1TopicListing
 from rostether.errors import ConfigError, DefinitionError, TypeMismatchError
 from rostether.graph.ros_clock import wall_time
+from rostether.mechanisms.block_end import task_beside
 from rostether.mechanisms.text import did_you_mean
 from rostether.msgdef.interface import ANY_TYPE
 from rostether.rostime import Time
@@ -102,17 +103,18 @@ async def _publish(
         now = graph.now if options.use_rostime else wall_time
         is_latched = options.rate_hz is None or options.latch
         publisher = await graph.publisher(name, type_name, latch=is_latched)
-        output = _Output(publisher, graph.raw.wait_closed, options)
-        if not is_typed:
-            await output.publish_documents(_documents(codec, text, now))
-        elif options.rate_hz is None:
-            await output.publish_latched(fill_message(codec, values, now=now))
-        else:
+        async with task_beside(graph.raw.wait_closed()) as leaving:
+            output = _Output(publisher, leaving, options)
+            if not is_typed:
+                await output.publish_documents(_documents(codec, text, now))
+                return
             first = fill_message(codec, values, now=now)
-            again = options.substitute_keywords
-            await output.repeat(
-                (lambda: fill_message(codec, values, now=now)) if again else lambda: first, options.rate_hz
-            )
+            if options.rate_hz is None:
+                await output.publish_latched(first)
+            elif options.substitute_keywords:
+                await output.repeat(lambda: fill_message(codec, values, now=now), options.rate_hz)
+            else:
+                await output.repeat(lambda: first, options.rate_hz)
 
 
 async def _check_type(graph: TypedGraph, topic: str, codec: Codec) -> None:
@@ -143,10 +145,10 @@ class _Output:
     """Publishes as the options demand, until the node is shut down."""
 
     def __init__(
-        self, publisher: TypedPublisher[...], wait_closed: Callable[[], Any], options: PubOptions
+        self, publisher: TypedPublisher[...], leaving: asyncio.Task[object], options: PubOptions
     ) -> None:
         self._publisher = publisher
-        self._leaving = asyncio.ensure_future(wait_closed())
+        self._leaving = leaving
         self._options = options
 
     async def publish_latched(self, message: Message) -> None:
