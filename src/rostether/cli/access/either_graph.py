@@ -27,13 +27,12 @@ async def joined_either(graph: GraphOptions, *, purpose: str) -> AsyncIterator[t
     from rostether.cli.access.ros2_access import ros2_access
     from rostether.cli.access.ros2_tool_node import HIDDEN_NAME, warn_without_router
     from rostether.graph.typed_graph import TypedGraph
-    from rostether.mechanisms.anonymous import anonymous_name
     from rostether.mechanisms.block_end import closed_at_end
 
     refuse_ros1_only(master=graph.master)
     async with ros2_access(graph.ros2, reach=ZenohReach(router="never")) as access:
         if graph.ros2 is Middleware.ZENOH:
             await warn_without_router()
-        raw = await access.join(graph.arguments.get("__name") or anonymous_name(HIDDEN_NAME))
+        raw = await access.join(graph.node_name(HIDDEN_NAME))
         async with closed_at_end(raw):
             yield TypedGraph(raw, type_store()), "the ROS 2 graph"

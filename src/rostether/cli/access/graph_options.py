@@ -22,6 +22,7 @@ from rostether.cli.shell.option_group import (
     ignored_options,
     option_group,
 )
+from rostether.mechanisms.anonymous import anonymous_name
 
 ROS2_OPTION = "--ros2"
 # The value of `--ros2` alone: the middleware in the environment, else the installed one.
@@ -126,6 +127,10 @@ class GraphOptions:
     def is_ros2_alone(self) -> bool:
         """Whether only the ROS 2 graph is selected."""
         return not self.uses_ros1
+
+    def node_name(self, purpose: str) -> str:
+        """Return the name of the command's node: `__name:=`, else a unique one that begins with `purpose`."""
+        return self.arguments.get("__name") or anonymous_name(purpose)
 
 
 _TOOL_MASTER = "The ROS master (default: ROS_MASTER_URI, or http://localhost:11311)."

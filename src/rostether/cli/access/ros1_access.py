@@ -92,13 +92,13 @@ async def joined(
         environment: The environment of `graph`, None to read it.
     """
     from rostether.graph.typed_graph import TypedGraph
-    from rostether.mechanisms.anonymous import anonymous_name
     from rostether.ros1.node.node import join_ros1
 
     environment = environment or read_environment(graph)
-    name = graph.arguments.get("__name") or anonymous_name(purpose)
     try:
-        node = await join_ros1(name, environment=environment, namespace=environment.namespace)
+        node = await join_ros1(
+            graph.node_name(purpose), environment=environment, namespace=environment.namespace
+        )
         async with closed_at_end(node):
             yield TypedGraph(node, store or type_store(msg_paths))
     except MasterUnreachableError as error:

@@ -12,7 +12,6 @@ from rostether.cli.access.graph_options import GraphOptions, Middleware, ZenohRe
 from rostether.cli.access.ros2_access import ros2_access
 from rostether.cli.shell.output import warn
 from rostether.errors import GraphError, UnknownTypeError
-from rostether.mechanisms.anonymous import anonymous_name
 from rostether.mechanisms.block_end import closed_at_end
 from rostether.names.graph_name import is_hidden
 from rostether.ros2.endpoint_info import EndpointKind
@@ -164,8 +163,7 @@ async def tool_node(
         if middleware is Middleware.ZENOH and not is_quiet:
             await warn_without_router(is_error=needs_router)
         graph = await access.join(
-            options.arguments.get("__name") or anonymous_name(HIDDEN_NAME),
-            namespace=options.arguments.get("__ns", "/"),
+            options.node_name(HIDDEN_NAME), namespace=options.arguments.get("__ns", "/")
         )
         async with closed_at_end(graph):
             yield ToolNode(

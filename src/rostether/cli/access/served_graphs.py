@@ -15,7 +15,7 @@ from msgspec.structs import replace
 from rostether.cli.access.graph_options import GraphOptions, ZenohReach
 from rostether.cli.access.ros1_access import ros1_join
 from rostether.cli.access.ros2_access import ros2_access
-from rostether.errors import GraphError, MasterUnreachableError
+from rostether.errors import ConfigError, GraphError, MasterUnreachableError
 from rostether.graph.joint_join import JointJoin
 from rostether.graph.ports import JoinGraph
 from rostether.mechanisms.block_end import closed_at_end
@@ -104,6 +104,12 @@ async def native_session(graph: GraphOptions, msg_paths: Sequence[Path]) -> Asyn
     reach = ZenohReach(graph.zenoh.connect, (), "never")
     async with ros2_access(graph.ros2, msg_paths, reach=reach, types=types) as access:
         yield NativeSession(access.join, types, registry)
+
+
+def check_master(graph: GraphOptions, port: int | None) -> None:
+    """Raise ConfigError if both --master and --master-port were given."""
+    if graph.master is not None and port is not None:
+        raise ConfigError("--master joins a master, and --master-port starts one; give only one of them")
 
 
 class UsedMaster(Struct, frozen=True):

@@ -14,6 +14,7 @@ from rostether.cli.bag.recording_files import (
     open_for,
     recording_types,
     storage_option,
+    warn_of_damage,
 )
 from rostether.cli.shell.option_group import PATH, add_option
 from rostether.cli.shell.output import warn, write_line
@@ -56,8 +57,7 @@ def bag_convert(
     refuse_same(source, target)
     reader, target_form = open_for(source, target, asked_form(form))
     with closing(reader):
-        if reader.damage:
-            warn(f"{source}: {reader.damage}; only its complete part is read")
+        warn_of_damage(source, reader)
         # Only types that go from ROS 1 to ROS 2 must be known; the recordings contain all others.
         types = recording_types((), msg_paths) if msg_paths and target_form is Form.ROS2 else None
         count = copy(reader, target, compression=compression, form=target_form, storage=storage, types=types)

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from rostether.cli.bag.recording_files import create_folder
+from rostether.cli.bag.recording_files import create_folder, warn_of_damage
 from rostether.cli.shell.failures import EXIT_DONE, EXIT_FAILED
 from rostether.cli.shell.option_group import PATH, argument, option, option_group
 from rostether.cli.shell.output import discard_output, warn, write_line
@@ -73,8 +73,7 @@ def export(options: ExportOptions) -> int:
     from rostether.recording.files import open_recording
 
     with closing(open_recording(options.recording)) as reader:
-        if reader.damage:
-            warn(f"{options.recording}: {reader.damage}; only its complete part is read")
+        warn_of_damage(options.recording, reader)
         type_name = PICTURE_TYPE if options.format_name == "pictures" else ""
         chosen = Export(
             reader, topics=options.topics, fields=options.fields, type_name=type_name, report=warn

@@ -14,6 +14,7 @@ from rostether.cli.access.graph_options import GraphOptions, Middleware, ZenohRe
 from rostether.cli.access.ros1_access import joined, read_environment
 from rostether.cli.access.ros2_access import ros2_access
 from rostether.cli.shell.option_group import add_option
+from rostether.cli.shell.output import warn
 from rostether.errors import ConfigError
 from rostether.mechanisms.block_end import closed_at_end
 
@@ -46,6 +47,12 @@ def create_folder(folder: Path) -> None:
         raise ConfigError(
             f"cannot create the folder {folder}: {error.strerror or error}; choose another folder"
         ) from None
+
+
+def warn_of_damage(path: Path, reader: RecordingReader) -> None:
+    """Warn that messages are missing if a recording is damaged."""
+    if reader.damage:
+        warn(f"{path}: {reader.damage}; only its complete part is read")
 
 
 def asked_form(typed: str | None) -> Form | None:
@@ -197,8 +204,6 @@ async def recording_graph(
     If `is_native`, messages on ROS 2 alone have ROS 2's own fields. `origins` are the types in recordings,
     whose definitions need not be installed.
     """
-    from rostether.mechanisms.anonymous import anonymous_name
-
     if graph.ros2 is None:
         async with joined(graph, purpose=purpose) as node:
             yield RecordingGraph(node.raw, None)
@@ -207,7 +212,7 @@ async def recording_graph(
     types = recording_types(origins, paths) if is_native and graph.is_ros2_alone else None
     # A recorder must not become the router that other programs need.
     reach = ZenohReach(graph.zenoh.connect, graph.zenoh.listen, "never")
-    name = graph.arguments.get("__name") or anonymous_name(purpose)
+    name = graph.node_name(purpose)
     async with ros2_access(graph.ros2, paths, reach=reach, types=types) as access:
         if graph.ros2 is Middleware.ZENOH and not (reach.connect or reach.listen):
             from rostether.cli.access.ros2_tool_node import warn_without_router

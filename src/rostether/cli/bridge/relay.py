@@ -16,13 +16,12 @@ from rostether.cli.access.graph_options import GraphOptions, graph_options, inst
 from rostether.cli.access.options import listen_option, msg_path_option
 from rostether.cli.access.ros1_access import master_client, read_environment, ros1_join
 from rostether.cli.access.ros2_access import ros2_access
-from rostether.cli.access.served_graphs import native_session, used_master
+from rostether.cli.access.served_graphs import check_master, native_session, used_master
 from rostether.cli.shell.option_group import PORT, argument, option, option_group
 from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import verb
-from rostether.errors import ConfigError, UnknownTypeError
+from rostether.errors import UnknownTypeError
 from rostether.graph.ports import Level
-from rostether.mechanisms.anonymous import anonymous_name
 from rostether.mechanisms.block_end import closed_at_end
 from rostether.msgdef.interface import ANY_TYPE, ServiceType
 from rostether.names.graph_name import validate_name
@@ -111,8 +110,7 @@ def relay(
     choice = options.choice()
     if not (choice.topics or choice.services or choice.actions):
         raise click.UsageError("give topics to relay, services with --service, or actions with --action")
-    if graph.master is not None and options.master_port is not None:
-        raise ConfigError("--master joins a master, and --master-port starts one; give only one of them")
+    check_master(graph, options.master_port)
     environment = read_environment(graph, listen)
     # A relay always uses both graphs.
     both = replace(graph, ros2=graph.ros2 or installed_middleware())
@@ -144,7 +142,7 @@ async def relay_between(
     from rostether.ros2.actions.board_graph import BoardJoin
 
     assert graph.ros2 is not None
-    name = graph.arguments.get("__name") or anonymous_name("relay")
+    name = graph.node_name("relay")
     async with (
         used_master(environment, is_chosen=graph.master is not None, port=master_port) as used,
         ros2_access(graph.ros2, msg_paths, reach=graph.zenoh, params_files=graph.params_files) as access,

@@ -20,7 +20,7 @@ from rostether.cli.access.console_reporter import ConsoleReporter
 from rostether.cli.access.graph_options import GraphOptions, graph_options
 from rostether.cli.access.options import ADDRESS_HINTS, listen_option, msg_path_option
 from rostether.cli.access.ros1_access import read_environment, type_store
-from rostether.cli.access.served_graphs import served_graphs
+from rostether.cli.access.served_graphs import check_master, served_graphs
 from rostether.cli.bag.bridge_recording import BagRecording, bag_recording_options, bags_recorded
 from rostether.cli.bag.line_capture import record_limit_option, recorded
 from rostether.cli.bridge.announcing import announced, check_mdns
@@ -52,7 +52,6 @@ from rostether.cli.shell.library_logs import show_debug_records
 from rostether.cli.shell.option_group import FILE, PORT, flag, option, option_group, shared
 from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import verb
-from rostether.errors import ConfigError
 from rostether.graph.ports import JoinGraph, Level
 from rostether.ports.config_paths import known_boards_path
 from rostether.ports.device_book import DeviceBook
@@ -163,8 +162,7 @@ def serve(
     twice = next((address for address in addresses if addresses.count(address) > 1), None)
     if twice is not None:
         raise click.UsageError(f"{twice} is given twice; give each address once")
-    if graph.master is not None and options.master_port is not None:
-        raise ConfigError("--master joins a master, and --master-port starts one; give only one of them")
+    check_master(graph, options.master_port)
     environment = read_environment(graph, options.listen)
     settings, graph_limits = read_limits(options.limits)
     environment = environment.limited(graph_limits)

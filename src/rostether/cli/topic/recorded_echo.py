@@ -7,7 +7,8 @@ from pathlib import Path
 
 import click
 
-from rostether.cli.shell.output import warn, write_line
+from rostether.cli.bag.recording_files import warn_of_damage
+from rostether.cli.shell.output import write_line
 from rostether.cli.topic.options import EchoOptions, with_field
 from rostether.cli.topic.ros1_echo import Ros1Printer
 from rostether.errors import ConfigError
@@ -24,8 +25,7 @@ def echo_recording(path: Path, topic: str | None, options: EchoOptions) -> None:
     options.refuse_ros2_only()
     decoder = Decoder()
     with closing(open_recording(path)) as reader:
-        if reader.damage:
-            warn(f"{path}: {reader.damage}; only its complete part is read")
+        warn_of_damage(path, reader)
         topics = sorted({each.topic for each in reader.counts})
         chosen, field = (None, "") if topic is None else _split(with_field(topic, options), topics, path)
         printers: dict[str, Ros1Printer] = {}
