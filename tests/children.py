@@ -1,6 +1,6 @@
-"""The processes that tests start: they get the usual signals, and none outlives its test file.
+"""Processes that tests start get the default signal handlers, and end with their test file.
 
-A variable of the environment marks them. So they are found although they run in sessions of their own, their
+An environment variable marks them. So they are found even if they run in other sessions, their
 parents have ended, or the test process was killed.
 """
 

@@ -1,4 +1,4 @@
-"""Which peers a test needs; where one is missing the test is skipped with the reason, or fails in CI."""
+"""The programs that tests need. If one is missing, the test is skipped with the reason, or fails in CI."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ def missing_font() -> str:
     return ""
 
 
-# On a busy machine an example may take any time.
+# On a busy machine, an example may take any time.
 settings.register_profile(
     "tests", max_examples=effort(30, 100), deadline=None, suppress_health_check=[HealthCheck.too_slow]
 )
@@ -92,7 +92,7 @@ PEERS: dict[str, Callable[[], str]] = {
 }
 
 
-# The folders whose tests mostly wait for programs.
+# The folders of tests that mostly wait for programs.
 WAITING = (
     "tests/architecture/",
     "tests/docs/",
@@ -105,13 +105,13 @@ WAITING = (
 # Of these, the folders whose tests share a browser, compiled programs or rclpy, once in each test process.
 SHARING = ("tests/firmware/platforms/", "tests/interop_ros2/", "tests/web/")
 
-# In CI a test may be skipped for no other reason.
-SKIPPED_IN_CI = ("this graph has not:",)
+# The only reason for which CI may skip a test.
+SKIPPED_IN_CI = ("this graph lacks:",)
 
 
 @pytest.fixture(autouse=True, scope="session")
 def _own_settings(tmp_path_factory: pytest.TempPathFactory) -> None:
-    """Keep what is set and remembered on the developer's machine out of the tests, and theirs out of it."""
+    """Separate the settings and saved state of the tests from those of the developer's machine."""
     home = tmp_path_factory.mktemp("home")
     os.environ["XDG_CONFIG_HOME"] = str(home / "config")
     os.environ["XDG_STATE_HOME"] = str(home / "state")
@@ -120,13 +120,13 @@ def _own_settings(tmp_path_factory: pytest.TempPathFactory) -> None:
 
 
 def pytest_xdist_auto_num_workers() -> int:
-    """Return how many test processes `-n auto` means: most tests wait for three quarters of their time."""
+    """Return the number of test processes for `-n auto`: most tests wait for three quarters of their time."""
     processors = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
     return min(4 * processors, MAX_WORKERS)
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Give each test process a folder or some files of the tests that take long, and then short tests.
+    """Give each test process long tests first (a folder or some files), then short tests.
 
     With `--dist worksteal` a test process runs its part of the list from the start, and then takes over the
     end of another's part. So no long test is the last.
@@ -158,16 +158,18 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection() -> None:
-    """Search for no garbage meanwhile: there is little, and the searches take a quarter of the time."""
+    """Turn off the garbage collector during collection, where it takes a quarter of the time and finds
+    little.
+    """
     gc.disable()
 
 
 def pytest_collection_finish(session: pytest.Session) -> None:
-    """Keep the tests that were collected out of each search for garbage, which would take 0.2 s."""
+    """Freeze the collected tests, which would make each garbage collection 0.2 s longer."""
     gc.collect()
     gc.freeze()
     gc.enable()
-    # Tests of the bridge, which freezes as well, end this state.
+    # Tests of the bridge, which also freezes objects, end this state.
     session.config.stash[FROZEN_OBJECTS] = gc.get_freeze_count(), len(gc.get_objects())
 
 
@@ -180,7 +182,7 @@ def pytest_runtest_setup(item: pytest.Item) -> None:
 
 @pytest.hookimpl(wrapper=True)
 def pytest_runtest_makereport() -> Generator[None, pytest.TestReport, pytest.TestReport]:
-    """Let a skipped test fail in CI, where every peer is installed; show what programs printed."""
+    """Fail a skipped test in CI, where every program is installed; show the output of programs."""
     report = _fail_when_skipped((yield))
     if report.failed:
         report.sections += last_output()
@@ -189,7 +191,7 @@ def pytest_runtest_makereport() -> Generator[None, pytest.TestReport, pytest.Tes
 
 @pytest.hookimpl(wrapper=True)
 def pytest_make_collect_report() -> Generator[None, pytest.CollectReport, pytest.CollectReport]:
-    """Let a skipped module fail in CI."""
+    """Fail a skipped module in CI."""
     return _fail_when_skipped((yield))
 
 

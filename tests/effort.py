@@ -1,4 +1,4 @@
-"""How many inputs a test tries: a few in each run, and many with THOROUGH=1, before a release."""
+"""The number of inputs that a test tries: a few in each run, many with THOROUGH=1 before a release."""
 
 from __future__ import annotations
 

@@ -1,4 +1,6 @@
-"""Where `conftest` notes how many objects it has kept from the garbage collector, and how many it has not."""
+"""The number of objects that `conftest` froze for the garbage collector, and of those that it did not
+freeze.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Faults of a line, seeded: bytes that flip, go missing or are made up, as bad cables and boot noise do."""
+"""Faults of a line, from a seed: flipped, lost and inserted bytes, as from bad cables and boot noise."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from rostether.transports.memory import Direction
 
 @dataclass(frozen=True, slots=True)
 class FaultRates:
-    """How often what happens, as probabilities of one byte or of one chunk."""
+    """The probabilities of faults, for each byte or each chunk."""
 
     flip_per_byte: float = 0.0
     lose_per_byte: float = 0.0
@@ -19,7 +19,7 @@ class FaultRates:
 
 
 class LineFaults:
-    """Damages chunks on their way; a `manipulator` of `memory_pair`. The same seed, the same faults."""
+    """Damages chunks, as a `manipulator` of `memory_pair`. The same seed gives the same faults."""
 
     def __init__(self, rates: FaultRates, seed: int) -> None:
         self.fault_count = 0
@@ -27,7 +27,7 @@ class LineFaults:
         self._rng = Random(seed)
 
     def __call__(self, chunk: bytes, _direction: Direction) -> bytes:
-        """Return what arrives of a chunk."""
+        """Return the part of a chunk that arrives, with its faults."""
         rates, rng = self._rates, self._rng
         if rates.lose_per_chunk and rng.random() < rates.lose_per_chunk:
             self.fault_count += 1

@@ -1,4 +1,4 @@
-"""Finds what holds up an event loop: long callbacks, and searches of folders."""
+"""Finds what delays an event loop: long callbacks, and searches of folders."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ class CallbackWatch:
     def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
         self._longest_s, self._longest = 0.0, ""
         run = events.Handle._run
-        # The objects of the test run itself would make each garbage collection long.
+        # The objects of the test run would make each garbage collection long.
         gc.collect()
         gc.freeze()
 
@@ -56,7 +56,7 @@ class CallbackWatch:
 
 
 class FolderWatch:
-    """Notes each folder that is listed by a thread whose event loop is `loop`, from when it is made."""
+    """Records each folder that a thread with the event loop `loop` lists."""
 
     def __init__(self) -> None:
         self.listed: list[str] = []
@@ -64,16 +64,16 @@ class FolderWatch:
         self._loop = asyncio.get_running_loop()
         _folder_watches.add(self)
         if not _is_hooked:
-            # A hook stays for good: it does nothing without a watch.
+            # An audit hook cannot be removed; it does nothing without a watch.
             sys.addaudithook(_note_folder)
             _is_hooked.append(True)
 
     def note(self, path: object) -> None:
-        """Take a folder that is just listed."""
+        """Record a folder that is being listed."""
         if asyncio._get_running_loop() is not self._loop:
             return
         callers = traceback.extract_stack(limit=12)
-        # Imports list folders too.
+        # Imports also list folders.
         if not any("importlib" in each.filename for each in callers):
             ours = [f"{each.filename}:{each.lineno}" for each in callers if "/rostether/" in each.filename]
             self.listed.append(f"{path} by {ours[-1] if ours else callers[0]}")
@@ -90,7 +90,7 @@ def _note_folder(event: str, args: tuple[object, ...]) -> None:
 
 
 class LoopWatch:
-    """Lets each folder of a search wait until the event loop has gone round: a slow disk, without a clock."""
+    """Delays each folder of a search until the event loop has run: a slow disk, without a clock."""
 
     def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
         self.folders = 0

@@ -1,4 +1,4 @@
-"""How much more processor time the same work takes beside other programs: caches and cores are shared."""
+"""How much more processor time the same work takes while other programs share caches and cores."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ QUIET_S = 0.0075
 
 
 def slowness() -> float:
-    """Return how much slower this machine is now than a quiet one; at least 2 beside other tests."""
+    """Return how much slower this machine is now than a quiet one; at least 2 while other tests run."""
     at_least = 2.0 if "PYTEST_XDIST_WORKER" in os.environ else 1.0
     return max(at_least, statistics.median(_work() for _ in range(9)) / QUIET_S)
 

@@ -1,4 +1,4 @@
-"""Programs that tests start: our command line as its users run it, and peers."""
+"""Programs that tests start: rostether's command line, and other programs."""
 
 from __future__ import annotations
 
@@ -19,19 +19,19 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-# A machine that is busy with other things may be five times slower than a quiet one.
+# A busy machine may be five times slower than a quiet one.
 PATIENCE_S = 60.0
 
 OURS = (sys.executable, "-m", "rostether")
 
 
-# The last lines of each program that a failed test's report shows.
+# The number of last lines of each program in the report of a failed test.
 SHOWN_LINES = 20
 
 
 @dataclass(eq=False)
 class Peer:
-    """One running program; `lines` grows as it prints (standard error too)."""
+    """A running program; `lines` has its output so far, also of standard error."""
 
     process: asyncio.subprocess.Process
     lines: list[str] = field(default_factory=list)
@@ -39,11 +39,11 @@ class Peer:
 
     @property
     def text(self) -> str:
-        """Return all it has printed so far."""
+        """Return its output so far."""
         return "\n".join(self.lines)
 
     async def read(self) -> None:
-        """Collect its output until it closes it."""
+        """Collect its output until the end."""
         assert self.process.stdout is not None
         async for line in self.process.stdout:
             self.lines.append(line.decode(errors="replace").rstrip("\n"))
@@ -51,7 +51,7 @@ class Peer:
     async def wait_for(
         self, condition: Callable[[list[str]], bool] | str, timeout_s: float = PATIENCE_S
     ) -> None:
-        """Wait until its output holds a text or meets a condition."""
+        """Wait until its output contains a text or meets a condition."""
         wanted = (
             (lambda lines: any(condition in line for line in lines))
             if isinstance(condition, str)
@@ -65,11 +65,11 @@ class Peer:
 
     @property
     def reader_done(self) -> bool:
-        """Tell whether its output has ended."""
+        """Return whether its output has ended."""
         return self.reader is None or self.reader.done()
 
     async def finish(self, timeout_s: float = PATIENCE_S) -> str:
-        """Wait until it ends by itself; returns what it printed."""
+        """Wait until it ends by itself; return its output."""
         try:
             await asyncio.wait_for(self.process.wait(), timeout_s)
         except TimeoutError:
@@ -79,8 +79,8 @@ class Peer:
         return self.text
 
     async def stop(self, signal_number: int = signal.SIGINT) -> None:
-        """End it and all it started, politely first."""
-        # roslaunch puts its nodes into groups of their own; they would outlive it and hold its output open.
+        """End it and all processes that it started: first with a signal, then with SIGKILL."""
+        # roslaunch starts its nodes in other process groups; they would outlive it and keep its output open.
         groups = _descendants(self.process.pid)
         for number in (signal_number, signal.SIGTERM, signal.SIGKILL):
             if self.process.returncode is not None:
@@ -95,7 +95,7 @@ class Peer:
             with contextlib.suppress(ProcessLookupError, PermissionError):
                 os.killpg(group, signal.SIGKILL)
         if self.reader is not None:
-            # A program that it has left running may hold the output open.
+            # A program that it left running may keep the output open.
             with contextlib.suppress(TimeoutError):
                 await asyncio.wait_for(self.reader, PATIENCE_S / 4)
 
@@ -104,7 +104,7 @@ _peers: weakref.WeakKeyDictionary[Peer, str] = weakref.WeakKeyDictionary()
 
 
 def _descendants(pid: int) -> set[int]:
-    """Return the ids of a process, its children, and theirs."""
+    """Return the ids of a process and all its descendants."""
     found: set[int] = set()
     pending = [pid]
     while pending:
@@ -119,7 +119,9 @@ def _descendants(pid: int) -> set[int]:
 
 
 async def start_program(*command: str, environment: Mapping[str, str], reads: bool = False) -> Peer:
-    """Start a program as the leader of a process group; what it prints is kept. `reads`: from a pipe."""
+    """Start a program as the leader of a process group, and collect its output. With `reads`, its standard
+    input is a pipe.
+    """
     process = await asyncio.create_subprocess_exec(
         *command,
         env=environment,
@@ -136,7 +138,7 @@ async def start_program(*command: str, environment: Mapping[str, str], reads: bo
 
 
 def last_output() -> list[tuple[str, str]]:
-    """Return the command and the last lines of every program that a test or its fixtures hold."""
+    """Return the command and the last lines of every program that a test or its fixtures use."""
     return [
         (f"{command[:200]} printed last", "\n".join(peer.lines[-SHOWN_LINES:]))
         for peer, command in _peers.items()
@@ -146,13 +148,15 @@ def last_output() -> list[tuple[str, str]]:
 async def start_command(
     *arguments: str, environment: Mapping[str, str] | None = None, on: Sequence[str] = ()
 ) -> Peer:
-    """Start `rostether ARGUMENTS` until its user stops it. `on` begins the command, see `machines`."""
+    """Start `rostether ARGUMENTS`; the caller stops it. `on` is a command prefix, see `machines`."""
     return await start_program(*on, *OURS, *arguments, environment={**os.environ, **(environment or {})})
 
 
 @asynccontextmanager
 async def started(*arguments: str, **environment: str) -> AsyncIterator[Peer]:
-    """Run `rostether ARGUMENTS` with no ROS variables but those given; ended with SIGINT if it still runs."""
+    """Run `rostether ARGUMENTS` with only the given ROS variables; at the end of the block, it gets
+    SIGINT.
+    """
     clean = {name: value for name, value in os.environ.items() if not name.startswith("ROS")}
     peer = await start_program(*OURS, *arguments, environment=clean | {"PYTHONUNBUFFERED": "1"} | environment)
     try:
@@ -173,7 +177,7 @@ def running(
     stderr: int = subprocess.PIPE,
     **environment: str,
 ) -> Iterator[subprocess.Popen[str]]:
-    """Run `rostether ARGUMENTS`, for tests without asyncio; it is killed with the block."""
+    """Run `rostether ARGUMENTS`, for tests without asyncio; at the end of the block, it is killed."""
 
     def ignore() -> None:
         signal.signal(signal.SIGINT, signal.SIG_IGN)
@@ -196,7 +200,7 @@ def running(
 
 
 def read_until(process: subprocess.Popen[str], text: str) -> list[str]:
-    """Return the lines of stdout up to the one that holds a text; fails when the process ends before."""
+    """Return the lines of stdout up to the one that contains a text; fail if the process ends before."""
     assert process.stdout is not None
     lines = []
     for line in process.stdout:
@@ -208,9 +212,9 @@ def read_until(process: subprocess.Popen[str], text: str) -> list[str]:
 
 
 class Terminal:
-    """A pseudo-terminal of 80 columns with a command of ours in it.
+    """A pseudo-terminal of 80 columns with a rostether command.
 
-    What is shown is read all the time: a command waits for ever to write to a terminal that nobody reads.
+    Its output is read continuously, because a command cannot write to a full terminal.
     """
 
     def __init__(self, leader: int, process: subprocess.Popen[str]) -> None:
@@ -226,14 +230,14 @@ class Terminal:
         os.write(self._leader, keys)
 
     def wait_for(self, text: str) -> None:
-        """Wait until a text was shown."""
+        """Wait until the terminal has shown a text."""
         deadline_s = time.monotonic() + PATIENCE_S
         while text.encode() not in self.seen:
             assert time.monotonic() < deadline_s, f"{text!r} not in {self.seen[-4000:]!r}"
             time.sleep(0.005)
 
     def close(self) -> None:
-        """End the reading."""
+        """Stop reading."""
         self._is_closing.set()
         self._reader.join()
 
@@ -247,7 +251,7 @@ class Terminal:
 
 @contextmanager
 def in_terminal(*arguments: str, lines: int = 24, **environment: str) -> Iterator[Terminal]:
-    """Run `rostether ARGUMENTS` in a terminal; it is killed with the block."""
+    """Run `rostether ARGUMENTS` in a terminal; at the end of the block, it is killed."""
     leader, follower = pty.openpty()
     variables: Any = {"COLUMNS": "80", "LINES": str(lines), "TERM": "xterm"} | environment
     try:

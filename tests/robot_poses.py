@@ -10,7 +10,7 @@ from rostether.robot.transform import Transform
 
 
 def forward_kinematics(model: RobotModel, positions: Mapping[str, float]) -> dict[str, Transform]:
-    """Return the pose of every link in the root link; joints that are not given are at zero."""
+    """Return the pose of every link in the frame of the root link; joints without a position are at zero."""
     complete = with_mimics(model, positions)
     poses = {model.root: Transform()}
     waiting = [model.root]

@@ -1,4 +1,4 @@
-"""A ROS 2 domain on loopback for each test process, so that tests that run at once do not meet."""
+"""A ROS 2 domain on loopback for each test process, so that parallel tests do not discover each other."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import tempfile
 from pathlib import Path
 from typing import IO
 
-# Those that leave the ports of Linux's own connections alone.
+# Domains whose ports Linux does not use for outgoing connections.
 _DOMAINS = range(1, 100)
 
 _held: list[IO[bytes]] = []
@@ -19,7 +19,7 @@ _held: list[IO[bytes]] = []
 def own_domain() -> int:
     """Return a domain that no other test process uses until this one ends.
 
-    It is in the environment of this process and of what it starts, with discovery on loopback only.
+    It is set in the environment of this process and its children, with discovery on loopback only.
     """
     for domain in _DOMAINS:
         lock = (Path(tempfile.gettempdir()) / f"rostether-test-domain-{domain}").open("wb")

@@ -1,6 +1,7 @@
-"""A second try for a test that failed beside others, with new fixtures, reported at the end of the run.
+"""A second try for a test that failed while other tests ran, with new fixtures, reported at the end of the
+run.
 
-The test processes keep a machine so busy that boards and peers in real time may be late. A test that is run
+The test processes keep the machine busy, so boards and peers in real time may be late. A test that is run
 alone has one try.
 """
 
@@ -12,7 +13,7 @@ from typing import Any
 import pytest
 from _pytest.runner import runtestprotocol
 
-# The attribute of a report with the failure of the first try. pytest-xdist carries it to the controller.
+# The attribute of a report with the failure of the first try. pytest-xdist sends it to the controller.
 _FIRST_FAILURE = "first_failure"
 # A shorter step of a fixture is not among the slowest, which pytest lists on request.
 _LONG_S = 0.1
@@ -27,12 +28,13 @@ def pytest_runtest_protocol(item: pytest.Item, nextitem: pytest.Item | None) -> 
     if "PYTEST_XDIST_WORKER" not in os.environ:
         return None
     if item.config.get_verbosity() > 0:
-        # Shown by -v alone; a message to the controller costs as much as a short test.
+        # Only -v shows it; a message to the controller costs as much as a short test.
         item.ihook.pytest_runtest_logstart(nodeid=item.nodeid, location=item.location)
     reports = runtestprotocol(item, nextitem=nextitem, log=False)
     failed = [each for each in reports if each.failed]
     if failed:
-        # The module's fixtures, too, are made again: what is wrong may be there. Their errors do not matter.
+        # The module's fixtures are also created again, because they may have the fault. Their errors do not
+        # matter.
         module = item.getparent(pytest.Module)
         folder = module and module.parent
         state: Any = item.session._setupstate
@@ -47,7 +49,9 @@ def pytest_runtest_protocol(item: pytest.Item, nextitem: pytest.Item | None) -> 
 
 
 def _is_worth_a_message(report: pytest.TestReport) -> bool:
-    """Return whether the controller is sent a report: fixtures' reports cost as much as the test's."""
+    """Return whether a report must go to the controller: reports of fixtures cost as much as those of
+    tests.
+    """
     is_slow = report.duration > _LONG_S
     return report.when == "call" or not report.passed or is_slow or hasattr(report, _FIRST_FAILURE)
 

@@ -10,7 +10,7 @@ from contextlib import asynccontextmanager
 
 @asynccontextmanager
 async def handshakes_in_memory() -> AsyncIterator[Callable[[], int]]:
-    """Yield a function that counts them; without garbage collections, which would free those of cycles."""
+    """Yield a function that counts them, without garbage collections, which would free those in cycles."""
     gc.collect()
     gc.disable()
     try:

@@ -6,12 +6,12 @@ import asyncio
 import time
 from collections.abc import Callable
 
-# A machine that is busy with other things may be many times slower than a quiet one.
+# A busy machine may be many times slower than a quiet one.
 LIMIT_S = 60.0
 
 
 async def until(condition: Callable[[], object], what: str = "the condition") -> None:
-    """Wait until a condition holds; fails with `what` it waited for."""
+    """Wait until a condition holds; at the time limit, fail with `what`."""
     deadline_s = time.monotonic() + LIMIT_S
     while not condition():
         assert time.monotonic() < deadline_s, f"gave up waiting for {what}"

@@ -44,7 +44,7 @@ def fork_sibling() -> int:
 
 
 def receive(control: socket.socket) -> tuple[dict[str, Any], list[int]]:
-    """Return a request and its standard input, output and error; ends this process with the tests."""
+    """Return a request and its standard input, output and error. At the end of the tests, exit."""
     header, fds, _, _ = socket.recv_fds(control, 4, 3)
     if not header:
         os._exit(0)
@@ -58,21 +58,21 @@ def receive(control: socket.socket) -> tuple[dict[str, Any], list[int]]:
 
 
 class Ending:
-    """The end of a program, which leaves alone the memory that it shares with other programs.
+    """The end of a program, without changes of the memory that it shares with other programs.
 
-    Python's own end clears all modules, and frees what the interpreter has. That copies most of the memory.
+    Python's finalization clears all modules and frees the interpreter's memory, which copies most of it.
     """
 
     def __init__(self) -> None:
         self.libraries: dict[str, types.ModuleType] = {}
         self.code: int | None = None
-        # What is registered first runs last.
+        # The first registered handler runs last.
         atexit.register(self._end)
 
     def _end(self) -> None:
-        # A reference that is never given back.
+        # A reference that is never released.
         ctypes.pythonapi.Py_IncRef(ctypes.py_object(self.libraries))
-        # Python reports errors, and keeps threads from running while it clears what they use.
+        # Python reports errors, and stops threads while it clears what they use.
         if self.code is not None and _thread._count() == 0:
             self._end_program(self.code)
         for name in self.libraries:
@@ -82,7 +82,7 @@ class Ending:
         vars(sys.modules["__main__"]).clear()
         extensions = tuple(importlib.machinery.EXTENSION_SUFFIXES)
         has_extensions = False
-        # The last of the dictionary first, so those of the program.
+        # The last modules of the dictionary, which are the program's, first.
         name, module = sys.modules.popitem()
         while name not in self.libraries:
             has_extensions |= str(getattr(module, "__file__", "")).endswith(extensions)
@@ -97,16 +97,16 @@ class Ending:
             return
         if has_extensions or len(os.listdir("/proc/self/task")) > 1:  # noqa: PTH208 - imports nothing
             ctypes.pythonapi.exit(code)
-        # The exit handlers of the libraries, OpenSSL's for example, would only free memory. Threads are
-        # those of a library that may have more to do.
+        # The exit handlers of libraries such as OpenSSL only free memory. Threads belong
+        # to a library that may still have work.
         ctypes.pythonapi.fflush(None)
         os._exit(code)
 
 
 def let_servers_end() -> None:
-    """Let rospy's XML-RPC servers end when they are closed.
+    """End rospy's XML-RPC servers when they are closed.
 
-    Debian's poll their closed sockets without a pause until the process ends, in 0.1 to 0.7 s.
+    Those of Debian poll their closed sockets without a pause until the process ends, after 0.1 to 0.7 s.
     """
     server: Any = sys.modules["rosgraph.xmlrpc"].ThreadingXMLRPCServer
     close = server.server_close
@@ -119,7 +119,7 @@ def let_servers_end() -> None:
 
 
 def enter_namespace(file: str) -> None:
-    """Do what `nsenter` does."""
+    """Enter a namespace, like `nsenter`."""
     fd = os.open(file, os.O_RDONLY)
     if ctypes.CDLL(None, use_errno=True).setns(fd, 0) != 0:
         raise OSError(ctypes.get_errno(), f"cannot enter {file}")
@@ -127,7 +127,7 @@ def enter_namespace(file: str) -> None:
 
 
 def become(request: dict[str, Any], fds: list[int]) -> None:
-    """Give this new process what the program would have at its start."""
+    """Give this new process the state that the program would have at its start."""
     if request["is_leader"]:
         os.setsid()
     signal.signal(signal.SIGINT, signal.default_int_handler)
@@ -141,7 +141,7 @@ def become(request: dict[str, Any], fds: list[int]) -> None:
     os.environ.clear()
     os.environ.update(request["environment"])
     time.tzset()
-    # Some functions have the list itself as their default argument.
+    # Some functions have the list object as their default argument.
     sys.argv[:] = request["arguments"]
     sys.orig_argv = list(request["command"])
     _set_command_line(request["command"], request["name"])
@@ -180,7 +180,7 @@ def _open_streams(is_unbuffered: bool) -> None:
 
 
 def _run_site_customization() -> None:
-    """Do what `site` does for a folder of PYTHONPATH."""
+    """Import `sitecustomize`, like `site`."""
     sys.modules.pop("sitecustomize", None)
     importlib.invalidate_caches()
     try:
@@ -208,7 +208,7 @@ def run(request: dict[str, Any]) -> None:
 
 
 def next_request(control: socket.socket) -> dict[str, Any]:
-    """Start a child for each request; returns the request in the child."""
+    """Start a child for each request; return the request in the child."""
     while True:
         request, fds = receive(control)
         pid = fork_sibling()
@@ -234,7 +234,7 @@ if __name__ == "__main__":
     gc.collect()
     gc.freeze()
     del sys.path[0]
-    # A program has a PYTHONPATH of its own.
+    # The program's PYTHONPATH may differ.
     sys.path = [
         folder for folder in sys.path if folder not in os.environ.get("PYTHONPATH", "").split(os.pathsep)
     ]

@@ -1,8 +1,8 @@
-"""Starts of Python programs that skip what all of them do: start the interpreter and import its libraries.
+"""Starts Python programs without the start of the interpreter and the imports of its libraries.
 
-Most of what a short command costs is its start, and the tests start thousands. So `subprocess` and `asyncio`
+Most of the time of a short command is its start, and the tests start thousands. So `subprocess` and `asyncio`
 start `rostether` and Debian's Python programs by a fork of an interpreter with the libraries imported
-(`warm_interpreter`). Everything else is the program's own: process, environment, folder, streams, signals.
+(`warm_interpreter`). Everything else is separate: process, environment, folder, streams, signals.
 The fixture `cold_start` is for tests of the start itself.
 """
 
@@ -30,7 +30,7 @@ import pytest
 import warm_worker
 
 DEBIAN_PYTHON = "/usr/bin/python3"
-# Imported by many programs; they start no threads.
+# Libraries that many programs import; they start no threads.
 _LIBRARIES = {
     DEBIAN_PYTHON: "rospy,rosbag,rosmsg,rosnode,rosservice,rostopic,geometry_msgs.msg,nav_msgs.msg,"
     "sensor_msgs.msg,std_srvs.srv,argparse,logging.config",
@@ -44,12 +44,12 @@ _LIBRARIES = {
     "rostether.cli.bridge.doctor,concurrent.futures.thread,sqlite3,uuid,resource,stringprep,decimal",
 }
 _INTERPRETER = Path(__file__).with_name("warm_interpreter.py")
-# The interpreter's command line is at least as long, so that a program's fits in its place.
+# The interpreter's command line is at least this long, so that a program's command line can replace it.
 _COMMAND_LINE_BYTES = 4096
 # Environment variables that change an interpreter's start; those of _KNOWN are followed.
 _KNOWN = ("PYTHONPATH", "PYTHONUNBUFFERED", "PYTHONDONTWRITEBYTECODE")
 _LOCALE = ("LC_ALL", "LC_CTYPE", "LANG")
-# The environment variable by which `children` finds what a test process has started.
+# The environment variable by which `children` finds the processes of a test process.
 MARK = "STARTED_BY_TESTS"
 IS_SUPPORTED = sys.platform == "linux" and platform.machine() in ("x86_64", "aarch64")
 
@@ -81,7 +81,7 @@ class WarmInterpreter:
         return self._process.pid
 
     def start(self, request: Mapping[str, Any], fds: Sequence[int]) -> int:
-        """Start a program; returns its process id, or 0 if the interpreter has ended.
+        """Start a program; return its process id, or 0 if the interpreter has ended.
 
         The program is a child of this process.
         """
@@ -93,7 +93,7 @@ class WarmInterpreter:
         return 0
 
     def close(self) -> None:
-        """End it; the programs run on."""
+        """End it; the programs continue."""
         self._control.close()
         self._process.kill()
         self._process.wait()
@@ -107,7 +107,7 @@ _has_started = True
 
 
 def has_started_programs() -> bool:
-    """Return whether a program was started since the last call; without, no search in /proc is needed."""
+    """Return whether a program was started since the last call; if not, no search in /proc is needed."""
     global _has_started
     had_started, _has_started = _has_started, subprocess.Popen._execute_child is not _start  # type: ignore[attr-defined]
     return had_started
@@ -118,7 +118,7 @@ def _note_start() -> None:
     _has_started = True
 
 
-# Also the forks of `pty` and `os`.
+# Also forks by `pty` and `os`.
 if IS_SUPPORTED:
     os.register_at_fork(before=_note_start)
 
@@ -131,8 +131,8 @@ def interpreter_pids() -> set[int]:
 def pytest_sessionstart(session: pytest.Session) -> None:
     """Start programs this way from now on.
 
-    The controller of pytest-xdist starts its test processes so. They start cold where coverage is measured,
-    which would miss the lines that run at import.
+    The controller of pytest-xdist starts its test processes in this way. With coverage, they start cold,
+    because coverage would miss the lines that run at import.
     """
     global _is_enabled, _has_warm_workers
     config = session.config
@@ -148,7 +148,7 @@ def pytest_sessionstart(session: pytest.Session) -> None:
 
 
 def pytest_xdist_getremotemodule() -> ModuleType | None:
-    """Return what a test process runs that starts with the tests collected."""
+    """Return the module that runs in a test process that starts with the collected tests."""
     return warm_worker if _has_warm_workers else None
 
 
@@ -161,7 +161,7 @@ def pytest_unconfigure() -> None:
 
 @pytest.fixture
 def cold_start() -> Iterator[None]:
-    """Start programs with nothing imported."""
+    """Start programs without preloaded imports."""
     global _is_enabled
     was_enabled, _is_enabled = _is_enabled, False
     yield
@@ -193,12 +193,12 @@ def _start(process: subprocess.Popen[Any], *arguments: Any, **options: Any) -> N
 
 
 def _request(call: Mapping[str, Any]) -> tuple[str, dict[str, Any]] | None:
-    """Return the Python and the request for a program, or None where it needs a start of its own."""
+    """Return the Python and the request for a program, or None if it needs a normal start."""
     if not _is_plain(call):
         return None
     environment = dict(os.environ if call["env"] is None else call["env"])
     if environment.get(MARK) != os.environ.get(MARK):
-        # The system shows a fork's first environment, the interpreter's.
+        # /proc shows the first environment of a fork, which is the interpreter's.
         return None
     folder = Path.cwd() / (call["cwd"] or "")
     namespaces, command = _namespaces([os.fspath(word) for word in call["args"]])
@@ -221,9 +221,9 @@ def _request(call: Mapping[str, Any]) -> tuple[str, dict[str, Any]] | None:
 
 
 def _namespaces(command: list[str]) -> tuple[list[str], list[str]]:
-    """Return the files of the namespaces that `nsenter` would enter first, and the command that it would run.
+    """Return the files of the namespaces that `nsenter` would enter, and the command that it would run.
 
-    It is `interop.machines` that begins commands with `nsenter`.
+    `interop.machines` begins commands with `nsenter`.
     """
     files: list[str] = []
     while command[0] == "nsenter":
@@ -240,7 +240,7 @@ def _namespaces(command: list[str]) -> tuple[list[str], list[str]]:
 
 
 def _is_plain(call: Mapping[str, Any]) -> bool:
-    """Return whether a start asks for nothing but arguments, environment, folder, streams and a session."""
+    """Return whether a start has only arguments, environment, folder, streams and a session."""
     return (
         not isinstance(call["args"], str | bytes | os.PathLike)
         and not (call["executable"] or call["shell"] or call["preexec_fn"] or call["pass_fds"])
@@ -250,7 +250,7 @@ def _is_plain(call: Mapping[str, Any]) -> bool:
 
 
 def _follows(environment: Mapping[str, str]) -> bool:
-    """Return whether an interpreter that runs already can take on what these variables ask for."""
+    """Return whether a running interpreter can apply the settings of these variables."""
     unknown = [name for name in environment if name.startswith("PYTHON") and name not in _KNOWN]
     locale = next((value for name in _LOCALE if (value := environment.get(name))), "C")
     return not unknown and locale in ("C", "C.UTF-8", "POSIX")

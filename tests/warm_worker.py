@@ -1,4 +1,4 @@
-"""The test processes of pytest-xdist as forks of one that has collected the tests.
+"""Runs the test processes of pytest-xdist as forks of a process that has collected the tests.
 
 Collecting takes longer than anything else that every test process does: it imports all test modules and makes
 each test. `collect` does it once, in the interpreter that `warm_start` forks; `work` does the rest of what
@@ -17,40 +17,40 @@ if TYPE_CHECKING:
     import execnet
     import pytest
 
-# What the tests are given on the command line, for the interpreter that collects them.
+# The arguments of the command line, for the interpreter that collects the tests.
 _ARGUMENTS = "COLLECTED_TESTS"
 
 
-# Libraries start no threads with these: numpy's, and the allocator of pyarrow.
+# With these, numpy's libraries and pyarrow's allocator start no threads.
 _WITHOUT_THREADS = {"OPENBLAS_NUM_THREADS": "1", "JE_ARROW_MALLOC_CONF": "background_thread:false"}
 
 
 def variables(config: pytest.Config) -> dict[str, str]:
-    """Return what the interpreter that collects has in its environment."""
+    """Return the environment variables of the interpreter that collects."""
     arguments = json.dumps([str(word) for word in config.invocation_params.args])
     return {_ARGUMENTS: arguments, **_WITHOUT_THREADS}
 
 
 class Collected:
-    """A session with its tests, which no test has run in."""
+    """A session with collected tests, none of which has run."""
 
     def __init__(self, arguments: list[str]) -> None:
-        """Collect the tests; exits where it cannot, for an ordinary start reports what is wrong."""
+        """Collect the tests; exit if that fails, because a normal start reports the reason."""
         from _pytest.config import _prepareconfig
 
-        # The terminal's reporter, which every test process has, goes on writing here.
+        # The reporter of the terminal continues to write here in every test process.
         sys.stdout = Path(os.devnull).open("w")  # noqa: SIM115 - kept by the reporter
         self.config = _prepareconfig(arguments, None)
         # Rewrites the asserts of plugins, so xdist is imported after it.
         from xdist.remote import setup_config  # type: ignore[import-untyped]
 
         setup_config(self.config, None)
-        # Plugins tell by it that this is a test process.
+        # Plugins recognize a test process by this.
         self.config.workerinput = {}  # type: ignore[attr-defined]
         self.skipped: list[pytest.CollectReport] = []
         self.config.pluginmanager.register(self)
         self.session = self._collected_session()
-        # A fork does not have the threads of a library, which waits for them when it forks in turn.
+        # A fork lacks the threads of a library, which waits for them at the next fork.
         has_threads = len(list(Path("/proc/self/task").iterdir())) > 1
         if self.session.testsfailed or self.session.shouldstop or has_threads:
             os._exit(1)
@@ -68,12 +68,12 @@ class Collected:
         return session
 
     def pytest_collectreport(self, report: pytest.CollectReport) -> None:
-        """Keep what was skipped, for each test process reports it."""
+        """Keep the skipped modules, because each test process reports them."""
         if not report.passed:
             self.skipped.append(report)
 
     def work(self, channel: execnet.Channel) -> None:
-        """Run tests for the controller at the other end of a channel, in a fork."""
+        """Run tests for the controller at the other end of a channel. Runs in a fork."""
         import pytest
         import xdist.remote  # type: ignore[import-untyped]
         from _pytest.tmpdir import TempPathFactory
@@ -95,14 +95,14 @@ class Collected:
         self._captures.suspend_global_capture()
 
         worker = xdist.remote.WorkerInteractor(config, channel)
-        # Its hook for internal errors looks for this name.
+        # xdist's hook for internal errors uses this name.
         xdist.remote.interactor = worker
         worker.pytest_sessionstart(session)
         worker.pytest_collection()
         for report in self.skipped:
             worker.pytest_collectreport(report)
         worker.pytest_collection_finish(session)
-        # What else is raised reaches the controller through the channel.
+        # Other exceptions reach the controller through the channel.
         status = pytest.ExitCode.INTERNAL_ERROR
         try:
             config.hook.pytest_runtestloop(session=session)

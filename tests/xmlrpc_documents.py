@@ -1,4 +1,4 @@
-"""XML-RPC documents in one step: Rostether itself reads responses and writes calls piece by piece."""
+"""Reads and writes XML-RPC documents in one step; rostether does it in pieces."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What tests start has the usual signals, and ends with the tests."""
+"""Processes that tests start have the default signal handlers, and end with the tests."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="reads /proc")
 
 
 def start(folder: Path, test: str, *options: str, ignores: bool = False) -> subprocess.Popen[str]:
-    """Start pytest with one test, in a folder of its own."""
+    """Start pytest with one test, in an empty folder."""
     (folder / "test_it.py").write_text(test)
 
     def ignore() -> None:
@@ -50,7 +50,7 @@ def start(folder: Path, test: str, *options: str, ignores: bool = False) -> subp
     return subprocess.Popen(
         [sys.executable, "-m", "pytest", "-p", "children", "-c", "/dev/null", *options, "test_it.py"],
         cwd=folder,
-        # Plugins would take half of the time.
+        # Loading plugins would take half of the time.
         env={**os.environ, "PYTHONPATH": str(TESTS), "PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1"},
         stdout=subprocess.PIPE,
         text=True,
@@ -59,7 +59,7 @@ def start(folder: Path, test: str, *options: str, ignores: bool = False) -> subp
 
 
 def wait_until_gone(pid: int) -> None:
-    """Wait until a process has ended; a zombie has."""
+    """Wait until a process has ended; a zombie counts as ended."""
     deadline = time.monotonic() + PATIENCE_S
     while time.monotonic() < deadline:
         try:

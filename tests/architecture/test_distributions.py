@@ -1,4 +1,6 @@
-"""What a package index gets: the source distribution is the repository, and the README's links lead there."""
+"""The distributions for a package index: the source distribution is the repository, and the README's links
+lead there.
+"""
 
 from __future__ import annotations
 
@@ -50,7 +52,7 @@ def wheel(unpacked: Path, tmp_path_factory: pytest.TempPathFactory) -> zipfile.Z
 
 
 def kept_files(folder: Path) -> set[Path]:
-    """Return the files that git keeps or would keep, and that exist."""
+    """Return the existing files that git tracks or would track."""
     command = ["git", "ls-files", "-z", "--cached", "--others", "--exclude-standard"]
     names = subprocess.run(command, cwd=folder, check=True, capture_output=True, text=True).stdout
     return {path for name in names.split("\0") if name and (folder / (path := Path(name))).is_file()}

@@ -1,4 +1,4 @@
-"""The tests that were collected do not slow down the garbage collector, which works during the tests."""
+"""The collected tests do not slow down the garbage collector, which stays enabled during the tests."""
 
 from __future__ import annotations
 

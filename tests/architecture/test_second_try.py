@@ -1,4 +1,4 @@
-"""A test that fails beside others is tried again, and the run's end says so."""
+"""A test that fails while other tests run is tried again, and the end of the run lists it."""
 
 from __future__ import annotations
 

@@ -18,12 +18,12 @@ SKIPPING = """
 import pytest
 
 def test_graph():
-    pytest.skip("this graph has not: global parameters")
+    pytest.skip("this graph lacks: global parameters")
 
 def test_program():
     pytest.skip("no fish (apt install fish)")
 
-@pytest.mark.skipif(True, reason="too slow, this graph has not: time")
+@pytest.mark.skipif(True, reason="too slow, this graph lacks: time")
 def test_condition():
     pass
 
@@ -58,7 +58,7 @@ def test_only_what_a_graph_cannot_do_is_skipped_in_ci(ci: str, outcome: str, tmp
     assert dict(re.findall(r"^test_skipping\.py::(\w+) ([A-Z]+)", output, re.MULTILINE)) == {
         "test_graph": "SKIPPED",
         "test_program": outcome,
-        # Its mark skips it before it begins.
+        # Its mark skips it before its start.
         "test_condition": "ERROR" if ci else outcome,
         "test_expected_failure": "XFAIL",
         "test_good": "PASSED",

@@ -1,4 +1,4 @@
-"""The shape of the tree: file lengths, names that say something, and that a light start stays light."""
+"""File lengths, meaningful names, and what a start of the program must not import."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import pytest
 PACKAGE = Path(__file__).parents[2] / "src" / "rostether"
 MODULES = sorted(PACKAGE.rglob("*.py"))
 LONG_FILE_LINES = 300
-# Each holds one concept, and a reviewer found that splitting it would not help a reader.
+# Each file has one concept, and a review found that splitting it would not help a reader.
 REVIEWED_LONG_FILES = {
     "bridge/session.py",
     "bridge/supervisor.py",
@@ -30,7 +30,7 @@ REVIEWED_LONG_FILES = {
     "transports/tcp.py",
 }
 VAGUE_NAMES = {"util", "utils", "helper", "helpers", "manager", "common", "misc", "base"}
-# `core` is the verb that every ROS user knows, and modules are called as rospy's programs import them.
+# `core` is the verb that every ROS user knows, and rospy's programs import modules by their names.
 ALLOWED = {PACKAGE / "cli" / "bridge" / "core.py", *(PACKAGE / "rospy" / "modules").rglob("*.py")}
 HEAVY = {
     "numpy",

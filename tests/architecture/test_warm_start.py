@@ -1,4 +1,4 @@
-"""Programs that start as a fork of an interpreter find what a start of their own would give them."""
+"""A program that starts as a fork of an interpreter has the same environment as with a start of Python."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ WORDS = ["one", "--two", "drei: ä"]
 
 @pytest.fixture
 def folder(tmp_path: Path) -> Path:
-    """A folder with a script, a module that it imports, and what a folder of PYTHONPATH may hold."""
+    """A folder with a script, a module that it imports, and a sitecustomize, as in a folder of PYTHONPATH."""
     (tmp_path / "helper.py").write_text(HELPER)
     (tmp_path / "sitecustomize.py").write_text("")
     for name, python in (("show", sys.executable), ("show_of_env", "/usr/bin/env python")):

@@ -1,4 +1,4 @@
-"""A graph that does nothing but fail: what one of several graphs may be, and the others must bear."""
+"""A graph in which every call fails, to test that other graphs are not affected."""
 
 from __future__ import annotations
 
@@ -27,13 +27,13 @@ class BrokenGraph:
 
     async def _fail(self, *_: Any, **__: Any) -> NoReturn:
         await asyncio.sleep(0)
-        raise MasterUnreachableError("nobody is there")
+        raise MasterUnreachableError("no answer")
 
     advertise = subscribe = advertise_service = call_service = _fail
     get_param = set_param = delete_param = has_param = search_param = list_params = watch_param = _fail
 
     async def snapshot(self) -> Snapshot:
-        raise MasterUnreachableError("nobody is there")
+        raise MasterUnreachableError("no answer")
 
     def log(self, level: Level, text: str) -> None:
         pass
@@ -42,7 +42,7 @@ class BrokenGraph:
         return Time()
 
     async def changes(self) -> AsyncIterator[Snapshot]:
-        raise MasterUnreachableError("nobody is there")
+        raise MasterUnreachableError("no answer")
         yield Snapshot()
 
     async def close(self) -> None:

@@ -1,4 +1,4 @@
-"""Where implementations of the graph port truly differ, by name; everything else is the same for all."""
+"""The differences between implementations of the graph port; everything else is the same for all."""
 
 from __future__ import annotations
 
@@ -9,40 +9,42 @@ import pytest
 
 @dataclass(frozen=True, slots=True)
 class Capabilities:
-    """What one implementation can do that another cannot; the defaults are ROS 1's."""
+    """What an implementation supports; the defaults are those of ROS 1."""
 
-    # The parameters of all nodes are one tree; else each belongs to a node, and the rest is one's own.
+    # All nodes share one tree of parameters; otherwise each parameter belongs to a node.
     global_parameters: bool = True
-    # A parameter may be a list of several kinds.
+    # A parameter may be a list of values of different types.
     mixed_lists: bool = True
-    # A node that joins with a name in use ends the one that had it; else both stay.
+    # A node that joins with the name of another node ends that node; otherwise both stay.
     same_name_replaces: bool = True
-    # Who offers a service last has it; else both have it.
+    # The last server of a service replaces the earlier one; otherwise both serve it.
     last_server_wins: bool = True
-    # A failed call carries the text of its failure; else there is no answer, and the server logs it.
+    # The answer to a failed call has the error's text; otherwise there is no answer, and the server logs the
+    # error.
     service_errors_travel: bool = True
-    # A publisher feels that a subscriber on another node does not read.
+    # A publisher notices that a subscriber on another node does not read.
     feels_slow_subscribers: bool = True
-    # A publisher's definition and md5sum are its own words; else they are those of the same type here.
+    # A subscriber receives the publisher's definition and md5sum; otherwise it uses its own definition of the
+    # type.
     definitions_travel: bool = True
-    # A subscriber of any type is listed before anybody publishes.
+    # A subscriber of any type is listed before the topic has a publisher.
     lists_untyped_subscribers: bool = True
-    # Nodes of one process may use different types on one topic, and do not meet.
+    # Nodes of one process may use different types on one topic; they do not exchange messages.
     types_may_differ: bool = True
-    # /clock is the time where the parameter use_sim_time says so.
+    # If the parameter use_sim_time is true, the time is that of /clock.
     simulates_time: bool = True
-    # A node that means to call a service is listed as its client.
+    # A node with a client of a service is listed.
     lists_clients: bool = False
-    # How the graph itself writes std_msgs/String, a logger's name, and the level of a warning.
+    # How the graph writes the type std_msgs/String, and the name of a node's logger.
     string_type: str = "std_msgs/String"
     logger_of_node: str = "/node"
-    # What it tells of the type of a std_srvs/SetBool.
+    # The type that the graph reports for a service of type std_srvs/SetBool.
     service_type: str = "*"
 
     def require(self, capability: str) -> None:
-        """Skip a test that is about something this implementation does not have."""
+        """Skip the test if the implementation does not have a capability."""
         if not getattr(self, capability):
-            pytest.skip(f"this graph has not: {capability.replace('_', ' ')}")
+            pytest.skip(f"this graph lacks: {capability.replace('_', ' ')}")
 
 
 ROS1 = Capabilities()

@@ -13,7 +13,7 @@ from rostether.graph.ports import Graph, JoinGraph
 
 
 class _Closing:
-    """Joins, and leaves with every node at the end of the test."""
+    """Joins the graph; at the end of the test, all nodes leave."""
 
     def __init__(self, join: JoinGraph) -> None:
         self._join = join

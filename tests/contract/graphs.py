@@ -1,4 +1,4 @@
-"""What the contract tests of all graphs share: types, a collector of what arrives, and waiting."""
+"""Shared by the contract tests of all graphs: types, a collector of messages, and functions that wait."""
 
 from __future__ import annotations
 
@@ -55,30 +55,30 @@ def answer(text: str = "", *, success: bool = True) -> bytes:
 
 
 async def agreeing(request: bytes) -> bytes:
-    """Serve SetBool: the request comes back as its success."""
-    return answer("as you say", success=request == TRUE)
+    """Handle a SetBool request: `success` is the request's `data`."""
+    return answer("done", success=request == TRUE)
 
 
 @dataclass
 class Inbox:
-    """Collects what a subscriber hands on."""
+    """Collects what a subscriber receives."""
 
     payloads: list[bytes] = field(default_factory=list)
     headers: list[dict[str, str]] = field(default_factory=list)
 
     def take(self, payloads: Sequence[bytes]) -> None:
-        """Be an `on_messages`."""
+        """Store messages, as `on_messages`."""
         self.payloads.extend(payloads)
 
     def take_header(self, fields: Mapping[str, str]) -> None:
-        """Be an `on_connection`."""
+        """Store the fields of a connection header, as `on_connection`."""
         self.headers.append(dict(fields))
 
 
 async def snapshot_when(
     graph: Graph, condition: Callable[[Snapshot], object], timeout_s: float = 60.0
 ) -> Snapshot:
-    """Return the first snapshot for which a condition holds: news may take its time to all nodes."""
+    """Wait until the graph's snapshot meets a condition, and return it."""
     deadline_s = time.monotonic() + timeout_s
     while not condition(snapshot := await graph.snapshot()):
         if time.monotonic() > deadline_s:
@@ -88,12 +88,12 @@ async def snapshot_when(
 
 
 async def served(graph: Graph, service: str) -> None:
-    """Wait until a node has heard of a service."""
+    """Wait until a node's snapshot has a service."""
     await snapshot_when(graph, lambda snapshot: service in snapshot.services)
 
 
 async def acquainted(*graphs: Graph) -> None:
-    """Wait until every node has heard of every other."""
+    """Wait until every node's snapshot has all nodes."""
     names = {graph.node_name for graph in graphs}
     for graph in graphs:
         await snapshot_when(graph, lambda snapshot: names <= set(snapshot.nodes))

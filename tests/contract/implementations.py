@@ -1,4 +1,4 @@
-"""The implementations of the graph port: how to open an empty graph of each, and what each can do."""
+"""The implementations of the graph port: how to open an empty graph of each, and its capabilities."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from rostether.ros1.node.node import join_ros1
 
 
 class Implementation(NamedTuple):
-    """One implementation; `open` gives a `JoinGraph` of a graph that nobody else is in."""
+    """One implementation; `open` returns a `JoinGraph` for an empty graph."""
 
     capabilities: Capabilities
     open: Callable[[], AbstractAsyncContextManager[JoinGraph]]

@@ -21,7 +21,7 @@ class OwnedParametersNetwork:
     async def join(
         self, node_name: str, *, namespace: str = "/", remappings: Mapping[str, str] | None = None
     ) -> Graph:
-        """Join, with parameters of one's own."""
+        """Join, with the parameters of this node."""
         graph = await self.network.join(node_name, namespace=namespace, remappings=remappings)
         store = ParameterStore()
         await ParameterServices(store, graph).open()

@@ -1,4 +1,4 @@
-"""The graph over rclpy, for the suite."""
+"""Graphs over rclpy."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from rostether.ros2.types.type_support import Ros2Types
 
 @asynccontextmanager
 async def open_rclpy() -> AsyncIterator[JoinGraph]:
-    """Open a context on a domain that is this process's own."""
+    """Open a context on a domain that no other process uses."""
     if importlib.util.find_spec("rclpy") is None:
         pytest.skip("rclpy is not installed")
     context = await RclpyContext.open(Ros2Types(Registry(), Ros2Definitions()), domain_id=own_domain())

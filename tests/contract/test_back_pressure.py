@@ -1,4 +1,4 @@
-"""Slow subscribers: they slow a publisher down for a while, then lose their own oldest messages."""
+"""Slow subscribers: they delay a publisher for a limited time, then lose their oldest messages."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from waiting import until
 pytestmark = pytest.mark.slow
 
 PAYLOAD_BYTES = 16 << 10
-# More than the sockets of any system hold between two nodes, and the queue in front of them.
+# More than the sockets between two nodes and the publisher's queue can hold on any system.
 ENOUGH = 4096
 
 
@@ -67,7 +67,7 @@ async def test_a_subscriber_that_hangs_does_not_delay_others_and_loses_its_oldes
     await until(lambda: publisher.subscriber_count == 2 and subscriber.publisher_count == 1)
     subscriber.pause()
     sent = await publish_until_behind(publisher, quick)
-    # It takes nothing in its pauses, so there are ever fewer, and soon none.
+    # The subscriber reads nothing, so the pauses of the publisher end.
     pauses = 0
     for _ in range(100):
         while not publisher.publish_raw([]):
@@ -80,7 +80,7 @@ async def test_a_subscriber_that_hangs_does_not_delay_others_and_loses_its_oldes
     assert publisher.publish_raw([])
     assert numbers(quick) == list(range(sent))
     assert publisher.dropped_count > 0
-    # When it reads again it gets whole messages in order, up to the newest, and counts again.
+    # When it reads again, it receives complete messages in order up to the newest one.
     subscriber.resume()
     await until(lambda: len(slow.payloads) == sent - publisher.dropped_count)
     received = numbers(slow)
@@ -132,7 +132,7 @@ async def test_a_subscriber_that_hangs_keeps_the_newest(join: JoinGraph) -> None
     await listener.subscribe("/chat", STRING, quick.take)
     await until(lambda: publisher.subscriber_count == 2 and subscriber.publisher_count == 1)
     subscriber.pause()
-    # Many times what any queue on the way holds, at the speed of the one who reads.
+    # Many times what the queues hold, at the speed of the subscriber.
     sent = 3 * DEFAULT_QUEUE_BYTES // PAYLOAD_BYTES
     for number in range(sent):
         if not publisher.publish_raw([payload(number)]):

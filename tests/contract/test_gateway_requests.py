@@ -1,4 +1,4 @@
-"""HTTP requests to the gateways' real sockets: in single bytes, many at once, without an end."""
+"""HTTP requests to the gateways' sockets: in single bytes, many at once, endless."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ CEILING_S = 60.0
 GATEWAYS = ["foxglove", "rosbridge"]
 SUBPROTOCOLS = [Subprotocol("foxglove.websocket.v1")]
 PIPELINED = 20_000
-# What a server may hold of a request's head, and of what was sent after it.
+# What a server may store of a request's head and of the data after it.
 MAX_HEAD_BYTES = 2 * 1024 * 1024
 
 
@@ -64,7 +64,7 @@ async def test_an_upgrade_in_single_bytes_is_accepted(gateway: str, monkeypatch:
         watch = CallbackWatch(monkeypatch)
         for byte in upgrade(port):
             writer.write(bytes([byte]))
-            # Its own turn, so that the gateway reads bytes one by one.
+            # The event loop runs in between, so that the gateway reads single bytes.
             await asyncio.sleep(0)
         async with asyncio.timeout(CEILING_S):
             assert b" 101 " in await reader.readline()
@@ -108,7 +108,7 @@ async def test_two_upgrades_at_once_end_without_a_defect(
         writer.write(upgrade(port) * 2)
         async with asyncio.timeout(CEILING_S):
             assert (await reader.read()).count(b"HTTP/1.1 ") == 1
-    # The gateway has closed while the client was connected.
+    # Closing the gateway while the client was connected logged no error.
     writer.close()
     assert "Fatal error" not in caplog.text
 

@@ -124,7 +124,7 @@ async def test_search_goes_upward_from_the_node(join: JoinGraph, can: Capabiliti
         await node.set_param(name, 1)
         assert await node.search_param("rate") == name
     await node.set_param("/gains/p", 1)
-    # Only the first part must be there.
+    # Only the first part of the name must exist.
     assert await node.search_param("gains/i") == "/gains/i"
     assert await node.search_param("/gains/p") == "/gains/p"
     assert await node.search_param("/gains/i") is None

@@ -42,10 +42,10 @@ async def test_a_call_is_answered(join: JoinGraph) -> None:
     assert handle.service == "/switch"
     await served(client, "/switch")
     for request in (TRUE, FALSE):
-        expected = answer("as you say", success=request == TRUE)
+        expected = answer("done", success=request == TRUE)
         assert await client.call_service("/switch", SET_BOOL, request, timeout_s=60) == expected
-    assert await client.call_service("switch", SET_BOOL, TRUE) == answer("as you say")
-    assert await server.call_service("/switch", SET_BOOL, TRUE) == answer("as you say")
+    assert await client.call_service("switch", SET_BOOL, TRUE) == answer("done")
+    assert await server.call_service("/switch", SET_BOOL, TRUE) == answer("done")
 
 
 async def test_empty_and_large_payloads_are_carried(join: JoinGraph) -> None:
@@ -72,7 +72,7 @@ async def test_a_caller_need_not_name_the_type(join: JoinGraph) -> None:
     server, client = await join("/server"), await join("/client")
     await server.advertise_service("/switch", SET_BOOL, agreeing)
     await served(client, "/switch")
-    assert await client.call_service("switch", ANY_SERVICE, TRUE) == answer("as you say")
+    assert await client.call_service("switch", ANY_SERVICE, TRUE) == answer("done")
 
 
 async def test_calls_run_side_by_side(join: JoinGraph) -> None:
@@ -110,7 +110,7 @@ async def test_a_service_that_was_closed_is_unavailable(join: JoinGraph) -> None
         await client.call_service("/switch", SET_BOOL, TRUE)
     await server.advertise_service("/switch", SET_BOOL, agreeing)
     await served(client, "/switch")
-    assert await client.call_service("/switch", SET_BOOL, TRUE) == answer("as you say")
+    assert await client.call_service("/switch", SET_BOOL, TRUE) == answer("done")
 
 
 async def test_a_call_has_a_time_limit(join: JoinGraph) -> None:
@@ -127,7 +127,7 @@ async def test_a_call_has_a_time_limit(join: JoinGraph) -> None:
     await served(client, "/slow")
     with pytest.raises(ServiceTimeoutError, match="/slow did not answer within 1 s"):
         await client.call_service("/slow", ADD_DIAGNOSTICS, string("first"), timeout_s=1.0)
-    # The handler is not torn down half way, and the next call gets its own answer.
+    # The handler runs to its end, and the next call gets its own answer.
     go_on.set()
     await until(lambda: finished == [string("first")])
     second = await client.call_service("/slow", ADD_DIAGNOSTICS, string("second"), timeout_s=60)
@@ -172,7 +172,7 @@ async def test_a_handler_that_fails_ends_nothing(
     await server.advertise_service("/moody", SET_BOOL, moody)
     await served(client, "/moody")
     with pytest.raises(ServiceCallError):
-        # Without an answer the call lasts as long as it may.
+        # Without an answer, the call ends at its time limit.
         timeout_s = 60.0 if can.service_errors_travel else 1.0
         await client.call_service("/moody", SET_BOOL, FALSE, timeout_s=timeout_s)
     await until(lambda: "handler of service /moody failed: ZeroDivisionError" in caplog.text)
@@ -252,12 +252,12 @@ async def test_a_client_is_listed_before_it_calls(join: JoinGraph, can: Capabili
     await served(node, "/switch")
     await first.close()
     await first.close()
-    assert await node.call_service("/switch", SET_BOOL, TRUE, timeout_s=60) == answer("as you say")
+    assert await node.call_service("/switch", SET_BOOL, TRUE, timeout_s=60) == answer("done")
     await listed_when(1)
     await second.close()
     await listed_when(0)
-    # A call lists its caller again, and a handle may outlive the node.
-    assert await node.call_service("/switch", SET_BOOL, TRUE, timeout_s=60) == answer("as you say")
+    # A call registers the client again, and the handle may still exist when the node has left.
+    assert await node.call_service("/switch", SET_BOOL, TRUE, timeout_s=60) == answer("done")
     late = await node.list_client("/switch", SET_BOOL)
     await listed_when(1)
     await node.close()

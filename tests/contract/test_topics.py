@@ -74,7 +74,7 @@ async def test_a_latched_topic_greets_latecomers_with_its_last_message(join: Joi
     publisher = await talker.advertise("/map", STRING, latch=True)
     await witness.subscribe("/map", STRING, seen.take)
     publisher.publish_raw([string("old"), string("new")])
-    # Some graphs send in a thread of their own.
+    # Some graphs send in another thread.
     await until(lambda: string("new") in seen.payloads)
     for _ in range(2):
         inbox = Inbox()

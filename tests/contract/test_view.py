@@ -1,4 +1,4 @@
-"""Seeing the whole graph, logs, time, and leaving."""
+"""Snapshots of the whole graph, logs, the time, and leaving the graph."""
 
 from __future__ import annotations
 
@@ -74,7 +74,7 @@ async def test_changes_come_as_snapshots(join: JoinGraph) -> None:
 
 async def test_logs_are_published_under_the_nodes_name(join: JoinGraph, can: Capabilities) -> None:
     node, listener, inbox = await join("/node"), await join("/listener"), Inbox()
-    # Latched: who comes later sees the last one.
+    # Latched: a later subscriber receives the last message.
     node.log(Level.WARN, "too hot: 90 °C")
     await listener.subscribe(ROSOUT, LOG_TYPE, inbox.take)
     named = string(can.logger_of_node) + string("too hot: 90 °C")
@@ -104,7 +104,7 @@ async def test_time_is_that_of_clock_where_it_is_simulated(join: JoinGraph, can:
     await until(lambda: publisher.subscriber_count)
 
     def tick() -> bool:
-        # Some simulators tell the time without waiting for listeners, and some listeners take what they get.
+        # Some simulators publish the time best effort, and some subscribers accept that.
         publisher.publish_raw([struct.pack("<II", 12, 7)])
         return node.now() == Time(12, 7)
 

@@ -1,4 +1,4 @@
-"""Graphs over zenoh on a port of their own: nodes of one session, and nodes that have a session each."""
+"""Graphs over zenoh on a separate port: nodes that share a session, and nodes with one session each."""
 
 from __future__ import annotations
 
@@ -19,14 +19,14 @@ from rostether.ros2.zenoh.session import ZenohSession
 
 @functools.cache
 def ros2_types() -> Ros2Types:
-    """Return the types that we bring, compiled once for all tests."""
+    """Return the bundled types, compiled once for all tests."""
     return Ros2Types(Registry(), Ros2Definitions())
 
 
 async def open_session(
     port: int, *, is_router: bool, domain_id: int = 0, types: Ros2Types | None = None
 ) -> ZenohSession:
-    """Open a session that meets others at a port of loopback, and nowhere else."""
+    """Open a session that connects to others only at a port on loopback."""
     endpoint = f'["tcp/127.0.0.1:{port}"]'
     if is_router:
         overrides: tuple[tuple[str, str], ...] = (("listen/endpoints", endpoint),)
@@ -38,19 +38,19 @@ async def open_session(
 
 
 async def open_router(domain_id: int = 0) -> tuple[ZenohSession, int]:
-    """Open a session that is the router of a port of its own; returns it with the port."""
+    """Open a session that is the router of a free port; return it with the port."""
     for _ in range(5):
         port = free_port()
         try:
             return await open_session(port, is_router=True, domain_id=domain_id), port
         except MasterUnreachableError:
-            continue  # Somebody else's connection took the port a moment ago.
+            continue  # Another program's connection has just used the port.
     raise AssertionError("no port stays free")
 
 
 @asynccontextmanager
 async def open_one_session() -> AsyncIterator[JoinGraph]:
-    """Join nodes of one session, as a bridge's."""
+    """Join nodes of one session, as a bridge does."""
     session, _ = await open_router()
     try:
         yield session.join
@@ -60,7 +60,7 @@ async def open_one_session() -> AsyncIterator[JoinGraph]:
 
 @asynccontextmanager
 async def open_sessions() -> AsyncIterator[JoinGraph]:
-    """Join nodes that have a session each: the first is the router of the others."""
+    """Join nodes with one session each; the first one is the router of the others."""
     port: int | None = None
     async with AsyncExitStack() as stack:
 

@@ -1,12 +1,14 @@
-"""A documentation page as its reader sees it: which commands it tells to type, and what they print.
+"""The commands of a documentation page, and the output that the page shows.
 
-Fenced blocks count when their language is `sh` (commands, one per line, `\\` continues), followed or not by a
-`text` block: lines that the last command prints, in that order. Numbers and times may differ, and lines that
-not every run prints are not required. The attribute `test` of a block is for the tests, the build of the
-pages removes it. On commands, "leave running" means that the last one is left running, as the reader would
-leave it, "not run" marks those that need a board, and "on NAME" those that need a machine of that name. On
-output, "varies" means that each run prints other lines between the first and the last. Titles that are names
-of files mark what the reader is to save.
+Blocks in `sh` have commands, one per line; `\\` continues a line. A `text` block after them has lines that
+the last command prints, in this order. Numbers and times may differ, and lines that not every run prints are
+not required. The attribute `test` of a block is for the tests; the build of the pages removes it:
+
+- on commands, "leave running" leaves the last one running, "not run" means that they need a board, and
+  "on NAME" that they need a machine of that name;
+- on output, "varies" means that each run prints different lines between the first and the last.
+
+A title that is a file name means that the reader saves the block as this file.
 """
 
 from __future__ import annotations
@@ -20,11 +22,11 @@ from pathlib import Path
 _FENCE = re.compile(r"^```(?P<language>\w+)(?P<info>[^\n]*)\n(?P<body>.*?)^```$", re.MULTILINE | re.DOTALL)
 _MARK = re.compile(r' test="([^"]*)"')
 _QUOTED = re.compile(r"'[^']*'|\"[^\"$`\\\\]*\"")
-# What a shell expands, and what only a shell runs.
+# Syntax that needs a shell.
 _NEEDS_SHELL = re.compile(r"[\"'$`\\\\~*?\[\]{}()<>|&;#]|^\w+=|^cd ")
 _NOT_TYPED_HERE = re.compile(r'test="not run|test="on |title="[\w.]+\.sh"')
 
-# What differs from run to run: bars, hexadecimal numbers with a digit, numbers, and widths of columns.
+# Differs from run to run: bars, hexadecimal numbers with a digit, numbers, and widths of columns.
 _VARYING = re.compile(
     r"(?P<bar>[█▒·▁▂▃▄▅▆▇]+(?:\s+[█▒·]+)*)|(?P<hex>\b(?=[a-f]*\d)[0-9a-f]{8,}\b)"
     r"|(?P<number>[+-]?(?:\b\d[\d,]*(?:\.\d+)?(?:e[+-]?\d+)?|\b(?:inf|null)\b)(?:[kM]\b)?)|(?P<space>\s+)"
@@ -35,7 +37,7 @@ _PATTERNS = {
     "number": r"\s*[+-]?(?:\d[\d,]*(?:\.\d+)?(?:e[+-]?\d+)?|inf|null)(?:[kM]\b)?",
     "space": r"\s*",
 }
-# What is printed on the first run only, or by commands that wait for others.
+# Printed only on the first run, or by commands that wait for others.
 _NOT_IN_EVERY_RUN = re.compile(
     r"preparing a simulated |Building the sketch for |waiting: |not registered as \S+ yet: "
 )
@@ -43,9 +45,9 @@ _NOT_IN_EVERY_RUN = re.compile(
 
 @dataclass(frozen=True, slots=True)
 class Step:
-    """Commands of one block, whether the last is left running, the lines they print, and where those are.
+    """The commands of one block, whether the last one is left running, and the lines that they print.
 
-    `output` is the place of the lines in the page, from and to; None without any.
+    `output` is the range of these lines in the page, or None without output.
     """
 
     commands: tuple[str, ...]
@@ -84,12 +86,12 @@ def steps(page: Path) -> list[Step]:
 
 
 def argv(command: str) -> list[str]:
-    """Return how a command is started: its words, or a shell if it needs one."""
+    """Return the arguments that start a command; with a shell, if it needs one."""
     return ["bash", "-c", command] if _NEEDS_SHELL.search(_QUOTED.sub("", command)) else shlex.split(command)
 
 
 def programs(page: Path) -> dict[str, str]:
-    """Return the programs, sketches and settings to save, by file name."""
+    """Return the files that the page says to save (programs, sketches, settings), by name."""
     titled = (
         (re.search(r'title="([\w.]+\.(?:py|toml|ino|cpp|urdf|launch|yaml|json5|sh))"', match["info"]), match)
         for match in _FENCE.finditer(page.read_text())
@@ -107,7 +109,7 @@ def on_machines(page: Path) -> dict[str, tuple[str, ...]]:
 
 
 def missing_lines(expected: tuple[str, ...], printed: str) -> list[str]:
-    """Return the expected lines that have not been printed, in order, so far."""
+    """Return the expected lines that were not printed yet, in order."""
     position = 0
     for index, line in enumerate(expected):
         match = _line_pattern(line).search(printed, position)
@@ -118,14 +120,14 @@ def missing_lines(expected: tuple[str, ...], printed: str) -> list[str]:
 
 
 def matching_lines(expected: tuple[str, ...], printed: str) -> list[str]:
-    """Return the whole lines in which the expected ones were printed."""
+    """Return the printed lines that contain the expected ones."""
     found: list[str] = []
     position = 0
     for line in expected:
         match = _line_pattern(line).search(printed, position)
         assert match is not None
         position = match.end()
-        # A number matches with the space before it, which may be the end of the line above.
+        # A number matches with the space before it, which may be the end of the previous line.
         start = match.end() - len(match[0].lstrip())
         whole = printed[printed.rfind("\n", 0, start) + 1 :].partition("\n")[0].rstrip()
         if found[-1:] != [whole]:
@@ -134,7 +136,7 @@ def matching_lines(expected: tuple[str, ...], printed: str) -> list[str]:
 
 
 def lines_until(expected: tuple[str, ...], printed: str) -> list[str]:
-    """Return all lines up to the one in which the last of the expected ones was printed."""
+    """Return all lines up to the one that contains the last expected line."""
     position = 0
     for line in expected:
         match = _line_pattern(line).search(printed, position)

@@ -1,6 +1,6 @@
-"""Every command of the README and the docs is typed here, in order, and prints what the page says.
+"""Types every command of the README and the docs, in order, and compares the output with the page.
 
-With WRITE_OUTPUT=1 in the environment the pages get the output of this run.
+With WRITE_OUTPUT=1 in the environment, the output of this run is written into the pages.
 """
 
 from __future__ import annotations
@@ -33,15 +33,15 @@ PAGES = sorted(
     page for page in [REPOSITORY / "README.md", *(REPOSITORY / "docs").rglob("*.md")] if steps(page)
 )
 PATIENCE_S = 60.0
-# Longer output is shown in part: the lines that the page has.
+# Of longer output, the page keeps only the lines that it has.
 MAX_WHOLE_LINES = 60
 WRITES_OUTPUT = bool(os.environ.get("WRITE_OUTPUT"))
-# How long a command may take to end by itself before Ctrl-C; whole output is written of those that end.
+# How long a command may run before Ctrl-C. The complete output is written only if it ended by itself.
 ENDING_S = 10.0 if WRITES_OUTPUT else 0.5
 SIMULATING = ("board run", "firmware sim ", "sim:")
-# A port by its number, or ROS 2's of everybody: what the pages of two test processes may fight over.
+# Fixed ports, which the pages of two test processes cannot use at the same time.
 SHARING = re.compile(r"\b1\d{4}\b|ros2|zenoh|demo\b")
-# Times of runs and names of this machine, and what the pages show for them.
+# Times and names of this machine, and their replacements in the pages.
 NEUTRAL = {
     r"\[\d{10}\.\d{6}\]": "[1700000000.123456]",
     r"(?<![\d.(])1[789]\d{8}(?!\d)": "1700000000",
@@ -51,25 +51,25 @@ NEUTRAL = {
     r"\b[0-9a-f]{8}(?:-[0-9a-f]{4}){3}-[0-9a-f]{12}\b": "9b3ef592-375a-46ab-af4c-4d4a4fcfbf68",
     r"\b(?:the ports are|no serial port found)[^\n\"]*": "the ports are /dev/ttyS0 (serial port)",
 }
-# The start or the end of a recording; pages show a recording that starts at NEUTRAL_START_S.
+# The start or the end of a recording; in the pages, recordings start at NEUTRAL_START_S.
 RECORDING_TIME = re.compile(r"[A-Z][a-z]{2} \d\d \d{4} \d\d:\d\d:\d\d(\.\d\d) \((\d{10})\.\d\d\)")
 NEUTRAL_START_S = int(datetime(2025, 1, 1, 12, tzinfo=UTC).timestamp())
-# The exit codes of commands that end by themselves or by Ctrl-C.
+# The exit codes of success and of Ctrl-C.
 ENDS = (0, 130, -signal.SIGINT)
-# Commands that change nothing, or the same again, and look at a graph or a board for a limited time.
+# Commands that look at a graph or a board for a limited time, and can be repeated.
 LOOKING = re.compile(
     r"(\w+=\S+ |sh at\.sh \w+ |\.venv/bin/)*rostether ((topic|node|service|param|sensor) (list|info|get|call)"
     r"|tf|graph|plot|monitor|doctor|fleet (doctor|list)|conformance tcp)\b"
 )
-# Commands that set a machine up are typed by tests of their own.
+# Other tests type the commands that set up a machine.
 NOT_TYPED = ("make test", "git clone", "cd ", "pip ", "pipx ", "sudo ")
 
 
 @pytest.fixture
 def network(page: Path) -> Iterator[tuple[str, ...]]:
-    """Have a loopback where the ports that a page names are free; yields how its commands begin there.
+    """Provide a loopback where the page's ports are free; yield the command prefix that runs a command there.
 
-    Without network namespaces, pages that name ports run one after another.
+    Without network namespaces, pages with fixed ports run one after another.
     """
     with own_loopback() as entering:
         if entering is not None or not SHARING.search(_typed(page)):
@@ -81,7 +81,7 @@ def network(page: Path) -> Iterator[tuple[str, ...]]:
 
 
 class Terminal:
-    """Types commands as a reader would, each in a process group of its own."""
+    """Types commands as a reader would, each in a new process group."""
 
     def __init__(self, folder: Path, home: Path, network: tuple[str, ...]) -> None:
         self._folder = folder
@@ -92,7 +92,7 @@ class Terminal:
         self._environment = {
             name: value
             for name, value in os.environ.items()
-            # `make test ARGS=...` hands its variables on; a reader types `make demo` without.
+            # `make test ARGS=...` passes its variables to children; a reader's `make demo` has none of them.
             if not name.startswith(("ROS", "RMW", "ZENOH", "PYTEST", "MAKE", "MFLAGS", "ARGS"))
         } | {
             "PATH": f"{Path(sys.executable).parent}:{os.environ['PATH']}",
@@ -105,9 +105,9 @@ class Terminal:
         }
 
     def type(self, command: str, expected: tuple[str, ...], *, leave_running: bool) -> list[str]:
-        """Run one command until it has printed what is expected and, unless left running, has ended.
+        """Run a command until it has printed the expected lines and, unless it is left running, has ended.
 
-        Returns the output as the page shows it.
+        Return the output as the page shows it.
         """
         output = self._home / f"output-{time.monotonic_ns()}"
         process = self._start(command, output)
@@ -125,7 +125,7 @@ class Terminal:
             is_settled = not (missing or looks_again) and (leave_running or bool(expected) or ended)
             if not is_settled:
                 if ended and looks_again:
-                    # The graph is not complete yet: who looks too soon looks again.
+                    # If the graph is not complete yet, the command is repeated.
                     output.unlink()
                     process = self._start(command, output)
                     seen_bytes = -1
@@ -162,12 +162,12 @@ class Terminal:
         return process
 
     def _neutral(self, output: Path) -> str:
-        """Return what was printed, without the names and times of this machine and this run."""
+        """Return the output without the names and times of this machine and this run."""
         text = output.read_text(errors="replace").replace(str(self._home), "/home/me")
-        # A clone in / has the name of a folder that is in other paths too.
+        # A clone directly below / may have the name of a folder in other paths.
         text = re.sub(rf"(?<![\w/.-]){re.escape(str(REPOSITORY))}(?![\w.-])", "/home/me/rostether", text)
         text = text.replace(self._master, "http://localhost:11311")
-        # As a whole word: the name of this machine may be part of another.
+        # As a whole word: the machine's name may be a part of another word.
         text = re.sub(rf"(?<![^\W_]){re.escape(socket.gethostname())}(?![^\W_])", "robot", text)
         text = text.replace(self._master.replace("localhost", "127.0.0.1"), "http://127.0.0.1:11311")
         for pattern, neutral in NEUTRAL.items():
@@ -188,7 +188,7 @@ class Terminal:
             pytest.fail(f"Ctrl-C did not end {process.args!r}")
 
     def close(self) -> None:
-        """End what was left running, the last first, however each of them ends."""
+        """End the commands that were left running, the last one first."""
         with contextlib.ExitStack() as ending:
             for process in self._running:
                 if process.poll() is None:
@@ -214,7 +214,7 @@ def _name(page: Path) -> str:
 
 
 def _needs(page: Path) -> list[pytest.MarkDecorator]:
-    """Return the peers that a page's commands need besides our own."""
+    """Return the markers of the other programs that a page's commands need."""
     typed = _typed(page)
     marks = [pytest.mark.simavr] if any(sign in typed for sign in SIMULATING) else []
     if "micropython hello.py" in typed:
@@ -225,7 +225,7 @@ def _needs(page: Path) -> list[pytest.MarkDecorator]:
 
 
 def _typed(page: Path) -> str:
-    """Return all that is typed and saved for a page."""
+    """Return all commands and files of a page."""
     commands = [command for step in steps(page) for command in step.commands]
     return "\n".join([*commands, *programs(page).values()])
 
@@ -233,7 +233,7 @@ def _typed(page: Path) -> str:
 @pytest.mark.timeout(300)
 @pytest.mark.parametrize("page", [pytest.param(page, marks=_needs(page), id=_name(page)) for page in PAGES])
 def test_page(page: Path, network: tuple[str, ...], tmp_path: Path) -> None:
-    # Only the README speaks to someone who stands in a clone; others may name one, ~/rostether.
+    # Only the README's commands run in a clone; other pages may name a clone, ~/rostether.
     if "~/rostether" in page.read_text():
         (tmp_path / "rostether").symlink_to(REPOSITORY)
     terminal = Terminal(REPOSITORY if page.name == "README.md" else tmp_path, tmp_path, network)
@@ -261,7 +261,7 @@ def _type_step(terminal: Terminal, step: Step) -> list[str]:
         last = command is commands[-1]
         expected = step.expected if last else ()
         if "demo" in command.split() and not expected:
-            # The reader watches until the demo's board is there.
+            # The reader waits until the demo's board is connected.
             expected = ("Setup publisher on ultrasound",)
         lines = terminal.type(command, expected, leave_running=last and step.leave_running)
     return lines

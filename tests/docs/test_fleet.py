@@ -1,4 +1,4 @@
-"""The page on fleets: its commands and files, on machines that are network namespaces."""
+"""The commands and files of the page on fleets, with network namespaces as machines."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ pytestmark = [
 
 
 class Terminals:
-    """Types the page's commands on its machines, with a simulated board for the port."""
+    """Types the page's commands on its machines, with a simulated board instead of the port."""
 
     def __init__(self, network: Machines, folder: Path, board: Path) -> None:
         self._network = network
@@ -47,7 +47,9 @@ class Terminals:
         } | {"PATH": f"{Path(sys.executable).parent}:{os.environ['PATH']}", "PYTHONUNBUFFERED": "1"}
 
     def start(self, machine: str, command: str, expected: str) -> Path:
-        """Type a command that stays, and wait until it has printed something; returns where it prints."""
+        """Type a command that keeps running, and wait until it has printed a text; return the file with its
+        output.
+        """
         printed = self._folder / f"output-{len(self._running)}"
         command = command.replace("/dev/ttyACM0?", f"sim:{self._board}?board=uno&name=arm&")
         with printed.open("wb") as output:
@@ -69,7 +71,7 @@ class Terminals:
         return printed
 
     def type(self, machine: str, command: str, timeout_s: float = PATIENCE_S) -> str:
-        """Type a command that ends by itself, or is ended; returns what it printed."""
+        """Type a command that ends, or end it after a time limit; return its output."""
         with subprocess.Popen(
             [*self._network.on(machine), *argv(command)],
             cwd=self._folder,
@@ -87,7 +89,7 @@ class Terminals:
                 return process.communicate(timeout=PATIENCE_S)[0]
 
     def end(self) -> None:
-        """End what was left running."""
+        """End the commands that were left running."""
         for process in reversed(self._running):
             if process.poll() is None:
                 os.killpg(process.pid, signal.SIGINT)
@@ -156,7 +158,7 @@ def test_only_known_certificates_are_admitted(network: Machines, tmp_path: Path,
             assert time.monotonic() < deadline_s
             time.sleep(0.02)
         assert "x: 1.0" not in orders.read_text()
-        # Without a certificate the port does not answer.
+        # Without a certificate, the port does not answer.
         for address in ("tcp/robot1:7447", "tls/robot1:7448"):
             place = f"ZENOH_CONFIG_OVERRIDE='connect/endpoints=[\"{address}\"]'"
             assert "data:" not in typing.type("robot2", f"{place} {ECHO}", 2.0)

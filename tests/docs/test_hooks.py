@@ -1,4 +1,4 @@
-"""What the build of the documentation adds and removes."""
+"""Additions and removals by the build of the documentation."""
 
 from __future__ import annotations
 

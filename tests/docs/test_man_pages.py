@@ -1,4 +1,4 @@
-"""The man pages have the commands' help, in requests that man knows."""
+"""The man pages contain the help of the commands, in valid man syntax."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ def test_each_command_has_a_page(tmp_path: Path) -> None:
     pages = {page.stem: page.read_text() for page in tmp_path.glob("*.1")}
     assert {"rostether", "rostether-serve", "rostether-topic", "rostether-conformance"} <= pages.keys()
     assert "rostether\\-serve(1)" in pages["rostether"]
-    # The verbs of a group are on its page.
+    # The verbs of a group are on the page of the group.
     assert ".SH ROSTETHER TOPIC ECHO" in pages["rostether-topic"]
     assert "\\fB\\-\\-dashboard" in pages["rostether-serve"]
     for name, text in pages.items():

@@ -1,4 +1,4 @@
-"""The table of platforms, each row with a test that is there, and the pages of the platforms."""
+"""The table of platforms names existing tests, and the pages of the platforms match it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The page of types in ROS 2 is what the tables of conversion say."""
+"""The page of types in ROS 2 agrees with the tables of conversion."""
 
 from __future__ import annotations
 

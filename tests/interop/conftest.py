@@ -13,7 +13,7 @@ from interop.ros1_peers import Ros1Peers, debian_roscore
 
 @pytest_asyncio.fixture
 async def roscore(tmp_path: Path) -> AsyncIterator[Ros1Peers]:
-    """Debian's roscore with Debian's tools around it."""
+    """Debian's roscore and Debian's tools."""
     async with debian_roscore(tmp_path) as peers:
         yield peers
 

@@ -1,7 +1,7 @@
-"""Four robots with faults, each on a machine of its own, and the doctor on another; run by test_fleet_doctor.
+"""Four robots with faults, each on a separate machine, and the doctor on another; test_fleet_doctor runs it.
 
 One process has the sockets of all machines: a socket stays in the network namespace where it was opened.
-Prints what `fleet doctor --json` prints, and then, after a line of input, whether a querier is heard.
+Prints the output of `fleet doctor --json` and then, after a line of input, whether a querier is found.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ _NETWORK_NAMESPACE = 0x40000000
 
 
 def enter(machine: str) -> None:
-    """Open the sockets that follow on a machine."""
+    """Open the next sockets on a machine."""
     with Path("/run/netns", machine).open() as namespace:
         assert ctypes.CDLL(None).setns(namespace.fileno(), _NETWORK_NAMESPACE) == 0
 
@@ -53,7 +53,7 @@ async def main(full_disk: Path) -> None:
         settings = ReceiverNodeSettings(
             "std_msgs/Bool",
             f"robot{index}",
-            # An address: a name would be looked up on another machine when the join is repeated.
+            # An address, because a name would be resolved on another machine when the join is repeated.
             replace(GROUP, interfaces=(f"10.77.0.{index + 1}",)),
             framed=ReceiverSettings(number, key=KEY),
             has_key=True,

@@ -1,4 +1,4 @@
-"""Twenty robots on bad Wi-Fi, in this process; `rostether fleet` commands them from others."""
+"""Twenty robots on bad Wi-Fi, in this process; `rostether fleet` commands them from other processes."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ STILL = bytes(16)
 
 
 class Robot:
-    """What one robot's topic got, by time."""
+    """The messages of one robot's topic, with their times."""
 
     def __init__(self, number: int) -> None:
         self.number = number
@@ -50,7 +50,9 @@ class Robot:
 
 
 class Fleet(NamedTuple):
-    """The robots, the air, where senders send, and the options of `rostether fleet` for it."""
+    """The robots, the simulated Wi-Fi, the address for senders, and the options of `rostether fleet`
+    for it.
+    """
 
     robots: list[Robot]
     air: LossyAir
@@ -60,7 +62,7 @@ class Fleet(NamedTuple):
 
 @asynccontextmanager
 async def fleet_on_bad_wifi(folder: Path) -> AsyncIterator[Fleet]:
-    """Have robots that lose 30 % of all datagrams and get the others up to 100 ms late."""
+    """Run robots that lose 30 % of all datagrams and get the others up to 100 ms late."""
     key_file = folder / "fleet.key"
     key_file.write_text(KEY.hex())
     senders = loopback_group()

@@ -29,7 +29,7 @@ def ask_genpy(requests: list[dict[str, Any]]) -> list[Any]:
 
 
 def as_text(payload: bytes) -> str:
-    """Return bytes as requests carry them."""
+    """Return bytes as text, for a request."""
     return base64.b64encode(payload).decode()
 
 

@@ -1,7 +1,7 @@
 """Bad Wi-Fi on loopback: between senders and robots, datagrams are lost at random and others are late.
 
-It is an access point in the middle. Each robot has a port of its own for the group; what robots answer, and
-unicast to them, crosses the same air.
+It works like an access point. Each robot has a separate port for the group; the answers of the robots, and
+unicast to them, have the same faults.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ _MAX_BYTES = 2048
 
 
 class LossyAir:
-    """Carries the datagrams of `senders`, a group, to `robots`, groups too, as long as the block lasts."""
+    """Forwards the datagrams for the group `senders` to the groups `robots`, until the block ends."""
 
     def __init__(
         self, senders: GroupAddress, robots: Sequence[GroupAddress], *, loss: float, jitter_s: float
@@ -34,7 +34,7 @@ class LossyAir:
         self._robots = robots
         self._ways: dict[tuple[SocketAddress, GroupAddress], _Way] = {}
         self._sockets: list[socket.socket] = []
-        # Every datagram to the group, as it was sent.
+        # Every datagram to the group.
         self.sent: list[tuple[bytes, float]] = []
 
     def __enter__(self) -> LossyAir:
@@ -50,7 +50,7 @@ class LossyAir:
         self._sockets.clear()
 
     def add_reader(self, sock: socket.socket, take: Callable[[bytes, SocketAddress], None]) -> None:
-        """Read a socket until the end."""
+        """Read a socket until the block ends."""
         self._sockets.append(sock)
         asyncio.get_running_loop().add_reader(sock, self._read, sock, take)
 

@@ -1,6 +1,7 @@
-"""Machines of a network, on one: each is a network namespace with a loopback and an address of its own.
+"""Several machines in a network, on one machine: each is a network namespace with its own loopback and
+address.
 
-They need no root where the system lets users make namespaces.
+They need no root if the system permits users to create namespaces.
 """
 
 from __future__ import annotations
@@ -19,7 +20,7 @@ _ENTER = ("nsenter", *(() if _IS_ROOT else ("--user", "--preserve-credentials"))
 
 @functools.cache
 def missing_namespaces() -> str:
-    """Return why there can be no machines here, or an empty string."""
+    """Return why machines are not possible here, or an empty string."""
     needed = {"ip": "iproute2", "mount": "mount", "unshare": "util-linux", "nsenter": "util-linux"}
     for program, package in needed.items():
         if shutil.which(program) is None:
@@ -38,26 +39,26 @@ def missing_namespaces() -> str:
 
 
 class Machines:
-    """A network of machines; `on` gives the beginning of a command that runs on one of them."""
+    """A network of machines; `on` returns the command prefix that runs a command on one of them."""
 
     def __init__(self, names: Sequence[str], holder: subprocess.Popen[bytes]) -> None:
         self._names = names
         self._enter = (*_ENTER, "--wd=.", "--target", str(holder.pid))
 
     def address(self, name: str) -> str:
-        """Return the address of a machine; each knows the others by name."""
+        """Return the address of a machine; each can resolve the names of the others."""
         return "127.0.0.1" if name == "localhost" else f"10.77.0.{self._names.index(name) + 1}"
 
     def switch(self, command: str) -> None:
-        """Change the switch (`switch`) or one of its ports (`to_NAME`): the words after `ip link set`."""
+        """Change the switch (`switch`) or one of its ports (`to_NAME`); `command` follows `ip link set`."""
         subprocess.run([*self._enter, "ip", "link", "set", *command.split()], check=True)
 
     def on(self, name: str) -> tuple[str, ...]:
-        """Return what a command begins with that runs on a machine."""
+        """Return the prefix of a command that runs on a machine."""
         return (*self._enter, "nsenter", f"--net=/run/netns/{name}")
 
     def build(self) -> None:
-        """Make the machines, and plug them into a switch."""
+        """Create the machines, and connect them to a switch."""
         hosts = "".join(f"{self.address(name)} {name}\\n" for name in ("localhost", *self._names))
         lines = [
             "mount -t tmpfs none /run",
@@ -80,9 +81,9 @@ class Machines:
 
 @contextmanager
 def own_loopback() -> Iterator[tuple[str, ...] | None]:
-    """Have a loopback where every port is free. Yields the beginning of a command that runs on it.
+    """Create a loopback where every port is free. Yield the prefix of a command that runs on it.
 
-    None: the system allows no network namespace.
+    Yield None if the system allows no network namespace.
     """
     holder = subprocess.Popen(
         [*_UNSHARE, "sh", "-ec", "ip link set lo up; echo ready; exec sleep infinity"],
@@ -100,7 +101,7 @@ def own_loopback() -> Iterator[tuple[str, ...] | None]:
 
 @contextmanager
 def machines(*names: str) -> Iterator[Machines]:
-    """Have machines as long as the block lasts; what runs on them is to be ended by who started it."""
+    """Create machines until the block ends; the caller ends the programs that it started on them."""
     script = "echo ready; exec sleep infinity"
     holder = subprocess.Popen([*_UNSHARE, "sh", "-c", script], stdout=subprocess.PIPE)
     try:

@@ -1,4 +1,4 @@
-"""A master, Debian's programs around it, and nodes of ours on it."""
+"""A master with Debian's programs and with nodes of rostether."""
 
 from __future__ import annotations
 
@@ -42,14 +42,14 @@ class Stage:
         await asyncio.to_thread(_wait_for_rosout, self.peers.master_uri, nodes)
 
     async def close(self) -> None:
-        """Leave with every node."""
+        """Close all nodes."""
         for node in self._nodes:
             await node.close()
 
 
 @contextlib.asynccontextmanager
 async def stage_on(master: str, home: Path) -> AsyncIterator[Stage]:
-    """Set a stage on one of both masters."""
+    """Open a stage on one of the two masters."""
     async with contextlib.AsyncExitStack() as stack:
         if master == "our master":
             server = await MasterServer.start(port=0)
@@ -64,7 +64,7 @@ async def stage_on(master: str, home: Path) -> AsyncIterator[Stage]:
 
 
 def _wait_for_rosout(master_uri: str, nodes: Sequence[str]) -> None:
-    """Wait until the node /rosout, if there is one, is connected to these nodes."""
+    """Wait until the node /rosout, if it exists, is connected to these nodes."""
 
     def ask(uri: str, method: str, *arguments: str) -> Any:
         with xmlrpc.client.ServerProxy(uri) as server:

@@ -1,4 +1,4 @@
-"""A robot's node, Debian's or ours, beside Debian's roscore: joint states in, tf out."""
+"""A robot's node, Debian's or rostether's, with Debian's roscore: joint states in, tf out."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ class RobotStage:
         await master.close()
 
     async def start_node(self, side: str, package: str, *arguments: str) -> Peer:
-        """Start a package's node, as `side` has it."""
+        """Start a package's node of `side`."""
         if side == "debian":
             program = PROGRAMS.get(package, package)
             return await self._peers.start(f"{LIBRARIES}/{package}/{program}", *arguments)
@@ -46,20 +46,22 @@ class RobotStage:
         return await self._peers.start(sys.executable, "-P", "-m", "rostether", "role", role, *arguments)
 
     async def start_recorder(self, topic: str = "/joint_states") -> None:
-        """Record /tf, /tf_static and /joint_states_out from now on; what we publish goes to `topic`."""
+        """Record /tf, /tf_static and /joint_states_out from now on; `publish` publishes on `topic`."""
         self._recorder = await self._peers.start(
             "python", "-u", str(RECORDER), topic, stdin=b"", keeps_stdin=True
         )
         await self._recorder.wait_for('"ready"')
 
     async def stop_recorder(self) -> None:
-        """End the recorder, so that another one starts from nothing. A shutdown of rospy would take 0.6 s."""
+        """Kill the recorder, so that the next one starts without records. A shutdown of rospy would take 0.6
+        s.
+        """
         assert self._recorder is not None
         await self._recorder.stop(signal.SIGKILL)
 
     @property
     def records(self) -> list[dict[str, Any]]:
-        """All that was recorded so far."""
+        """Return the records so far."""
         assert self._recorder is not None
         found = (json.loads(line) for line in self._recorder.lines if line.startswith("{"))
         return [record for record in found if "topic" in record]
@@ -70,7 +72,7 @@ class RobotStage:
         await self._recorder.wait_for(lambda _: condition(self.records))
 
     async def wait_for_subscribers(self, count: int) -> None:
-        """Wait until so many nodes subscribe to our joint states."""
+        """Wait until `count` nodes subscribe to the joint states."""
         self._send({"wait_for": count})
         assert self._recorder is not None
         await self._recorder.wait_for('"connected"')

@@ -1,6 +1,6 @@
-"""Debian's ROS 1 as the other side: its tools, its Python nodes and a compiled roscpp node.
+"""Debian's ROS 1: its tools, its Python nodes and a compiled roscpp node.
 
-All of them run as subprocesses with an environment of their own, on loopback, and are ended by process
+All of them run as subprocesses with a separate environment, on loopback, and are ended by process
 group when the test ends.
 """
 
@@ -32,10 +32,10 @@ ROBOT_PROGRAMS = {
     "/usr/lib/tf2_ros/static_transform_publisher": "tf2-tools",
     "/usr/bin/check_urdf": "liburdfdom-tools",
 }
-# Above the ports that programs are known for (11311, 11411), below those the system gives by itself.
+# Above well-known ports (11311, 11411), below those that the system assigns.
 _FIRST_PORT = 12_000
 _PORTS_EACH = 1_000
-# Test processes for which the ports are enough.
+# The number of test processes for which there are enough ports.
 MAX_WORKERS = 20
 _GIVEN_PORTS: set[int] = set()
 ROSOUT = "/usr/lib/rosout/rosout"
@@ -86,10 +86,10 @@ def missing_robot() -> str:
 
 
 def free_port() -> int:
-    """Return a free TCP port that no other test is given before it is used.
+    """Return a free TCP port that no other test gets before it is used.
 
-    It lies below the ports that the system gives to connections and to who asks for any; beside us only the
-    other test processes take such ports, each its own.
+    It is below the ports that the system assigns to connections and to listeners on port 0. Only the
+    other test processes use such ports, each a different range.
     """
     worker = int(os.environ.get("PYTEST_XDIST_WORKER", "gw0").removeprefix("gw")) % MAX_WORKERS
     while True:
@@ -121,9 +121,9 @@ def roscpp_peer() -> Path:
 
 
 def ros_environment(master_uri: str, home: Path) -> dict[str, str]:
-    """Return the environment Debian's tools run in: nothing of ours, nothing of the user's."""
+    """Return the environment of Debian's tools, without rostether and the user's settings."""
     return {
-        # Absent where a benchmark uses this.
+        # Not set when a benchmark uses this.
         MARK: os.environ.get(MARK, ""),
         "PATH": "/usr/sbin:/usr/bin:/sbin:/bin",
         "HOME": str(home),
@@ -166,7 +166,7 @@ class Ros1Peers:
         return peer
 
     async def run(self, *command: str, timeout_s: float = PATIENCE_S, check: bool = True) -> str:
-        """Run a program to its end; returns what it printed, and fails when it fails."""
+        """Run a program to its end and return its output; fail if its exit code is not 0."""
         peer = await self.start(*command)
         text = await peer.finish(timeout_s)
         if check and peer.process.returncode != 0:
@@ -183,13 +183,13 @@ class Ros1Peers:
         return await self.start(str(program), role, *arguments)
 
     async def close(self) -> None:
-        """End every program that still runs, without waiting for an orderly end."""
+        """Kill every program that still runs."""
         await asyncio.gather(*(peer.stop(signal.SIGKILL) for peer in self._peers))
 
 
 @contextlib.asynccontextmanager
 async def debian_roscore(home: Path) -> AsyncIterator[Ros1Peers]:
-    """Run what Debian's roscore runs, on a free port, without the slower roslaunch."""
+    """Run the programs of Debian's roscore on a free port, without the slower roslaunch."""
     port = free_port()
     peers = Ros1Peers(f"http://localhost:{port}/", home)
     master = MasterClient(peers.master_uri, "/roslaunch")

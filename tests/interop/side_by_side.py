@@ -1,4 +1,4 @@
-"""Our commands beside Debian's, on one graph: what one prints, the other prints."""
+"""Compares the output of rostether's commands with that of Debian's, on the same graph."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ OURS = {"rosparam": "param", "rosmsg": "msg", "rossrv": "srv", "rosnode": "node"
 
 @dataclass(frozen=True)
 class Output:
-    """How a program ended."""
+    """The output and the exit code of a program."""
 
     code: int
     out: str
@@ -22,11 +22,11 @@ class Output:
 
 
 class SideBySide:
-    """Runs commands of both in the same environment."""
+    """Runs the commands of both in the same environment."""
 
     def __init__(self, peers: Ros1Peers) -> None:
         self._environment = peers.environment
-        # More of them would only push each other towards their time limits.
+        # More commands at once would only reach their time limits.
         self._slots = asyncio.Semaphore(4)
 
     async def theirs(self, tool: str, *arguments: str, stdin: str = "") -> Output:
@@ -34,15 +34,15 @@ class SideBySide:
         return await self._run(tool, *arguments, stdin=stdin)
 
     async def ours(self, tool: str, *arguments: str, stdin: str = "") -> Output:
-        """Run our command in the tool's place."""
+        """Run rostether's command for the tool."""
         return await self._run(sys.executable, "-m", "rostether", OURS[tool], *arguments, stdin=stdin)
 
     async def same(
         self, tool: str, *arguments: str, stdin: str = "", blur: Callable[[str], str] = str
     ) -> str:
-        """Run both, see that they print and end alike, and return what they print.
+        """Run both, assert that output and exit code are the same, and return the output.
 
-        `blur` makes alike what differs from one run to the next, such as times.
+        `blur` replaces what differs from run to run, such as times.
         """
         theirs, ours = await asyncio.gather(
             self.theirs(tool, *arguments, stdin=stdin), self.ours(tool, *arguments, stdin=stdin)
@@ -51,11 +51,11 @@ class SideBySide:
         return ours.out
 
     async def all_same(self, tool: str, *commands: tuple[str, ...]) -> list[str]:
-        """See that they print alike for several commands, at once: Debian's tools mostly wait."""
+        """Assert the same for several commands at once, because Debian's tools mostly wait."""
         return await asyncio.gather(*(self.same(tool, *command) for command in commands))
 
     async def both_fail(self, tool: str, *arguments: str) -> str:
-        """Run both, see that both fail, and return our one line."""
+        """Run both, assert that both fail, and return rostether's one line."""
         theirs, ours = await asyncio.gather(self.theirs(tool, *arguments), self.ours(tool, *arguments))
         assert theirs.code != 0, (arguments, theirs)
         assert ours.code != 0, (arguments, ours)

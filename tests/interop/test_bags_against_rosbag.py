@@ -1,4 +1,4 @@
-"""Our recordings and Debian's rosbag: each reads, checks, mends and plays what the other recorded."""
+"""rostether and Debian's rosbag: each reads, checks, repairs and plays recordings of the other."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ TYPES = (
 )
 START_NS = 1_700_000_000_123_456_789
 
-# Prints a JSON line for each message of a bag as Debian's rosbag reads it: all that there is to compare.
+# Prints a JSON line for each message of a bag as Debian's rosbag reads it.
 READ = """
 import hashlib, json, sys, rosbag
 with rosbag.Bag(sys.argv[1]) as bag:
@@ -69,7 +69,7 @@ with rosbag.Bag(sys.argv[1]) as bag:
     print(len(list(bag.read_messages())), len(list(until)), bag.get_start_time(), bag.get_end_time())
 """
 
-# Writes a bag as Debian's rosbag does, of the types given as arguments behind file and compression.
+# Writes a bag with Debian's rosbag. Its arguments are the file, the compression and the types.
 WRITE = """
 import sys, genpy, rosbag, roslib.message
 with rosbag.Bag(sys.argv[1], 'w', compression=sys.argv[2], chunk_threshold=2000) as bag:
@@ -133,7 +133,7 @@ async def _until(condition: Callable[[], bool]) -> None:
 
 
 async def _publish(publisher: Publisher) -> list[bytes]:
-    """Publish a number every 5 ms; returns what was sent."""
+    """Publish a number every 5 ms; return what was sent."""
     encode = STORE.codec("std_msgs/String").encode
     sent = [encode({"data": f"message {number}"}) for number in range(100)]
     for payload in sent:
@@ -143,7 +143,7 @@ async def _publish(publisher: Publisher) -> list[bytes]:
 
 
 async def _kill_when_written(recorder: Peer, active: Path, count: int) -> None:
-    """Kill a recorder once so many messages are in its file: it goes on recording and writes regularly."""
+    """Kill a recorder when its file has `count` messages; it records continuously and writes regularly."""
     assert FLUSH_PERIOD_S <= 1.0
 
     def is_written() -> bool:
@@ -173,16 +173,16 @@ async def test_rosbag_reads_ours_of_twenty_types(stage: Stage, tmp_path: Path, c
     text = await stage.peers.run("rosbag", "info", str(path))
     assert "messages:    400" in text or "messages:     400" in text
     if debian_python_version() < (3, 13):
-        # Definitions that lack rosbag's comments are another text to it, though of the same md5sum.
-        # On Python 3.13, it does not find its own rules for them.
+        # For rosbag, definitions without comments are a different text, with the same md5sum.
+        # On Python 3.13, it does not find its rules for them.
         assert "All rules defined" in await stage.peers.run("rosbag", "check", str(path))
-    # One packing shows it.
+    # One compression is enough.
     forms = (("-y",), ("-y", "--freq"), ("-y", "-k", "topics[3].messages")) if compression == "bz2" else ()
     for options in forms:
         assert await _run(stage, "bag", "info", *options, str(path)) == await stage.peers.run(
             "rosbag", "info", *options, str(path)
         )
-    # What people read is the same, but for spaces that pad figures.
+    # The text is the same, except for the padding of numbers.
     squeezed = [" ".join(line.split()) for line in text.splitlines()]
     ours = [" ".join(line.split()) for line in (await _run(stage, "bag", "info", str(path))).splitlines()]
     assert [line for line in ours if not line.startswith(("start", "end"))] == [
@@ -250,7 +250,7 @@ async def test_a_killed_recording_lacks_a_second_at_most(stage: Stage, tmp_path:
     await _kill_when_written(ours, active, len(sent))
     with closing(open_recording(active)) as reader:
         assert [each.payload for each in reader.messages()] == sent
-    # Debian's rosbag mends it as well as we do, to the same messages.
+    # Debian's rosbag repairs it too, with the same messages.
     copy = tmp_path / "copy.bag"
     copy.write_bytes(active.read_bytes())
     await stage.peers.run("rosbag", "reindex", str(copy))
@@ -285,7 +285,7 @@ async def test_what_a_killed_roscpp_recorder_left_is_read_and_mended(stage: Stag
     await _until(lambda: publisher.subscriber_count == 1)
     payload = STORE.codec("std_msgs/String").encode({"data": "x" * 1000})
     active = tmp_path / "a.bag.active"
-    # More than a chunk; it drops what comes too fast.
+    # More than a chunk; the recorder drops messages that arrive too fast.
     async with asyncio.timeout(60):
         while not active.exists() or active.stat().st_size < 1_000_000:
             publisher.publish_raw([payload] * 10)
@@ -313,7 +313,7 @@ async def test_a_file_that_may_not_grow_ends_the_recording_with_a_line(
     )
     await _until(lambda: publisher.subscriber_count == 1)
     while recorder.process.returncode is None:
-        # What no compression makes smaller.
+        # Data that no compression makes smaller.
         publisher.publish_raw([(1000).to_bytes(4, "little") + os.urandom(1000) for _ in range(5)])
         await asyncio.sleep(0.01)
     text = await recorder.finish()
@@ -321,10 +321,10 @@ async def test_a_file_that_may_not_grow_ends_the_recording_with_a_line(
     assert "cannot write" in text
     assert "contains the messages until then" in text
     assert "Traceback" not in text
-    if "gives it an index" in text:  # where the last chunk has left no room for that
+    if "gives it an index" in text:  # if the last chunk has left no room for that
         await _run(stage, "bag", "reindex", str(path))
     found = _ours(path)
-    # A late writer has more messages in the chunk that did not fit.
+    # If the writer is late, the chunk that did not fit has more messages.
     assert 50 < len(found) < 200
     assert await _theirs(stage, path) == found
 

@@ -1,4 +1,4 @@
-"""Boards through the bridge, as Debian's tools and nodes see them: devices over TCP, a real master."""
+"""Boards through the bridge with Debian's tools and nodes: devices over TCP, a real master."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ REGISTERED = ("publisher", "subscriber", "service server")
 
 
 class Bridged:
-    """A stage with a bridge on it and devices at its TCP port."""
+    """A stage with a bridge, and devices at its TCP port."""
 
     def __init__(self, stage: Stage, service_timeout_s: float = 60.0) -> None:
         self.stage = stage
@@ -85,7 +85,7 @@ class Bridged:
         return self
 
     async def device(self) -> Device:
-        """Connect one more device; declare its endpoints afterwards."""
+        """Connect another device; the caller declares its endpoints afterwards."""
         return await self._stack.enter_async_context(Device(self.supervisor.listening_on[0], store=STORE))
 
     async def close(self) -> None:
@@ -193,7 +193,7 @@ async def test_rosservice_shows_why_a_board_did_not_answer(stage: Stage) -> None
     await bridged.announced("service server", "switch")
     for _ in range(10):
         failed = await bridged.peers.run("rosservice", "call", "/switch", "true", check=False)
-        # On a busy machine the board may lose its connection during the call.
+        # On a busy machine, the board may lose its connection during the call.
         if "the board was reset" not in failed:
             break
     assert "the board did not answer switch within 2 s" in failed
@@ -261,7 +261,7 @@ async def test_rosnode_sees_each_board_and_ends_one_of_them_until_it_connects_ag
     assert "xmlrpc reply from" in await bridged.peers.run("rosnode", "ping", "-c", "1", "/arm")
     await bridged.peers.run("rosnode", "kill", "/arm_2")
     await until(lambda: bridged.reporter.having("not served until it reconnects"), "one board to go")
-    # The device does so by itself.
+    # The device reconnects automatically.
     await until(lambda: len(bridged.supervisor.boards()) == 2, "the board to come back")
     await bridged.announced("publisher", "second")
     assert sorted(view.node for view in bridged.supervisor.boards()) == ["/arm", "/arm_2"]

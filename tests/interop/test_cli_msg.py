@@ -1,4 +1,4 @@
-"""`rostether msg` and `rostether srv` beside rosmsg and rossrv."""
+"""`rostether msg` and `rostether srv` compared with rosmsg and rossrv."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from interop.side_by_side import SideBySide
 from rostether.cli.msg.group import format_spec
 from rostether.msgdef.registry import Registry
 
-# What rosmsg and rossrv show of every type there is, without starting them a thousand times.
+# The output of rosmsg and rossrv for every type, without starting them a thousand times.
 SHOW_ALL = """
 import json, rosmsg, rospkg
 packages = rospkg.RosPack()
@@ -29,7 +29,7 @@ print(json.dumps(shown))
 
 @pytest.fixture
 def peers(tmp_path: Path) -> Ros1Peers:
-    """Debian's programs; definitions need no master."""
+    """Debian's programs, without a master, which definitions do not need."""
     return Ros1Peers("http://localhost:9/", tmp_path)
 
 

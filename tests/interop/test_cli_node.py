@@ -1,4 +1,4 @@
-"""`rostether node` beside rosnode."""
+"""`rostether node` compared with rosnode."""
 
 from __future__ import annotations
 
@@ -40,12 +40,12 @@ def without_times(text: str) -> str:
 
 
 def sorted_lines(text: str) -> str:
-    # rosnode pings in the order of a hash.
+    # rosnode pings in a random order.
     return "\n".join(sorted(without_times(text).splitlines()))
 
 
 async def join_board(stage: Stage) -> None:
-    """Have a node of ours connected to the talker in both directions."""
+    """Join a node of rostether that is connected to the talker in both directions."""
     board = await stage.join("/lab/board")
     orders = await board.advertise("/orders", STRING)
     chatter = await board.subscribe("/chatter", STRING, lambda _: None)
@@ -72,7 +72,7 @@ async def test_nodes_print_alike(stage: Stage) -> None:
         ("machine", "localhost"),
     )
     assert {"/lab/board", "/talker"} <= set(listed.splitlines())
-    # rospy does not describe its inbound connections, we do.
+    # rospy does not describe its inbound connections, rostether does.
     for info, direction in ((of_talker, "outbound"), (of_board, "inbound")):
         assert re.search(rf" \* direction: {direction} \(\d+ - 127\.0\.0\.1:\d+\) \[\d+\]\n", info)
     await asyncio.gather(
@@ -95,7 +95,7 @@ async def test_kill_ends_a_rospy_node(stage: Stage) -> None:
 
 @ON_BOTH_MASTERS
 async def test_cleanup_forgets_ended_nodes(stage: Stage, monkeypatch: pytest.MonkeyPatch) -> None:
-    # Our master's own check of its nodes would remove it before.
+    # The check of nodes by rostether's master would remove it first.
     monkeypatch.setattr("rostether.ros1.master.node_calls._REFUSALS_UNTIL_GONE", 10**9)
     tools = SideBySide(stage.peers)
     master = MasterClient(stage.peers.master_uri, "/gone")

@@ -1,4 +1,4 @@
-"""`rostether param` beside rosparam."""
+"""`rostether param` compared with rosparam."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ async def test_what_is_read_prints_alike(stage: Stage, tmp_path: Path) -> None:
         ("list",),
         ("list", "board/space"),
         ("get", "/"),
-        # A lone value has another end than a tree.
+        # A single value ends differently from a tree.
         ("get", "/board/number"),
         ("get", "/board/multi"),
         ("get", "/board/long"),

@@ -1,4 +1,4 @@
-"""`rostether service` beside rosservice."""
+"""`rostether service` compared with rosservice."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from rostether.serde.store import TypeStore
 
 STORE = TypeStore(Registry())
 
-# One service whose response has structures in structures, one without any fields, one that fails.
+# A service whose response has nested structures, one without fields, and one that fails.
 RPC_SERVER = """
 import rospy
 from geometry_msgs.msg import PoseStamped
@@ -91,7 +91,7 @@ async def test_calls_print_alike(stage: Stage) -> None:
         tools.same("rosservice", "call", "-v", "/plan", REQUEST),
         tools.same("rosservice", "call", "/server/reset"),
         tools.same("rosservice", "call", "/server/get_loggers"),
-        # Of several documents that come at once, rosservice loses all but the first.
+        # If several documents arrive together, rosservice loses all but the first.
         tools.same("rosservice", "call", "/set_led", stdin="data: true\n---\n"),
     )
     assert printed == 'success: True\nmessage: "on: \\xE4"\n'

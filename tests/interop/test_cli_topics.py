@@ -1,4 +1,4 @@
-"""`rostether topic` beside rostopic, on one graph, under Debian's master and under ours."""
+"""`rostether topic` compared with rostopic on one graph, with Debian's master and with rostether's."""
 
 from __future__ import annotations
 
@@ -85,7 +85,7 @@ async def test_listings_are_debian_s(stage: Ros1Peers) -> None:
         async with gate:
             ours = await stage.run(*OURS, group, *rest)
             theirs = await stage.run(f"ros{group}", *rest)
-        # Debian's -v lists topics in the order of their registration, ours by name.
+        # Debian's -v lists topics in the order of their registration, rostether's by name.
         same = sorted(ours.splitlines()) == sorted(theirs.splitlines()) if "-v" in rest else ours == theirs
         return "" if same else f"--- {command}\n{theirs}\n--- and ours\n{ours}"
 
@@ -94,7 +94,7 @@ async def test_listings_are_debian_s(stage: Ros1Peers) -> None:
 
 
 def blur_seq(text: str) -> str:
-    """Make the sequence number alike, which rospy counts up for each new subscriber of a latched topic."""
+    """Replace the sequence number, which rospy increments for each new subscriber of a latched topic."""
     return re.sub(r"(seq: +|^7000000005,)\d+", r"\1N", text, flags=re.MULTILINE)
 
 
@@ -132,7 +132,7 @@ async def test_rates_read_as_debian_s(stage: Ros1Peers) -> None:
             await theirs.wait_for(lambda lines: len(lines) >= 3)
             await theirs.stop()
             await ours.finish()
-            # On a busy machine, either may measure before enough messages have come.
+            # On a busy machine, either may measure before enough messages have arrived.
             if not any("no new messages" in peer.text or len(peer.lines) < 3 for peer in (theirs, ours)):
                 break
         forms = [
@@ -148,7 +148,7 @@ async def test_rates_read_as_debian_s(stage: Ros1Peers) -> None:
 @pytest.mark.parametrize("stage", ["ours"], indirect=True)
 async def test_publishing_both_ways(stage: Ros1Peers) -> None:
     async def published(echo: Peer, *command: str) -> str:
-        """Publish for three seconds, and again if that was too short for the echo on a busy machine."""
+        """Publish for three seconds, and repeat it if that was too short for the echo on a busy machine."""
         await echo.wait_for("does not appear to be published yet")
         for _ in range(10):
             printed = await stage.run(*command)

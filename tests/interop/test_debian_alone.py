@@ -1,4 +1,4 @@
-"""The peers themselves work here; when this fails, look at the machine before looking at us."""
+"""Debian's programs work on this machine. If this fails, rostether is not the cause."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ async def test_roscore_is_what_the_other_tests_start_in_its_place(roscore: Ros1P
     try:
         core = await other.start("roscore", "-p", str(port))
         await core.wait_for("started core service [/rosout]")
-        # rosout registers itself after it was started.
+        # rosout registers itself some time after its start.
         async with asyncio.timeout(PATIENCE_S):
             while "/rosout_agg" not in await other.run("rostopic", "list", check=False):
                 await asyncio.sleep(0.01)

@@ -1,4 +1,4 @@
-"""/diagnostics of `rostether serve`, as Debian's tools read it."""
+"""/diagnostics of `rostether serve`, read by Debian's tools."""
 
 from __future__ import annotations
 
@@ -15,7 +15,8 @@ from rostether import Device
 
 OK, WARN, ERROR = 0, 1, 2
 
-# What rqt_runtime_monitor and diagnostic_aggregator stand on: one name and hardware_id each, no key twice.
+# The requirements of rqt_runtime_monitor and diagnostic_aggregator: each status has a name and a hardware_id,
+# and no key occurs twice.
 MONITOR = """
 import sys, rospy
 from diagnostic_msgs.msg import DiagnosticArray
@@ -46,7 +47,7 @@ void loop() { nh.spinOnce(); }
 
 
 async def echoed(roscore: Ros1Peers) -> dict[str, Any]:
-    """What `rostopic echo -n1 /diagnostics` prints."""
+    """Return the output of `rostopic echo -n1 /diagnostics`."""
     text = await roscore.run("rostopic", "echo", "-n1", "/diagnostics")
     documents = [each for each in yaml.safe_load_all(text) if each]
     (array,) = documents
@@ -66,7 +67,7 @@ async def test_rostopic_echo_of_a_board_that_is_well(roscore: Ros1Peers, tmp_pat
         async with started("serve", f"{port}?name=arm", ROS_MASTER_URI=roscore.master_uri) as serve:
             await serve.wait_for("Setup publisher on chatter")
             async with asyncio.timeout(60):
-                # On a busy machine a board may be late at first.
+                # On a busy machine, a board may be late at first.
                 while (status := await echoed(roscore))["level"] != OK:
                     pass
             listed = await roscore.run("rostopic", "info", "/diagnostics")

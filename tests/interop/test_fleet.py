@@ -1,4 +1,4 @@
-"""Twenty robots that obey `rostether fleet` over bad Wi-Fi, with real datagrams and processes."""
+"""Twenty robots obey `rostether fleet` over bad Wi-Fi, with real datagrams and processes."""
 
 from __future__ import annotations
 
@@ -21,9 +21,9 @@ from waiting import until
 
 
 async def all_are_listed_moving(options: Sequence[str]) -> bool:
-    """Return whether `fleet list` shows each robot moving, and who commands it."""
+    """Return whether `fleet list` shows that each robot moves, and the sender that commands it."""
     async with started("fleet", "list", "--json", *options) as listing:
-        # It fails if no robot answers in time, which may be so on a busy machine.
+        # It fails if no robot answers in time, as may happen on a busy machine.
         assert await asyncio.wait_for(listing.process.wait(), 60) in (0, 1)
         await until(lambda: listing.reader_done)
     listed = [json.loads(each) for each in listing.lines if each.startswith("{")]
@@ -32,7 +32,7 @@ async def all_are_listed_moving(options: Sequence[str]) -> bool:
 
 
 async def is_loss_reported(options: Sequence[str]) -> bool:
-    """Return whether `fleet doctor` finds that datagrams are lost."""
+    """Return whether `fleet doctor` finds the loss of datagrams."""
     async with started("fleet", "doctor", *options) as doctor:
         status = await asyncio.wait_for(doctor.process.wait(), 60)
         await until(lambda: doctor.reader_done)
@@ -51,12 +51,12 @@ async def test_twenty_robots_over_bad_wifi(tmp_path: Path) -> None:
 async def is_driven_and_stopped(folder: Path) -> bool:
     """Drive and stop the robots; return False if the first sender pauses, as it does on a busy machine.
 
-    A robot then stops, and obeys the second sender.
+    A robot then stops and obeys the second sender.
     """
     async with fleet_on_bad_wifi(folder) as (robots, air, senders, options):
         async with started("fleet", "drive", "--all", "--speed", "0.5", *options) as first:
             await until(lambda: all(len(robot.commands) > 20 for robot in robots))
-            # The second one is refused by a robot, and leaves it moving.
+            # A robot refuses the second sender, and keeps moving.
             async with started("fleet", "drive", "3", *options) as second:
                 try:
                     assert await asyncio.wait_for(second.process.wait(), 20) == 1
@@ -72,12 +72,12 @@ async def is_driven_and_stopped(folder: Path) -> bool:
             except TimeoutError:
                 return False
             async with asyncio.timeout(60):
-                # The loss is random: a short look may find less than is worth a report.
+                # The loss is random: a short measurement may find too little to report.
                 while not await is_loss_reported(options):
                     pass
             await until(lambda: not any(robot.is_still for robot in robots))
             await first.stop(signal.SIGKILL)
-        # Every robot stops by itself.
+        # Every robot stops automatically.
         await until(lambda: all(robot.is_still for robot in robots))
         counts = [len(robot.commands) for robot in robots]
         await send_bad_commands(air, senders)
@@ -89,7 +89,7 @@ async def is_driven_and_stopped(folder: Path) -> bool:
 
 
 async def send_bad_commands(air: LossyAir, senders: GroupAddress) -> None:
-    """Send what a recorder, a stranger and an old sender send."""
+    """Send frames that were recorded, that have no key, and that are from an old sender."""
     armed = [each for each, _ in air.sent if Flags.ARMED in decode_frame(each, KEY).flags][:20]
     last = decode_frame(armed[0], KEY)
     forged = replace(last, epoch_us=last.epoch_us + 1, payload=bytes(15) + b"\x40").encode(bytes(16))
@@ -104,7 +104,9 @@ async def send_bad_commands(air: LossyAir, senders: GroupAddress) -> None:
 
 
 async def stop_everyone(robots: list[Robot], options: tuple[str, ...]) -> None:
-    """Drive again, and stop from elsewhere: the stop reaches all, and no robot obeys the sender any more."""
+    """Drive again, and stop from another process: the stop reaches all robots, and none obeys the first
+    sender any more.
+    """
     async with started("fleet", "drive", "--all", *options) as sender:
         await until(lambda: not any(robot.is_still for robot in robots))
         for _ in range(5):

@@ -1,4 +1,4 @@
-"""`rostether doctor --fleet` finds each fault of a network whose faults are made in the kernel."""
+"""`rostether doctor --fleet` finds faults of the network that the kernel simulates."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ TESTS = Path(__file__).parents[1]
 @pytest.mark.skipif(bool(missing_namespaces()), reason=missing_namespaces())
 def test_faults_of_robots_and_of_their_network(tmp_path: Path) -> None:
     with machines("base", "robot1", "robot2", "robot3", "robot4") as network:
-        # What an access point with client isolation does, and one that passes no multicast.
+        # The settings of an access point with client isolation, and of one that blocks multicast.
         network.switch("switch type bridge mcast_snooping 0")
         network.switch("to_robot2 type bridge_slave isolated on")
         network.switch("to_robot3 type bridge_slave isolated on mcast_flood off")
@@ -57,7 +57,7 @@ def test_faults_of_robots_and_of_their_network(tmp_path: Path) -> None:
         assert (found["what"], found["ok"]) == (what, is_ok)
         text = str(found["text"])
         if what == "clocks":
-            # As exactly as an answer takes to arrive, which is longer on a busy machine.
+            # The error is the time of an answer, which is longer on a busy machine.
             ahead = re.search(r"[\d.]+(?= s ahead)", text)
             assert ahead is not None
             assert abs(float(ahead[0]) - 5.0) < 1.0

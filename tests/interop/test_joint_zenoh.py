@@ -1,4 +1,6 @@
-"""One node in a ROS 1 master's graph and in one over zenoh at once, as a board under serve --ros1 --ros2."""
+"""A node in a ROS 1 graph and in a graph over zenoh at the same time, like a board of `serve --ros1
+--ros2`.
+"""
 
 from __future__ import annotations
 
@@ -76,7 +78,7 @@ async def test_topics_both_ways_and_its_own_once(world: World) -> None:
         talker.publish_raw([string(f"from {number}")])
     expected = sorted([string("hello"), string("from 0"), string("from 1")])
     await until(lambda: sorted(mine.payloads) == expected)
-    # Whatever else came would be its own message a second time.
+    # Anything else would be a duplicate of its own message.
     await asyncio.sleep(0.05)
     assert sorted(mine.payloads) == expected
 

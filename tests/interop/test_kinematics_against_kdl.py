@@ -1,4 +1,4 @@
-"""Joints at right angles, where the last bit decides on a quaternion's sign: ours is KDL's."""
+"""Joints at right angles, where the last bit decides the sign of a quaternion: it is the same as with KDL."""
 
 from __future__ import annotations
 

@@ -1,4 +1,6 @@
-"""Debian's roslaunch and our loader read the same corpus: parameters, nodes, remaps, environments, errors."""
+"""Debian's roslaunch and rostether read a corpus of launch files with the same results: parameters, nodes,
+remaps, environments, errors.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,6 @@
-"""Debian's roslaunch and `rostether launch` at the same master: what nodes get, and what is set."""
+"""Debian's roslaunch and `rostether launch` at the same master start nodes and set parameters in the same
+way.
+"""
 
 from __future__ import annotations
 
@@ -80,7 +82,7 @@ async def parameters(master_uri: str) -> Any:
 
 
 async def run_both(peers: Ros1Peers, tmp_path: Path, *words: str) -> list[tuple[Any, Any]]:
-    """Run the same launch with both; return for each what its nodes reported, and the parameters after."""
+    """Run the same launch with both; return the reports of the nodes and the parameters of each."""
     results = []
     for name, command in (("theirs", ("roslaunch",)), ("ours", OURS)):
         reported = tmp_path / name

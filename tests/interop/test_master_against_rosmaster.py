@@ -1,7 +1,7 @@
-"""The same random calls to Debian's rosmaster and to our master: the same answers.
+"""Debian's rosmaster and rostether's master give the same answers to the same random calls.
 
-Where we differ on purpose, the sequences keep away: rosmaster forgets to tell a replaced node's subscribers,
-never forgets a node whose service another node has taken over, and does not tell the watchers below a
+The sequences avoid intended differences: rosmaster does not notify the subscribers of a replaced node,
+never forgets a node whose service another node has replaced, and does not notify the watchers below a
 namespace that a plain value has replaced.
 """
 
@@ -41,7 +41,7 @@ NONSENSE: list[Any] = ["", "a b", "http://x:1/", 5, [], {}, "/", True, "no_slash
 
 @dataclass
 class FakeNode:
-    """A node that answers, and remembers what it was told last."""
+    """A node that answers, and stores the last updates from the master."""
 
     server: XmlRpcServer
     reported: list[tuple[str, str, Any]] = field(default_factory=list)
@@ -67,7 +67,7 @@ class FakeNode:
 
 @dataclass
 class Side:
-    """One master with nodes of its own; answers are compared with the nodes' URIs replaced by numbers."""
+    """A master with its nodes; for comparison, the URIs of nodes in answers are replaced by numbers."""
 
     master: XmlRpcClient
     nodes: list[FakeNode]
@@ -96,7 +96,7 @@ class Side:
         return value
 
     def publishers_told(self) -> list[dict[str, Any]]:
-        """Return for each node that lives the publishers of each topic that it was told last."""
+        """Return, for each running node, the last reported publishers of each topic."""
         return [
             {topic: self.normal(uris) for what, topic, uris in node.reported if what == "publishers"}
             for node in self.nodes[: len(NODES)]
@@ -105,7 +105,7 @@ class Side:
 
 @pytest_asyncio.fixture
 async def sides(tmp_path: Path) -> AsyncIterator[tuple[Side, Side]]:
-    """Our master and Debian's, freshly started."""
+    """rostether's master and Debian's, both new."""
     async with contextlib.AsyncExitStack() as stack:
         ours = await MasterServer.start(port=0)
         stack.push_async_callback(ours.close)
@@ -133,7 +133,7 @@ async def sides(tmp_path: Path) -> AsyncIterator[tuple[Side, Side]]:
 
 
 class Sequence:
-    """A random sequence of calls; half of the nodes' URIs belong to their second lives."""
+    """A random sequence of calls; half of the nodes' URIs are those after a restart."""
 
     def __init__(self, seed: int, *, replaces_nodes: bool) -> None:
         self._random = random.Random(seed)
@@ -146,7 +146,7 @@ class Sequence:
         caller = NODES[index]
         second_life = self._replaces_nodes and self._random.random() < 0.1
         uri = f"uri:{index + len(NODES) * second_life}"
-        # Each node has services of its own: see the module's docstring.
+        # No two nodes offer the same service: see the module's docstring.
         service = f"/service{index}_{self._random.randrange(2)}"
         service_api = f"rosrpc://host:{index}"
         topic, key = choose(TOPICS), choose(KEYS)
@@ -201,7 +201,7 @@ async def test_the_same_calls_get_the_same_answers(sides: tuple[Side, Side], see
         method, args = sequence.next()
         our_answer, their_answer = await asyncio.gather(ours.call(method, args), theirs.call(method, args))
         if their_answer[0] != 1 or method == "unregisterService":
-            # How errors are worded is our own affair.
+            # The texts of errors may differ.
             our_answer[1] = their_answer[1]
         assert our_answer == their_answer, f"step {step}: {method}{tuple(args)}"
         codes[their_answer[0]] = codes.get(their_answer[0], 0) + 1
@@ -210,7 +210,7 @@ async def test_the_same_calls_get_the_same_answers(sides: tuple[Side, Side], see
 
 
 def view_of(node: FakeNode, key: str) -> Any:
-    """Return the value of a parameter as the node knows it, from all it was told in order."""
+    """Return a parameter's value as the node knows it from all updates, in order."""
     tree = ParameterTree()
     for what, name, value in node.reported:
         if what == "param":
@@ -219,7 +219,7 @@ def view_of(node: FakeNode, key: str) -> Any:
 
 
 def without_empty(value: Any) -> Any:
-    """Return a tree without empty namespaces, which mean the same as unset."""
+    """Return a tree without empty namespaces, which are the same as unset parameters."""
     if not isinstance(value, dict):
         return value
     inner = {key: without_empty(item) for key, item in value.items()}

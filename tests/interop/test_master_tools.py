@@ -1,4 +1,4 @@
-"""Debian's tools and nodes among themselves, with our master where roscore would be."""
+"""Debian's tools and nodes with rostether's master instead of roscore."""
 
 from __future__ import annotations
 
@@ -200,7 +200,7 @@ async def test_roswtf_finds_no_error(peers: Ros1Peers, tmp_path: Path) -> None:
     await robot(peers)
     listener = await peers.start("rostopic", "echo", "/chat")
     await listener.wait_for("tick")
-    # Two folders it wants to see: Debian has no ROS_ROOT, and ROS_HOME is made by the first who logs.
+    # roswtf requires two folders: Debian has no ROS_ROOT, and the first program that logs creates ROS_HOME.
     (tmp_path / "ros").mkdir()
     (tmp_path / ".ros").mkdir(exist_ok=True)
     peers.environment["ROS_ROOT"] = str(tmp_path / "ros")

@@ -1,4 +1,4 @@
-"""The MeArm example under Debian's ROS 1: its launch file, nodes, services and the model's frames."""
+"""The MeArm example with Debian's ROS 1: its launch file, nodes, services and the model's frames."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ def mearm(roscore: Ros1Peers, tmp_path: Path) -> Ros1Peers:
 
 
 async def until_ready(peers: Ros1Peers, *services: str) -> None:
-    """Wait until services are offered."""
+    """Wait until nodes offer the services."""
     while not set(services) <= set((await peers.run("rosservice", "list")).split()):
         await asyncio.sleep(0.1)
 

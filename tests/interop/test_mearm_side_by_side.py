@@ -1,4 +1,4 @@
-"""The MeArm's nodes under Debian's rospy and under ours: byte by byte the same messages."""
+"""The MeArm's nodes send the same bytes with Debian's rospy and with rostether's."""
 
 from __future__ import annotations
 
@@ -22,12 +22,12 @@ from waiting import until
 STORE = TypeStore(Registry([EXAMPLE]))
 SEQ_AND_STAMP_BYTES = 12
 TOPICS = {"/joint_states": "sensor_msgs/JointState", "/servo_pose_server": "mearm_model/ServoAngles"}
-# Definitions differ in comments, which ours omit; the md5sum says that all else is the same.
+# Definitions differ in their comments, which rostether omits; the same md5sum shows that the rest is equal.
 SAID = ("md5sum", "type", "latching")
 
 
 class Recorder:
-    """What two topics carry, without counts and times; the same message again does not count."""
+    """Records the messages of two topics, without counts and times, and without repetitions."""
 
     def __init__(self) -> None:
         self.payloads: dict[str, list[bytes]] = {topic: [] for topic in TOPICS}
@@ -57,7 +57,7 @@ class Recorder:
         await until(lambda: self.payloads["/servo_pose_server"][-1:] == [wanted], f"servos at {angles}")
 
     async def joint_states(self, count: int) -> None:
-        """Wait until so many different joint states have come."""
+        """Wait until `count` different joint states have arrived."""
         await until(lambda: len(self.payloads["/joint_states"]) >= count, f"{count} joint states")
 
 

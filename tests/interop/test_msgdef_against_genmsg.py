@@ -1,4 +1,4 @@
-"""md5sums and full texts are those of Debian's genmsg, for every installed type and for odd texts."""
+"""md5sums and full texts equal those of Debian's genmsg, for every installed type and for unusual texts."""
 
 from __future__ import annotations
 
@@ -135,12 +135,13 @@ string E=a=b=c\nstring F=#\nstring G='x'""",
     "DashedLines": "---\nint32 a\n",
     "FormFeed": "int32 a\x0c\nint32 b\n",
 }
-# genmsg refuses the first and calls the constant of the second 'string S'; reading them as meant is harmless.
+# genmsg refuses the first, and names the constant of the second 'string S'; to read them as intended is
+# harmless.
 WE_ALSO_READ = {
     "TabSeparated": "int32\ta\nint32\tA=1\nstring\tS=x\n",
     "IndentedString": "int32 a\n  string S=x\n",
 }
-# genmsg reads these, but makes names of them that no language compiles.
+# genmsg reads these, but its names do not compile in any language.
 WE_REFUSE = {
     "ConstantNameBlank": "int32 A B=1\n",
     "ConstantNameless": "int32 =1\n",
@@ -173,7 +174,7 @@ def debian_registry() -> Registry:
 
 
 def as_genmsg(registry: Registry, name: str) -> dict[str, Any]:
-    """Describe one of our messages in the reference's words."""
+    """Describe a message of rostether in the form of the reference."""
     spec, message_type = registry.message(name), registry.message_type(name)
     return {
         "md5sum": message_type.md5sum,
@@ -184,7 +185,7 @@ def as_genmsg(registry: Registry, name: str) -> dict[str, Any]:
 
 
 def normalized(value: Any) -> str:
-    """Return a text that is equal for equal answers; as a text, NaN equals NaN."""
+    """Return a text that is the same for equal answers; as a text, NaN equals NaN."""
     return json.dumps(value, sort_keys=True)
 
 
@@ -223,7 +224,7 @@ def test_bundled_definitions_have_debians_md5sums() -> None:
     for name, expected in answer["services"].items():
         if name.partition("/")[0] in both:
             assert bundled.service_type(name).md5sum == expected["md5sum"], name
-    # Nothing is made up either: each type that we bring along for these packages exists in Debian.
+    # Each bundled type of these packages also exists in Debian.
     assert {n for n in bundled.messages() if n.partition("/")[0] in both} <= set(answer["messages"])
     assert {n for n in bundled.services() if n.partition("/")[0] in both} <= set(answer["services"])
 
@@ -261,7 +262,7 @@ def write_texts(folder: Path, texts: dict[str, str]) -> str:
 
 
 def compare_odd_texts(folder: Path, texts: dict[str, str]) -> tuple[list[str], int]:
-    """Return what differs from genmsg, and how many texts both read."""
+    """Return the differences from genmsg, and the number of texts that both read."""
     search_path = {**debian_folders("msg"), "odd": [write_texts(folder, texts)]}
     expected = genmsg_answer(json.dumps(search_path), "{}")["messages"]
     registry = Registry([folder])
@@ -277,7 +278,7 @@ def compare_odd_texts(folder: Path, texts: dict[str, str]) -> tuple[list[str], i
             assert "\n" not in ours["error"]
             continue
         read += 1
-        # Bundled dependencies have no prose; the odd texts themselves are compared whole.
+        # Bundled dependencies have no comments; the unusual texts are compared completely.
         if "definition" in theirs and "definition" in ours:
             theirs["definition"], ours["definition"] = (own_part(theirs), own_part(ours))
         if normalized(theirs) != normalized(ours):

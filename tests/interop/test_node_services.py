@@ -1,4 +1,6 @@
-"""Our services and clients with rospy's, roscpp's and rosservice, over our master and over roscore."""
+"""rostether's services and clients with those of rospy, roscpp and rosservice, with rostether's master and
+with roscore.
+"""
 
 from __future__ import annotations
 
@@ -48,7 +50,7 @@ async def stage(request: pytest.FixtureRequest, tmp_path: Path) -> AsyncIterator
 
 
 async def switch(request: bytes) -> bytes:
-    """Serve std_srvs/SetBool; off is refused."""
+    """Handle std_srvs/SetBool; `false` is refused."""
     if request != b"\x01":
         raise SessionError("it cannot be switched off")
     return b"\x01" + string("on it")

@@ -1,4 +1,4 @@
-"""Our nodes through Debian's tools: rosnode, rostopic, rosparam, and logs in /rosout."""
+"""rostether's nodes with Debian's tools: rosnode, rostopic, rosparam, and logs in /rosout."""
 
 from __future__ import annotations
 
@@ -83,7 +83,7 @@ async def test_rosparam_and_a_node_see_each_others_parameters(stage: Stage) -> N
     seen: list[ParamValue] = []
     await board.watch_param("/gains", seen.append)
     await stage.peers.run("rosparam", "set", "/gains", "{p: 1.5, names: [a, b], fast: true}")
-    # It sets the leaves one by one.
+    # rosparam sets the leaves one by one.
     await until(lambda: seen[-1] == {"p": 1.5, "names": ["a", "b"], "fast": True})
     assert seen[0] is None
     await board.set_param("/gains/p", 2)

@@ -1,4 +1,6 @@
-"""Our publishers and subscribers with rospy's, roscpp's and the tools', over our master and over roscore."""
+"""rostether's publishers and subscribers with those of rospy, roscpp and the tools, with rostether's master
+and with roscore.
+"""
 
 from __future__ import annotations
 
@@ -173,7 +175,7 @@ async def test_flood_of_roscpp_publisher_to_subscriber_that_pauses(stage: Stage)
     await until(lambda: len(inbox.payloads) > 1000)
     subscriber.pause()
     paused_at = len(inbox.payloads)
-    # Its answers to others show that the loop goes on while nothing is read.
+    # Answers to other nodes show that the event loop runs while nothing is read.
     await node.snapshot()
     assert len(inbox.payloads) == paused_at
     subscriber.resume()

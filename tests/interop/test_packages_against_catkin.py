@@ -1,4 +1,4 @@
-"""New packages and where packages are found, beside catkin and rospack."""
+"""Creating and finding packages, compared with catkin and rospack."""
 
 from __future__ import annotations
 
@@ -65,7 +65,7 @@ def test_a_new_package_is_what_catkin_create_pkg_makes_of_it(tmp_path: Path, arg
     name = arguments[0]
     described, expected = read(ours / name), read(theirs / name)
     if "--meta" in arguments:
-        # catkin's own rules for metapackages, which its tool breaks: they are not built, only run.
+        # catkin's rules for metapackages, which its tool breaks: they have only run dependencies.
         for kind in ("build_depends", "build_export_depends"):
             described.pop(kind)
             expected.pop(kind)
@@ -102,7 +102,7 @@ def test_the_same_packages_are_found_as_rospack_finds(tmp_path: Path) -> None:
     shown = subprocess.run(
         ["rospack", "list"], env=environ, capture_output=True, text=True, check=True
     ).stdout
-    # Debian's rospack looks at the system's packages as well.
+    # Debian's rospack also searches the packages of the system.
     theirs = {name: folder for name, folder in _pairs(shown) if folder.startswith(str(tmp_path))}
     assert {
         name: str(folder) for name, folder in package_folders(environ, tmp_path / "home").items()

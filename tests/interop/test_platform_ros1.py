@@ -1,4 +1,4 @@
-"""The sensing platform's nodes with Debian's rospy and rostopic on the other side."""
+"""The sensing platform's nodes with Debian's rospy and rostopic."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ async def test_a_sensor_node_of_rospy_registers_and_comes_back(stage: Stage, tmp
 
 
 async def test_rostopic_shows_our_camera(stage: Stage) -> None:
-    # Where the platform's first camera node reads it; no client of ours could set it.
+    # The parameter of the original camera node; rostether's clients cannot set it.
     with xmlrpc.client.ServerProxy(stage.peers.master_uri) as server:
         await asyncio.to_thread(server.setParam, "/t", "/Robot3-pi_camera/vflip", True)
     camera = await stage.peers.start(*OURS, "camera", "_source:=test", "_platform_name:=Robot3", "_id:=front")
@@ -56,12 +56,12 @@ async def test_rostopic_shows_our_camera(stage: Stage) -> None:
     graph = TypedGraph(await stage.join("/viewer"), TypeStore(Registry()))
     message = await graph.wait_for_message(topic, timeout_s=60)
     with Image.open(io.BytesIO(message.data)) as image:
-        # The bars, of which the first is white, are at the top of a picture that is not flipped.
+        # In a picture that is not flipped, the bars are at the top; the first bar is white.
         assert image.convert("L").getpixel((8, 470)) == 255
 
 
 async def shown(graph: TypedGraph, state: str) -> None:
-    """Wait until the manager's list has one sensor in a state."""
+    """Wait until the manager's list has one sensor with this state."""
     async with asyncio.timeout(60):
         async for message in graph.messages("/sensors", "sensing_platform/Sensors"):
             if [(each.platform_name, each.state) for each in message.sensors] == [("Robot3", state)]:

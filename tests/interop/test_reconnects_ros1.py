@@ -1,4 +1,4 @@
-"""Hundreds of reconnects at `rostether serve`: what Debian's master and the kernel still know of them."""
+"""Hundreds of reconnects at `rostether serve` leave nothing in Debian's master and in the kernel."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from waiting import until
 
 # tests/unit/bridge/test_reconnects.py counts the bytes of each reconnect.
 RECONNECTS = effort(300, 1000)
-# Until then caches fill and the allocator takes what it keeps.
+# Until then, caches and the allocator grow.
 WARM_UP = 200
 MAX_GROWTH_KB = 2048
 IDLE_S = 5.0
@@ -26,7 +26,7 @@ MAX_IDLE_CPU = 0.005
 
 
 class Process:
-    """What the kernel knows of a process."""
+    """The kernel's data about a process."""
 
     def __init__(self, pid: int) -> None:
         self._folder = Path(f"/proc/{pid}")
@@ -102,7 +102,7 @@ async def test_reconnects_leave_the_master_and_the_process_as_they_were(
         assert process.resident_kb - resident_kb < MAX_GROWTH_KB
         used_s = process.cpu_s
         await asyncio.sleep(IDLE_S)
-        # The board is there and says nothing; a machine that is busy makes each wake-up dearer.
+        # The board is connected and silent; on a busy machine, each wake-up takes longer.
         idle = (process.cpu_s - used_s) / IDLE_S
         assert idle < MAX_IDLE_CPU, f"{idle:.2%} of a CPU while nothing happens"
         await board.hang_up()

@@ -1,4 +1,4 @@
-"""A relay between a ROS 1 master's graph and a graph over zenoh, each with nodes that know nothing of it."""
+"""A relay between a ROS 1 graph and a graph over zenoh, each with ordinary nodes."""
 
 from __future__ import annotations
 
@@ -74,7 +74,7 @@ async def world() -> AsyncIterator[World]:
 
 
 async def listen(target: Graph, topic: str, taken: MessageType) -> Inbox:
-    """Wait until the topic is relayed; returns the target's inbox."""
+    """Wait until the topic is relayed; return the target's inbox."""
     inbox = Inbox()
     await snapshot_when(target, lambda seen: topic in seen.topics and seen.topics[topic].publishers)
     await target.subscribe(topic, taken, inbox.take, on_connection=inbox.take_header)
@@ -111,7 +111,7 @@ async def test_topics(world: World, type_name: str, fields: dict[str, object], *
 
     await asyncio.wait_for(keep_publishing(), 60)
     assert inbox.payloads[0] == message
-    # Once each, and nothing comes back.
+    # Each arrives once, and nothing comes back.
     await asyncio.sleep(0.1)
     assert len(inbox.payloads) <= sent
     assert len(back.payloads) <= sent

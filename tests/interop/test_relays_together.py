@@ -1,4 +1,4 @@
-"""Relays beside each other and beside boards in both graphs, all as processes: everything arrives once."""
+"""Several relays, and boards in both graphs, all as processes: every message arrives once."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from rostether.ros1.master.server import MasterServer
 from rostether.ros1.node.node import join_ros1
 from waiting import until
 
-# Set RELAY_TEST_S=60 for the long run.
+# For the long run, set RELAY_TEST_S=60.
 FLOW_S = float(os.environ.get("RELAY_TEST_S", "2"))
 PERIOD_S = 0.01
 
@@ -41,9 +41,9 @@ class World:
 
     async def start(self, *arguments: str) -> Peer:
         """Start a command on both graphs."""
-        # A master of its own: no environment variable may name another graph.
+        # A separate master: no environment variable may name another graph.
         environment = {"ROS_DOMAIN_ID": "0", "ROS_DISTRO": "jazzy"}
-        # The last of an option counts: a command may name another master.
+        # The last option of a name counts, so a command may name another master.
         peer = await start_command(
             arguments[0], *self._graph_options, *arguments[1:], environment=environment
         )

@@ -1,4 +1,4 @@
-"""Hypothesis strategies for the values of any message type, in the form that decoding gives."""
+"""Hypothesis strategies for the values of any message type, as decoding returns them."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ MAX_ELEMENTS = 3
 
 
 def messages(codec: Codec, texts: st.SearchStrategy[str] | None = None) -> st.SearchStrategy[Message]:
-    """Return messages of the codec's type with any values but NaN (which equals nothing)."""
+    """Return messages of the codec's type with any values except NaN (which does not equal itself)."""
     return _fields(codec.tree, raw_texts() if texts is None else texts).map(codec.conform)
 
 
 def raw_texts() -> st.SearchStrategy[str]:
-    """Return strings as decoding gives them: any bytes, those that are not UTF-8 as surrogates."""
+    """Return strings as decoding returns them: any bytes, those that are not UTF-8 as surrogates."""
     raw = st.text(max_size=12).map(str.encode) | st.binary(max_size=12)
     return raw.map(lambda value: value.decode("utf-8", "surrogateescape"))
 

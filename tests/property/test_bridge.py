@@ -1,4 +1,4 @@
-"""Whatever a line does to its bytes: ROS gets no message that its board cannot have meant, nothing stops."""
+"""Faults of a line never stop the bridge, and ROS gets no message that the board did not send."""
 
 from __future__ import annotations
 
@@ -71,7 +71,7 @@ def test_garbage_stops_nothing_and_is_reported_briefly(garbage: list[bytes]) -> 
         for piece in garbage:
             session.data_received(piece)
             await asyncio.sleep(0.01)
-        # What garbage began, silence ends; within seconds a good frame gets through again.
+        # Silence ends a frame that garbage has begun; within seconds a valid frame arrives again.
         await asyncio.sleep(3.0)
         session.data_received(encode_frame(125, text("good")))
         await asyncio.sleep(3.0)
@@ -118,7 +118,7 @@ def test_on_a_line_that_harms_one_write_in_twenty_all_endpoints_come_up(seed: in
     rng = random.Random(seed)
 
     def harm(chunk: bytes, direction: Direction) -> bytes:
-        # Frame by frame, as a line would; a chunk of the device may hold many.
+        # Frame by frame, as on a line; a chunk of the device may hold many.
         pieces = []
         at = 0
         while at < len(chunk):

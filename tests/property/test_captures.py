@@ -1,4 +1,4 @@
-"""A capture may come from anybody: whatever it holds, it is read, or refused in one line."""
+"""A capture with any content is read, or refused in one line."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Conversion equals what a slow and obvious CDR writer makes of any values of any definitions."""
+"""Conversion has the same result as a slow, simple CDR writer, for any values of any definitions."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ SCALARS = {
 
 @st.composite
 def definitions(draw: st.DrawFn) -> Pairs:
-    """Return three messages, each holding those below it, as both sides write them; orders may differ."""
+    """Return three nested messages as both sides define them; the order of the fields may differ."""
     ros1: dict[str, str] = {}
     ros2: dict[str, str] = {}
     for level, name in enumerate(NAMES):

@@ -1,4 +1,6 @@
-"""Our conversion equals that of rosbags, for every type that both definitions of a package have."""
+"""The conversion has the same result as that of rosbags, for every type that has definitions of ROS 1 and ROS
+2.
+"""
 
 from __future__ import annotations
 
@@ -20,7 +22,7 @@ rosbags_typesys = pytest.importorskip("rosbags.typesys")
 STORE = TypeStore(Registry())
 DEFINITIONS = Ros2Definitions()
 ROSBAGS: Any = rosbags_typesys.get_typestore(rosbags_typesys.Stores.ROS2_JAZZY)
-# rosbags converts within one definition: types whose ROS 2 form has another layout need both.
+# rosbags converts within one definition; types with another layout in ROS 2 need both definitions.
 CHANGED = {
     "sensor_msgs/Range",
     "shape_msgs/SolidPrimitive",
@@ -61,7 +63,7 @@ def test_rosbags_writes_the_same_bytes(name: str) -> None:
         cdr = converter.to_cdr(payload)
         their_name = name.replace("/", "/msg/")
         assert bytes(ROSBAGS.ros1_to_cdr(payload, their_name)) == cdr
-        # A header's number does not come back: ROS 2 has none.
+        # The `seq` of a header is lost: ROS 2 has no such field.
         back = converter.from_cdr(cdr)
         assert len(back) == len(payload)
         assert bytes(ROSBAGS.ros1_to_cdr(back, their_name)) == cdr

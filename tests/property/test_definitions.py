@@ -1,4 +1,4 @@
-"""What holds for every definition text, full text and name."""
+"""Properties of every definition text, full text and name."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from rostether.names.graph_name import is_legal_name, join, namespace_of, resolv
 from rostether.names.remap import parse_arguments
 from rostether.packages.package_xml import parse_package_xml
 
-# A busy machine makes single examples slow; that is no failure.
+# On a busy machine single examples may be slow; this is not a failure.
 unhurried = settings(max_examples=effort(20, 60), deadline=None, suppress_health_check=[HealthCheck.too_slow])
 
 BUNDLED = Registry()
@@ -54,7 +54,7 @@ def integer_constants(draw: st.DrawFn) -> str:
 
 @st.composite
 def definitions(draw: st.DrawFn) -> tuple[str, list[tuple[str, str]]]:
-    """Draw a legal text together with the fields that it declares."""
+    """Draw a valid text and the fields that it declares."""
     names = draw(st.lists(identifiers, unique=True, max_size=8))
     declared = [(draw(fields), name) for name in names]
     lines: list[str] = []
@@ -73,7 +73,7 @@ def parse(text: str) -> MessageSpec:
 def resolved(type_text: str) -> str:
     if type_text == "Header":
         return "std_msgs/Header"
-    # An array of Header is of the message's own package, as in genmsg.
+    # `Header[]` refers to a type of the message's package, as in genmsg.
     return f"p/{type_text}" if type_text.startswith("Header[") else type_text
 
 

@@ -1,4 +1,6 @@
-"""A short run of every fuzz target, always the same: the kept corpus, the seeds, and inputs made of them."""
+"""A short, deterministic run of every fuzz target: the saved corpus, the seeds, and inputs derived
+from them.
+"""
 
 from __future__ import annotations
 
@@ -15,7 +17,7 @@ from fuzz import targets
 pytestmark = pytest.mark.slow
 
 MADE_INPUTS = 200
-# Those that cost a millisecond or more each.
+# Targets that take a millisecond or more for each input.
 SLOW_INPUTS = {"session": 40, "rosbridge": 100, "foxglove": 100, "recordings": 100}
 
 

@@ -1,4 +1,4 @@
-"""Whatever a definition calls its members, the generated class has them all, each by a name of its own."""
+"""For any names in a definition, the generated class has all members, with unique names."""
 
 from __future__ import annotations
 

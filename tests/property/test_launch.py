@@ -1,4 +1,4 @@
-"""Whatever stands in a launch file, it is read or refused with its place, and never anything else."""
+"""A launch file with any content is read, or refused with the position of the error."""
 
 from __future__ import annotations
 

@@ -1,4 +1,6 @@
-"""The parameter server under random changes: every watcher knows the truth, and the size is never wrong."""
+"""The parameter server under random changes: every watcher has the current values, and the size is
+correct.
+"""
 
 from __future__ import annotations
 
@@ -27,7 +29,7 @@ WATCHERS = st.sampled_from(["/w1", "/w2"])
 
 
 def without_empty(value: Any) -> Any:
-    """Return a tree without empty namespaces, which mean the same as unset."""
+    """Return a tree without empty namespaces, which are the same as unset parameters."""
     if not isinstance(value, dict):
         return value
     inner = {key: without_empty(item) for key, item in value.items()}
@@ -47,7 +49,7 @@ def weight(value: Any) -> int:
 
 
 class Watchers:
-    """Each watcher's own copy of what it watches, from its updates."""
+    """Each watcher's copy of its parameters, from its updates."""
 
     def __init__(self) -> None:
         self.views: dict[str, ParameterTree] = {}
@@ -66,7 +68,7 @@ class Watchers:
 
 
 class MasterUnderChanges(RuleBasedStateMachine):
-    """Somebody sets and deletes; others watch, anywhere."""
+    """One node sets and deletes parameters; others watch them at any level."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -101,7 +103,7 @@ class MasterUnderChanges(RuleBasedStateMachine):
     def watch(self, name: str, watcher: str) -> None:
         api = f"http:/{watcher}/"
         _, _, value = self.methods["subscribeParam"](watcher, api, name)
-        # `{}` means unset: nothing new to who knows a plain value above.
+        # `{}` means unset, which changes nothing for a watcher whose parent has a plain value.
         view = self.watchers.views.setdefault(api, ParameterTree())
         if value != {} or view.has(name):
             self.watchers.param_update(api, watch_key(name), value)

@@ -1,4 +1,6 @@
-"""The master under random registrations: its tables agree with each other, and every node knows the truth."""
+"""The master under random registrations: its tables agree with each other, and every node has the current
+state.
+"""
 
 from __future__ import annotations
 
@@ -28,7 +30,7 @@ def api_of(node: str, life: int) -> str:
 
 
 class Nodes:
-    """What each node knows, from the answers it got and the calls it was made."""
+    """What each node knows from the master's answers and calls."""
 
     def __init__(self) -> None:
         self.publishers: dict[tuple[str, str], list[str]] = {}
@@ -48,14 +50,14 @@ class Nodes:
 
 
 class MasterUnderRegistrations(RuleBasedStateMachine):
-    """Nodes come, go, are replaced by a second life of theirs, and die."""
+    """Nodes join, leave, are replaced by a node with the same name, and are killed."""
 
     def __init__(self) -> None:
         super().__init__()
         self.nodes = Nodes()
         self.api = MasterApi(self.nodes, print)
         self.methods = self.api.dispatch()
-        # {(kind, key): {node: api}}, kept in the plainest way.
+        # {(kind, key): {node: api}}, updated in the simplest way.
         self.model: dict[tuple[Kind, str], dict[str, str]] = {}
 
     def call(self, method: str, *args: Any) -> Any:
@@ -132,7 +134,7 @@ class MasterUnderRegistrations(RuleBasedStateMachine):
 
     @rule(data=st.data(), args=st.lists(WORDS, max_size=5))
     def call_nonsense(self, data: st.DataObject, args: list[Any]) -> None:
-        # Only calls that cannot succeed: the caller's own name is no name.
+        # Only calls that cannot succeed: the caller's name is invalid.
         method = data.draw(st.sampled_from(sorted(self.methods)))
         code, text, _ = answer = self.methods[method](7, *args)
         dump_response(answer)

@@ -1,4 +1,6 @@
-"""One bag with a topic of every type that ROS 1 and ROS 2 have, converted to ROS 2's recordings and back."""
+"""One bag with a topic of every type that both ROS 1 and ROS 2 have, converted to ROS 2 recordings and
+back.
+"""
 
 from __future__ import annotations
 
@@ -53,9 +55,9 @@ def test_every_type_through_both_storages_and_back(tmp_path: Path) -> None:
             found = {each.topic: (each.msgtype, bytes(data)) for each, _, data in reader.messages()}
             for connection in reader.connections:
                 name = connection.msgtype
-                # rosidl takes the char of a .msg for a uint8, and so do we.
+                # rosidl treats `char` in a .msg as uint8, and so does rostether.
                 assert connection.digest == ROSBAGS.hash_rihs01(name) or name == "std_msgs/msg/Char"
-                # What stands in the file is the whole definition: rosbags knows the type by it alone.
+                # The file has the complete definition: rosbags needs nothing else to read the type.
                 parsed = TYPESYS.get_types_from_msg(connection.msgdef.data, name)[name][1]
                 expected = ROSBAGS.fielddefs[name][1]
                 assert parsed == [each for each in expected if each[0] != DUMMY_NAME]
@@ -67,7 +69,7 @@ def test_every_type_through_both_storages_and_back(tmp_path: Path) -> None:
     for each in back:
         assert each.connection.type == STORE.registry.message_type(each.connection.type.name)
         name = each.connection.type.name.replace("/", "/msg/")
-        # The number of a header does not come back.
+        # The `seq` of a header is lost.
         cdr = bytes(ROSBAGS.ros1_to_cdr(each.payload, name))
         assert cdr == bytes(ROSBAGS.ros1_to_cdr(written[each.connection.topic], name))
     assert [each.time_ns - START_NS for each in back] == list(range(len(TYPES)))

@@ -1,4 +1,4 @@
-"""What holds for every stream: chunks change nothing, garbage never raises, frames behind it are found."""
+"""Properties of every stream: chunks change nothing, garbage raises no error, frames after it are found."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ noise = st.one_of(
 
 @st.composite
 def streams(draw: st.DrawFn) -> tuple[int, bytes]:
-    """A version, and frames of it with noise and damage between them."""
+    """Draw a protocol version, and a stream of its frames with noise and damage."""
     version = draw(versions)
     pieces = []
     for _ in range(draw(st.integers(0, 12))):
@@ -99,9 +99,9 @@ def test_garbage_never_raises(version: int, garbage: bytes, pauses: list[float])
 
 @given(noise, st.binary(max_size=60))
 def test_a_frame_after_garbage_is_found_when_the_line_pauses(garbage: bytes, payload: bytes) -> None:
-    # Exactly: whatever came before, a frame on an announced id is delivered within MAX_SEARCH_S after its
-    # last byte, at the look that is due then; nothing need follow it. That what came before completes a sound
-    # frame by swallowing the beginning of this one is possible, but not what this is about.
+    # After any bytes, a frame on an announced id is delivered within MAX_SEARCH_S after its
+    # last byte, at the next check, even if nothing follows it. Earlier bytes may also complete a valid
+    # frame with the beginning of this one; such inputs are not checked.
     sound = frame(125, payload)
     decoder = FrameDecoder(limits=PayloadLimits({125: 100}))
     decoded = decoder.feed(garbage + sound, 0.0)
@@ -120,7 +120,7 @@ def test_a_frame_after_garbage_is_found_when_the_line_pauses(garbage: bytes, pay
 
 @given(noise, st.lists(st.binary(max_size=60), min_size=1, max_size=5))
 def test_frames_after_garbage_are_found_while_the_line_flows(garbage: bytes, some: list[bytes]) -> None:
-    # A false header claims at most 65535 bytes; once so many have followed, all behind it has been found.
+    # A false header claims at most 65,535 bytes; after that, all frames behind it have been found.
     decoder = FrameDecoder()
     wanted = b"".join(frame(125, payload) for payload in some)
     filler = frame(126, bytes(1000)) * 67
@@ -133,7 +133,7 @@ def test_frames_after_garbage_are_found_while_the_line_flows(garbage: bytes, som
         begin = data.find(whole)
         return begin < len(garbage) < begin + len(whole)
 
-    # As above: a false header may complete a sound frame with what follows.
+    # As above: a false header may complete a valid frame with the bytes after it.
     assume(
         not any(
             begins_in_garbage(topic_id, each) for topic_id, pieces in found.items() for each in set(pieces)

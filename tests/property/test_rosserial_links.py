@@ -1,4 +1,6 @@
-"""What holds for both links whatever comes: no exception, no message twice, none that was not sent."""
+"""Properties of both links for any input: no exception, no duplicate message, no message that was not
+sent.
+"""
 
 from __future__ import annotations
 
@@ -144,7 +146,7 @@ def test_a_lossy_line_loses_messages_but_invents_hardly_any(seed: int, version: 
             if isinstance(event, MessagesReceived) and event.topic_id == topic_id
             for payload in event.payloads
         ]
-        # One damaged frame in 256 passes its checksum; the layout check behind the link catches those.
+        # One damaged frame in 256 passes its checksum; the layout check after the link rejects these.
         invented = Counter(got) - Counter(sent)
         assert invented.total() <= 2
         assert len(got) > 50

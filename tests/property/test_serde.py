@@ -1,4 +1,6 @@
-"""Every bundled type: what is encoded decodes to itself, and its layout accepts that and nothing near it."""
+"""Every bundled type: encoded messages decode to equal ones; the layout accepts them, and no changed
+bytes.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Bytes that we encode mean the same to rosbags, for every bundled type that it has too."""
+"""rosbags decodes encoded messages to the same values, for every bundled type that it also has."""
 
 from __future__ import annotations
 

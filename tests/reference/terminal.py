@@ -1,4 +1,4 @@
-"""A reader's terminals: commands typed one after another in one shell's folder and environment."""
+"""Terminals of a reader: commands that are typed one after another, in one folder and environment."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ PATIENCE_S = 60.0
 
 
 class Command:
-    """One command that was typed, with what it has printed so far."""
+    """One typed command, with its output so far."""
 
     def __init__(self, text: str, process: asyncio.subprocess.Process) -> None:
         self.text = text
@@ -32,7 +32,7 @@ class Command:
             self.printed += data.decode(errors="replace")
 
     async def wait_for(self, pattern: str) -> str:
-        """Wait until it has printed what a pattern matches; returns the match."""
+        """Wait until a pattern matches its output; return the match."""
         deadline_s = time.monotonic() + PATIENCE_S
         while True:
             if found := re.search(pattern, self.printed, re.MULTILINE | re.DOTALL):
@@ -42,7 +42,7 @@ class Command:
             await asyncio.sleep(0.01)
 
     async def finish(self) -> int:
-        """Wait until it has ended; returns its exit code."""
+        """Wait until it has ended; return its exit code."""
         async with asyncio.timeout(PATIENCE_S):
             await self._reader
             return await self.process.wait()
@@ -60,14 +60,14 @@ class Command:
 
 
 class Terminals:
-    """Types commands as they are printed, in bash, after `eval "$(rostether env --first)"`."""
+    """Types commands as documents print them, in bash, after `eval "$(rostether env --first)"`."""
 
     def __init__(self, home: Path, master_uri: str) -> None:
         self.home = home
         self._state = home / ".state"
         self._state.mkdir(parents=True)
         self._cwd = home
-        # The Python of the tests is that of the machine here: one without a real rospy.
+        # `python` is the Python of the tests, which has no real rospy.
         self._environment = {
             MARK: os.environ[MARK],
             "PATH": f"{Path(sys.executable).parent}:/usr/bin:/bin",
@@ -86,7 +86,7 @@ class Terminals:
         await self.type('eval "$(rostether env --first)"')
 
     async def type(self, command: str) -> str:
-        """Type a command that must end well; returns what it printed. The next one goes on from there."""
+        """Type a command that must succeed; return its output. The next command starts in its folder."""
         saved = f"{command}\ncode=$?; pwd > {self._state}/cwd; env -0 > {self._state}/env; exit $code"
         running = await self._start(saved, command)
         code = await running.finish()
@@ -98,7 +98,7 @@ class Terminals:
         return running.printed
 
     async def leave(self, command: str) -> Command:
-        """Type a command in a terminal of its own and leave it running."""
+        """Type a command in a new terminal, and leave it running."""
         running = await self._start(f"exec {command}", command)
         self._left_running.append(running)
         return running

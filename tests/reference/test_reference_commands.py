@@ -1,7 +1,7 @@
-"""Every command that five introductions to boards and ROS print, typed as printed there.
+"""Every command in five introductions to boards and ROS, typed as printed there.
 
-Only the port differs: a test's board is at a pseudo-terminal, which `PORT` stands for. `NOT_OURS` holds the
-printed commands that have nothing to do with us, so that the list is whole.
+Only the port differs: `PORT` stands for the pseudo-terminal of the test's board. `NOT_OURS` has the printed
+commands that do not use rostether, so that the list is complete.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ NOT_OURS = (
     "dmesg | grep tty",
     "ls /dev/tty*",
 )
-# In the order in which each document prints them.
+# In the order of each document.
 GETTING_STARTED = (
     "mkdir -p ~/rosserial_ws/src",
     "cd ~/rosserial_ws/src",
@@ -55,9 +55,9 @@ GETTING_STARTED = (
     "rosrun rosserial_arduino make_libraries.py .",
     "rosrun rosserial_python serial_node.py PORT",
     "rostopic list",
-    # The dash is an en dash: the page was set by a type setter.
+    # The document has an en dash instead of `--`.
     "rostopic pub toggle_led std_msgs/Empty –once",
-    # With two s: a misprint that people type.
+    # With two s: a misprint of the document.
     "rossrun rosserial_python serial_node.py PORT",
     "rostopic echo /imu_data",
     "rostopic echo /tf",
@@ -117,14 +117,16 @@ async def terminals(tmp_path: Path) -> AsyncIterator[Terminals]:
 
 
 async def listed(terminals: Terminals, command: str, *topics: str) -> None:
-    """Type a command until it prints topics: the master hears of them a moment after a board's lines."""
+    """Type a command until it prints topics: the master gets them shortly after the bridge logs them."""
     async with asyncio.timeout(PATIENCE_S):
         while not set(topics) <= set((await terminals.type(command)).split()):
             pass
 
 
 async def repeat(terminals: Terminals, command: str, has_arrived: Callable[[], bool]) -> None:
-    """Type a command that publishes for three seconds, again if that was too short on a busy machine."""
+    """Type a command that publishes for three seconds, and repeat it if that was too short on a busy
+    machine.
+    """
     for _ in range(10):
         await terminals.type(command)
         if has_arrived():
@@ -210,7 +212,7 @@ async def test_by_example(terminals: Terminals, tmp_path: Path) -> None:
             await asyncio.sleep(POLL_S)
         await echo.wait_for(r"field_of_view: 0\.2599999904632568.*max_range: 400\.0\nrange: 50\.0\n---")
         plot = await terminals.leave(next(typed))
-        # Without an argument rqt_plot opens an empty window; here it shows what there is.
+        # Without an argument, rqt_plot opens an empty window; rostether's plots what is published.
         await plot.wait_for("rostether plot .*/ultrasound/range")
         while "400" not in plot.printed:
             assert plot.process.returncode is None, plot.printed
@@ -246,7 +248,7 @@ async def test_mearm(terminals: Terminals, tmp_path: Path) -> None:
     source.mkdir(parents=True)
     for _ in range(3):
         await terminals.type(next(typed))
-    # The file that the document writes into the package, and the second package that it launches from.
+    # The file that the document adds to the package, and the second package with the launch file.
     shutil.copytree(EXAMPLES, source, dirs_exist_ok=True)
     display = await terminals.leave(next(typed))
     await display.wait_for("joint_state_publisher_gui")

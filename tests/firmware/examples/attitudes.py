@@ -7,7 +7,7 @@ from typing import Any, Protocol
 
 
 class Quaternion(Protocol):
-    """What messages hold."""
+    """A quaternion, as in messages."""
 
     x: Any
     y: Any
@@ -29,7 +29,7 @@ def from_angles(roll: float, pitch: float, yaw: float) -> tuple[float, float, fl
 
 
 def degrees_apart(measured: Quaternion, wanted: tuple[float, float, float, float]) -> float:
-    """Return the angle of the turn from one to the other."""
+    """Return the angle of the rotation between two attitudes."""
     found = (measured.x, measured.y, measured.z, measured.w)
     assert math.isclose(math.hypot(*found), 1, abs_tol=1e-3)
     along = abs(sum(a * b for a, b in zip(found, wanted, strict=True)))
@@ -37,5 +37,5 @@ def degrees_apart(measured: Quaternion, wanted: tuple[float, float, float, float
 
 
 def yaw_of(rotation: Quaternion) -> float:
-    """Return the turn about z, in radians, of what only turns about z."""
+    """Return the rotation about z in radians, for an attitude that is rotated only about z."""
     return 2 * math.atan2(rotation.z, rotation.w)

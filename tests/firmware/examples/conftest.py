@@ -7,7 +7,7 @@ import pytest
 
 @pytest.fixture(params=["uno", "mega"])
 def kind(request: pytest.FixtureRequest) -> str:
-    """A board that every example is for."""
+    """A board on which every example runs."""
     return str(request.param)
 
 

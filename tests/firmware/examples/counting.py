@@ -1,4 +1,4 @@
-"""Cycles of the client library on a simulated Mega, beside the established library's."""
+"""Cycles of the client library on a simulated Mega, compared with the established library."""
 
 from __future__ import annotations
 
@@ -17,9 +17,10 @@ PATIENCE_S = 60.0
 
 @dataclass(frozen=True, slots=True)
 class Operation:
-    """What is counted; the established library's cycles, if known, and the part of them wanted at most.
+    """An operation whose cycles are counted, with the cycles of the established library, if known, and the
+    largest allowed part of them.
 
-    `max_cycles` is the limit of the test without a line: a few percent above what was counted last.
+    `max_cycles` is the limit of the test without a line, a few percent above the last measurement.
     """
 
     name: str
@@ -30,7 +31,7 @@ class Operation:
 
 OPERATIONS = (
     Operation("first words", None, 1, 590),
-    # Theirs is of a like sketch.
+    # The established library's cycles are those of a similar sketch.
     Operation("answer with 7 topics", 24852, 1, 15800),
     Operation("publish String, 12 letters", 1023, 1, 910),
     Operation("publish Range", 1444, 1, 1444),
@@ -51,7 +52,7 @@ ARRIVALS = {
 
 
 def count(*, neutral: bool) -> dict[Operation, int]:
-    """Return the cycles of each operation, on a line that is memory or on Serial at 1 Mbaud."""
+    """Return the cycles of each operation, on a line in memory or on Serial at 1 Mbaud."""
     return asyncio.run(count_async(neutral=neutral))
 
 

@@ -1,4 +1,4 @@
-"""Flash, RAM and stack of the examples beside those of the established library, and what is not ROS of it."""
+"""Flash, RAM and stack of the examples, compared with the established library."""
 
 from __future__ import annotations
 
@@ -66,7 +66,7 @@ USES_WIRE = frozenset({"BlinkM"})
 RAM_BYTES = 2048
 _RUN_S = 3
 _TIME = struct.pack("<II", 1_700_000_000, 0)
-# Static RAM on an Uno of a sketch that only uses Wire, less that of one without it.
+# Static RAM that Wire adds to a sketch on an Uno.
 WIRE_RAM_BYTES = 216
 _SERIAL = "#ifdef USBCON\n#define Serial Serial1\n#endif\nvoid loop() { Serial.write(Serial.read()); }\n"
 _BARE = {
@@ -87,12 +87,12 @@ class FlashSize:
 
     @property
     def part(self) -> float:
-        """Of the established library's."""
+        """The flash, as a part of the established library's."""
         return self.bytes / self.established_bytes
 
     @property
     def ros_part(self) -> float:
-        """Of the established library's, without what is for Wire and USB."""
+        """The flash, as a part of the established library's, both without Wire and USB."""
         return (self.bytes - self.other_bytes) / (self.established_bytes - self.other_bytes)
 
 
@@ -105,13 +105,15 @@ class RamSize:
     stack_bytes: int
 
     def part(self, *, without_bytes: int = 0) -> float:
-        """Both, of those with the established library; `without_bytes` are not counted on either side."""
+        """RAM and stack, as a part of the established library's; `without_bytes` are not counted in
+        either.
+        """
         established = ESTABLISHED["uno"][self.example][1] + ESTABLISHED_STACK_BYTES
         return (self.static_bytes + self.stack_bytes - without_bytes) / (established - without_bytes)
 
 
 def has_measured_compiler() -> bool:
-    """Return whether avr-gcc is of the version for which the limits of tests were measured."""
+    """Return whether avr-gcc has the version with which the limits of the tests were measured."""
     asked = subprocess.run(["avr-gcc", "-dumpversion"], capture_output=True, text=True, check=True)
     return asked.stdout.startswith("5.")
 
@@ -137,13 +139,15 @@ async def ram_size(example: str) -> RamSize:
 
 
 async def flash_sizes(board: str) -> list[FlashSize]:
-    """Build the examples for a board and measure them; on a Leonardo some, for only the USB port differs."""
+    """Build and measure the examples for a board; on a Leonardo only some of them, because only the USB port
+    differs.
+    """
     bare_bytes = await _bare_bytes("uno", uses_wire=False)
     other = {wire: await _bare_bytes(board, uses_wire=wire) - bare_bytes for wire in (False, True)}
     sizes = []
     step = 1 if board == "uno" else effort(3, 1)
     for name, (established_bytes, _) in list(ESTABLISHED[board].items())[::step]:
-        # As other tests build them, so that each is compiled once.
+        # With the options of other tests, so that each is compiled once.
         sketch = client_library() / "examples" / name
         built = await build_sketch(sketch, find_board(board), BuildOptions(warnings=True))
         flash_bytes = ElfFile.read(built.elf).flash_bytes
@@ -152,7 +156,7 @@ async def flash_sizes(board: str) -> list[FlashSize]:
 
 
 def median_part(sizes: list[FlashSize]) -> float:
-    """Return the median of the parts without Wire and USB."""
+    """Return the median of `ros_part`."""
     return statistics.median(each.ros_part for each in sizes)
 
 

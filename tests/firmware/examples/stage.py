@@ -1,4 +1,4 @@
-"""An example on a simulated board, the bridge, a ROS master and a node that looks on."""
+"""An example on a simulated board, the bridge, a ROS master and a node that observes the board."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ from waiting import until
 EXAMPLES = Path(__file__).parents[3] / "client" / "examples"
 STORE = TypeStore(Registry())
 NODE = "board"
-# A busy machine takes its time; nothing here takes longer than two seconds on an idle one.
+# For a busy machine; on an idle one nothing takes longer than two seconds.
 PATIENCE_S = 60.0
 
 Meets = Callable[[Message], object]
@@ -37,24 +37,24 @@ Prepare = Callable[[TypedGraph, str], Awaitable[None]]
 
 
 async def build_example(name: str | Path, kind: str) -> BuiltFirmware:
-    """Build an example, or a sketch elsewhere, with all warnings; once for all test processes."""
+    """Build an example, or a sketch elsewhere, with all warnings, once for all test processes."""
     return await build_sketch(EXAMPLES / name, find_board(kind), BuildOptions(warnings=True))
 
 
 class Ear:
-    """Hears a topic from now on."""
+    """Collects the messages of a topic."""
 
     def __init__(self) -> None:
         self.received: list[Message] = []
         self._came = asyncio.Event()
 
     def take(self, message: Message) -> None:
-        """Hear one message."""
+        """Store one message."""
         self.received.append(message)
         self._came.set()
 
     async def next(self, meets: Meets = lambda _message: True, *, timeout_s: float = PATIENCE_S) -> Message:
-        """Return the first message to come that meets a condition; fails with the last one."""
+        """Return the next message that meets a condition; at the time limit, fail with the last message."""
         seen = len(self.received)
         with contextlib.suppress(TimeoutError):
             async with asyncio.timeout(timeout_s):
@@ -68,12 +68,12 @@ class Ear:
         raise AssertionError(f"no such message; of {len(self.received)} the last is\n{self.received[-1:]}")
 
     async def reached(self, count: int) -> None:
-        """Wait until so many messages were heard altogether."""
+        """Wait until `count` messages were received in total."""
         if len(self.received) < count:
             await self.next(lambda _message: len(self.received) >= count)
 
     async def several(self, count: int) -> list[Message]:
-        """Return the next messages."""
+        """Return the next `count` messages."""
         first = len(self.received)
         await self.reached(first + count)
         return self.received[first : first + count]
@@ -108,7 +108,7 @@ class Stage:
         return await (await self.listen(topic, type_name)).next(meets)
 
     async def log(self) -> Ear:
-        """Hear what the board logs."""
+        """Collect the board's log messages."""
         return await self.listen("/rosout", "rosgraph_msgs/Log")
 
     async def publisher(self, topic: str, type_name: str) -> TypedPublisher[...]:
@@ -118,7 +118,7 @@ class Stage:
         return publisher
 
     async def service(self, service: str) -> None:
-        """Wait until somebody offers a service."""
+        """Wait until a node offers a service."""
         await _eventually(lambda: self._offers(service), f"service {service}")
 
     async def memory_becomes(self, symbol: str, data: bytes) -> None:
@@ -130,7 +130,7 @@ class Stage:
         await _eventually(has_become, f"{data!r} in {symbol}")
 
     async def servo_turns(self, pin: str, angle: float) -> None:
-        """Wait until a servo stands within a degree of an angle."""
+        """Wait until a servo is within one degree of an angle."""
 
         async def stands() -> bool:
             return abs(await self.board.servo_angle(pin) - angle) < 1
@@ -150,7 +150,7 @@ async def _eventually(condition: Callable[[], Awaitable[bool]], what: str) -> No
 
 @contextlib.asynccontextmanager
 async def a_graph(master_uri: str, name: str = "/onlooker") -> AsyncIterator[TypedGraph]:
-    """Be a node of the stage's graph."""
+    """Join the stage's graph as a node."""
     graph = await _join(master_uri, name)
     try:
         yield TypedGraph(graph, STORE)
@@ -185,10 +185,11 @@ async def running(
     uses_network: bool = False,
     options: str = "",
 ) -> AsyncIterator[Stage]:
-    """Run an example. `words` are commands to the board at its start; `prepare` has the graph before that.
+    """Run an example. `words` are commands to the board at its start; `prepare` is called with the graph
+    before that.
 
-    A sketch that uses the network finds the bridge there, at a link address with `options`, others on
-    the serial line.
+    With `uses_network`, the sketch reaches the bridge over the network, at a link address with `options`;
+    otherwise on the serial line.
     """
     built = await build_example(name, kind)
     reporter = RecordingReporter()
@@ -219,7 +220,7 @@ async def running(
 
 @contextlib.asynccontextmanager
 async def running_alone(name: str, kind: str = "uno") -> AsyncIterator[SimulatedBoard]:
-    """Run an example without a bridge: its serial line is free."""
+    """Run an example without a bridge; its serial line is not in use."""
     built = await build_example(name, kind)
     async with await SimulatedBoard.start(built.elf, board=kind) as board:
         yield board

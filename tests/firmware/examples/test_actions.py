@@ -1,4 +1,4 @@
-"""The action of a simulated board, driven by Debian's actionlib."""
+"""The action of a simulated board, used by Debian's actionlib."""
 
 from __future__ import annotations
 
@@ -25,6 +25,6 @@ async def test_goals_of_actionlib_are_reached_canceled_replaced_and_refused(tmp_
             await peers.close()
     reached, feedback, canceled, *rest = printed.splitlines()[-6:]
     assert (reached, feedback) == ("SUCCEEDED [0, 1, 1, 2]", "feedback [0, 1, 1]")
-    # On a busy machine the board has counted on before the cancel arrives.
+    # On a busy machine, the board continues to count until the cancel arrives.
     assert canceled.startswith("PREEMPTED [0, 1, 1")
     assert rest == ["PREEMPTED []", "ABORTED []", "order must be 1 to 19"]

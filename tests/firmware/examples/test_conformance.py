@@ -22,7 +22,7 @@ async def test_the_library_passes_the_cases(board_kind: str) -> None:
             longest_s = effort(10, 60)
             cases = [each for each in CASES if each.wait_s < longest_s]
             found = [each async for each in run_cases(client, cases)]
-            # A busy machine may pause inside a frame for longer than the client waits for the rest.
+            # On a busy machine, a pause inside a frame may be longer than the client waits for the rest.
             failed = [each.case for each in found if each.verdict is not Verdict.PASS]
             again = [each async for each in run_cases(client, failed)]
         finally:

@@ -1,4 +1,4 @@
-"""What the client library takes of an AVR's time; simulated cycles are the same in each run."""
+"""Cycles that the client library needs on an AVR; they are the same in each simulated run."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Boards as they have always been used: Debian's rostopic, rosservice and rosparam at the other end."""
+"""Boards with Debian's rostopic, rosservice and rosparam."""
 
 from __future__ import annotations
 
@@ -19,7 +19,9 @@ TEST_SRV = Path(registry.__file__).parent / "share" / "rosserial_arduino" / "srv
 
 
 async def generated_types(folder: Path) -> Path:
-    """Have Debian's generator write the class of rosserial_arduino/Test, which Debian does not ship."""
+    """Generate the class of rosserial_arduino/Test, which Debian does not package, with Debian's
+    generator.
+    """
     target = folder / "rosserial_arduino" / "srv"
     for action in (["-p", "rosserial_arduino", str(TEST_SRV)], ["--initpy", "-p", "rosserial_arduino"]):
         process = await asyncio.create_subprocess_exec(
@@ -35,7 +37,7 @@ async def test_rostopic_pub_toggles_the_led(tmp_path: Path) -> None:
         peers = Ros1Peers(stage.master_uri, tmp_path)
         try:
             for level in (True, False):
-                # It stays until the subscription has come; with -1 it would go after three seconds.
+                # It runs until the board subscribes; with -1 it would end after three seconds.
                 publisher = await peers.start("rostopic", "pub", "/toggle_led", "std_msgs/Empty")
                 await stage.board.wait_for_pin("D13", level, timeout_s=PATIENCE_S)
                 await publisher.stop()

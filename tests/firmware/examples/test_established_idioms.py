@@ -1,4 +1,4 @@
-"""What sketches for the established library write besides what the examples show: it compiles unchanged."""
+"""Idioms of sketches for the established library that its examples do not contain: they compile unchanged."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import pytest
 
 from rostether.firmware.build import build_sketch, find_board
 
-# Each is the part of a sketch that once did not compile.
+# Parts of sketches that did not compile with an earlier version.
 SKETCHES = {
     "header_beside_ros": """
 // A sketch's own constants may come first: none is a name in the library.

@@ -1,4 +1,4 @@
-"""Texts, LEDs, buttons: examples whose messages go straight to a pin, or come from one."""
+"""Examples with texts, LEDs and buttons."""
 
 from __future__ import annotations
 
@@ -74,7 +74,7 @@ async def test_button_example(kind: str) -> None:
     async with running("button_example", kind) as stage:
         board = stage.board
         pushed = await stage.listen("/pushed", "std_msgs/Bool")
-        # On a busy machine the board must not run between these.
+        # The board must not run between these commands, as it may on a busy machine.
         await board.send_command("pause")
         for level in (False, True, False, True, False):  # it bounces
             await board.drive_pin("D7", level)
@@ -88,7 +88,7 @@ async def test_button_example(kind: str) -> None:
 
 
 async def test_blinkm_sends_colors_and_reports_a_missing_light(kind: str) -> None:
-    # There is no BlinkM on the simulated board: what goes to it stands in the buffer of the I2C library.
+    # The simulated board has no BlinkM: the bytes for it are in the buffer of the I2C library.
     async with running("BlinkM", kind) as stage:
         log = await stage.log()
         blinkm = await stage.publisher("/blinkm", "std_msgs/String")

@@ -1,4 +1,4 @@
-"""The whole board of a robot: all its topics on one line, on an Uno too."""
+"""The complete board of a robot: all its topics on one line, also on an Uno."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ TIME = struct.pack("<II", 1_700_000_000, 0)
 
 @contextlib.asynccontextmanager
 async def driving(cmd_vel: TypedPublisher[...], speed: float, turn_rate: float) -> AsyncIterator[None]:
-    """Command a speed ten times a second, as a driver does."""
+    """Command a speed ten times a second."""
 
     async def command() -> None:
         while True:
@@ -40,7 +40,7 @@ async def driving(cmd_vel: TypedPublisher[...], speed: float, turn_rate: float) 
 
 
 async def duty(stage: Stage, pin: str, wanted: float) -> None:
-    """Wait until a motor gets this part of the supply's voltage."""
+    """Wait until a motor's PWM has this duty."""
 
     def is_so() -> bool:
         reported = [each for each in stage.board.recent if each.name == "pwm" and each["pin"] == pin]
@@ -65,12 +65,12 @@ async def test_it_drives(kind: str) -> None:
         assert moving.twist.twist.linear.x == pytest.approx(0.15, abs=0.005)
         assert moving.twist.twist.angular.z == pytest.approx(0.5, abs=0.05)
         assert (moving.header.frame_id, moving.child_frame_id) == ("odom", "base_footprint")
-        # It has gone along a circle with this radius.
+        # It has moved along a circle with this radius.
         yaw, place = yaw_of(moving.pose.pose.orientation), moving.pose.pose.position
         assert place.x == pytest.approx(0.3 * math.sin(yaw), abs=0.01)
         assert place.y == pytest.approx(0.3 * (1 - math.cos(yaw)), abs=0.01)
 
-        # Nobody commands it any more.
+        # No node commands it any more.
         stopped = await odom.next(lambda message: message.twist.twist.linear.x == 0)
         await odom.next()
         yaw = yaw_of(stopped.pose.pose.orientation)
@@ -112,7 +112,7 @@ async def test_it_obeys_the_motor_switch_and_makes_sounds(kind: str) -> None:
         sound.publish(value=4)
         rises_s: list[float] = []
         async with asyncio.timeout(PATIENCE_S):
-            # The tone lasts 0.1 s: all of it may have come before this looks.
+            # The tone lasts 0.1 s: it may end before this check.
             while len(rises_s) < 3:
                 await asyncio.sleep(0.01)
                 rises_s = [
@@ -140,7 +140,7 @@ async def test_it_loses_no_command_while_it_publishes(kind: str) -> None:
     async with host.board:
         host.send(topic_id.TOPIC_REQUEST)
         assert await host.run(3000, lambda: "motor_power" in ids)
-        # Each burst comes at another time of the board's rounds of 100 ms. It is longer than the UART's
+        # Each burst comes at a different time of the board's period of 100 ms. It is longer than the UART's
         # buffer. While the board publishes, it has room for a burst and the answer to a time request.
         for number in range(25):
             is_on = number % 2
@@ -165,7 +165,7 @@ async def test_it_senses(kind: str) -> None:
         assert (version.hardware, version.firmware) == ("Arduino", "1.0")
         imu = await stage.message("/imu", "sensor_msgs/Imu")
         assert imu.linear_acceleration.z == pytest.approx(9.81, abs=0.05)
-        # The Earth's field of the simulated world: 20 microtesla to the north, 44 down.
+        # The simulated magnetic field of the Earth: 20 microtesla to the north, 44 down.
         field = await stage.message("/magnetic_field", "sensor_msgs/MagneticField")
         found = (field.magnetic_field.x, field.magnetic_field.y, field.magnetic_field.z)
         north, west = 20e-6 * math.cos(math.pi / 6), -20e-6 * math.sin(math.pi / 6)
@@ -180,7 +180,7 @@ async def test_without_an_imu_the_rest_works_on() -> None:
         for _ in range(TRIES):
             stamps = [message.header.stamp.to_s() for message in await rates.several(15)]
             period_s = (stamps[-1] - stamps[3]) / 11
-            # On a busy machine the board's clock is set while it counts.
+            # On a busy machine, the board's clock is set while it counts.
             if period_s == pytest.approx(0.1, rel=0.1):
                 break
         assert period_s == pytest.approx(0.1, rel=0.1)

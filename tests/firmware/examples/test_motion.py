@@ -1,4 +1,4 @@
-"""Examples about where things are: servos, transforms, attitude."""
+"""Examples with servos, transforms and attitude."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ async def test_servo_control(kind: str) -> None:
 async def test_time_tf(kind: str) -> None:
     async with running("TimeTF", kind) as stage:
         received = await stage.listen("/tf", TF)
-        await received.next(lambda message: message.transforms[0].header.stamp.secs)  # it has the time
+        await received.next(lambda message: message.transforms[0].header.stamp.secs)  # the board has the time
         messages = await received.several(5)
         now_s = time.time()
         stamps = []
@@ -41,7 +41,7 @@ async def test_time_tf(kind: str) -> None:
             assert frame.transform.rotation.w == 1.0
             stamps.append(frame.header.stamp.to_s())
         assert stamps == sorted(set(stamps))
-        # The board's clock is the host's, and a busy machine simulates the board late.
+        # The board's clock follows the host's, and a busy machine simulates the board late.
         assert stamps[-1] == pytest.approx(now_s, abs=1.0)
 
 
@@ -49,19 +49,19 @@ async def test_odom_drives_in_a_circle(kind: str) -> None:
     radius, turn_rate = 0.2 / 0.36, 0.36
     async with running("Odom", kind) as stage:
         received = await stage.listen("/tf", TF)
-        await received.next(lambda message: message.transforms[0].header.stamp.secs)  # it has the time
+        await received.next(lambda message: message.transforms[0].header.stamp.secs)  # the board has the time
         frames = [message.transforms[0] for message in await received.several(30)]
         for frame in frames:
             assert (frame.header.frame_id, frame.child_frame_id) == ("odom", "base_link")
             yaw = yaw_of(frame.transform.rotation)
             place = frame.transform.translation
-            # Left of where it looks, a radius away, is the middle of the circle, (0, radius).
+            # The center of the circle, (0, radius), is one radius to the robot's left.
             assert place.x - radius * math.sin(yaw) == pytest.approx(0, abs=0.01)
             assert place.y + radius * math.cos(yaw) == pytest.approx(radius, abs=0.01)
         first, last = frames[0], frames[-1]
         turned = yaw_of(last.transform.rotation) - yaw_of(first.transform.rotation)
         passed_s = last.header.stamp.to_s() - first.header.stamp.to_s()
-        # On a busy machine the board's clock is late between two answers with the time.
+        # On a busy machine, the board's clock is late between two time answers.
         assert turned / passed_s == pytest.approx(turn_rate, rel=0.2)
 
 
@@ -93,12 +93,12 @@ async def test_imu_follows_a_turn() -> None:
         await imu.next()
         await stage.board.set_attitude(0, 0, math.pi / 2, over_s=2)
         turning = await imu.next(lambda message: message.angular_velocity.z > 0.1)
-        # A quarter of a turn in two seconds.
+        # A quarter turn in two seconds.
         assert turning.angular_velocity.z == pytest.approx(math.pi / 4, abs=0.02)
         acceleration = turning.linear_acceleration
         assert (acceleration.x, acceleration.y, acceleration.z) == pytest.approx((0, 0, 9.81), abs=0.1)
         arrived = from_angles(0, 0, math.pi / 2)
         still = await imu.next(lambda message: message.angular_velocity.z < 0.1)
-        # It was followed, not caught up with.
+        # The measurements follow the turn, without a jump.
         assert degrees_apart(still.orientation, arrived) < 8
         await imu.next(lambda message: degrees_apart(message.orientation, arrived) < 2)

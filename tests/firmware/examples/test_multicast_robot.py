@@ -1,4 +1,4 @@
-"""The robot of a fleet on a simulated Ethernet shield: it obeys, and it stops when it must."""
+"""The robot of a fleet on a simulated Ethernet shield: it obeys commands and stops."""
 
 from __future__ import annotations
 
@@ -27,11 +27,10 @@ CLOCK_HZ = 16_000_000
 TEXT = (EXAMPLES / "MulticastRobot/MulticastRobot.ino").read_text()
 KEY = bytes.fromhex(re.findall(r'KEY "(\w+)"', TEXT)[0])
 TTL_S = 0.3
-# What the robot takes for the frames that have arrived.
+# The time that the robot needs for frames that have arrived.
 GRACE_S = 0.1
-# What the library adds to a sketch that receives and decodes bare commands, on an Uno: with avr-gcc 5.4, and
-# with newer ones, of which version 16 makes it 1816 bytes.
-# With the compiler that was measured, and with newer ones.
+# The flash that the library adds to a sketch that receives and decodes bare commands, on an Uno: with avr-gcc
+# 5.4, and with newer versions (1,816 bytes with version 16). With avr-gcc 5.4, and with newer versions.
 MAX_FLASH, MAX_RAM = (1500, 120)
 MAX_FLASH_NEWER, MAX_RAM_NEWER = (1900, 180)
 BARE = """
@@ -52,7 +51,7 @@ class BareCommands {
 """
 
 TAG_LENGTHS = 17
-# Makes each tag, and checks that its own bytes have it.
+# Makes each tag, and checks that a frame has it.
 TAGS = f"""
 #include <ros/siphash.h>
 const ros::FleetKey key ROS_FLASH("{KEY.hex()}");
@@ -73,7 +72,7 @@ void loop() {{}}
 
 
 def _duty(event: BoardEvent) -> float | None:
-    """Return the left motor's duty in an event; no timer drives the pin at rest and at full speed."""
+    """Return the left motor's duty in an event; at rest and at full speed, no timer drives the pin."""
     found = event.values.get("duty" if event.name == "pwm" else "level")
     return None if event.values.get("pin") != "D3" or found is None else float(found)
 
@@ -92,7 +91,7 @@ class Fleet:
     async def driving(
         self, direction: float, speed: float, period_s: float = REPEAT_S
     ) -> AsyncIterator[None]:
-        """Send a command until the block ends, and then nothing more: no stop either."""
+        """Send a command until the block ends, then nothing, not even a stop."""
 
         async def repeat() -> None:
             while True:
@@ -112,13 +111,13 @@ class Fleet:
         return round(event["left"] * 255), round(event["right"] * 255)
 
     def deaf_s(self) -> float:
-        """Return the board's time when the chip stalled first."""
+        """Return the board's time when the chip first stopped receiving."""
         return next(
             each.time_s for each in self.board.recent if each.name == "w5100" and each["state"] == "stalled"
         )
 
     async def turns(self, left: int, right: int) -> None:
-        """Wait until the motors have these duties."""
+        """Wait until both motors have these duties."""
         async with asyncio.timeout(PATIENCE_S):
             while await self.wheels() != (left, right):
                 await asyncio.sleep(0.005)
@@ -128,14 +127,14 @@ class Fleet:
         return await self.board.cycles() / CLOCK_HZ
 
     def turned_s(self, duty: int) -> float:
-        """Return the board's time when the left motor got this duty last, in seconds."""
+        """Return the board's time, in seconds, when the left motor last got this duty."""
         times_s = [each.time_s for each in self.board.recent if _duty(each) == duty]
         return times_s[-1] if times_s else 0.0
 
 
 @contextlib.asynccontextmanager
 async def running(name: str, kind: str, *words: str) -> AsyncIterator[Fleet]:
-    """Run the example. Its group has a number that only this test may use, with the example's key."""
+    """Run the example, with its key and in a group that only this test uses."""
     built = await build_example(name, kind)
     words = ("watch D3", *words)
     async with await SimulatedBoard.start(built.elf, board=kind, link="none", commands=words) as board:

@@ -1,4 +1,4 @@
-"""Examples without a cable: over the simulated network chip to the bridge's TCP listener."""
+"""Examples with a simulated network chip, connected to the bridge's TCP listener."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ async def test_tcp_hello_world(kind: str) -> None:
     async with running("TcpHelloWorld", kind, ["watch serial"], uses_network=True) as stage:
         received = await stage.listen("/chatter", "std_msgs/String")
         assert [message.data for message in await received.several(2)] == ["hello world!"] * 2
-        # The cable is free for the sketch's own words.
+        # The serial line is free for the sketch's texts.
         assert stage.board.serial == b"my address is 192.168.0.177\r\n"
         asked = [event["asked"] for event in stage.board.recent if event.name == "network"]
         assert set(asked) == {"192.168.0.11:11411"}

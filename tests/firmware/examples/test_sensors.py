@@ -1,4 +1,4 @@
-"""Examples that measure: what they publish is what the simulated world was set to."""
+"""Examples with sensors: they publish the values that the simulated surroundings have."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ async def test_ultrasound(kind: str) -> None:
         received = await stage.listen("/ultrasound", RANGE)
         for meters in (0.5, 0.03, 1.234, 2.9):
             await stage.board.set_range(meters)
-            await received.several(2)  # one may have been on its way
+            await received.several(2)  # one message may have been pending
             for measured in await received.several(3):
                 assert measured.range == pytest.approx(meters, abs=0.01)
         await stage.board.set_range(None)
@@ -80,9 +80,9 @@ async def test_clapper(kind: str) -> None:
             await board.set_adc("A0", 0.0)
             await board.run(then)
 
-        # It pauses from here on, so that a clap is as short on a busy machine.
+        # The board is paused from here on, so that a clap has the same length on a busy machine.
         await board.run("1ms")
-        await hear_one("800ms")  # one alone says nothing
+        await hear_one("800ms")  # one clap alone has no effect
         await hear_one("250ms")
         await hear_one("800ms")
         await hear_one("250ms")

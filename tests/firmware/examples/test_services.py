@@ -1,4 +1,4 @@
-"""Examples that are called, call, ask and tell: services, parameters, logs."""
+"""Examples with services, parameters and logs."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the examples take of an Uno, beside the same ones with the established library."""
+"""Flash and RAM of the examples, compared with the established library."""
 
 from __future__ import annotations
 
@@ -19,9 +19,9 @@ from rostether.firmware.build import build_sketch, find_board
 from rostether.firmware.elf import ElfFile
 from rostether.rosserial import topic_id
 
-# Of the established library's, without what is for Wire and a Leonardo's USB port.
+# Parts of the established library's flash, without Wire and a Leonardo's USB port.
 MAX_FLASH, MAX_MEDIAN_FLASH = 0.65, 0.60
-# Static RAM and the deepest stack together, without Wire's.
+# Parts of its static RAM and deepest stack together, without Wire.
 MAX_SUM = 0.50
 WITH_STACK = (
     "HelloWorld",
@@ -35,7 +35,8 @@ WITH_STACK = (
     "Ultrasound",
     "BlinkM",
 )
-# Static RAM of a node on TCP with one publisher, without its network library; 280 bytes are for input.
+# Static RAM of a node over TCP with one publisher, without its network library; 280 bytes are the input
+# buffer.
 MAX_TCP_RAM_BYTES = 450
 MODEM = """
 #define ROSSERIAL_ARDUINO_TCP

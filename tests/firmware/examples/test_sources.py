@@ -1,4 +1,4 @@
-"""The examples as they stand in the library: complete, tested, without warnings, true to their comments."""
+"""The sources of the examples: all are listed and tested, and their comments are correct."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def test_each_begins_with_what_it_does_how_to_wire_it_and_what_to_type(name: str
 
 
 def test_sketches_that_share_a_sensor_share_its_text() -> None:
-    # Arduino has no place for what two sketches have in common.
+    # With Arduino, two sketches cannot share a file.
     assert (EXAMPLES / "IMU/Mpu9150.h").read_text() == (EXAMPLES / "MobileBase/Mpu9150.h").read_text()
 
 
@@ -43,7 +43,7 @@ def test_sketches_that_share_a_sensor_share_its_text() -> None:
 async def test_each_builds_without_a_warning_and_fits(name: str, kind: str) -> None:
     built = await build_example(name, kind)
     assert built.output == ""
-    # The Mega has four times the RAM.
+    # The Mega has four times the RAM of an Uno.
     if kind == "uno":
         footprint = await measure(built.elf, built.board)
         assert footprint.refusals() == []
@@ -59,6 +59,6 @@ def test_the_reference_has_its_topics_and_types(name: str) -> None:
     for topic, package, message in named:
         assert f'"{topic}"' in text
         assert f"#include <{package}/{message}.h>" in text
-    # Whatever the sketch has is in the table too.
+    # The table has everything that the sketch has.
     declared = re.findall(r'(?:Publisher|Subscriber|Service\w+)(?:<[^;{]*>)? \w+\("([a-z_]+)"', text)
     assert set(declared) <= {topic for topic, _, _ in named}

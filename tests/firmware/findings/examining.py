@@ -1,4 +1,4 @@
-"""Faulty sketches on simulated boards, and the doctor at their serial lines, all at once in real time."""
+"""Runs faulty sketches on simulated boards, and examines them with the doctor, all at once in real time."""
 
 from __future__ import annotations
 
@@ -35,10 +35,10 @@ Happening = Callable[[SimulatedBoard], Awaitable[None]]
 
 @dataclass(frozen=True, slots=True)
 class Case:
-    """A sketch, the commands to its board at its start, and what happens to the board meanwhile.
+    """A sketch, the commands to its board at the start, and what happens to the board during the examination.
 
-    `baud` is the sketch's, for a line on which both sides need the same one, and the doctor begins at 57600.
-    `sent_as` are definitions that the sketch is built with, by file.
+    With `baud`, the sketch's rate, the line needs the same rate on both sides; the doctor begins at 57600.
+    `sent_as` are the definitions that the sketch is built with, by file name.
     """
 
     sketch: str
@@ -58,7 +58,7 @@ async def examine_all(
 ) -> dict[str, Diagnosis]:
     """Build all sketches, then examine all boards at once, and assert the codes of the findings.
 
-    A board is examined again if other codes are found while this machine was too slow for real time.
+    If other codes are found and this machine was too slow for real time, the board is examined again.
     """
     programs = await _all({name: _build(case, folder / name) for name, case in cases.items()})
     found = await _all(
@@ -70,7 +70,7 @@ async def examine_all(
 
 
 class Stalls:
-    """How long this process was kept from looking at its lines: what came then seems late."""
+    """Measures how long this process could not read its lines; data in this time seems late."""
 
     def __init__(self) -> None:
         self.longest_s = 0.0
@@ -120,7 +120,7 @@ def _codes(diagnosis: Diagnosis) -> list[Code]:
 
 
 async def _watch(case: Case, program: Path, store: TypeStore) -> tuple[Diagnosis, bool]:
-    """Return what a doctor finds, and whether this machine was too slow to tell anything of time."""
+    """Return the diagnosis, and whether this machine was too slow for findings about time."""
     link: Literal["pty", "tcp"] = "pty" if case.baud is None else "tcp"
     stalls = Stalls()
     async with await SimulatedBoard.start(program, commands=case.words, link=link) as board:
@@ -154,7 +154,7 @@ async def _diagnose(case: Case, board: SimulatedBoard, store: TypeStore) -> Diag
 
 
 def _packages(folder: Path, definitions: Mapping[str, str]) -> Path:
-    """Write packages with their definitions, given by `package/msg/Name.msg`."""
+    """Write packages with definitions, whose keys are `package/msg/Name.msg`."""
     for place, text in definitions.items():
         file = folder / place
         file.parent.mkdir(parents=True, exist_ok=True)

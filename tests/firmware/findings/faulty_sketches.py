@@ -1,4 +1,4 @@
-"""Sketches with the faults that sketches have; each is built and runs on a simulated board."""
+"""Sketches with common faults, which are built and run on simulated boards."""
 
 from __future__ import annotations
 
@@ -111,7 +111,7 @@ void loop() {
 """
 )
 
-# What it measures takes longer than its watchdog waits.
+# Its measurement takes longer than the time of its watchdog.
 IS_BITTEN_BY_ITS_WATCHDOG = (
     _NODE
     + """
@@ -128,7 +128,7 @@ void loop() {
 """
 )
 
-# The array has four places, and five more are written; the topic's name lies behind it.
+# Five elements are written behind the end of an array of four, where the topic's name is.
 OVERRUNS_AN_ARRAY = """
 #include <ros.h>
 #include <std_msgs/Float32.h>
@@ -178,7 +178,7 @@ void setup() { nh.initNode(); nh.subscribe(goal); }
 void loop() { nh.spinOnce(); }
 """
 
-# LED strips are driven like this: the clock's interrupts come only once in that time.
+# As libraries for LED strips do: meanwhile, the interrupts of the clock are lost.
 STOPS_ITS_CLOCK_FOR_A_LED_STRIP = """
 #include <ros.h>
 #include <sensor_msgs/Range.h>
@@ -311,7 +311,7 @@ def _by_hand(
     topic_id: int = 125,
     size: int = 20,
 ) -> str:
-    """Return a sketch that speaks the protocol without a library, and has a mistake in it."""
+    """Return a sketch that implements the protocol without a library, with a mistake."""
     constants = {
         "VERSION": version,
         "TYPE": f'"{type_name}"',

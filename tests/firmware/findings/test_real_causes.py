@@ -1,6 +1,6 @@
-"""Findings by what brings them about in the field: real firmware with that fault, or a board that meets it.
+"""Findings and their real causes: firmware with the fault, or a board on which it occurs.
 
-Each test examines several boards at once, so that together they take a few watches' time. What the tests of
+Each test examines several boards at once, to save time. The tests of
 the command do at pseudo-terminals (permission, a port in use, no such port) is not here.
 """
 
@@ -28,7 +28,7 @@ async def switch_off(board: SimulatedBoard) -> None:
 
 
 async def sag(board: SimulatedBoard) -> None:
-    """A motor starts again and again, and the supply breaks down each time."""
+    """A motor starts repeatedly, and each time the supply voltage drops."""
     while True:
         await asyncio.sleep(2.0)
         await board.power(False)

@@ -1,4 +1,4 @@
-"""Fixtures of the MeArm end to end."""
+"""Marks of the end-to-end tests of the MeArm."""
 
 from __future__ import annotations
 

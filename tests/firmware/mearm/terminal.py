@@ -1,4 +1,4 @@
-"""Terminals of someone who typed `eval "$(rostether env --first)"` in a catkin workspace."""
+"""Terminals in a catkin workspace, after `eval "$(rostether env --first)"`."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _LEFT_OUT = ("ROS", "PYTEST", "PYTHONPATH")
 
 
 class Terminals:
-    """Types commands, each in a terminal of its own."""
+    """Types commands, each in a new terminal."""
 
     def __init__(self, workspace: Path, master_uri: str) -> None:
         self.workspace = workspace
@@ -52,21 +52,21 @@ class Terminals:
         return peer
 
     async def type(self, command: str) -> str:
-        """Type a command that ends; returns what it printed, and fails when it fails."""
+        """Type a command and wait until it has ended successfully; return its output."""
         peer = await self.start(command)
         text = await peer.finish(30.0)
         assert peer.process.returncode == 0, f"{command}:\n{text}"
         return text
 
     async def close(self) -> None:
-        """End what is left running, the last first."""
+        """End the commands that are still running, the last one first."""
         for peer in reversed(self._peers):
             await peer.stop()
 
 
 @contextlib.asynccontextmanager
 async def terminals(home: Path, master_uri: str) -> AsyncIterator[Terminals]:
-    """Give terminals in a workspace that holds the example."""
+    """Provide terminals in a workspace with the example."""
     workspace = home / "catkin_ws"
     shutil.copytree(EXAMPLE, workspace / "src")
     opened = Terminals(workspace, master_uri)

@@ -1,4 +1,6 @@
-"""The MeArm, end to end: typed as its description does, down to the servos and up to the model's frames."""
+"""The MeArm, end to end: the commands of its description, the servos of the board, and the frames of the
+model.
+"""
 
 from __future__ import annotations
 
@@ -28,7 +30,7 @@ SERVOS = ("servo1", "servo2", "servo3", "servo4")
 SKETCH = EXAMPLE / "mearm_model" / "sketch" / "mearm_servos"
 MODEL = EXAMPLE / "mearm_model" / "urdf" / "robot.urdf.xacro"
 SET3 = (-0.25, 0.0, 0.25, 0.5)
-# A pulse is late by what interrupts take meanwhile, about half a degree.
+# Interrupts make a pulse up to half a degree longer.
 JITTER_DEGREES = 1.0
 
 Matrix = list[list[float]]
@@ -63,7 +65,7 @@ async def servos_stand(board: SimulatedBoard, wanted: Sequence[float]) -> None:
 
 
 async def a_buffer(graph: TypedGraph, child: str, turn: float) -> TransformBuffer:
-    """Return the frames, as soon as a joint's link has been turned so far about z."""
+    """Return the frames as soon as a joint's link is turned by this angle about z."""
     buffer = TransformBuffer()
     async with asyncio.timeout(60):
         static = await graph.wait_for_message("/tf_static", "tf2_msgs/TFMessage")
@@ -104,7 +106,7 @@ def about_y(angle: float) -> Matrix:
 
 
 def finger_by_hand(joints: Sequence[float]) -> Matrix:
-    """Where the finger stands in base_link, worked out from the drawing of the arm."""
+    """Return the pose of the finger in base_link, calculated from the drawing of the arm."""
     return product(
         moved(0, 0, 0.04),
         about_z(joints[0]),

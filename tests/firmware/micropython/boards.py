@@ -1,4 +1,6 @@
-"""MicroPython as a board: its heap is that of a Pico, whose words are half as long."""
+"""MicroPython as a board. Its heap has twice the bytes of a Pico's, because a Pico's words are half as
+long.
+"""
 
 from __future__ import annotations
 
@@ -47,7 +49,7 @@ class UsbBoard:
         self._reader = asyncio.create_task(self._read(self._process))
 
     async def stop(self) -> None:
-        """Kill the program, as a board whose power is switched off; the host's port stays open."""
+        """Kill the program, like a board that loses its power; the host's port stays open."""
         if self._process is not None:
             with contextlib.suppress(ProcessLookupError):
                 self._process.kill()
@@ -83,7 +85,7 @@ async def usb_board(
 ) -> AsyncIterator[UsbBoard]:
     """Run a program on a board at a USB port; its `lines` are those on standard error.
 
-    `folders` are further ones of modules.
+    `folders` have more modules.
     """
     board = UsbBoard(program, library, arguments, folders)
     try:
@@ -98,7 +100,7 @@ async def usb_board(
 async def running(
     program: Path, library: Path, *arguments: str, on_cpython: bool = False
 ) -> AsyncIterator[Peer]:
-    """Run a program that opens its line itself; gives what it prints.
+    """Run a program that opens its line itself; yield the process with its output.
 
     `on_cpython` runs it on CPython, with the modules of CircuitPython that the library uses.
     """

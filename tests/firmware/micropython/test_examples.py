@@ -1,4 +1,4 @@
-"""The examples for a Pico, through the real bridge; the pins and the parts on them are simulated."""
+"""The examples for a Pico, with the real bridge; the pins and the parts on them are simulated."""
 
 from __future__ import annotations
 

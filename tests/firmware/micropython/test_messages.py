@@ -1,4 +1,4 @@
-"""Messages of every type are read and written by the generated modules as our codec writes them."""
+"""The generated modules read and write messages of every type like the codec."""
 
 from __future__ import annotations
 

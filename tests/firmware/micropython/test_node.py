@@ -1,4 +1,4 @@
-"""The client library on MicroPython, through the real bridge: USB, UART and TCP."""
+"""The client library on MicroPython, with the real bridge, over USB, UART and TCP."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from unit.bridge.lateness import lateness
 from waiting import until
 
 NODE = PROGRAMS / "platform_node.py"
-# As much as fits into 280 bytes.
+# The most that fits into 280 bytes.
 LONGEST_TEXT = 276
 
 
@@ -81,7 +81,7 @@ async def test_calls_a_service_from_a_task(library: Path) -> None:
 
 
 async def test_exchanges_messages_without_the_modules_of_micropython(library: Path) -> None:
-    # As on CircuitPython: its counter of milliseconds, and sockets that have recv_into.
+    # As on CircuitPython: its counter of milliseconds, and sockets with recv_into.
     async with (
         meeting() as met,
         met.bridge("tcp://127.0.0.1:0") as (address,),
@@ -133,7 +133,7 @@ async def test_a_connection_to_a_host_that_is_no_longer_reachable_is_replaced(li
 
 
 async def test_damaged_frames_cost_only_themselves(library: Path) -> None:
-    # One frame of 280 bytes in a hundred, in each direction.
+    # One frame in a hundred is damaged, in each direction; a frame has 280 bytes.
     faults = LineFaults(FaultRates(flip_per_byte=0.01 / 280), seed=4)
     is_damaging = True
     count = 150
@@ -207,7 +207,7 @@ def _place(address: str) -> tuple[str, str]:
 
 @contextlib.asynccontextmanager
 async def _relay(address: str, manipulate: Manipulator) -> AsyncIterator[int]:
-    """Relay the connections of a board to an address, with faults; gives the port."""
+    """Relay the connections of a board to an address, with faults; yield the port."""
     host, port = _place(address)
 
     async def copy(reader: asyncio.StreamReader, writer: asyncio.StreamWriter, direction: Direction) -> None:

@@ -1,4 +1,4 @@
-"""MicroPython finds the frames of the published vectors and of the recorded sessions, as our decoder does."""
+"""MicroPython finds the same frames as the decoder, in the published vectors and in recorded sessions."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from rostether.rosserial.frame_decoder import FrameDecoder, Frames
 from rostether.transports.memory import Direction
 from vectors import captures
 
-# Enough of each recording: decoding byte by byte takes time.
+# Only a part of each recording, because decoding byte by byte takes time.
 LONGEST_STREAM = 5000
 
 
@@ -25,12 +25,12 @@ def test_streams_have_the_frames_that_our_decoder_finds(library: Path) -> None:
     recorded = [captures.load(name) for name in captures.names() if name != "protocol1"]
     for chunks in (side for each in recorded for side in (each.of_host(), each.of_device())):
         streams.append(b"".join(chunk.data for chunk in chunks)[:LONGEST_STREAM])
-        # One byte in a hundred is wrong, missing or made up.
+        # One byte in a hundred is wrong, missing or inserted.
         faults = LineFaults(FaultRates(0.004, 0.003, 0.003), seed=len(streams))
         streams.append(faults(streams[-1][:1000], Direction.FIRST_TO_SECOND))
     text = "".join(f"{each.hex()}\n" for each in streams)
     lines = run(PROGRAMS / "decode.py", library, text, heap="4m").splitlines()
-    # Our decoder collects the frames of one topic.
+    # The decoder returns the frames of one topic together.
     assert [sorted(line.split()) for line in lines] == [sorted(_frames(each)) for each in streams]
     assert sum(len(line.split()) for line in lines) > 700
 

@@ -1,4 +1,6 @@
-"""The programs of client/extras/tests that test the node on the host, compiled once for all processes."""
+"""The programs of client/extras/tests that test the node on the host; each is compiled once for all
+processes.
+"""
 
 from __future__ import annotations
 
@@ -21,23 +23,23 @@ WARNINGS = ("-std=gnu++11", "-Wall", "-Wextra", "-Werror")
 # Messages of the undefined behavior sanitizer would double the time to compile: it traps, and the address
 # sanitizer names the function.
 _SANITIZERS = ("-fsanitize=address,undefined", "-fsanitize-undefined-trap-on-error")
-# clang's address sanitizer is a package of its own; its char is unsigned here, as on an ARM.
+# clang's address sanitizer is in a separate package. `char` is unsigned, as on an ARM.
 COMPILERS = {
     "gcc": ("g++", *_SANITIZERS),
-    # As on an AVR, where chunks lie in the room that the receive window lends.
+    # As on an AVR, where chunks are in the unused space of the receive window.
     "gcc-small": ("g++", *_SANITIZERS, "-DROS_SMALL_MEMORY"),
     "clang": ("clang++", "-fsanitize=undefined", "-fsanitize-trap=all", "-funsigned-char"),
 }
-KEPT_S = 3600.0  # other test processes may be running an older program
+KEPT_S = 3600.0  # other test processes may still run an older program
 
 
 def write_test_library(folder: Path) -> Path:
-    """Write the client library with the types that the programs use; returns its folder."""
+    """Write the client library with the types that the programs use; return its folder."""
     return write_library(folder, Registry([EXTRAS / "definitions"])).path
 
 
 def built(compiler: str, name: str, library: Path, *flags: str) -> Path:
-    """Return the program of a folder of extras/tests; fails with what the compiler says."""
+    """Build the program of a folder of extras/tests and return it; fail with the compiler's messages."""
     sources = sorted((EXTRAS / name).glob("*.cpp"))
     command = [*COMPILERS[compiler], *flags, *WARNINGS]
     folder = Path(tempfile.gettempdir()) / f"rostether-peers-{os.getuid()}"
@@ -57,7 +59,7 @@ def built(compiler: str, name: str, library: Path, *flags: str) -> Path:
 
 
 def run(program: Path, *arguments: str, stdin: str = "", timeout_s: float = 50.0) -> str:
-    """Run a program to its end; fails with what it complains."""
+    """Run a program to its end; fail with its error messages."""
     done = subprocess.run(
         [program, *arguments],
         env={"ASAN_OPTIONS": "handle_sigill=1"},
@@ -86,9 +88,10 @@ def _build(command: Sequence[str], sources: Sequence[Path], work: Path, program:
 
 
 def _joined(sources: Sequence[Path]) -> str:
-    """Return one source with all others, whose common templates are then compiled once.
+    """Return one source that includes all others, so that common templates are compiled once.
 
-    Each but the one with `main` is in a namespace: names may repeat. So their headers come before.
+    Each source except the one with `main` is in a namespace, so names may repeat. Their headers are included
+    before.
     """
     headers = {
         line for file in sources for line in file.read_text().splitlines() if line.startswith("#include <")

@@ -1,4 +1,4 @@
-"""Thousands of invalid frames, and after each a good one that must be delivered."""
+"""Thousands of invalid frames, each followed by a valid one that must be delivered."""
 
 from __future__ import annotations
 
@@ -19,5 +19,5 @@ def test_any_frame_leaves_the_node_whole(compiler: str, test_library: Path) -> N
     program = built(compiler, "fuzz", test_library, "-Og")
     reported = run(program, "1", str(FRAMES), timeout_s=120)
     frames, delivered = [int(word) for word in reported.split() if word.isdigit()][:2]
-    # Damage that most messages survive, or that none does, would prove nothing.
+    # Damage that leaves most messages intact, or none, would prove nothing.
     assert frames == FRAMES and 0.05 < delivered / frames < 0.8

@@ -1,4 +1,4 @@
-"""What the established hosts sent, as recorded, played into our node: all is heard, none is noise."""
+"""Recorded sessions of established hosts, played to the node: it receives every message."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from rostether.rosserial.frame_decoder import FrameDecoder, Frames
 from vectors import captures
 from vectors.captures import Capture
 
-# The endpoint of each type of the recordings, as the program calls it.
+# The program's endpoint for each type in the recordings.
 ENDPOINTS = {
     ("subscriber", "std_msgs/Empty"): "empty",
     ("subscriber", "std_msgs/String"): "text",
@@ -20,18 +20,19 @@ ENDPOINTS = {
     ("service server, request", "rosserial_arduino/Test"): "server",
     ("service client, response", "rosserial_arduino/Test"): "client",
 }
-# The first host speaks protocol 1, which our node does not; the other's type is a package of its own.
+# The first host speaks protocol 1, which the node does not; the type of the other is in a package that is not
+# bundled.
 LEFT_OUT = ("protocol1", "mearm")
 
 
 def endpoints(capture: Capture) -> list[str]:
-    """Return what the board received, by ids."""
+    """Return the board's endpoints that receive, by topic id."""
     wanted = [(topic.kind, topic.type) for _, topic in sorted(capture.topics.items())]
     return [ENDPOINTS[each] for each in wanted if each in ENDPOINTS]
 
 
 def sent_by_host(capture: Capture) -> dict[int, int]:
-    """Return how many frames of each id the host sent."""
+    """Return the number of frames of each topic id that the host sent."""
     decoder = FrameDecoder()
     counts: dict[int, int] = {}
     for chunk in capture.of_host():
@@ -53,9 +54,9 @@ def test_recorded_host_is_understood(name: str, test_library: Path) -> None:
     reported = [int(line.split()[1]) for line in lines if line.startswith("sent")]
     received = sum(line.startswith("heard") for line in lines)
     messages = sum(count for each, count in sent.items() if each >= topic_id.FIRST_USER_ID)
-    # A response that came between two calls belongs to nobody.
+    # A response between two calls belongs to no call.
     assert 0 < received <= messages if "client" in endpoints(capture) else received == messages
-    # Each topic request is answered, beside the introductions that nobody asked for.
+    # Each topic request is answered; there are also announcements without a request.
     assert reported.count(topic_id.PUBLISHER) >= sent[topic_id.PUBLISHER]
     assert reported.count(topic_id.TIME) >= sent[topic_id.PUBLISHER]
     answers = sent.get(topic_id.TIME, 0)

@@ -24,7 +24,7 @@ def control_library(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="session")
 def linux_program(library: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The node for Linux, watched for undefined behavior and lost memory."""
+    """The node for Linux, with checks for undefined behavior and memory leaks."""
     output = tmp_path_factory.mktemp("linux") / "node"
     sanitize = ("-fsanitize=address,undefined", "-fno-sanitize-recover=all")
     return compile_program(["g++", "-O1", *sanitize], [NODE / "host.cpp"], library, output)

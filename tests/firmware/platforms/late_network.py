@@ -1,4 +1,4 @@
-"""A network that loses a packet within each long message to the node, and delivers it late, as TCP does."""
+"""A network that loses a packet of each long message to the node, and delivers it late, as TCP does."""
 
 from __future__ import annotations
 
@@ -6,14 +6,14 @@ import asyncio
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 
-# A packet that was lost twice.
+# The delay of a packet that is lost twice.
 LATE_S = 0.8
 PACKET_BYTES = 100
 
 
 @asynccontextmanager
 async def late_network(address: str) -> AsyncIterator[str]:
-    """Carry connections to a bridge at `tcp://HOST:PORT`; yields the network's own `HOST:PORT`."""
+    """Forward connections to a bridge at `tcp://HOST:PORT`; yield the address `HOST:PORT` of the network."""
     host, _, port = address.removeprefix("tcp://").rpartition(":")
     tasks: set[asyncio.Task[None]] = set()
 

@@ -1,4 +1,4 @@
-"""The node of client/extras/tests/platforms, met over the bridge by a program in the same graph."""
+"""The node of client/extras/tests/platforms, the bridge, and a program in the same graph."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from unit.bridge.doubles import RecordingReporter
 from waiting import until
 
 STORE = TypeStore(Registry())
-# Longer than any silence of a node that works; a busy machine takes its time.
+# Longer than any silence of a working node, also on a busy machine.
 PATIENCE_S = 60.0
 
 
@@ -35,8 +35,8 @@ class Meeting:
 
     @contextlib.asynccontextmanager
     async def bridge(self, address: str) -> AsyncIterator[list[str]]:
-        """Serve an address; gives the addresses listened on, with their ports."""
-        # The graph is to see at once that a board is gone.
+        """Serve an address; yield the addresses of the listeners, with their ports."""
+        # The graph must show immediately that a board has left.
         settings = BridgeSettings(grace_s=0.0)
         supervisor = Supervisor(self.network.join, STORE, reporter=self.reporter, settings=settings)
         await supervisor.start([parse_address(address)])
@@ -46,12 +46,12 @@ class Meeting:
             await supervisor.close()
 
     async def counting(self, more: int = 3) -> None:
-        """Wait until the node publishes."""
+        """Wait until the node has published `more` messages."""
         before = len(self.counts)
         await until(lambda: len(self.counts) >= before + more, "the node's counter")
 
     async def ask(self, question: str) -> str:
-        """Say something to the node, and return what it answers."""
+        """Send a question to the node, and return its answer."""
         publisher = await self.graph.publisher("/question", "std_msgs/String")
         try:
             assert await publisher.wait_for_subscriber(PATIENCE_S), "the node does not subscribe"
@@ -63,7 +63,7 @@ class Meeting:
             await publisher.close()
 
     async def exchange_messages(self) -> None:
-        """Use all that the node offers."""
+        """Use all topics, services and parameters of the node."""
         await self.counting()
         assert await self.ask("hello") == "hello"
         long = "".join(chr(32 + n % 95) for n in range(450))
@@ -79,7 +79,9 @@ class Meeting:
 
 @contextlib.asynccontextmanager
 async def meeting() -> AsyncIterator[Meeting]:
-    """Open a graph, with a program in it that listens to the node and has the service that it calls."""
+    """Open a graph with a program that subscribes to the node's topics and offers the service that the node
+    calls.
+    """
     network = MemoryNetwork()
     graph = TypedGraph(await network.join("program"), STORE)
     made = Meeting(network, graph)

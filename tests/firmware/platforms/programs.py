@@ -24,7 +24,7 @@ WARNINGS = ("-std=gnu++11", "-Wall", "-Wextra", "-Werror")
 def compile_program(
     command: Sequence[str], sources: Sequence[Path], library: Path, output: Path, *after: str
 ) -> Path:
-    """Compile and link sources against a generated library; fails with what the compiler says."""
+    """Compile and link sources against a generated library; fail with the compiler's messages."""
     output.parent.mkdir(parents=True, exist_ok=True)
     done = subprocess.run(
         [*command, *WARNINGS, f"-I{library}/src", *map(str, sources), "-o", str(output), *after],
@@ -44,7 +44,8 @@ def compile_for_cortex_m(source: Path, library: Path, output: Path, *flags: str)
     )
 
 
-# The kits that are rewritten for an STM32F405: the file with their calls, and the flags of their programs.
+# The kits that have replacements for an STM32F405: the file with their functions, and the flags of their
+# programs.
 STM32_KITS = {
     "ST's HAL": ("stm32_hal.cpp", ("-DUSE_HAL_DRIVER", f"-I{STUBS}/stm32")),
     "Mbed 2": ("mbed_kit.cpp", ("-D__MBED__", f"-I{STUBS}/mbed2")),
@@ -59,8 +60,8 @@ def compile_for_stm32(kit: str, source: Path, library: Path, output: Path) -> Pa
 
 
 def compile_for_esp8266(source: Path, library: Path, output: Path) -> Path:
-    """Compile a sketch with the ESP8266's compiler, for its core on a board that qemu simulates."""
-    # Where Debian's picolibc is.
+    """Compile a sketch with the ESP8266's compiler, for its processor core on a board that qemu simulates."""
+    # Debian's picolibc.
     libc = Path("/usr/lib/xtensa-lx106-elf")
     command = [
         *("xtensa-lx106-elf-g++", "-Os", "-mlongcalls", "-ffunction-sections", "-fdata-sections"),
@@ -103,7 +104,7 @@ def _compile_for_core(
 async def running(
     *command: str | Path, environment: Mapping[str, str] | None = None
 ) -> AsyncIterator[asyncio.subprocess.Process]:
-    """Run a program for as long as the block lasts."""
+    """Run a program until the block ends."""
     process = await asyncio.create_subprocess_exec(
         *map(str, command),
         stdin=asyncio.subprocess.DEVNULL,

@@ -1,6 +1,6 @@
-"""The Arduino platform headers: ports of any class, and the network ones run against the real bridge.
+"""The Arduino platform headers: ports of any class, and network sketches with the real bridge.
 
-The network sketches run on Linux here, with clients that have Arduino's interfaces over the system's sockets.
+The network sketches run on Linux, with clients that have Arduino's interfaces on the system's sockets.
 """
 
 from __future__ import annotations
@@ -47,7 +47,7 @@ def _compile(source: str, library: Path, places: pytest.TempPathFactory, *flags:
 async def test_an_esp32_connects_as_its_sketch_asks_for_it(
     library: Path, tmp_path_factory: pytest.TempPathFactory
 ) -> None:
-    """The established library has the network on these boards without a switch."""
+    """On these boards, the established library uses the network without a switch."""
     program = tmp_path_factory.mktemp("arduino") / "esp32"
     source = ON_HOST / "network_node.cpp"
     compile_program(["g++", "-DARDUINO=10819", "-DESP32", f"-I{ON_HOST}"], [source], library, program)
@@ -69,7 +69,7 @@ async def test_tcp_exchanges_messages_and_reconnects_within_two_seconds(tcp_sket
         async with met.bridge("tcp://127.0.0.1:0") as (address,):
             await node.enter_async_context(running(tcp_sketch, address.rpartition(":")[2]))
             await met.exchange_messages()
-        # Long enough for the pauses between its attempts to reach their longest.
+        # Long enough for the longest pause between its attempts.
         await asyncio.sleep(2.0)
         began_s = time.monotonic()
         async with met.bridge(address):
@@ -82,7 +82,7 @@ async def test_tcp_exchanges_messages_and_reconnects_within_two_seconds(tcp_sket
 async def test_a_connection_to_a_host_that_is_no_longer_reachable_is_replaced(
     tcp_sketch: Path, linux_program: Path
 ) -> None:
-    """A network that fails does not end the connection; the host just no longer answers."""
+    """A failed network does not end the connection; the host only stops answering."""
     request_topics = encode_frame(0, b"")
 
     async def await_second_connection(program: Path, own_host: str) -> float:
@@ -121,7 +121,7 @@ async def test_udp_sends_whole_frames_and_receives_only_from_the_host(udp_sketch
     request_topics = encode_frame(0, b"")
     with _udp_socket() as host, _udp_socket() as stranger:
         async with running(udp_sketch, str(host.getsockname()[1])):
-            # What it says of itself, again every 2.2 s: seven topic infos (a service has two), and the time.
+            # Its announcements, every 2.2 s: seven topic infos (two for a service), and the time request.
             first, board = await asyncio.to_thread(host.recvfrom, 2048)
             datagrams = [first] + [await asyncio.to_thread(host.recv, 2048) for _ in range(7)]
             for datagram in datagrams:
@@ -130,7 +130,7 @@ async def test_udp_sends_whole_frames_and_receives_only_from_the_host(udp_sketch
             host.settimeout(0.3)
             for _ in range(10):
                 stranger.sendto(request_topics, board)
-                # On a busy machine, it may have said all of it again in this time.
+                # On a busy machine, it may have announced itself again in this time.
                 if not await asyncio.to_thread(_receive_all, host):
                     break
             else:
@@ -141,7 +141,7 @@ async def test_udp_sends_whole_frames_and_receives_only_from_the_host(udp_sketch
 
 
 def _receive_all(receiver: socket.socket) -> int:
-    """Receive until nothing comes for the socket's time limit; returns the number of datagrams."""
+    """Receive until nothing arrives for the socket's time limit; return the number of datagrams."""
     count = 0
     with contextlib.suppress(TimeoutError):
         while receiver.recv(2048):

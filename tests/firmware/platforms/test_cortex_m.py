@@ -1,4 +1,4 @@
-"""The node on a Cortex-M in qemu, with the kits of the Tiva C, of ST and of Mbed, through the real bridge."""
+"""The node on a Cortex-M in qemu, with the kits of the Tiva C, ST and Mbed, and the real bridge."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ async def test_reconnects_within_two_seconds_of_a_reset(cortex_m_program: Path) 
         await QemuBoard.start(cortex_m_program) as board,
         met.bridge(board.address),
     ):
-        # Far enough that a smaller number can only come after the reset.
+        # High enough that a smaller number can only come after the reset.
         await met.counting(20)
         before = met.counts[-1]
         seen = len(met.counts)

@@ -1,4 +1,4 @@
-"""The node on the processor core of an ESP8266 in qemu, from its compiler, through the real bridge."""
+"""The node on the processor core of an ESP8266 in qemu, built with its compiler, with the real bridge."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ QEMU = (
     "none",
     "-monitor",
     "none",
-    # The program's clock counts instructions of 1 ns: a busy machine must not look like a gap in a frame.
+    # The program's clock counts instructions as 1 ns, so that a busy machine does not cause a gap in a frame.
     "-icount",
     "shift=0",
 )

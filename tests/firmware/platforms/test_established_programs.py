@@ -1,4 +1,4 @@
-"""Programs in the style of the established libraries for Linux and Windows, unchanged."""
+"""Programs in the style of the established libraries for Linux and Windows compile and run unchanged."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import pytest
 from firmware.platforms.meeting import meeting
 from firmware.platforms.programs import compile_program, running
 
-# Its host is a text constant, which the library must leave alone, and it looks at the line once a second.
+# Its host is a text constant, which the library must not change. It reads the line once a second.
 LINUX = """
 #include <ros.h>
 #include <std_msgs/Int32.h>

@@ -1,6 +1,7 @@
-"""Each platform's header, with the node that uses all of it, is C++ without a warning for its boards.
+"""Each platform's header, with a node that uses all of it, compiles without a warning for its boards.
 
-Where the vendor's kit is not here it is compiled against declarations of the calls that it makes.
+If a vendor's kit is not available, the header is compiled against declarations of the functions that it
+calls.
 """
 
 from __future__ import annotations
@@ -47,7 +48,7 @@ SWITCHES = {
     "UDP": ("-DROSSERIAL_ARDUINO_UDP",),
     "TCP over Wi-Fi": ("-DROSSERIAL_ARDUINO_TCP", "-DROSSERIAL_ARDUINO_WIFI"),
 }
-# The headers of a network have no branches for the other boards.
+# The network headers have no branches for the other boards.
 SERIAL_ONLY = {"Due", "SAMD", "OpenCR", "Maple Mini", "STM32duino"}
 ARDUINO_NODES = [
     (board, switch)

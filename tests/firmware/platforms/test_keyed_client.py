@@ -1,4 +1,6 @@
-"""ros/keyed_client.h and ros/sha256.h on the host: against Python's, and against hosts that mean no good."""
+"""ros/keyed_client.h and ros/sha256.h on the host, compared with Python's functions, and with hostile
+hosts.
+"""
 
 from __future__ import annotations
 
@@ -30,7 +32,7 @@ def program(library: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def run_client(program: Path, data: bytes, *, stays: bool = False) -> tuple[int, int, bytes]:
-    """Return the refusal, how many bytes were left unread, and what the client said."""
+    """Return the refusal, the number of unread bytes, and the client's output."""
     done = subprocess.run(
         [program, KEY, "stays" if stays else "leaves"], input=data, capture_output=True, timeout=120
     )
@@ -59,7 +61,7 @@ def test_our_listener_takes_its_proof(program: Path) -> None:
 
 def test_a_host_without_the_key_is_refused(program: Path) -> None:
     assert run_client(program, GREETING + b"RSPSK1 " + b"0" * 64 + b"\n\xff\xfe")[:2] == (WRONG_KEY, 2)
-    # Its own proof, sent back to it.
+    # The client's own proof, sent back.
     _, _, reported = run_client(program, GREETING)
     proof = reported.split()[2]
     assert run_client(program, GREETING + b"RSPSK1 " + proof + b"\n")[0] == WRONG_KEY

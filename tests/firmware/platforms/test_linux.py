@@ -1,4 +1,4 @@
-"""The node as a Linux program: serial port and TCP, through the real bridge."""
+"""The node as a Linux program with the real bridge, over a serial port and TCP."""
 
 from __future__ import annotations
 
@@ -62,7 +62,7 @@ async def test_reconnects_within_two_seconds_of_the_bridge(linux_program: Path) 
         async with met.bridge("tcp://127.0.0.1:0") as (address,):
             await node.enter_async_context(running(linux_program, address.removeprefix("tcp://")))
             await met.counting()
-        # Long enough for the pauses between its attempts to reach their longest.
+        # Long enough for the longest pause between its attempts.
         await asyncio.sleep(2.0)
         began_s = time.monotonic()
         async with met.bridge(address):
@@ -88,7 +88,7 @@ async def test_survives_a_host_that_resets_the_connection_while_it_writes(linux_
         async with running(linux_program, f"{host}:{port}") as process:
             for _ in range(3):
                 connection, _ = await asyncio.to_thread(server.accept)
-                # So that closing answers what still comes with a reset.
+                # With unread data, closing resets the connection.
                 connection.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, b"\x01\0\0\0\0\0\0\0")
                 assert await asyncio.to_thread(connection.recv, 16)
                 connection.close()
@@ -110,7 +110,9 @@ async def test_sets_the_baud_rate(linux_program: Path, baud: int) -> None:
 
 
 def _speed(fd: int) -> int:
-    """Return the output speed in baud, by the kernel's own structure: termios only knows standard rates."""
+    """Return the output speed in baud from the kernel's structure, because termios only has standard
+    rates.
+    """
     line = fcntl.ioctl(fd, 0x802C542A, bytes(44))
     speed: int = struct.unpack("<4I20s2I", line)[-1]
     assert termios.tcgetattr(fd)[3] & termios.ECHO == 0

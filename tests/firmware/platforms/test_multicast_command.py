@@ -1,4 +1,6 @@
-"""ros/multicast_command.h on the host: it obeys and answers as our receiver does, and reopens its socket."""
+"""ros/multicast_command.h on the host: it obeys and answers like the receiver in Python, and reopens its
+socket.
+"""
 
 from __future__ import annotations
 
@@ -47,7 +49,7 @@ def robot(control_library: Path, tmp_path_factory: pytest.TempPathFactory) -> Pa
 
 
 def expected(series: list[tuple[int, bytes]]) -> list[str]:
-    """Return what our own receiver makes of the same datagrams."""
+    """Return the receiver's commands and answers for the same datagrams."""
     robot, reporter, lines = CommandReceiver(ROBOT), StatusReporter(3, KEY), []
     for now_ms, datagram in series:
         now_s = now_ms / 1000
@@ -79,7 +81,7 @@ def test_it_obeys_and_answers_as_our_receiver(robot: Path) -> None:
     series: list[tuple[int, bytes]] = []
     now_ms = 40_000
     for round_number in range(400):
-        # Two senders that never overlap in time to live; the counts of others are not kept on a board.
+        # Two senders whose times to live do not overlap; a board keeps no counts of other senders.
         sender = second if round_number > 250 else first
         payload = struct.pack("<dd", rng.randrange(-180, 180), rng.random())
         sent = rng.choice(
@@ -107,12 +109,12 @@ def test_it_obeys_and_answers_as_our_receiver(robot: Path) -> None:
     assert {each.split()[0] for each in answers} == {"0", "1", "2", "3"}
     obeyed = actual(robot, series)
     assert [each.split()[0] for each in obeyed] == [each.split()[0] for each in answers]
-    # A board answers a stop sooner after a command.
+    # A board answers a stop earlier after a command.
     both = [
         pair for pair in zip(obeyed, answers, strict=True) if not any(each.endswith("-") for each in pair)
     ]
     assert len(both) > 50
-    # The address of the sender is text there, and bytes here.
+    # The receiver sends the address of the sender as text, the board as bytes.
     assert [status_of(each) for each, _ in both] == [status_of(each) for _, each in both]
 
 
@@ -165,14 +167,14 @@ def test_other_senders_are_refused_with_the_name_of_the_holder(robot: Path) -> N
 
 
 class Robot:
-    """The sketch, and the lines that it prints."""
+    """The running sketch, with its output lines."""
 
     def __init__(self, process: asyncio.subprocess.Process) -> None:
         self._output = process.stdout
         self.lines: list[str] = []
 
     async def line(self, wanted: str) -> None:
-        """Wait for a line from now on."""
+        """Wait for a new line with this text."""
         async with asyncio.timeout(PATIENCE_S):
             while True:
                 assert self._output is not None
@@ -204,7 +206,7 @@ async def sending(channel: CommandChannel, payload: bytes) -> AsyncIterator[None
 
     async def repeat() -> None:
         while True:
-            # The first is too long for the sketch, and must not hide the others.
+            # The first datagram is too long for the sketch; the others must arrive.
             for datagram in (bytes(1000), *sender.command(payload, asyncio.get_running_loop().time())):
                 channel.send(datagram)
             await asyncio.sleep(REPEAT_S)
@@ -230,7 +232,7 @@ async def test_a_sketch_obeys_answers_and_stops_when_its_sender_is_silent(robot:
             (known,) = channel.table.robots.values()
             assert (known.status.robot_id, known.status.is_moving, known.address[1]) == (3, True, group.port)
             assert known.status.holder.rpartition(":")[0] == known.address[0]
-        # The sender is gone without a stop. The silence also opens the socket.
+        # The sender has ended without a stop. The silence also reopens the socket.
         await sketch.line("halt")
         await sketch.line("open")
     channel.close()
@@ -250,7 +252,7 @@ async def test_a_deaf_socket_is_reopened_and_receives_again(robot: Path) -> None
 
 async def test_bare_datagrams_are_obeyed_until_they_end(robot: Path) -> None:
     group = loopback_group()
-    # Bytes of the reference's bridge; what is not this message moves nothing.
+    # The bytes of the reference's bridge; other data moves nothing.
     message = bytes.fromhex("0000000000000080000000000000f03f")
     datagrams = (b"", bytes(15), bytes(17), bytes(100), message)
 

@@ -1,4 +1,4 @@
-"""`board run --board opencr`: words on standard input, events on standard output."""
+"""`board run --board opencr`: commands on standard input, events on standard output."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from rostether.transports.address_parser import parse_address
 
 pytestmark = pytest.mark.gcc
 
-# Answers each change of the button with the LED and a tone.
+# At each change of the button, it sets the LED and plays a tone.
 SKETCH = """\
 void setup() {
   pinMode(BDPIN_LED_USER_1, OUTPUT);

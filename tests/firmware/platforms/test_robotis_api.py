@@ -1,4 +1,4 @@
-"""What ROBOTIS' firmware uses of the client library, in a sketch of our own, on a simulated OpenCR."""
+"""The parts of the client library that ROBOTIS' firmware uses, in a sketch on a simulated OpenCR."""
 
 from __future__ import annotations
 
@@ -211,7 +211,7 @@ TYPES = {
 
 
 async def _look_at(shown: OpenCrNodeBoard) -> None:
-    """Use the board as its page does."""
+    """Use the board like the page of the dashboard."""
     pins = await shown.pins()
     assert [pins[name] for name in ("DXL_PWR_EN", "LED_USER_1", "PUSH_SW_1")] == ["out1", "out1", "in0"]
     for command, state in (("1", "in1"), ("z", "in0")):
@@ -253,7 +253,7 @@ async def test_a_sketch_with_the_same_api_works(tmp_path: Path) -> None:
             await _look_at(OpenCrNodeBoard(board))
             await until(lambda: last["odom"].twist.twist.linear.x > 0.2, "the speed")
             await until(lambda: len(printed) == 2, "what the sketch prints")
-            # The command may come before the parameter.
+            # The command may arrive before the parameter.
             assert printed in (["Button : 0", f"     theta : {speed}"] for speed in ("0.00", "0.22"))
             await until(lambda: last["odom"].header.frame_id == "tb3_1/odom", "the prefix")
         for ear in ears:

@@ -1,4 +1,4 @@
-"""The node on an RP2040, the chip of the Pico, in the emulator rp2040js, through the real bridge."""
+"""The node on an RP2040, the chip of the Pico, in the emulator rp2040js, with the real bridge."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The examples that use nothing but the client library, unchanged: on Linux, and on a Cortex-M in qemu."""
+"""The examples that need only the client library, unchanged, on Linux and on a Cortex-M in qemu."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ PLATFORMS = [
 
 @pytest.fixture(params=PLATFORMS)
 def platform(request: pytest.FixtureRequest) -> str:
-    """Where the sketch runs."""
+    """The platform of the sketch."""
     name: str = request.param
     return name
 
@@ -39,7 +39,7 @@ class Stage:
 
     @contextlib.asynccontextmanager
     async def sketch(self, name: str, /, **parameters: Any) -> AsyncIterator[Meeting]:
-        """Build an example and run it on the bridge, with private parameters for it."""
+        """Build an example and run it with the bridge and with private parameters."""
         flag = f'-DSKETCH="{EXAMPLES / name / name}.ino"'
         source = NODE / "sketch.cpp"
         program = self._place / name
@@ -60,7 +60,7 @@ class Stage:
 
 @pytest.fixture
 def stage(platform: str, library: Path, tmp_path: Path) -> Stage:
-    """Where the examples run."""
+    """The stage of the platform."""
     return Stage(platform, library, tmp_path)
 
 
@@ -108,7 +108,7 @@ async def test_service_client(stage: Stage) -> None:
     async with stage.sketch("ServiceClient") as met:
         await met.graph.service_server("/test_srv", "rosserial_arduino/Test", shout)
         async for message in met.graph.messages("/chatter", "std_msgs/String"):
-            # Empty until the service is there.
+            # Empty until the service exists.
             assert message.data in ("", "HELLO WORLD!")
             if message.data:
                 break
@@ -118,7 +118,7 @@ async def test_time_tf(stage: Stage) -> None:
     async with stage.sketch("TimeTF") as met:
         async for message in met.graph.messages("/tf", "tf/tfMessage"):
             stamp = message.transforms[0].header.stamp
-            # Before the host's first answer it is the time since the start.
+            # Before the host's first answer, it is the time since the start.
             if stamp.to_ns() > 10**18:
                 assert abs(met.graph.now().to_ns() - stamp.to_ns()) < 2e9
                 break

@@ -10,7 +10,7 @@ from firmware.platforms.programs import NODE, compile_program
 
 @pytest.mark.gcc
 def test_a_line_that_accepts_nothing_is_waited_for_once(library: Path, tmp_path: Path) -> None:
-    """A host that is asleep must not slow a robot down: each message would wait for it."""
+    """If the host sleeps, the robot must not wait for each message."""
     program = compile_program(["g++", "-O1"], [NODE / "stalled_line.cpp"], library, tmp_path / "line")
     done = subprocess.run([program], check=False)
     assert done.returncode == 0, f"check {done.returncode} of stalled_line.cpp failed"

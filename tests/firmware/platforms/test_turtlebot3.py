@@ -1,4 +1,4 @@
-"""The firmware of a TurtleBot3 Burger on a simulated OpenCR, through the real bridge."""
+"""The firmware of a TurtleBot3 Burger on a simulated OpenCR, with the real bridge."""
 
 from __future__ import annotations
 
@@ -61,7 +61,9 @@ class Robot:
         publisher.publish(**fields)
 
     async def drive_until(self, speed: float, turn: float, reached: Callable[[Any], object]) -> None:
-        """Command a speed until an odometry message meets a condition, and wait until the robot stands."""
+        """Command a speed until an odometry message meets a condition, then wait until the robot is at
+        rest.
+        """
         publisher = await self.met.graph.publisher("/cmd_vel", TWIST)
         assert await publisher.wait_for_subscriber(PATIENCE_S)
         async with asyncio.timeout(PATIENCE_S):
@@ -87,7 +89,7 @@ def is_turned(heading: float, pose: Any) -> bool:
 
 @contextlib.asynccontextmanager
 async def burger(program: Path, lost: Container[int] = (), **parameters: Any) -> AsyncIterator[Robot]:
-    """Start the robot, with private parameters for it. `lost`: the servos' answers to lose, by number."""
+    """Start the robot with private parameters. The servos' answers with the numbers in `lost` are lost."""
     async with meeting() as met, await OpenCrBoard.start(program) as board:
         answers = itertools.count()
         board.base.damage = lambda answer: b"" if next(answers) in lost else answer
@@ -107,7 +109,7 @@ async def test_it_drives_a_square_and_knows_where_it_is(program: Path) -> None:
             await robot.drive_until(0, 2.0, partial(is_turned, (side + 1) * math.pi / 2))
             pose = (await robot.message("/odom", ODOM, stands)).pose.pose
             base.advance()
-            # On a busy machine it stops late, and knows it.
+            # On a busy machine it stops late; its odometry is still correct.
             assert math.dist((base.x_m, base.y_m), began) > SIDE_M - 0.02
             assert math.dist((pose.position.x, pose.position.y), (base.x_m, base.y_m)) < 0.01
             assert abs(math.remainder(yaw_of(pose.orientation) - base.heading_rad, math.tau)) < 0.01
@@ -119,7 +121,7 @@ async def test_it_drives_a_square_and_knows_where_it_is(program: Path) -> None:
         motors = [servo.motor.angle_rad for servo in base.servos.values()]
         assert list(joints.position) == pytest.approx(motors, abs=0.01)
 
-        # A command lasts half a second. The servos accept no more than 265 units.
+        # A command is valid for half a second. The servos accept at most 265 units.
         driving = asyncio.ensure_future(
             robot.message("/odom", ODOM, lambda each: each.twist.twist.linear.x > 0.15)
         )
@@ -162,7 +164,7 @@ async def test_it_senses(program: Path) -> None:
         field = (await robot.message("/magnetic_field", "sensor_msgs/MagneticField")).magnetic_field
         assert (field.x, field.y, field.z) == pytest.approx((20e-6, 0, -44e-6), abs=0.2e-6)
 
-        # The remote control turns it, for as long as its packets come.
+        # The remote control turns it while packets arrive.
         turning = asyncio.ensure_future(
             robot.message("/imu", "sensor_msgs/Imu", lambda each: each.angular_velocity.z > 0.9)
         )
@@ -199,19 +201,19 @@ async def test_each_lost_sender_stops_it(program: Path) -> None:
         def stands_still() -> bool:
             return board.base.speed_m_s == 0
 
-        # The remote control is lost, while a computer commands it to stand still.
+        # The remote control is lost while a computer commands speed 0.
         await repeat(partial(board.send_remote_buttons, 1), is_moving)
         await repeat(partial(command, 0.0), stands_still)
-        # The computer is lost, while the remote control sends that no button is held.
+        # The computer is lost while the remote control sends that no button is pressed.
         await repeat(partial(command, 0.1), is_moving)
         await repeat(partial(board.send_remote_buttons, 0), stands_still)
-        # What is not a number is not a speed.
+        # NaN is not a speed.
         await repeat(partial(command, 0.1), is_moving)
         await repeat(partial(command, math.nan), stands_still)
 
 
 async def test_torque_and_errors_of_the_servos(program: Path) -> None:
-    # The left servo does not answer at first, and is prepared later.
+    # The left servo does not answer at first, and is set up later.
     async with burger(program, lost=(0,)) as robot:
         base = robot.board.base
         await robot.message("/sensor_state", STATE, lambda each: each.torque)
@@ -220,7 +222,7 @@ async def test_torque_and_errors_of_the_servos(program: Path) -> None:
         await robot.message("/sensor_state", STATE, lambda each: not each.torque)
         assert [servo["torque_enable"] for servo in base.servos.values()] == [0, 0]
 
-        # Pushed by hand, and then without power for a moment: the servo forgets its turns.
+        # The robot is pushed by hand, then loses its power briefly: the servo forgets its turns.
         servo = base.servos[2]
         servo.motor.angle_rad = 30.0
         pushed = (
@@ -244,7 +246,7 @@ async def test_torque_and_errors_of_the_servos(program: Path) -> None:
         await until(lambda: base.servos[2]["torque_enable"] == 1, "the torque after a restart")
         assert base.servos[2]["hardware_error_status"] == 0
 
-        # A line that damages each answer: the robot reports it, and goes on when the line is whole.
+        # While the line damages each answer, the robot reports it; after that it works again.
         base.damage = lambda answer: answer[:-1] + bytes((answer[-1] ^ 1,))
         is_silent = "a servo does not answer"
         await robot.message(

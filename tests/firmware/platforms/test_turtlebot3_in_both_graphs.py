@@ -1,4 +1,4 @@
-"""A TurtleBot3 Burger in ROS 1 and in ROS 2 at once: each topic has its type and its rate in both."""
+"""A TurtleBot3 Burger in ROS 1 and ROS 2 at the same time: each topic has its type and its rate in both."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ RECEIVED = {
     "/reset": "std_msgs/Empty",
     "/sound": "turtlebot3_msgs/Sound",
 }
-# Two seconds: enough to tell 30 from 28 Hz.
+# Two seconds, which is enough to distinguish 30 Hz from 28 Hz.
 WINDOW = 60
 
 
@@ -86,7 +86,7 @@ async def listen(graph: Graph, topic: str, type_name: str) -> Inbox:
 
 
 def shown_type(graph: str, topic: str, type_name: str) -> str:
-    """Return the type of a topic as a graph shows it."""
+    """Return the type of a topic as the graph shows it."""
     if graph == "ROS 2":
         return type_name.replace("/", "/msg/")
     return "tf/tfMessage" if topic == "/tf" else type_name
@@ -105,14 +105,16 @@ async def test_each_topic_has_its_type_and_its_rate_in_both_graphs(world: World)
         for topic, (kind, _) in SENT_HZ.items():
             inboxes[name, topic] = await listen(graph, topic, kind if name == "ROS 2" else wanted[topic])
     await until(lambda: all(inbox.payloads for inbox in inboxes.values()), "each topic in each graph")
-    # On a busy machine some windows are too slow.
+    # On a busy machine, some windows are too slow.
     deadline_s = time.monotonic() + PATIENCE_S
     while wrong := await wrong_rates(inboxes):
         assert time.monotonic() < deadline_s, wrong
 
 
 async def wrong_rates(inboxes: dict[tuple[str, str], Inbox]) -> list[str]:
-    """Count each topic while the odometry comes WINDOW times; returns what is too much or too little."""
+    """Count the messages of each topic during WINDOW odometry messages; return the topics with a wrong
+    rate.
+    """
     for inbox in inboxes.values():
         inbox.payloads.clear()
     clock = inboxes["ROS 1", "/odom"].payloads
@@ -128,7 +130,7 @@ async def wrong_rates(inboxes: dict[tuple[str, str], Inbox]) -> list[str]:
         hertz = SENT_HZ[topic][1]
         # The bridge itself publishes on /diagnostics too.
         count = sum(topic != "/diagnostics" or b"Analog Button" in payload for payload in inbox.payloads)
-        # The simulated board shares the machine: it misses some of 200 measurements a second.
+        # The simulated board shares the processor, so it misses some of 200 measurements a second.
         tolerance = 0.2 if hertz > 100 else 0.1
         if abs(count - span_s * hertz) > max(1.5, tolerance * span_s * hertz):
             wrong.append(f"{graph} {topic}: {count} messages in {span_s:.1f} s")
@@ -155,7 +157,9 @@ async def test_commands_come_from_both_graphs(world: World) -> None:
 async def send(
     commanding: Graph, topic: str, watching: Graph, answer: str, **fields: Any
 ) -> Callable[[Callable[[Any], object]], Any]:
-    """Prepare a command in one graph; returns how to repeat it until the other graph shows its effect."""
+    """Prepare a command in one graph; return a function that repeats it until the other graph shows its
+    effect.
+    """
     codec = STORE.codec(RECEIVED[topic])
     publisher = await commanding.advertise(topic, STORE.registry.message_type(RECEIVED[topic]))
     kind = SENT_HZ[answer][0]

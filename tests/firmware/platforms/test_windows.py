@@ -1,4 +1,4 @@
-"""The node as a Windows program in wine: TCP and a COM port, through the real bridge."""
+"""The node as a Windows program in wine with the real bridge, over TCP and a COM port."""
 
 from __future__ import annotations
 
@@ -16,13 +16,15 @@ from firmware.platforms.programs import running
 pytestmark = [pytest.mark.mingw, pytest.mark.wine, pytest.mark.timeout(300)]
 
 
-# Where Debian's wine has the libraries of Windows.
+# Debian's wine has the libraries of Windows here.
 LIBRARIES = Path("/usr/lib/x86_64-linux-gnu/wine/x86_64-windows")
 
 
 @pytest.fixture
 def wine(tmp_path: Path) -> Iterator[dict[str, str]]:
-    """The environment of a Windows with links to its libraries, which `wineboot` would copy for seconds."""
+    """The environment of a Windows with links to its libraries; copying them with `wineboot` takes
+    seconds.
+    """
     prefix = tmp_path / "wine"
     system = prefix / "drive_c" / "windows" / "system32"
     system.mkdir(parents=True)
@@ -53,7 +55,7 @@ async def test_exchanges_messages_over_tcp_reconnects_and_exchanges_messages_ove
                 await asyncio.sleep(0.5)
         port = tmp_path / "port"
         async with met.bridge(f"pty:{port}"):
-            # Beyond COM9, which needs the long form of the name.
+            # Above COM9, the long form of the name is necessary.
             (Path(wine["WINEPREFIX"]) / "dosdevices" / "com33").symlink_to(port)
             async with running("wine", windows_program, "COM33", "115200", environment=wine):
                 await met.exchange_messages()

@@ -1,4 +1,4 @@
-"""Frames that nobody would send, for the Target sketch: any length, id, content and damage, and noise."""
+"""Invalid frames for the Target sketch, with any length, id, content and damage, and noise."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import struct
 
 from rostether.rosserial.frame import encode_frame
 
-# As the sketch subscribes.
+# The sketch's subscriptions.
 NUMBERS, TEXTS, REALS, JOINTS, TRANSFORMS, DIAGNOSTICS, SERVER = range(100, 107)
 NUMBERS_OUT = 108
 MAX_BYTES = 400
@@ -67,13 +67,13 @@ SAMPLES = (
 
 
 class HostileFrames:
-    """Makes them; the same seed makes the same ones."""
+    """Generates hostile frames; the same seed gives the same frames."""
 
     def __init__(self, seed: int) -> None:
         self._random = random.Random(seed)
 
     def next(self) -> bytes:
-        """Return the bytes of one, at most a little longer than a board's buffer."""
+        """Return the bytes of one frame, at most slightly longer than a board's buffer."""
         sample_id, payload = self._random.choice(SAMPLES)
         any_id = self._random.choice((sample_id, self._random.randrange(0x10000), NUMBERS, 6, SERVER))
         kind = self._random.randrange(7)
@@ -88,7 +88,7 @@ class HostileFrames:
             return whole[: self._random.randrange(len(whole))]
         if kind == 4:
             return encode_frame(any_id, payload)
-        # Damaged inside, whole outside: what reaches the callbacks.
+        # A valid frame with damaged content, which reaches the callbacks.
         return encode_frame(sample_id, self._damaged(payload))[: 2 * MAX_BYTES]
 
     def _noise(self, longest: int) -> bytes:

@@ -1,4 +1,4 @@
-"""A host at a paused simulated board: it sends at line speed, and the board's time goes on as it says."""
+"""A host for a paused simulated board: it sends at the line's speed and controls the board's time."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ from rostether.rosserial.frame_decoder import FrameDecoder, Frames
 from rostether.simulation.simavr.simulated_board import SimulatedBoard
 
 STEP_MS = 20
-# What tells that a program has gone wrong.
+# Events that show a fault of the program.
 ALARMS = ("reset", "restart", "stack_overflow", "bad_opcode", "bad_write", "bad_read", "guarded_write")
 
 
 class ScriptedHost:
-    """Collects the frames the board sends; `on_frame` hears of each, with its id and payload."""
+    """Collects the frames that the board sends; `on_frame` is called with the id and payload of each."""
 
     def __init__(self, board: SimulatedBoard) -> None:
         self.board = board
@@ -27,7 +27,7 @@ class ScriptedHost:
 
     @classmethod
     async def start(cls, elf: Path, *, board: str = "uno") -> ScriptedHost:
-        """Start a board that stands still until `run`."""
+        """Start a board that is paused until `run`."""
         words = ["watch serial"]
         simulated = await SimulatedBoard.start(
             elf, board=board, link="none", realtime=False, paused=True, commands=words
@@ -39,11 +39,11 @@ class ScriptedHost:
         self._to_send += encode_frame(topic_id, payload)
 
     def send_bytes(self, data: bytes) -> None:
-        """Send what may be no frame with the next step."""
+        """Send any bytes with the next step."""
         self._to_send += data
 
     async def run(self, duration_ms: int, until: Callable[[], bool] = lambda: False) -> bool:
-        """Let the board's time go on; returns whether a condition was met meanwhile."""
+        """Run the board for a time; return whether a condition was met during it."""
         end_ms = self.now_ms + duration_ms
         while self.now_ms < end_ms:
             while self._to_send:
@@ -64,6 +64,6 @@ class ScriptedHost:
         return False
 
     def alarms(self) -> list[str]:
-        """Return what went wrong since the board was switched on."""
+        """Return the faults since the board was switched on."""
         names = [event.name for event in self.board.recent]
         return [name for name in names[names.index("reset") + 1 :] if name in ALARMS]

@@ -1,4 +1,4 @@
-"""Real firmware on a simulated Uno at 57600 baud, the real bridge, and messages that come back unchanged."""
+"""Real firmware on a simulated Uno at 57600 baud sends messages back through the real bridge, unchanged."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from firmware.examples.stage import running
 from rostether.serde.values import Message
 
 SKETCH = str(Path(__file__).parent / "sketches" / "Echo")
-# As much as fits into an Uno's buffer of 280 bytes.
+# The most that fits into an Uno's buffer of 280 bytes.
 LONGEST_TEXT = 276
 
 

@@ -1,4 +1,4 @@
-"""Hostile frames to a simulated Uno at any baud: it neither resets nor falls silent."""
+"""Hostile frames for a simulated Uno at several baud rates: it neither resets nor becomes silent."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ from rostether.firmware.build import build_sketch, find_board
 from rostether.firmware.built_firmware import BuildOptions
 
 SKETCH = Path(__file__).parent / "sketches" / "Target"
-# Frames for each baud; slow lines take their time.
+# Frames for each baud rate; fewer on slow lines.
 BAUDS = {9600: 80, 57600: 320, 115200: 400, 250000: 400, 500000: 400, 1000000: 400}
 BATCH = 40
 MAX_BYTES = effort(2 * BATCH, thorough=10 * BATCH)
-# A gap in a frame lasts 0.2 s; each start left behind takes a spin, and callbacks wait for parameters.
+# A gap in a frame lasts 0.2 s; each incomplete frame takes one spin, and callbacks wait for parameters.
 QUIET_MS = 500
 
 
@@ -40,7 +40,7 @@ async def test_any_frames_leave_the_board_alive(baud: int) -> None:
             frames = [hostile.next() for _ in range(BATCH)]
             host.send_bytes(b"".join(frames))
             await host.run(sum(map(len, frames)) * 10_000 // baud + QUIET_MS)
-            # It may have been told to stop.
+            # A frame may have been a stop.
             host.send(0)
             await host.run(60)
             host.frames.clear()

@@ -1,4 +1,4 @@
-"""A board that resets is back at once, whatever its host does."""
+"""A board that resets is connected again immediately, with every host."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ async def test_messages_flow_within_two_seconds_with_a_host_that_asks_only_once(
         for _ in range(3):
             host.frames.clear()
             await host.board.reset()
-            # The sketch publishes once a second, for the first time before it has met anybody.
+            # The sketch publishes once a second, at first before it has a host.
             assert await host.run(1500, lambda: any(each >= 100 for each, _ in host.frames))
             assert any(each == topic_id.PUBLISHER for each, _ in host.frames)
 
@@ -38,5 +38,5 @@ async def test_messages_flow_again_with_our_bridge() -> None:
             await stage.board.reset()
             await ear.reached(received + 1)
             took_s = (await stage.board.cycles() - before) / 16e6
-            # A second of sleep in the sketch, and what a busy machine takes to answer.
+            # The sketch sleeps for a second; the rest is for a busy machine.
             assert took_s < 2, took_s

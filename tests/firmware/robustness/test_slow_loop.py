@@ -1,4 +1,4 @@
-"""A sketch that sleeps in its loop() is not taken for reset; one that is reset is seen."""
+"""A board that sleeps in loop() is not regarded as reset; a board that was reset is detected."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ STEP_S = 0.02
 
 
 class LinkedBoard:
-    """A board and our host link; the board's time is the link's."""
+    """A board and a host link; both have the same time."""
 
     def __init__(self, board: SimulatedBoard) -> None:
         self.board = board
@@ -56,7 +56,8 @@ async def test_a_slow_loop_is_not_a_reset(loop_ms: int) -> None:
             await linked.run(host_starts_s)
             linked.link.start(linked.now_s)
             await linked.run(12.0)
-            # A board that spins every 2 s may be silent for 4 s; after 3 s the host asks it again: wait.
+            # A board that spins every 2 s may be silent for 4 s; after 3 s the host requests its topics
+            # again.
             for _ in range(round(4.0 / STEP_S)):
                 if linked.link.is_settled:
                     break
@@ -67,5 +68,5 @@ async def test_a_slow_loop_is_not_a_reset(loop_ms: int) -> None:
             reset_s = linked.now_s
             await linked.run(6.0)
             (found_s,) = linked.resets_s
-            # Its first time request may be taken for a late answer, the one of its next loop() is not.
+            # The host may regard its first time request as a late one, but not that of its next loop().
             assert found_s - reset_s < max(2.0, loop_ms / 1000 + 0.5)

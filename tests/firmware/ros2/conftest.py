@@ -1,4 +1,4 @@
-"""Fixtures of boards in ROS 2: the boards of a file are served by one process, and seen by one peer."""
+"""Fixtures of boards in ROS 2: one process serves the boards of a file, and one peer uses them."""
 
 from __future__ import annotations
 

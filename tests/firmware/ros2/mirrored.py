@@ -1,4 +1,6 @@
-"""What the sketch Mirror gives back: messages that fit a board, with numbers that its 4-byte double holds."""
+"""The messages that the sketch Mirror sends back: they fit into a board's buffer, and their numbers into its
+4-byte double.
+"""
 
 from __future__ import annotations
 

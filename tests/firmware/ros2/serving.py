@@ -1,4 +1,4 @@
-"""`rostether serve` as its users run it: a process, with simulated boards that run real firmware."""
+"""`rostether serve` as a process, with simulated boards that run real firmware."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ async def sim_address(sketch: str | Path, kind: str, name: str) -> str:
 async def serving(
     *arguments: str, environment: Mapping[str, str] | None = None, on: Sequence[str] = ()
 ) -> AsyncIterator[Peer]:
-    """Run `rostether serve` as long as the block lasts."""
+    """Run `rostether serve` until the block ends."""
     peer = await start_command("serve", *arguments, environment=environment, on=on)
     try:
         yield peer

@@ -1,4 +1,4 @@
-"""A Mega with a sketch of our library is a ROS 2 node: real rclpy, a process of its own, sees it over DDS."""
+"""A Mega with a sketch is a ROS 2 node: rclpy in another process uses it over DDS."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ SUCCEEDED, CANCELED, ABORTED = 4, 5, 6
 
 @pytest.fixture(scope="module")
 def peer() -> Iterator[RclpyPeer]:
-    """A node that knows nothing of ours."""
+    """A node of rclpy, without rostether."""
     with rclpy_peer() as peer:
         yield peer
 
@@ -58,7 +58,7 @@ async def counting_sketch(folder: Path) -> Path:
 
 
 async def eventually(ask: Callable[[], Awaitable[Any]], is_it: Callable[[Any], object]) -> Any:
-    """Ask until the answer is right; returns it."""
+    """Ask until the answer meets a condition, and return it."""
     answer = None
     deadline_s = asyncio.get_running_loop().time() + PATIENCE_S
     while not is_it(answer := await ask()):
@@ -68,7 +68,7 @@ async def eventually(ask: Callable[[], Awaitable[Any]], is_it: Callable[[Any], o
 
 
 async def received_on(peer: RclpyPeer, topic: str, reported: Callable[[], Awaitable[Any]]) -> list[Any]:
-    """Say something until it is answered: there is no telling when the way back is open."""
+    """Publish until an answer arrives, because discovery of the way back may take longer."""
 
     async def ask() -> list[Any]:
         received: list[Any] = await peer.ask("receive", topic=topic, count=0)
@@ -109,7 +109,7 @@ async def test_the_board_serves_an_action(peer: RclpyPeer) -> None:
     action = {"action": "/lab/fibonacci", "type": "test_msgs/action/Fibonacci"}
     reached = await peer.ask("act", **action, goal={"order": 3})
     assert (reached["status"], reached["result"]) == (SUCCEEDED, {"sequence": [0, 1, 1, 2]})
-    # On a busy machine the board has counted on before the cancel arrives, perhaps to the end.
+    # On a busy machine, the board continues to count until the cancel arrives, perhaps to the end.
     canceled = await eventually(
         lambda: peer.ask("act", **action, goal={"order": 19}, cancel=True),
         lambda answer: answer["status"] == CANCELED,
@@ -180,7 +180,7 @@ async def test_the_board_is_a_node_with_its_endpoints(peer: RclpyPeer) -> None:
 
 @pytest.mark.parametrize("name", NAMES)
 async def test_types_have_the_hashes_of_the_official_packages(peer: RclpyPeer, name: str) -> None:
-    # A topic for each type: DDS may keep one for a moment after its last publisher.
+    # One topic for each type: DDS may list a topic for a short time after its last publisher.
     publisher = f"/official/{name}"
     await peer.ask("advertise", topic=publisher, type=ros2_name(name))
     try:

@@ -1,4 +1,5 @@
-"""A board on one machine, a ROS 2 node on another, each with its zenoh router, also when one restarts.
+"""A board on one machine and a ROS 2 node on another, each with a zenoh router, also when one router
+restarts.
 
 The machines are network namespaces, the board runs real firmware, the node is zenoh-ros2-sdk.
 """
@@ -34,7 +35,7 @@ NOBODY = {"ROS_DOMAIN_ID": "0", "ZENOH_CONFIG_OVERRIDE": "", "ZENOH_SESSION_CONF
 
 
 class Router:
-    """The router of a machine, which can be started again."""
+    """The router of a machine, which can be restarted."""
 
     def __init__(self, on: tuple[str, ...], *options: str) -> None:
         self._on = on
@@ -48,14 +49,14 @@ class Router:
         await self._process.wait_for("Press Ctrl-C", PATIENCE_S)
 
     async def stop(self) -> None:
-        """End it at once, as a power failure does."""
+        """Kill it, like a power failure."""
         if self._process is not None:
             self._process.process.kill()
             await self._process.stop()
 
 
 class Fleet:
-    """`robot` with a board, `laptop` with a node of somebody else."""
+    """`robot` with a board, `laptop` with a node of zenoh-ros2-sdk."""
 
     def __init__(self, routers: dict[str, Router], node: SdkPeer) -> None:
         self.routers = routers
@@ -63,11 +64,11 @@ class Fleet:
         self._said = 0
 
     def numbers(self, topic: str) -> list[int]:
-        """Return what the node has heard on a topic."""
+        """Return the numbers that the node has received on a topic."""
         return [fields["data"] for fields in self.node.got_on.get(topic, [])]
 
     async def flows(self) -> None:
-        """Wait until the board is heard and hears; from then on, nothing may be missing."""
+        """Wait until messages pass in both directions; from then on, nothing may be missing."""
         received = len(self.numbers("/count"))
         await until(lambda: len(self.numbers("/count")) > received, "the count")
         for _ in range(100):
@@ -79,7 +80,7 @@ class Fleet:
         raise AssertionError("the board hears nothing")
 
     async def fallen_silent(self) -> int:
-        """Wait until nothing comes any more; returns how many counts were heard."""
+        """Wait until nothing arrives any more; return the number of counts received."""
         received = -1
         while len(self.numbers("/count")) != received:
             received = len(self.numbers("/count"))
@@ -87,13 +88,13 @@ class Fleet:
         return received
 
     async def require_all(self, count: int) -> None:
-        """Check that so many messages pass both ways, each once and in order."""
+        """Check that `count` messages pass in both directions, each once and in order."""
         counted, repeated = len(self.numbers("/count")), len(self.numbers("/repeated"))
         sent = list(range(self._said + 1, self._said + count + 1))
         self._said += count
         for number in sent:
             await self.node.do("publish", "/say", messages=[{"data": number}])
-            # An Uno has room for 64 bytes that come while it waits for its own line.
+            # An Uno can store 64 bytes while it waits for its line.
             await asyncio.sleep(0.01)
         await until(lambda: len(self.numbers("/repeated")) >= repeated + count, "the last one")
         await until(lambda: len(self.numbers("/count")) >= counted + count, "the count")

@@ -1,6 +1,6 @@
-"""Boards with sketches of our library, in ROS 1 and in ROS 2 over zenoh at once, from one `rostether serve`.
+"""Boards in ROS 1 and in ROS 2 over zenoh at the same time, from one `rostether serve`.
 
-In ROS 1 Debian's tools look on, in ROS 2 zenoh-ros2-sdk and a session of ours.
+Debian's tools use them in ROS 1, zenoh-ros2-sdk and a rostether session in ROS 2.
 """
 
 from __future__ import annotations
@@ -77,7 +77,7 @@ TF_HASH = "RIHS01_e369d0f05a23ae52508854b66f6aa0437f3449d652e8cbf22d5abe85d020f0
 
 @dataclass
 class World:
-    """The bridge with the boards `/lab/arm` and `/frames`, and who looks on."""
+    """The bridge with the boards `/lab/arm` and `/frames`, and the programs that use them."""
 
     bridge: Peer
     ros1: Ros1Peers
@@ -111,7 +111,7 @@ async def world(tmp_path_factory: pytest.TempPathFactory) -> AsyncIterator[World
 
 
 async def received_back(world: World, name: str, payload: bytes, there: str, back: str) -> bytes:
-    """Publish in ROS 2 what comes back from the board in ROS 2."""
+    """Publish a message in ROS 2, and return the message that the board sends back."""
     message_type, inbox = STORE.registry.message_type(name), Inbox()
     await world.ros2.subscribe(back, message_type, inbox.take, on_connection=inbox.take_header)
     publisher = await world.ros2.advertise(there, message_type)
@@ -163,7 +163,7 @@ async def test_sdk_calls_the_board_and_serves_it(world: World) -> None:
         await until(lambda: call.subscriber_count and inbox.headers)
         async with asyncio.timeout(LIMIT_S):
             while inbox.payloads[-2:] != expected:
-                # A call fails until the bridge has learned of the server.
+                # A call fails until the bridge has discovered the server.
                 call.publish_raw([b""])
                 await asyncio.sleep(1.0)
 
@@ -233,7 +233,7 @@ async def test_debians_tools_see_the_same_board(world: World) -> None:
     talker = await world.ros1.start(
         "rostopic", "pub", "-r", "5", "/lab/in_String", "std_msgs/String", "data: from ROS 1"
     )
-    # What ROS 1 says to the board, the board says in both.
+    # The board sends messages from ROS 1 back to both graphs.
     await echo.wait_for('data: "from ROS 1"', PATIENCE_S)
     await until(lambda: string("from ROS 1") in inbox.payloads)
     await talker.stop()

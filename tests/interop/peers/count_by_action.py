@@ -1,6 +1,6 @@
 """A client of the action `fibonacci` with Debian's actionlib; its argument is the file of the full text.
 
-Prints the final states and results of goals: one is reached, one canceled, one replaced, one refused.
+Prints the final states and results of four goals: reached, canceled, replaced, refused.
 """
 
 import sys

@@ -1,6 +1,6 @@
-"""Run by Debian's Python: what genpy and rostopic make of the messages given as JSON on standard input.
+"""Runs genpy and rostopic on the messages given as JSON on standard input, with Debian's Python.
 
-Not a test module: it imports nothing of ours. Answers a JSON list, one entry for each request, in order.
+It imports nothing of rostether. The answer is a JSON list with one entry for each request, in order.
 """
 
 import base64

@@ -1,4 +1,4 @@
-"""KDL's rotation of a revolute joint's child, as robot_state_publisher takes it, for each case on stdin."""
+"""KDL's rotation of a revolute joint's child, as robot_state_publisher uses it, for each case on stdin."""
 
 import json
 import sys

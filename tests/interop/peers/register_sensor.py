@@ -1,6 +1,6 @@
-"""A sensor node as the platform's first ones are, under Debian's rospy; prints the topic that it is given.
+"""A sensor node like those of the original platform, under Debian's rospy; prints the topic that it gets.
 
-The service's classes are made from its definition as it was, by Debian's genmsg and genpy.
+Debian's genmsg and genpy generate the service's classes from its original definition.
 """
 
 import sys

@@ -1,4 +1,4 @@
-"""What a robot's nodes publish, recorded with Debian's rospy: each message as a line of JSON."""
+"""Records the messages of a robot's nodes with Debian's rospy: each message as a line of JSON."""
 
 import json
 import sys

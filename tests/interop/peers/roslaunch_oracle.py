@@ -1,4 +1,4 @@
-"""What Debian's roslaunch makes of launch files: JSON cases on stdin, JSON results on stdout."""
+"""Runs Debian's roslaunch on launch files: JSON cases on stdin, JSON results on stdout."""
 
 import contextlib
 import json
@@ -48,7 +48,7 @@ def describe(file, argv):
     return {
         "parameters": {key: plain(param.value) for key, param in config.params.items()},
         "nodes": [describe_node(node) for node in config.nodes],
-        # As the parameter server reads these names.
+        # As the parameter server resolves these names.
         "cleared": [make_global_ns(canonicalize_name(each)) for each in config.clear_params],
         "before": [[*each.args[:-1], canonicalize_name(each.args[-1])] for each in config.executables],
         "warnings": len(config.config_errors),

@@ -1,4 +1,6 @@
-"""Debian's tf2 buffer behind lines of JSON: one operation a line in, one answer a line out."""
+"""Debian's tf2 buffer with lines of JSON: each line of input is an operation, each line of output an
+answer.
+"""
 
 import json
 import sys

@@ -1,4 +1,4 @@
-"""Another implementation of rmw_zenoh's conventions (zenoh-ros2-sdk) as a process of its own.
+"""Another implementation of rmw_zenoh's conventions (zenoh-ros2-sdk) in a separate process.
 
     zenoh_sdk_peer.py PORT DOMAIN
 
@@ -33,7 +33,7 @@ def plain(value: Any) -> Any:
 
 
 def build(pub: Any, name: str, value: Any) -> Any:
-    """Make a nested message of a mapping: its type is the field's own."""
+    """Make a nested message from a mapping; its type is that of the field."""
     if not isinstance(value, dict):
         return value
     store = pub.session_mgr.store

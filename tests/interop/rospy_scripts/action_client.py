@@ -1,4 +1,4 @@
-"""Uses the actions of action_server.py; prints what it sees of them."""
+"""Uses the actions of action_server.py, and prints their states and results."""
 
 import sys
 import threading
@@ -13,10 +13,11 @@ NAMES = {value: name for name, value in vars(GoalStatus).items() if isinstance(v
 
 
 def keep_news_until_goal_is_noted():
-    """Debian's simple client drops what it hears of a goal before `send_goal` has noted the goal's handle.
+    """Work around a race: Debian's simple client drops updates of a goal until `send_goal` has stored the
+    goal's handle.
 
-    On a busy machine a quick server is done by then. Holding the client's list of goals keeps its
-    callbacks waiting. Our client notes the handle before it sends.
+    On a busy machine, a fast server has finished by then. Locking the client's list of goals makes its
+    callbacks wait. rostether's client stores the handle before it sends.
     """
     send_goal = actionlib.SimpleActionClient.send_goal
 
@@ -38,7 +39,7 @@ def wait_for(condition):
 
 
 def wait_until_active(client):
-    # Not by active_cb: actionlib loses it where the server is quicker than the client's own thread.
+    # Not by active_cb: actionlib loses it if the server is faster than the client's thread.
     wait_for(lambda: client.get_state() == GoalStatus.ACTIVE)
 
 
@@ -55,7 +56,7 @@ def use_executing(server):
         print(number, client.wait_for_result(rospy.Duration(30)), news)
         show(number, client)
     print("and wait", NAMES[client.send_goal_and_wait(TestGoal(1), rospy.Duration(30))])
-    # Where the server gets the request to cancel first, it recalls the goal.
+    # If the server gets the cancel request first, it recalls the goal.
     state = NAMES[client.send_goal_and_wait(TestGoal(100), rospy.Duration(0.3), rospy.Duration(30))]
     print("too long", state in ("PREEMPTED", "RECALLED"))
     client.send_goal(TestGoal(101))
@@ -100,7 +101,7 @@ def use_handling(server):
         handles[name] = client.send_goal(TwoIntsGoal(a, b), note)
 
     def wait_until_noted(name, state):
-        # The handle has the state a moment before the callback notes it.
+        # The handle has the state shortly before the callback stores it.
         wait_for(lambda: states.get(name, [])[-1:] == [state])
 
     def finish(name):

@@ -1,4 +1,4 @@
-"""Serves actions in every way that actionlib has, until it is told to end."""
+"""Serves actions in every way that actionlib has, until it gets a signal."""
 
 import actionlib
 import rospy
@@ -7,7 +7,7 @@ from actionlib_msgs.msg import GoalStatus
 
 
 class Executing:
-    """A server with an execute callback; the goal says what is to become of it."""
+    """A server with an execute callback; the goal selects its result."""
 
     def __init__(self):
         self.server = actionlib.SimpleActionServer("~executing", TestAction, self.execute, auto_start=False)
@@ -30,7 +30,7 @@ class Executing:
 
 
 class Polling:
-    """A server without one: goals are accepted as they come."""
+    """A server without an execute callback: it accepts goals by polling."""
 
     def __init__(self):
         self.server = actionlib.SimpleActionServer("~polling", TwoIntsAction, auto_start=False)
@@ -49,7 +49,7 @@ class Polling:
 
 
 class Handling:
-    """A server of many goals at once."""
+    """A server with many goals at the same time."""
 
     def __init__(self):
         self.goals = []

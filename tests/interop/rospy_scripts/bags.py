@@ -1,4 +1,4 @@
-"""What scripts do with rosbag: writes a bag, reads it and one that is there, prints what comes of it."""
+"""Uses rosbag: writes a bag, reads it and an existing one, and prints the results."""
 
 import sys
 

@@ -1,4 +1,4 @@
-"""tf2_ros.BufferClient: asks the buffer of another node; prints the answers."""
+"""tf2_ros.BufferClient: asks the buffer of another node, and prints the answers."""
 
 # Written as users write their nodes.
 import rospy

@@ -1,4 +1,4 @@
-"""Point clouds without a graph; prints what it finds."""
+"""Uses point clouds without a graph, and prints the results."""
 
 import math
 

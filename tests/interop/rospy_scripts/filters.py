@@ -1,4 +1,4 @@
-"""message_filters and rospkg; prints what it finds."""
+"""Uses message_filters and rospkg, and prints the results."""
 
 import sys
 

@@ -1,4 +1,6 @@
-"""tf and tf2_ros: rotations, lookups through time, errors, listeners, broadcasters; prints what it finds."""
+"""Uses tf and tf2_ros (rotations, lookups through time, errors, listeners, broadcasters), and prints the
+results.
+"""
 
 # Written as users write their nodes.
 # ruff: noqa: BLE001, F403, F405

@@ -1,4 +1,4 @@
-"""The modules behind ROS's tools, as programs use them; prints what it finds."""
+"""Uses the Python modules of ROS's tools, and prints the results."""
 
 # Written as users write their nodes.
 # ruff: noqa: BLE001

@@ -1,4 +1,4 @@
-"""tf.transformations beyond rigid matrices, and its Arcball; prints the results."""
+"""Uses tf.transformations with matrices that are not rigid, and its Arcball, and prints the results."""
 
 # Written as users write their nodes.
 # ruff: noqa: F403, F405

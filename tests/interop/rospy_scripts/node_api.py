@@ -1,4 +1,4 @@
-"""One node that talks with itself: topics, services, parameters, waiting, timers, logs; prints what it finds.
+"""Uses topics, services, parameters, waiting, timers and logs in one node, and prints the results.
 
 Started with: chatter:=/talk/other _rate:=5 _name:=karl __ns:=/robot number:=renamed
 """
@@ -18,7 +18,7 @@ from std_srvs.srv import SetBool, SetBoolResponse, Trigger, TriggerResponse
 
 
 def print(*values):
-    # In one piece: rospy's debug messages come from other threads and would stand in the middle of a line.
+    # In one write, because other threads print rospy's debug messages.
     sys.stdout.write(" ".join(map(str, values)) + "\n")
 
 

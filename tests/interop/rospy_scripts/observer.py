@@ -1,4 +1,4 @@
-"""Prints, as JSON, what the graph sees of the node whose name is given: for Debian's rospy."""
+"""Prints, as JSON, what Debian's rospy finds out about a node."""
 
 # Written as users write their nodes.
 # ruff: noqa: B023, PIE810
@@ -48,7 +48,7 @@ for topic in found["registered"][0]:
     if topic.endswith("/echo"):
         ask = rospy.Publisher(topic.replace("echo", "ask"), Int32, queue_size=1)
         wait_until(lambda: ask.get_num_connections() and subscriber.get_num_connections(), "asked")
-        # Again and again: rospy's publisher may not know yet of the subscriber that knows it.
+        # Repeatedly, because rospy's publisher may not know a connected subscriber yet.
         wait_until(lambda: seen or ask.publish(41), "answer")
     wait_until(lambda: len(seen) >= 1, "message of " + topic)
     header = seen[0]._connection_header
@@ -94,5 +94,5 @@ wait_until(lambda: not any(registered()), "end of the registrations")
 end = time.time() + 10
 while not said_goodbye() and time.time() < end:
     time.sleep(0.02)
-rospy.delete_param(node)  # a next talker must set its own
+rospy.delete_param(node)  # the next talker must set its own
 print("LEFT with a word" if said_goodbye() else "LEFT in silence")

@@ -1,4 +1,4 @@
-"""Packages and definitions by name, without a graph; prints what it finds."""
+"""Finds packages and definitions by name, without a graph, and prints the results."""
 
 # Written as users write their nodes.
 

@@ -1,6 +1,6 @@
-"""Publishes what an observer compares: headers, latching, types, private names, logs, a service.
+"""Publishes for observer.py: headers, latching, types, private names, logs, a service.
 
-It runs until it is told to end.
+It runs until it gets a signal.
 """
 
 # Written as users write their nodes.

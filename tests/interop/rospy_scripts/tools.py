@@ -1,4 +1,4 @@
-"""rosgraph and rosparam in a node; prints what it finds."""
+"""Uses rosgraph and rosparam in a node, and prints the results."""
 
 import sys
 

@@ -1,4 +1,4 @@
-"""Messages, times and names without a graph; prints what it finds."""
+"""Uses messages, times and names without a graph, and prints the results."""
 
 # Written as users write their nodes.
 # ruff: noqa: BLE001, F403, F405

@@ -1,6 +1,7 @@
-"""Reads messages and writes them again.
+"""Reads messages and writes them back.
 
-Standard input has lines of package, kind, class, half of a service, and bytes; prints the bytes.
+Each line of standard input has the package, the kind, the class, `Request` or `Response` of a service, and
+the bytes.
 """
 
 import gc

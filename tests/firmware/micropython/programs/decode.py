@@ -1,4 +1,4 @@
-"""Decodes each line of standard input, a stream in hexadecimal; prints its topic ids and payloads."""
+"""Decodes each line of standard input, a stream in hexadecimal, and prints its topic ids and payloads."""
 
 import sys
 from binascii import hexlify, unhexlify
@@ -7,7 +7,7 @@ from ros.receive_window import ReceiveWindow
 
 
 class Line:
-    """A hardware that has these bytes, in pieces of `piece_bytes`."""
+    """A hardware that returns these bytes, in pieces of `piece_bytes`."""
 
     def __init__(self, data, piece_bytes):
         self._data = memoryview(data)
@@ -33,7 +33,7 @@ def decode(data, piece_bytes):
         elif not window.fill(line):
             if window.empty():
                 return found
-            # The rest of a frame does not come.
+            # The rest of the frame is missing.
             window.drop()
 
 

@@ -1,4 +1,4 @@
-"""A node that uses all that a line must carry, as platform_node.h of the C++ library.
+"""A node that uses all kinds of endpoints, like platform_node.h of the C++ library.
 
 Arguments: usb, tty PATH, or tcp HOST PORT.
 """

@@ -1,4 +1,4 @@
-"""A node with asyncio: calls the service trigger, again and again, beside its spinning."""
+"""A node with asyncio: calls the service trigger repeatedly while it spins."""
 
 import asyncio
 

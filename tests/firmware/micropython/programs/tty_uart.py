@@ -1,4 +1,4 @@
-"""A terminal with the methods of machine.UART, which the unix port has not."""
+"""A terminal with the methods of machine.UART, which the unix port does not have."""
 
 import select
 import termios

@@ -1,4 +1,4 @@
-"""CircuitPython's second USB port: here the terminal that the program's second argument names."""
+"""CircuitPython's second USB port: the terminal in the program's second argument."""
 
 import select
 import sys

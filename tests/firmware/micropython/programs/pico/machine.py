@@ -1,4 +1,6 @@
-"""A Pico's pins, which the unix port has not: what a program does with them is printed on standard error."""
+"""A Pico's pins, which the unix port does not have: what a program does with them is printed on standard
+error.
+"""
 
 import sys
 from struct import pack_into
@@ -34,7 +36,7 @@ class PWM:
 
 
 class I2C:
-    """An MPU-6050 that lies flat and turns about its z axis by 250 degrees a second; unplugged at first."""
+    """An MPU-6050 that is level and turns about its z axis at 250 degrees a second; unplugged at first."""
 
     def __init__(self, number, sda, scl, freq):
         self._is_plugged = False
