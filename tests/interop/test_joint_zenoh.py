@@ -87,12 +87,12 @@ async def test_services_both_ways(world: World) -> None:
     await world.board.advertise_service("/switch", SET_BOOL, agreeing)
     for peer in (world.ros1, world.ros2):
         await served(peer, "/switch")
-        assert await peer.call_service("/switch", SET_BOOL, TRUE, timeout_s=60) == answer("as you say")
+        assert await peer.call_service("/switch", SET_BOOL, TRUE, timeout_s=60) == answer("done")
     for number, peer in enumerate((world.ros1, world.ros2)):
         await peer.advertise_service(f"/peer{number}", SET_BOOL, agreeing)
         await served(world.board, f"/peer{number}")
         called = await world.board.call_service(f"/peer{number}", SET_BOOL, TRUE, timeout_s=60)
-        assert called == answer("as you say")
+        assert called == answer("done")
 
 
 async def test_parameters_of_either_graph(world: World) -> None:

@@ -177,7 +177,7 @@ async def test_two_relays_offer_a_service_once_and_leave_with_its_server(world: 
     assert len((await ros2.snapshot()).services["/push"].providers) == 1
     assert (await ros2.snapshot()).services["/pull"].providers == ("/peer",)
     assert (await ros1.snapshot()).services["/push"].providers == ("/peer",)
-    assert await ros2.call_service("/push", SET_BOOL, TRUE, timeout_s=60) == answer("as you say")
+    assert await ros2.call_service("/push", SET_BOOL, TRUE, timeout_s=60) == answer("done")
     try:
         await ros1.call_service("/pull", SET_BOOL, TRUE, timeout_s=60)
     except RostetherError as error:
@@ -263,7 +263,7 @@ async def test_a_killed_relay_is_followed(world: World) -> None:
                 while True:
                     try:
                         assert await graph.call_service(service, SET_BOOL, TRUE, timeout_s=5) == answer(
-                            "as you say"
+                            "done"
                         )
                         break
                     except RostetherError:

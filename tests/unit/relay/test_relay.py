@@ -189,7 +189,7 @@ async def test_services_are_offered_where_they_are_missing(world: World) -> None
     await world.two.advertise_service("/refuse", SET_BOOL, refuse)
     async with world.relaying(services=(Services("/*"),)):
         await until(lambda: len(world.relayed) == 2)
-        assert await world.two.call_service("/switch", SET_BOOL, TRUE) == answer("as you say")
+        assert await world.two.call_service("/switch", SET_BOOL, TRUE) == answer("done")
         with pytest.raises(GraphError, match="not today"):
             await world.one.call_service("/refuse", SET_BOOL, TRUE)
         assert world.relayed == {
@@ -203,7 +203,7 @@ async def test_services_are_offered_where_they_are_missing(world: World) -> None
         # Two servers: the relay takes its own one back.
         await world.one.advertise_service("/refuse", SET_BOOL, agreeing)
         await until(lambda: not world.relayed)
-        assert await world.one.call_service("/refuse", SET_BOOL, TRUE) == answer("as you say")
+        assert await world.one.call_service("/refuse", SET_BOOL, TRUE) == answer("done")
 
 
 async def test_an_unknown_type_is_reported_once_and_can_be_given(
@@ -219,7 +219,7 @@ async def test_an_unknown_type_is_reported_once_and_can_be_given(
         assert world.lines == [f"{trouble}or give it as /odd=package/Type"]
     async with world.relaying(services=(Services("/odd", "std_srvs/SetBool"),)):
         await until(lambda: world.relayed)
-        assert await world.two.call_service("/odd", SET_BOOL, TRUE) == answer("as you say")
+        assert await world.two.call_service("/odd", SET_BOOL, TRUE) == answer("done")
 
 
 async def test_what_a_graph_refuses_is_tried_again(world: World, monkeypatch: pytest.MonkeyPatch) -> None:

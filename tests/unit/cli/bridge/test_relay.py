@@ -141,10 +141,10 @@ async def test_a_relay(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFi
         talker.publish_raw([string(f"from {number}")])
     await until(lambda: all(len(inbox.payloads) == 2 for inbox in inboxes))
     await until(lambda: "/switch" in network.snapshot().services)
-    assert await two.call_service("/switch", SET_BOOL, TRUE) == answer("as you say")
+    assert await two.call_service("/switch", SET_BOOL, TRUE) == answer("done")
     while "/enable" not in (await one.snapshot()).services:
         await asyncio.sleep(0.01)
-    assert await one.call_service("/enable", SET_BOOL, TRUE) == answer("as you say")
+    assert await one.call_service("/enable", SET_BOOL, TRUE) == answer("done")
     running.cancel()
     await asyncio.gather(running, return_exceptions=True)
     assert (await one.snapshot()).nodes == ("/one",)
