@@ -56,13 +56,13 @@ def computed(expression: str) -> Any:
         "[" * 60 + "0" + "] * 9" * 60,
         "list(map(list, [range(10**6)] * 10**6))",
         "list(zip(" + ", ".join(["range(10**6)"] * 50) + "))",
-        # One hash for all numbers: each is compared with all before it.
+        # All numbers have the same hash: each is compared with all previous ones.
         "set([k * (2**61 - 1) for k in range(100000)])",
         "dict([[k * (2**61 - 1), 0] for k in range(100000)])",
         "len([[a == b for a in [[[1] * 50] * 50] * 3000] for b in [[[1] * 51] * 50] * 3000])",
     ],
 )
-def test_what_computes_or_grows_without_end_is_refused_in_one_line(expression: str) -> None:
+def test_endless_computations_and_values_are_refused_in_one_line(expression: str) -> None:
     with pytest.raises(ConfigError, match=r"bits is too large|steps|at most 1000") as caught:
         computed(expression)
     assert "\n" not in str(caught.value)
@@ -104,16 +104,16 @@ def test_what_computes_or_grows_without_end_is_refused_in_one_line(expression: s
         "(1, 2) < (1, 3) and 2 in [1, 2]",
     ],
 )
-def test_what_people_write_means_what_python_means(expression: str) -> None:
+def test_valid_expressions_have_the_value_of_python(expression: str) -> None:
     assert computed(expression) == eval(expression, {"__builtins__": {}, **NAMES})
 
 
 @pytest.mark.slow
-def test_each_evaluation_has_all_steps() -> None:
+def test_each_evaluation_starts_with_all_steps() -> None:
     evaluate = compile_expression("len([0 for x in y])", frozenset(("y",)), source="test")
     for _ in range(2):
         assert evaluate({"y": range(MAX_STEPS // 3)}) == MAX_STEPS // 3
 
 
-def test_a_loop_changes_no_name_outside() -> None:
+def test_a_loop_variable_hides_no_name_outside() -> None:
     assert computed("[[e for e in range(2)], e]") == [[0, 1], math.e]

@@ -53,7 +53,7 @@ class Range:
         ("abs(-m.range) == 0.25 or unknown_is_not_reached", None),
     ],
 )
-def test_an_expression_means_what_python_means(expression: str, expected: bool | None) -> None:
+def test_expressions_have_the_value_of_python(expression: str, expected: bool | None) -> None:
     if expected is None:
         with pytest.raises(ConfigError, match="unknown_is_not_reached"):
             compile_filter(expression)
@@ -82,17 +82,17 @@ def test_an_expression_means_what_python_means(expression: str, expected: bool |
         "1" * (MAX_EXPRESSION_CHARS + 1),
     ],
 )
-def test_what_is_not_whitelisted_is_refused_in_one_line(expression: str) -> None:
+def test_other_expressions_are_refused_in_one_line(expression: str) -> None:
     with pytest.raises(ConfigError) as caught:
         compile_filter(expression)(Range(), "/sonar")
     assert "\n" not in str(caught.value)
 
 
-def test_a_wrong_field_names_the_fields_there_are() -> None:
+def test_an_error_about_a_field_lists_the_fields() -> None:
     with pytest.raises(ConfigError, match="the fields are data, header, range, ranges"):
         compile_filter("m.rnage < 1")(Range(), "/sonar")
 
 
-def test_a_type_that_does_not_fit_is_an_error_not_a_crash() -> None:
+def test_a_type_that_does_not_fit_is_a_config_error() -> None:
     with pytest.raises(ConfigError, match="does not work"):
         compile_filter("m.range < 'a'")(Range(), "/sonar")

@@ -66,7 +66,7 @@ def few_steps(monkeypatch: pytest.MonkeyPatch) -> None:
         "(lambda f: f(f, 40))(lambda f, n: f(f, n - 1) + f(f, n - 1) if n else 0)",
     ],
 )
-def test_what_computes_or_grows_without_end_is_refused(expression: str) -> None:
+def test_endless_computations_and_values_are_refused(expression: str) -> None:
     with pytest.raises(OverflowError, match=r"bits is too large|steps|at most 1000"):
         PythonEvaluator().evaluate(expression, names())
 
@@ -103,7 +103,7 @@ def test_what_computes_or_grows_without_end_is_refused(expression: str) -> None:
         "''.join(c for c in 'abc' if c != 'b')",
     ],
 )
-def test_the_value_is_that_of_python(expression: str) -> None:
+def test_expressions_have_the_value_of_python(expression: str) -> None:
     expected = eval(expression, {"__builtins__": {}, **names()})
     assert PythonEvaluator().evaluate(f" {expression} ", names()) == expected
 
@@ -133,7 +133,7 @@ def test_all_expressions_of_a_document_share_a_limit(monkeypatch: pytest.MonkeyP
             assert evaluator.evaluate("len([0 for x in range(20000)])", names()) == 20_000
 
 
-def test_an_expression_inside_another_spends_from_its_steps() -> None:
+def test_a_nested_expression_shares_the_steps() -> None:
     evaluator = PythonEvaluator()
 
     class Lazy(dict[str, Any]):

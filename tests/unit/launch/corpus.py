@@ -1,6 +1,6 @@
-"""The launch files of tests/vectors/launch, and plans in the form in which roslaunch's are noted down.
+"""The launch files of tests/vectors/launch, and the results of roslaunch for them.
 
-`expected.json` holds what Debian's roslaunch makes of each; tests/interop compares it with roslaunch itself.
+`expected.json` has the recorded results of Debian's roslaunch. tests/interop compares them with roslaunch.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ _FOLDER_MARK = "@CORPUS@"
 
 
 def given_words(file: Path) -> list[str]:
-    """Return the arguments that a file says it is to be given."""
+    """Return the arguments in the first comment of a file."""
     found = _GIVEN.match(file.read_bytes().decode("latin-1"))
     return found[1].split() if found else []
 
@@ -41,24 +41,24 @@ def load(file: Path) -> LaunchPlan:
 
 
 def expected() -> dict[str, Any]:
-    """Return roslaunch's results by file name."""
+    """Return the results of roslaunch by file name."""
     results: dict[str, Any] = json.loads(EXPECTED.read_text())
     return results
 
 
 def neutral(value: Any) -> Any:
-    """Return a result without this machine's folders and without chance, in what JSON can hold."""
+    """Return a result as JSON values, without the folders of this machine and without random names."""
     text = json.dumps(value).replace(str(ROBOT), _FOLDER_MARK)
     return json.loads(_ANONYMOUS.sub("_ANONYMOUS", text))
 
 
 def exact(value: Any) -> str:
-    """Return a result as text: to Python, 1 equals 1.0 and true."""
+    """Return a result as text, because in Python 1 equals 1.0 and True."""
     return json.dumps(value, indent=1, sort_keys=True, ensure_ascii=False)
 
 
 def described(plan: LaunchPlan) -> Any:
-    """Return a plan in the form of the oracle."""
+    """Return a plan in the form of the recorded results."""
     return neutral(
         {
             "parameters": {

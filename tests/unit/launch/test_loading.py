@@ -1,4 +1,4 @@
-"""Launch files: the corpus against what roslaunch makes of it, errors with their place, warnings, limits."""
+"""Launch files: the corpus compared with roslaunch, errors with file and line, warnings, limits."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from rostether.launch.loading import STDIN_NAME, load_launch
 from rostether.launch.plan import LaunchPlan
 from unit.launch.corpus import RIGHT, ROBOT, WRONG, described, exact, expected, load
 
-# Whose mistake stands in the file that is included.
+# The files whose error is in an included file.
 IN_THE_INCLUDED = {"include_missing_argument": "args.xml:4", "include_fixed_argument": "fixed.xml:2"}
 LINES = {
     "arg_unset": (3, "argument 'x' has no value; give x:=VALUE, or a default in its <arg>"),
@@ -33,17 +33,17 @@ def loads(body: str, arguments: dict[str, str] | None = None, **options: object)
 
 
 @pytest.mark.parametrize("file", RIGHT, ids=lambda file: file.stem)
-def test_plan_is_what_roslaunch_was_seen_to_make(file: Path) -> None:
+def test_plans_equal_the_recorded_results_of_roslaunch(file: Path) -> None:
     assert exact(described(load(file))) == exact(expected()[file.stem])
 
 
-def test_corpus_is_large_enough_to_mean_something() -> None:
+def test_corpus_is_large() -> None:
     assert len(RIGHT) >= 40
     assert len(WRONG) >= 40
 
 
 @pytest.mark.parametrize("file", WRONG, ids=lambda file: file.stem)
-def test_what_is_wrong_is_refused_in_one_line_with_its_place(file: Path) -> None:
+def test_errors_are_one_line_with_file_and_line(file: Path) -> None:
     with pytest.raises(LaunchError) as caught:
         load(file)
     text = str(caught.value)
@@ -83,7 +83,7 @@ def test_harmless_mistakes_are_warnings_with_file_and_line(name: str, words: str
     assert words in warning
 
 
-def test_unknown_tags_and_attributes_are_warned_of() -> None:
+def test_unknown_tags_and_attributes_cause_warnings() -> None:
     warnings = "\n".join(load(ROBOT / "launch" / "unknown_things.launch").warnings)
     for words in (
         "no attribute colour=",
@@ -101,13 +101,13 @@ def test_document_type_is_refused_before_entities_are_read() -> None:
         load_launch([], {}, {}, {}, text=bomb)
 
 
-def test_two_includes_of_itself_end() -> None:
+def test_a_file_that_includes_itself_twice_is_refused() -> None:
     with pytest.raises(LaunchError, match="includes itself endlessly"):
         load_launch([ROBOT / "wrong" / "include_itself.launch"], {}, {}, {"corpus_robot": ROBOT})
 
 
 @pytest.mark.parametrize("value", ["3000000000", "-2147483649"])
-def test_number_that_no_parameter_holds_is_refused_with_its_place(value: str) -> None:
+def test_number_that_is_too_large_for_a_parameter_is_refused_with_file_and_line(value: str) -> None:
     with pytest.raises(LaunchError, match=rf"{STDIN_NAME}:2: parameter /x: .* 32 bits"):
         loads(f'<param name="x" value="{value}"/>')
 
@@ -117,7 +117,7 @@ def test_null_is_refused() -> None:
         loads("<rosparam>x: null</rosparam>")
 
 
-def test_machine_elsewhere_is_refused_with_what_to_do() -> None:
+def test_another_machine_is_refused_with_the_next_step() -> None:
     with pytest.raises(
         LaunchError, match=r":2: machine 'arm' at 192\.0\.2\.7 is another machine.*ROS_MASTER_URI"
     ):
@@ -131,7 +131,7 @@ def test_files_and_arguments_are_listed() -> None:
     assert load(ROBOT / "launch" / "include_recursive.launch").argument_names == {"count"}
 
 
-def test_program_of_a_package_that_is_served_runs_as_ours() -> None:
+def test_built_in_programs_replace_those_of_missing_packages() -> None:
     programs = {("xacro", "xacro"): ("printf", "%s")}
     for name in ("xacro", "xacro.py"):
         plan = loads(f'<param name="x" command="$(find xacro)/{name} model.xacro"/>', programs=programs)
@@ -141,7 +141,7 @@ def test_program_of_a_package_that_is_served_runs_as_ours() -> None:
     assert BUILTIN_ROOT not in str(caught.value)
 
 
-def test_files_of_a_package_that_is_served_are_reported_not_to_be_there() -> None:
+def test_files_of_a_built_in_package_are_reported_as_missing() -> None:
     with pytest.raises(LaunchError, match="package joy is not installed; its nodes are built in"):
         loads('<include file="$(find joy)/launch/joy.launch"/>', builtin_packages=["joy"])
 
@@ -153,7 +153,7 @@ def test_later_file_replaces_parameters_of_an_earlier_one(tmp_path: Path) -> Non
     assert plan.parameters == {"/x": 2}
 
 
-def test_near_package_is_named(tmp_path: Path) -> None:
+def test_errors_suggest_a_similar_package(tmp_path: Path) -> None:
     file = tmp_path / "x.launch"
     file.write_text('<launch><param name="x" value="$(find corpus_robt)"/></launch>')
     with pytest.raises(LaunchError, match=r"did you mean corpus_robot\?"):
@@ -165,12 +165,12 @@ def test_unbalanced_quote_in_args_is_refused() -> None:
         loads('<node name="n" pkg="p" type="t" args="&quot;open"/>')
 
 
-def test_text_cannot_grow_without_end() -> None:
+def test_texts_have_a_limit() -> None:
     with pytest.raises(LaunchError, match="more than 10000000 steps"):
         loads("""<param name="x" value="$(eval 'a' * 10**10)"/>""")
 
 
-def test_arguments_that_multiply_are_refused() -> None:
+def test_arguments_that_multiply_a_text_are_refused() -> None:
     lines = [f'<arg name="a{n}" default="{f"$(arg a{n - 1})" * 10}"/>' for n in range(1, 11)]
     with pytest.raises(LaunchError, match="longer than 4194304 characters"):
         loads(f'<arg name="a0" default="0123456789"/>{"".join(lines)}')
@@ -183,14 +183,14 @@ def test_all_texts_together_have_a_limit(monkeypatch: pytest.MonkeyPatch) -> Non
         loads(f'<arg name="a" default="{"x" * 100}"/>{params}')
 
 
-def test_a_command_that_prints_without_end_is_ended(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_command_with_endless_output_is_ended(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("rostether.launch.parameter_tags.MAX_FILE_BYTES", 1000)
     with pytest.raises(LaunchError, match="prints more than 1000 bytes"):
         loads('<param name="p" command="yes"/>')
     assert loads('<param name="p" command="echo short"/>').parameters == {"/p": "short\n"}
 
 
-def test_reading_runs_commands_only_where_their_output_is_wanted(tmp_path: Path) -> None:
+def test_commands_run_only_if_their_output_is_needed(tmp_path: Path) -> None:
     mark = tmp_path / "ran"
     body = f'<param name="p" type="int" command="touch {mark}"/><arg name="a" default="1"/>'
     plan = loads(body, runs_commands=False)
@@ -203,12 +203,12 @@ def test_reading_runs_commands_only_where_their_output_is_wanted(tmp_path: Path)
 
 
 @pytest.mark.parametrize("source", ["textfile", "binfile"])
-def test_a_file_without_end_is_refused(source: str) -> None:
+def test_an_endless_file_is_refused(source: str) -> None:
     with pytest.raises(LaunchError, match="is larger than"):
         loads(f'<param name="p" {source}="/dev/zero"/>')
 
 
-def test_node_without_a_name_gets_one_and_its_parameters_lie_in_the_namespace() -> None:
+def test_node_without_a_name_gets_one_and_its_parameters_are_in_the_namespace() -> None:
     plan = loads('<node name="" pkg="p" type="talk" ns="g"><param name="x" value="1"/></node>')
     assert plan.parameters == {"/g/x": 1}
     assert plan.nodes[0].name.startswith("talk_")

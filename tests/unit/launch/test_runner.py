@@ -1,4 +1,4 @@
-"""Running plans: parameters, processes with their words, environments and logs, respawn, required, stop."""
+"""Runs plans: parameters, processes with their arguments, environments and logs, respawn, required, stop."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ LIMIT_S = 60.0
 
 
 class Stage:
-    """A master, a folder of scripts that are the nodes, and what a run reports."""
+    """A master, a folder with scripts as nodes, and the lines that a run reports."""
 
     def __init__(self, folder: Path, master: MasterServer) -> None:
         self.folder = folder
@@ -74,7 +74,7 @@ class Stage:
         return self.read(f"home/log/latest/{name}-stdout.log")
 
     async def gone(self, pid: int) -> None:
-        """Wait for the end of a process: one that was killed ends when the system has time for it."""
+        """Wait for the end of a process, because a killed process may end later on a busy machine."""
         await self.until(lambda: not is_running(pid))
 
     async def until(self, condition: Callable[[], object]) -> None:
@@ -118,12 +118,12 @@ async def test_parameters_are_dumped_deleted_cleared_then_set(stage: Stage) -> N
     assert (Level.WARN, "parameter /never is not set; nothing was deleted") in stage.lines
 
 
-async def test_private_name_of_rosparam_lands_where_roslaunch_puts_it(stage: Stage) -> None:
+async def test_private_name_of_rosparam_has_the_same_full_name_as_in_roslaunch(stage: Stage) -> None:
     await stage.run('<rosparam param="~x">1</rosparam>')
     assert await stage.client.get_param("/roslaunch/x") == 1
 
 
-async def test_node_gets_its_words_environment_and_folder(stage: Stage) -> None:
+async def test_node_gets_its_arguments_environment_and_folder(stage: Stage) -> None:
     stage.script("say.sh", 'for each; do echo "<$each>"; done; env; pwd')
     assert await stage.run(
         '<node name="n" pkg="p" type="say.sh" ns="arm" args="one &quot;two three&quot;">'
@@ -138,14 +138,14 @@ async def test_node_gets_its_words_environment_and_folder(stage: Stage) -> None:
         assert variable in lines
 
 
-async def test_logs_of_a_run_lie_in_a_folder_of_its_id(stage: Stage) -> None:
+async def test_logs_of_a_run_are_in_a_folder_with_its_id(stage: Stage) -> None:
     stage.script("say.sh", "echo hello")
     await stage.client.set_param("/run_id", "the-run")
     await stage.run('<node name="n" pkg="p" type="say.sh"/>')
     assert stage.read("home/log/the-run/n-1-stdout.log") == "hello\n"
 
 
-async def test_run_id_cannot_lead_out_of_the_folder(stage: Stage) -> None:
+async def test_run_id_cannot_name_another_folder(stage: Stage) -> None:
     stage.script("say.sh", "echo hello")
     await stage.client.set_param("/run_id", "../../outside")
     await stage.run('<node name="n" pkg="p" type="say.sh"/>')
@@ -153,7 +153,7 @@ async def test_run_id_cannot_lead_out_of_the_folder(stage: Stage) -> None:
     assert stage.log("n-1") == "hello\n"
 
 
-async def test_working_folder_of_a_node_is_its_programs(stage: Stage) -> None:
+async def test_working_folder_can_be_that_of_the_program(stage: Stage) -> None:
     stage.script("say.sh", "pwd")
     await stage.run('<node name="n" pkg="p" type="say.sh" cwd="node"/>')
     assert stage.log("n-1").strip() == str(stage.folder)
@@ -165,13 +165,13 @@ async def test_launch_prefix_comes_before_the_program(stage: Stage) -> None:
     assert stage.log("n-1") == f"{stage.folder}/say.sh a b\n"
 
 
-async def test_output_of_all_nodes_can_be_kept(stage: Stage) -> None:
+async def test_output_of_all_nodes_can_be_logged(stage: Stage) -> None:
     stage.script("say.sh", "echo hello")
     await stage.run('<node name="n" pkg="p" type="say.sh" output="screen"/>', output=Output.LOG)
     assert stage.log("n-1") == "hello\n"
 
 
-async def test_node_that_ends_is_started_again_and_its_log_continues(stage: Stage) -> None:
+async def test_node_with_respawn_is_restarted_and_its_log_continues(stage: Stage) -> None:
     stage.script(
         "once.sh",
         'echo "start"; echo x >> "$WHERE/starts"; [ $(wc -l < "$WHERE/starts") -lt 3 ] || sleep 100',
@@ -183,7 +183,7 @@ async def test_node_that_ends_is_started_again_and_its_log_continues(stage: Stag
     assert stage.text.count("restarting process") == 2
 
 
-async def test_node_waits_before_it_is_started_again(stage: Stage) -> None:
+async def test_node_waits_for_the_respawn_delay(stage: Stage) -> None:
     stage.script("end.sh", 'date +%s.%N >> "$WHERE/starts"')
     task = asyncio.create_task(
         stage.run('<node name="n" pkg="p" type="end.sh" respawn="true" respawn_delay="0.5"/>')
@@ -211,7 +211,7 @@ async def test_all_nodes_can_be_required(stage: Stage) -> None:
     assert await asyncio.wait_for(stage.run(body, all_required=True), LIMIT_S)
 
 
-async def test_death_is_reported_with_code_command_and_logs(stage: Stage) -> None:
+async def test_failure_is_reported_with_code_command_and_logs(stage: Stage) -> None:
     stage.script("fail.sh", "exit 7")
     assert await stage.run('<node name="n" pkg="p" type="fail.sh" args="x"/>')
     (line,) = [text for level, text in stage.lines if level is Level.ERROR]
@@ -227,7 +227,7 @@ async def test_a_missing_node_is_reported_with_its_line_and_the_others_run(stage
     assert (Level.ERROR, "<stdin>:2: package p has no program never.sh") in stage.lines
 
 
-async def test_nothing_that_could_be_started_is_a_failure(stage: Stage) -> None:
+async def test_launch_without_a_node_that_can_start_is_a_failure(stage: Stage) -> None:
     assert not await stage.run('<node name="a" pkg="p" type="never.sh"/>')
 
 
@@ -237,12 +237,12 @@ async def test_missing_required_node_is_a_failure(stage: Stage) -> None:
     assert not await asyncio.wait_for(stage.run(body), LIMIT_S)
 
 
-async def test_what_is_replaced_is_not_a_failure(stage: Stage) -> None:
+async def test_replaced_node_is_not_a_failure(stage: Stage) -> None:
     assert await stage.run('<node name="rviz" pkg="rviz" type="rviz"/>')
     assert (Level.WARN, "rviz is not installed here; look elsewhere") in stage.lines
 
 
-async def test_program_that_no_system_runs_is_reported(stage: Stage) -> None:
+async def test_program_that_cannot_be_executed_is_reported(stage: Stage) -> None:
     (stage.folder / "bad").write_text("#!/does/not/exist\n")
     (stage.folder / "bad").chmod(0o755)
     assert not await stage.run('<node name="a" pkg="p" type="bad"/>')
@@ -266,7 +266,7 @@ async def test_stop_interrupts_first_so_that_nodes_can_clean_up(stage: Stage) ->
 
 
 @pytest.mark.parametrize("ignored", ["INT", "INT TERM"])
-async def test_stop_escalates_without_a_reaction(stage: Stage, ignored: str) -> None:
+async def test_stop_escalates_if_a_signal_is_ignored(stage: Stage, ignored: str) -> None:
     stage.script("deaf.sh", f"trap '' {ignored}; echo $$; while :; do sleep 0.05; done")
     limits = StopLimits(sigint_s=0.2, sigterm_s=0.2 if "TERM" in ignored else LIMIT_S)
     task = asyncio.create_task(stage.run('<node name="n" pkg="p" type="deaf.sh"/>', stop_limits=limits))
@@ -277,7 +277,7 @@ async def test_stop_escalates_without_a_reaction(stage: Stage, ignored: str) -> 
     assert ("SIGTERM" in stage.text) is ("TERM" in ignored)
 
 
-async def test_what_a_node_has_started_ends_with_it(stage: Stage) -> None:
+async def test_child_processes_of_a_node_end_with_it(stage: Stage) -> None:
     stage.script("parent.sh", '(trap "" INT; echo $$; sleep 100) & echo $! > "$WHERE/child"; exec sleep 100')
     task = asyncio.create_task(stage.run('<node name="n" pkg="p" type="parent.sh"/>'))
     await stage.until(lambda: stage.read("child").endswith("\n"))
@@ -287,13 +287,13 @@ async def test_what_a_node_has_started_ends_with_it(stage: Stage) -> None:
     await stage.gone(child)
 
 
-async def test_what_a_node_leaves_behind_is_ended(stage: Stage) -> None:
+async def test_child_processes_that_outlive_a_node_are_ended(stage: Stage) -> None:
     stage.script("parent.sh", 'sleep 100 & echo $! > "$WHERE/child"')
     assert await asyncio.wait_for(stage.run('<node name="n" pkg="p" type="parent.sh"/>'), LIMIT_S)
     await stage.gone(int(stage.read("child")))
 
 
-async def test_launch_stays_when_others_need_its_master(stage: Stage) -> None:
+async def test_launch_with_the_master_continues_after_its_nodes(stage: Stage) -> None:
     stage.script("say.sh", "echo hello")
     task = asyncio.create_task(stage.run('<node name="n" pkg="p" type="say.sh"/>', stays=True))
     await stage.until(lambda: "until Ctrl-C" in stage.text)
@@ -301,7 +301,7 @@ async def test_launch_stays_when_others_need_its_master(stage: Stage) -> None:
     await ended(task)
 
 
-async def test_parameters_alone_are_set_and_the_launch_ends(stage: Stage) -> None:
+async def test_launch_with_only_parameters_sets_them_and_ends(stage: Stage) -> None:
     assert await stage.run('<param name="x" value="1"/>')
     assert await stage.client.get_param("/x") == 1
 
@@ -315,7 +315,7 @@ async def test_dump_that_cannot_be_written_starts_nothing(stage: Stage) -> None:
     assert not (stage.folder / "started").exists()
 
 
-async def test_clearing_all_empties_the_server(stage: Stage) -> None:
+async def test_clearing_the_root_deletes_all_parameters(stage: Stage) -> None:
     await stage.client.set_param("/old", 1)
     await stage.run('<rosparam command="delete"/>')
     with pytest.raises(UnknownNameError):
@@ -328,7 +328,7 @@ async def test_a_node_killed_by_a_signal_is_reported(stage: Stage) -> None:
     assert f"exit code {-signal.SIGSEGV}" in stage.text
 
 
-async def test_stop_while_a_process_is_being_made_finds_it(stage: Stage) -> None:
+async def test_stop_during_a_start_ends_the_process(stage: Stage) -> None:
     stage.script("stay.sh", 'echo $$ > "$WHERE/pid"; exec sleep 100')
     for _ in range(20):
         (stage.folder / "pid").unlink(missing_ok=True)
@@ -339,7 +339,7 @@ async def test_stop_while_a_process_is_being_made_finds_it(stage: Stage) -> None
             await stage.gone(int(pid))
 
 
-async def test_programs_are_searched_while_the_loop_continues(
+async def test_search_for_programs_does_not_block_the_loop(
     stage: Stage, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     watch = LoopWatch(monkeypatch)
@@ -364,5 +364,5 @@ async def test_programs_are_searched_while_the_loop_continues(
         (["/a/", "/", "/b/c/"], ["/"]),
     ],
 )
-def test_namespaces_inside_of_others_are_cleared_with_them(namespaces: list[str], kept: list[str]) -> None:
+def test_nested_namespaces_are_cleared_once(namespaces: list[str], kept: list[str]) -> None:
     assert outermost(namespaces) == kept

@@ -32,7 +32,7 @@ def scope(**arguments: str) -> Scope:
         ("$(find arm)urdf", "/ws/src/arm/urdf"),
         ("-d $(find arm) -x", "-d /ws/src/arm -x"),
         ("$(find xacro)/xacro", f"{BUILTIN_ROOT}/xacro/xacro"),
-        # What is put in may name a package, but no argument.
+        # A value may contain $(find), but no other substitution.
         ("$(env TRICK)", "/ws/src/arm/y"),
         ("$(arg z)", "$(arg x)"),
         ("$$(arg x)", "$1"),
@@ -54,17 +54,17 @@ def test_text_with_substitutions(text: str, result: str | None) -> None:
     ("text", "value"),
     [
         ("$(arg x)" * 10, "v" * 1_000_000),
-        # A value that names itself is put in as often as the text names it.
+        # A value that contains its own substitution.
         ("$(arg x)" * 40, "$(arg x)$(arg x)"),
         ("$(arg x)" * 20_000, "v"),
     ],
 )
-def test_a_text_that_grows_without_end_is_refused(text: str, value: str) -> None:
+def test_a_text_that_grows_beyond_the_limit_is_refused(text: str, value: str) -> None:
     with pytest.raises(LaunchError, match=r"longer than|more than"):
         substitute(text, scope(x=value), SURROUNDINGS)
 
 
-def test_anonymous_name_is_the_same_at_one_place_and_another_elsewhere() -> None:
+def test_anonymous_name_is_the_same_in_a_scope_and_differs_elsewhere() -> None:
     here = scope()
     first = substitute("$(anon node)", here, SURROUNDINGS)
     assert first.startswith("node_")
@@ -73,7 +73,7 @@ def test_anonymous_name_is_the_same_at_one_place_and_another_elsewhere() -> None
     assert substitute("$(anon node)", scope(), SURROUNDINGS) != first
 
 
-def test_expression_that_is_only_a_part_is_refused_with_what_to_do() -> None:
+def test_expression_that_is_only_a_part_is_refused_with_the_next_step() -> None:
     with pytest.raises(LaunchError, match="has to be the whole value"):
         substitute("a $(eval max(1, 2))", scope(), SURROUNDINGS)
 

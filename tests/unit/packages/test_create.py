@@ -31,7 +31,7 @@ def test_the_files_of_a_package(tmp_path: Path) -> None:
     assert "generate_messages(DEPENDENCIES std_msgs)" in cmake
 
 
-def test_each_folder_is_in_the_package_that_needs_it(tmp_path: Path) -> None:
+def test_folders_depend_on_the_dependencies(tmp_path: Path) -> None:
     assert create_package(tmp_path, NewPackage("a")).folders == []
     assert create_package(tmp_path, NewPackage("b", ["rospy"])).folders == [tmp_path / "b" / "src"]
     assert create_package(tmp_path, NewPackage("c", ["roscpp"], is_metapackage=True)).folders == []
@@ -58,13 +58,13 @@ def test_texts_are_escaped() -> None:
     assert "<author>Ada &amp; Co</author>" in text
 
 
-def test_a_metapackage_only_names_others() -> None:
+def test_a_metapackage_only_names_other_packages() -> None:
     text = package_xml(NewPackage("all_of_it", ["arm"], is_metapackage=True))
     assert "<metapackage/>" in text
     assert parse_package_xml(text.encode()).dependencies["arm"] == frozenset({"exec_depend"})
 
 
-def test_nothing_is_overwritten(tmp_path: Path) -> None:
+def test_existing_files_are_not_overwritten(tmp_path: Path) -> None:
     create_package(tmp_path, NewPackage("arm"))
     (tmp_path / "arm" / "package.xml").write_text("mine")
     with pytest.raises(ConfigError, match="already exists"):
@@ -73,7 +73,7 @@ def test_nothing_is_overwritten(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("name", ["9x", "a/b", "../a", "", "-x", "ä"])
-def test_names_that_are_none(tmp_path: Path, name: str) -> None:
+def test_invalid_names_are_refused(tmp_path: Path, name: str) -> None:
     with pytest.raises(ConfigError, match="is not a package name"):
         create_package(tmp_path, NewPackage(name))
     with pytest.raises(ConfigError, match="is not a package name"):
@@ -81,7 +81,7 @@ def test_names_that_are_none(tmp_path: Path, name: str) -> None:
     assert list(tmp_path.iterdir()) == []
 
 
-def test_unusual_names_are_warned_about(tmp_path: Path) -> None:
+def test_unconventional_names_cause_a_warning(tmp_path: Path) -> None:
     assert "lower case" in create_package(tmp_path, NewPackage("MyArm")).warnings[0]
 
 

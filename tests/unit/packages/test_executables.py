@@ -32,13 +32,13 @@ def test_a_script_is_found_anywhere_in_its_package(arm: Path) -> None:
     assert find(arm, "move.py") == script
 
 
-def test_what_was_built_wins_over_the_source(arm: Path) -> None:
+def test_built_programs_have_priority_over_the_source(arm: Path) -> None:
     write(arm / "scripts" / "move.py")
     relay = write(arm.parents[1] / "devel" / "lib" / "arm" / "move.py")
     assert find(arm, "move.py") == relay
 
 
-def test_installed_programs_are_found_by_the_prefix_path_and_beside_share(tmp_path: Path, arm: Path) -> None:
+def test_installed_programs_are_found_in_the_prefix_path_and_next_to_share(tmp_path: Path, arm: Path) -> None:
     program = write(tmp_path / "opt" / "lib" / "arm" / "driver", "\x7fELF")
     assert find(arm, "driver", CMAKE_PREFIX_PATH=str(tmp_path / "opt")) == program
     assert find(None, "driver", CMAKE_PREFIX_PATH=str(tmp_path / "opt")) == program
@@ -58,7 +58,7 @@ def test_other_files_must_be_executable(arm: Path) -> None:
         find(arm, "move.sh")
 
 
-def test_two_of_a_name_are_asked_about_and_a_path_answers(arm: Path) -> None:
+def test_two_files_with_a_name_need_a_path(arm: Path) -> None:
     write(arm / "a" / "move.py")
     second = write(arm / "b" / "move.py")
     with pytest.raises(ConfigError, match=r"give one of a/move.py, b/move.py"):
@@ -73,7 +73,7 @@ def test_build_folders_are_skipped(arm: Path) -> None:
     assert programs(arm) == [script]
 
 
-def test_what_is_missing_is_reported_with_what_is_near(arm: Path) -> None:
+def test_errors_about_missing_programs_list_similar_ones(arm: Path) -> None:
     with pytest.raises(ConfigError, match=f"has no program move.py below {arm}"):
         find(arm, "move.py")
     write(arm / "scripts" / "move.py")
@@ -97,23 +97,25 @@ def test_what_is_missing_is_reported_with_what_is_near(arm: Path) -> None:
         ("a", "text", False),
     ],
 )
-def test_python_is_known_by_its_first_line(tmp_path: Path, name: str, text: str, expected: bool) -> None:
+def test_python_scripts_are_recognized_by_the_first_line(
+    tmp_path: Path, name: str, text: str, expected: bool
+) -> None:
     assert is_python(write(tmp_path / name, text)) is expected
 
 
-def test_a_first_line_has_no_line_end(tmp_path: Path) -> None:
+def test_a_shebang_has_no_line_end(tmp_path: Path) -> None:
     assert shebang(write(tmp_path / "a", "#!/usr/bin/env python3\r\nx")) == "/usr/bin/env python3"
     assert shebang(tmp_path / "missing") == ""
 
 
-def test_a_link_and_what_it_leads_to_are_one_program(arm: Path) -> None:
+def test_a_link_and_its_target_are_one_program(arm: Path) -> None:
     script = write(arm / "scripts" / "move.py")
     (arm / "nodes").mkdir()
     (arm / "nodes" / "move.py").symlink_to(script)
     assert find(arm, "move.py").resolve() == script
 
 
-def test_a_compiled_program_that_is_not_built_names_its_source(arm: Path) -> None:
+def test_the_error_about_a_program_that_is_not_built_names_its_source(arm: Path) -> None:
     (arm / "CMakeLists.txt").write_text(
         "project(arm)\n# add_executable(old src/old.cpp)\n"
         "add_executable(${PROJECT_NAME}_driver include/a.h src/driver.cpp src/b.cpp)\n"

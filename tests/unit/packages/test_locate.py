@@ -25,7 +25,7 @@ def test_packages_below_the_current_folder_are_found(tmp_path: Path) -> None:
     assert package_folders({}, tmp_path) == {"arm": arm}
 
 
-def test_ros_package_path_counts_before_the_workspace_and_the_current_folder(tmp_path: Path) -> None:
+def test_ros_package_path_has_priority_over_the_workspace_and_the_current_folder(tmp_path: Path) -> None:
     first = make_package(tmp_path / "first" / "arm")
     make_package(tmp_path / "second" / "arm")
     make_package(tmp_path / "ws" / "src" / "arm")
@@ -39,7 +39,7 @@ def test_a_relative_ros_package_path_is_relative_to_the_current_folder(tmp_path:
     assert roots[0] == arm.parent
 
 
-def test_the_workspace_src_counts_before_other_folders(tmp_path: Path) -> None:
+def test_the_workspace_src_has_priority_over_other_folders(tmp_path: Path) -> None:
     make_package(tmp_path / "old" / "arm")
     new = make_package(tmp_path / "src" / "arm")
     assert package_folders({}, tmp_path) == {"arm": new}
@@ -60,7 +60,7 @@ def test_the_workspace_is_found_from_any_folder_inside(tmp_path: Path, mark: str
         assert package_folders({}, cwd) == {"arm": arm, "leg": leg}
 
 
-def test_an_unmarked_workspace_is_known_by_its_src(tmp_path: Path) -> None:
+def test_an_unmarked_workspace_is_recognized_by_its_src(tmp_path: Path) -> None:
     arm = make_package(tmp_path / "ws" / "src" / "arm")
     leg = make_package(tmp_path / "ws" / "src" / "leg")
     scripts = arm / "scripts"
@@ -86,11 +86,11 @@ def test_without_a_workspace_the_package_around_and_its_neighbors_are_found(tmp_
     assert package_folders({}, launch) == {"arm": arm, "leg": leg}
 
 
-def test_an_empty_place_has_no_packages(tmp_path: Path) -> None:
+def test_an_empty_folder_has_no_packages(tmp_path: Path) -> None:
     assert package_folders({"ROS_PACKAGE_PATH": ""}, tmp_path) == {}
 
 
-def test_packages_of_all_prefixes_are_found_and_the_first_counts(tmp_path: Path) -> None:
+def test_installed_packages_of_the_first_prefix_have_priority(tmp_path: Path) -> None:
     for prefix, name in (("over", "arm"), ("under", "arm"), ("under", "base")):
         make_package(tmp_path / prefix / "share" / name)
     (tmp_path / "under/share/doc").mkdir()

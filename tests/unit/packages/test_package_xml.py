@@ -44,7 +44,7 @@ def test_a_package_xml_is_read() -> None:
     )
 
 
-def test_a_rosbuild_manifest_is_called_like_its_folder() -> None:
+def test_a_rosbuild_manifest_has_the_name_of_its_folder() -> None:
     manifest = b"<package><description>old</description><depend package='roscpp'/></package>"
     parsed = parse_package_xml(manifest, file="manifest.xml", default_name="old_robot")
     assert parsed.name == "old_robot"
@@ -72,14 +72,14 @@ BOMB = b"""<!DOCTYPE lolz [<!ENTITY a "aaaa"><!ENTITY b "&a;&a;&a;&a;">]>
         (b"\xff\xfe\x00", "not XML"),
     ],
 )
-def test_what_is_not_a_package_xml_is_refused_in_one_line(data: bytes, reason: str) -> None:
+def test_invalid_texts_are_refused_in_one_line(data: bytes, reason: str) -> None:
     with pytest.raises(ConfigError, match=reason) as raised:
         parse_package_xml(data, file="x/package.xml")
     assert str(raised.value).startswith("x/package.xml:")
     assert "\n" not in str(raised.value)
 
 
-def test_the_line_of_a_mistake_is_named() -> None:
+def test_errors_name_the_line() -> None:
     with pytest.raises(ConfigError, match=r"package\.xml:3:"):
         parse_package_xml(b"<package>\n<name>a</name>\n<oops></package>")
 

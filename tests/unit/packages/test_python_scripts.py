@@ -37,7 +37,7 @@ def test_a_script_for_python_2_is_reported(tmp_path: Path, line: str) -> None:
 
 
 @pytest.mark.parametrize("text", ["print('x')\n", "x = = 1\n", "def f(:\n", "x = '\\d'\n", "\0", ""])
-def test_others_are_left_to_python(tmp_path: Path, text: str) -> None:
+def test_other_scripts_are_not_reported(tmp_path: Path, text: str) -> None:
     assert explain_python2(_script(tmp_path, text)) == ""
     assert explain_python2(tmp_path / "missing.py") == ""
 
@@ -47,7 +47,7 @@ def test_the_line_of_a_python_2_exception_is_reported(tmp_path: Path) -> None:
     assert explain_python2(script).startswith(f"{script}:3: ")
 
 
-def test_the_modules_beside_a_script_are_examined(tmp_path: Path) -> None:
+def test_the_modules_next_to_a_script_are_examined(tmp_path: Path) -> None:
     script = _script(
         tmp_path, "import first\ntry:\n    import Queue\nexcept ImportError:\n    import queue\n"
     )
@@ -60,7 +60,7 @@ def test_the_modules_beside_a_script_are_examined(tmp_path: Path) -> None:
     assert explain_python2(script) == ""
 
 
-def test_modules_only_define(tmp_path: Path) -> None:
+def test_modules_have_only_definitions(tmp_path: Path) -> None:
     head = '"""Text."""\nimport math\nX = 1\n'
     assert is_module(_script(tmp_path, head + "def f():\n    pass\n"))
     for end in ("f()\n", "if __name__ == '__main__':\n    f()\n"):

@@ -26,7 +26,7 @@ def test_a_root_can_be_a_package_itself(tmp_path: Path) -> None:
     assert find_packages([one]) == {"one": one}
 
 
-def test_the_first_root_wins_then_the_nearest(tmp_path: Path) -> None:
+def test_the_first_root_has_priority_then_the_nearest_folder(tmp_path: Path) -> None:
     first = make_package(tmp_path / "overlay" / "deep" / "er" / "robot")
     make_package(tmp_path / "underlay" / "robot")
     assert find_packages([tmp_path / "overlay", tmp_path / "underlay"]) == {"robot": first}
@@ -102,7 +102,7 @@ def test_depth_and_number_of_folders_are_bounded(tmp_path: Path, monkeypatch: py
     assert len(list(walk(tmp_path))) == 3
 
 
-def test_a_system_share_folder_is_searched_at_its_top_only(
+def test_only_the_top_level_of_a_system_share_folder_is_searched(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     top = make_package(tmp_path / "std_msgs")

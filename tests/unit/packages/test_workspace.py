@@ -47,7 +47,7 @@ def test_a_folder_is_marked_once(workspace: Path) -> None:
         init_workspace(workspace / "src")
 
 
-def test_what_a_workspace_has(workspace: Path) -> None:
+def test_the_contents_of_a_workspace(workspace: Path) -> None:
     arm = make_arm(workspace)
     (contents,) = read_workspace(workspace)
     assert contents.folder == arm
@@ -95,9 +95,9 @@ def test_sourcing_the_setup_file_shows_the_packages_once(workspace: Path, before
     assert reported.strip() == after.format(src=workspace / "src")
 
 
-def test_the_setup_file_of_a_real_build_is_left_alone(workspace: Path) -> None:
+def test_the_setup_file_of_a_real_build_is_kept(workspace: Path) -> None:
     write(workspace / "devel" / "setup.bash", "# catkin's own")
     assert "setup.bash" not in {file.name for file in write_setup_files(workspace)}
     assert (workspace / "devel" / "setup.bash").read_text() == "# catkin's own"
-    # Ours are written again: the workspace may have moved.
+    # The files of rostether are written again, because the workspace may have moved.
     assert "setup.sh" in {file.name for file in write_setup_files(workspace)}

@@ -1,9 +1,9 @@
-"""Nodes of one network in memory, and what they publish."""
+"""Nodes of a network in memory, and their messages."""
 
 from __future__ import annotations
 
 import asyncio
-from collections.abc import AsyncIterator, Awaitable, Callable
+from collections.abc import AsyncIterator, Callable
 from contextlib import aclosing, asynccontextmanager
 
 from rostether.graph.memory_network import MemoryNetwork
@@ -17,7 +17,7 @@ LIMIT_S = 60.0
 
 @asynccontextmanager
 async def entered(network: MemoryNetwork, name: str) -> AsyncIterator[TypedGraph]:
-    """Be a node of a network in memory."""
+    """Join a network in memory as a node."""
     graph = TypedGraph(await network.join(name), TypeStore(Registry()))
     try:
         yield graph
@@ -25,21 +25,10 @@ async def entered(network: MemoryNetwork, name: str) -> AsyncIterator[TypedGraph
         await graph.close()
 
 
-@asynccontextmanager
-async def running(work: Awaitable[None]) -> AsyncIterator[asyncio.Future[None]]:
-    """Let a node's work run while the block lasts."""
-    task = asyncio.ensure_future(work)
-    try:
-        yield task
-    finally:
-        task.cancel()
-        await asyncio.gather(task, return_exceptions=True)
-
-
 async def first(
     graph: TypedGraph, topic: str, type_name: str, wanted: Callable[[Message], bool] = lambda _: True
 ) -> Message:
-    """Return the first message of a topic that is wanted."""
+    """Return the first message of a topic for which `wanted` is true."""
     async with asyncio.timeout(LIMIT_S), aclosing(aiter(graph.messages(topic, type_name))) as messages:
         async for message in messages:
             if wanted(message):

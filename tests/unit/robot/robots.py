@@ -1,4 +1,4 @@
-"""Three robots: an arm, a gripper whose fingers follow each other, a rover with everything else."""
+"""Three robots: an arm, a gripper with mimicking fingers, and a rover with all other features."""
 
 from __future__ import annotations
 

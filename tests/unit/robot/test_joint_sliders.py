@@ -18,7 +18,7 @@ def sliders(states: JointStates) -> JointSliders:
     return JointSliders(states, choose=lambda lower, upper: upper)
 
 
-def test_keys_move_the_chosen_joint(states: JointStates, sliders: JointSliders) -> None:
+def test_keys_move_the_selected_joint(states: JointStates, sliders: JointSliders) -> None:
     sliders.press(SliderKey.DOWN)
     sliders.press(SliderKey.MORE)
     assert states.free["j1"].position == pytest.approx(4.0 / 200)
@@ -29,13 +29,13 @@ def test_keys_move_the_chosen_joint(states: JointStates, sliders: JointSliders) 
     assert states.free["j1"].position == 0.0
 
 
-def test_choosing_goes_around(states: JointStates, sliders: JointSliders) -> None:
+def test_selection_wraps_around(states: JointStates, sliders: JointSliders) -> None:
     sliders.press(SliderKey.UP)
     sliders.press(SliderKey.LESS)
     assert states.free["j2"].position == pytest.approx(-0.02)
 
 
-def test_all_at_once(states: JointStates, sliders: JointSliders) -> None:
+def test_keys_that_move_all_joints(states: JointStates, sliders: JointSliders) -> None:
     sliders.press(SliderKey.RANDOMIZE)
     assert [each.position for each in states.free.values()] == [2.5, 2.5, 2.5]
     sliders.press(SliderKey.CENTER)
@@ -56,7 +56,7 @@ def test_lines_show_names_values_and_knobs(sliders: JointSliders) -> None:
     assert all(len(line) <= 60 for line in lines)
 
 
-def test_a_low_screen_shows_the_chosen_joint(sliders: JointSliders) -> None:
+def test_a_small_screen_shows_the_selected_joint(sliders: JointSliders) -> None:
     sliders.press(SliderKey.UP)
     lines = sliders.lines(60, 3)
     assert lines[0].startswith("> j2")

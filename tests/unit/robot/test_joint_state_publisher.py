@@ -7,8 +7,9 @@ import pytest
 from rostether.errors import ConfigError
 from rostether.graph.memory_network import MemoryNetwork
 from rostether.graph.ports import ParamValue
+from rostether.mechanisms.block_end import task_beside
 from rostether.robot.joint_state_publisher import SLIDERS_TOPIC, publish_joint_states, read_joint_states
-from unit.robot.graphs import entered, first, running
+from unit.robot.graphs import entered, first
 from unit.robot.robots import ARM
 
 STATE = "sensor_msgs/JointState"
@@ -28,7 +29,7 @@ async def test_sources_and_parameters_are_used() -> None:
         for name, value in parameters.items():
             await node.set_param(name, value)
         states = await read_joint_states(node)
-        async with running(
+        async with task_beside(
             publish_joint_states(node, states, lambda: received.append(None), [SLIDERS_TOPIC])
         ):
             before = await first(arm, "/joint_states", STATE)
@@ -62,7 +63,7 @@ async def test_sources_and_parameters_are_used() -> None:
         ("use_mimic_tags", "maybe", "must be true or false"),
     ],
 )
-async def test_parameters_that_make_no_sense_are_refused(name: str, value: ParamValue, reported: str) -> None:
+async def test_invalid_parameters_are_refused(name: str, value: ParamValue, reported: str) -> None:
     async with entered(MemoryNetwork(), "/jsp") as node:
         await node.set_param("/robot_description", ARM)
         await node.set_param(f"/jsp/{name}", value)
@@ -70,11 +71,11 @@ async def test_parameters_that_make_no_sense_are_refused(name: str, value: Param
             await publish_joint_states(node, await read_joint_states(node))
 
 
-async def test_it_ends_when_its_node_is_shut_down() -> None:
+async def test_publishing_ends_with_the_node() -> None:
     network = MemoryNetwork()
     async with entered(network, "/jsp") as node, entered(network, "/arm") as arm:
         await node.set_param("/robot_description", ARM)
-        async with running(publish_joint_states(node, await read_joint_states(node))) as publishing:
+        async with task_beside(publish_joint_states(node, await read_joint_states(node))) as publishing:
             await first(arm, "/joint_states", STATE)
             await node.close()
             await asyncio.wait_for(publishing, 60)

@@ -31,7 +31,7 @@ def test_soft_limits_count_by_default(smallest: bool, limits: tuple[float, float
     assert (lift.lower, lift.upper) == limits
 
 
-def test_joints_follow() -> None:
+def test_mimicking_joints_follow() -> None:
     states = JointStates(parse_urdf(GRIPPER))
     assert list(states.free) == ["lift", "left"]
     states.receive(["left", "right", "strange"], [1.0, 5.0, 5.0])
@@ -43,7 +43,7 @@ def test_mimic_tags_may_be_ignored() -> None:
     assert list(states.free) == ["lift", "left", "right", "tip"]
 
 
-def test_dependences_may_be_set() -> None:
+def test_dependent_joints_may_be_set() -> None:
     settings = JointStateSettings(dependent_joints={"j1": Mimic("j0", 2.0, 0.5)})
     states = JointStates(parse_urdf(ARM), settings)
     states.receive(["j0"], [1.0], [0.25], [3.0])
@@ -53,7 +53,7 @@ def test_dependences_may_be_set() -> None:
     assert values.effort == [3.0, 3.0, 0.0]
 
 
-def test_short_lists_have_no_line_about_the_rest() -> None:
+def test_short_lists_leave_other_joints_unchanged() -> None:
     states = JointStates(parse_urdf(ARM))
     states.receive(["j0", "j1"], [1.0])
     assert states.values().position == [1.0, 0.0, 0.0]
@@ -67,7 +67,7 @@ def test_defaults_may_be_omitted_or_added() -> None:
     assert values.velocity == values.effort == [0.0, 0.0, 0.0]
 
 
-def test_steps_go_to_and_fro_between_limits() -> None:
+def test_steps_go_back_and_forth_between_limits() -> None:
     states = JointStates(parse_urdf(ARM), JointStateSettings(delta=1.0))
     seen = []
     for _ in range(8):
@@ -76,7 +76,7 @@ def test_steps_go_to_and_fro_between_limits() -> None:
     assert seen == [1.0, 2.0, 2.5, 1.5, 0.5, -0.5, -1.5, -1.5]
 
 
-def test_continuous_joints_go_around() -> None:
+def test_continuous_joints_rotate() -> None:
     states = JointStates(parse_urdf(ROVER), JointStateSettings(delta=3.0))
     states.step()
     states.step()
@@ -94,7 +94,7 @@ def test_positions_stay_within_limits() -> None:
 @pytest.mark.parametrize(
     ("leader", "reported"), [("k", "cycle: j, k, j"), ("nowhere", "not a movable joint of the robot")]
 )
-def test_following_no_program_is_refused(leader: str, reported: str) -> None:
+def test_mimicking_an_unknown_joint_is_refused(leader: str, reported: str) -> None:
     text = robot(
         "x",
         "a b c",

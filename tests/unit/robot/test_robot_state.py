@@ -44,18 +44,18 @@ def test_positions_become_transforms() -> None:
     assert {each.stamp_ns for each in found} == {NOW}
 
 
-def test_joints_that_follow_are_added_where_their_leader_is_reported() -> None:
+def test_mimicking_joints_are_added_if_their_leader_is_known() -> None:
     state = RobotState(parse_urdf(GRIPPER))
     assert children(state, ["left"], NOW) == ["left", "right", "tip"]
     assert children(state, ["lift"], NOW + 2 * INTERVAL, NOW + SECOND) == ["slide"]
 
 
-def test_states_that_come_too_early_are_skipped() -> None:
+def test_states_that_arrive_too_early_are_skipped() -> None:
     state = RobotState(parse_urdf(ARM))
     assert children(state, ["j0"], NOW) == ["turret"]
     assert children(state, ["j0"], NOW + INTERVAL - 1, NOW + 1) == []
     assert children(state, ["j0"], NOW + INTERVAL, NOW + 2) == ["turret"]
-    # A joint that was not published yet is due at once.
+    # A joint that has not been published yet is due immediately.
     assert children(state, ["j0", "j1"], NOW + INTERVAL + 1, NOW + 3) == ["turret", "upper"]
 
 
@@ -65,7 +65,7 @@ def test_timestamps_may_be_ignored() -> None:
     assert children(state, ["j0"], NOW) == ["turret"]
 
 
-def test_a_clock_that_is_reset_starts_over() -> None:
+def test_all_joints_are_published_again_after_a_reset_of_the_clock() -> None:
     state = RobotState(parse_urdf(ARM))
     assert children(state, ["j0"], NOW) == ["turret"]
     assert children(state, ["j0"], SECOND, 2 * SECOND) == ["turret"]
@@ -80,9 +80,7 @@ def test_a_clock_that_is_reset_starts_over() -> None:
         (["j9"], [0.0], "'j9', which the robot does not have"),
     ],
 )
-def test_what_is_wrong_with_a_state_is_reported(
-    names: list[str], positions: list[float], reported: str
-) -> None:
+def test_problems_of_a_state_are_reported(names: list[str], positions: list[float], reported: str) -> None:
     state = RobotState(parse_urdf(ARM))
     assert state.moving_transforms(names, positions, NOW, NOW) == []
     assert reported in state.problem
@@ -106,7 +104,7 @@ def test_the_first_value_of_a_repeated_joint_counts() -> None:
     ("prefix", "frame", "name"),
     [("", "a", "a"), ("r1", "a", "r1/a"), ("/r1", "a", "r1/a"), ("r1", "/a", "a")],
 )
-def test_frames_under_a_prefix(prefix: str, frame: str, name: str) -> None:
+def test_frames_with_a_prefix(prefix: str, frame: str, name: str) -> None:
     assert prefixed(prefix, frame) == name
 
 
@@ -129,7 +127,7 @@ def test_a_cycle_of_mimics_is_refused_before_the_first_state() -> None:
         RobotState(parse_urdf(text))
 
 
-def test_unknown_names_are_not_remembered() -> None:
+def test_unknown_names_are_not_stored() -> None:
     state = RobotState(parse_urdf(ARM))
     for number in range(100):
         state.moving_transforms([f"x{number}"], [0.0], NOW, NOW)
@@ -137,7 +135,7 @@ def test_unknown_names_are_not_remembered() -> None:
 
 
 @pytest.mark.parametrize(("shoulder", "elbow"), [(0.0, 0.0), (0.5, 0.0), (0.3, -0.7), (2.0, 1.0)])
-def test_a_planar_arm_is_where_geometry_predicts(shoulder: float, elbow: float) -> None:
+def test_a_planar_arm_has_the_computed_pose(shoulder: float, elbow: float) -> None:
     stands = forward_kinematics(parse_urdf(PLANE), {"shoulder": shoulder, "elbow": elbow})
     second = stands["second"]
     assert second.translation == pytest.approx((2 * math.cos(shoulder), 2 * math.sin(shoulder), 0.0))
@@ -159,7 +157,7 @@ def test_a_fixed_joint_ignores_positions() -> None:
     assert joint_transform(wrist, 1.0) == joint_transform(wrist)
 
 
-def test_joints_follow_also_through_others() -> None:
+def test_joints_can_mimic_indirectly() -> None:
     model = parse_urdf(GRIPPER)
     assert with_mimics(model, {"left": 1.0}) == {"left": 1.0, "right": -1.25, "tip": -2.5}
     assert with_mimics(model, {"right": 2.0})["tip"] == 4.0

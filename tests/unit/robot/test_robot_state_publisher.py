@@ -7,9 +7,10 @@ import pytest
 from rostether.errors import ConfigError, RobotModelError
 from rostether.graph.memory_network import MemoryNetwork
 from rostether.graph.ports import ParamValue
+from rostether.mechanisms.block_end import task_beside
 from rostether.robot.robot_state_publisher import publish_robot_state
 from rostether.robot.tf_messages import TF_TYPE, from_message
-from unit.robot.graphs import entered, first, running
+from unit.robot.graphs import entered, first
 from unit.robot.robots import ARM, ROVER
 
 STATE = "sensor_msgs/JointState"
@@ -20,7 +21,7 @@ async def test_joint_states_become_transforms() -> None:
     warnings: list[str] = []
     async with entered(network, "/rsp") as node, entered(network, "/arm") as arm:
         await arm.set_param("/robot_description", ARM)
-        async with running(publish_robot_state(node, warnings.append)):
+        async with task_beside(publish_robot_state(node, warnings.append)):
             states = await arm.publisher("/joint_states", STATE)
             assert await states.wait_for_subscriber(5)
             waiting = asyncio.ensure_future(first(arm, "/tf", TF_TYPE))
@@ -44,7 +45,7 @@ async def test_fixed_transforms_on_tf_are_stamped_ahead() -> None:
         }
         for name, value in parameters.items():
             await eye.set_param(name, value)
-        async with running(publish_robot_state(node, print)):
+        async with task_beside(publish_robot_state(node, print)):
             message = await first(eye, "/tf", TF_TYPE)
             now_ns = eye.now().to_ns()
     fixed = list(from_message(message))
@@ -52,7 +53,7 @@ async def test_fixed_transforms_on_tf_are_stamped_ahead() -> None:
     assert fixed[0].stamp_ns > now_ns
 
 
-async def test_a_description_must_be_there_and_make_sense() -> None:
+async def test_a_missing_or_invalid_description_is_refused() -> None:
     network = MemoryNetwork()
     async with entered(network, "/rsp") as node:
         with pytest.raises(ConfigError, match="the parameter robot_description"):

@@ -39,12 +39,12 @@ def test_a_period_is_in_milliseconds(words: str) -> None:
         ("0 0 0 0 0 0 a b often", "'often' is not a number"),
     ],
 )
-def test_what_is_not_a_transform_is_refused(words: str, reported: str) -> None:
+def test_invalid_arguments_are_refused(words: str, reported: str) -> None:
     with pytest.raises(ConfigError, match=reported):
         parse_static_transform(words.split())
 
 
-def test_a_parameter_may_hold_it() -> None:
+def test_a_transform_can_be_a_parameter() -> None:
     turn: dict[str, ParamValue] = {"x": 0.0, "y": 0.0, "z": 0.0, "w": 1.0}
     static = static_transform_of(
         {
@@ -60,6 +60,6 @@ def test_a_parameter_may_hold_it() -> None:
 @pytest.mark.parametrize(
     "value", [None, 5, {}, {"header": {}, "transform": {"translation": 1, "rotation": 2}}]
 )
-def test_a_parameter_with_something_else_is_refused(value: object) -> None:
+def test_other_parameters_are_refused(value: object) -> None:
     with pytest.raises(ConfigError, match="/laser"):
         static_transform_of(value, "/laser")  # type: ignore[arg-type]

@@ -33,13 +33,13 @@ def buffer() -> TransformBuffer:
     return buffer
 
 
-def test_a_moment_between_two_is_interpolated(buffer: TransformBuffer) -> None:
+def test_transforms_are_interpolated(buffer: TransformBuffer) -> None:
     assert place(buffer, "root", "a", 100.25) == 0.25
     assert place(buffer, "a", "root", 100.25) == -0.25
     assert place(buffer, "root", "fixed", 101.5) == 2.0
 
 
-def test_the_latest_is_what_all_steps_know(buffer: TransformBuffer) -> None:
+def test_the_latest_time_is_common_to_all_steps(buffer: TransformBuffer) -> None:
     assert buffer.latest_common_time_ns("b", "fixed") == round(101.5 * SECOND)
     assert buffer.lookup("b", "fixed").stamp_ns == round(101.5 * SECOND)
     assert place(buffer, "b", "fixed") == 1.5 + 0.5 - 10.0
@@ -48,12 +48,12 @@ def test_the_latest_is_what_all_steps_know(buffer: TransformBuffer) -> None:
 
 
 @pytest.mark.parametrize("time_s", [99.9, 102.1])
-def test_outside_of_what_was_received_there_is_no_answer(buffer: TransformBuffer, time_s: float) -> None:
+def test_times_outside_the_received_transforms_are_refused(buffer: TransformBuffer, time_s: float) -> None:
     with pytest.raises(ExtrapolationError, match="would require extrapolation"):
         place(buffer, "root", "a", time_s)
 
 
-def test_a_single_transform_holds_at_its_own_moment_only(buffer: TransformBuffer) -> None:
+def test_a_single_transform_is_valid_only_at_its_time(buffer: TransformBuffer) -> None:
     assert place(buffer, "root", "b", 101.5) == 10.0
     with pytest.raises(ExtrapolationError, match=r"only time 101.500000000 is in the buffer"):
         place(buffer, "root", "b", 101.4)
@@ -90,7 +90,7 @@ def test_lookup_error_returns_the_error_that_lookup_would_raise(buffer: Transfor
     assert "extrapolation" in buffer.lookup_error("root", "a", 5)
 
 
-def test_between_two_moments_through_a_frame_that_stood_still(buffer: TransformBuffer) -> None:
+def test_lookup_between_two_times_through_a_fixed_frame(buffer: TransformBuffer) -> None:
     moved = buffer.lookup_through("a", 100 * SECOND, "a", 102 * SECOND, "root")
     assert moved.transform.translation == (2.0, 0.0, 0.0)
     assert moved.stamp_ns == 100 * SECOND
@@ -105,18 +105,18 @@ def test_the_chain_and_the_frames(buffer: TransformBuffer) -> None:
 def test_a_frame_may_get_another_parent(buffer: TransformBuffer) -> None:
     buffer.set_transform(at("b", "a", 103, 1.0))
     assert place(buffer, "b", "a", 103) == 1.0
-    # Between the parents the earlier one holds.
+    # Between the two parents, the earlier one is valid.
     assert buffer.chain("b", "a") == ["a", "b"]
 
 
-def test_clearing_forgets_transforms(buffer: TransformBuffer) -> None:
+def test_clear_removes_transforms(buffer: TransformBuffer) -> None:
     buffer.clear()
     assert buffer.children == []
     with pytest.raises(UnconnectedFramesError):
         place(buffer, "root", "a")
 
 
-def test_what_a_peer_may_fill_is_bounded(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_frames_and_their_names_are_bounded(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(tf_buffer, "MAX_FRAMES", 3)
     monkeypatch.setattr(tf_cache, "MAX_TRANSFORMS", 2)
     buffer = TransformBuffer()
@@ -131,7 +131,7 @@ def test_what_a_peer_may_fill_is_bounded(monkeypatch: pytest.MonkeyPatch) -> Non
     assert buffer.set_transform(at("root", "b", 101)) == ""
 
 
-def test_numbers_that_are_none_are_refused() -> None:
+def test_invalid_numbers_are_refused() -> None:
     buffer = TransformBuffer()
     refused = StampedTransform("a", "b", 1, Transform((float("nan"), 0.0, 0.0)))
     assert buffer.set_transform(refused).startswith("TF_NAN_INPUT")

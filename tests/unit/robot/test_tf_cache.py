@@ -13,7 +13,7 @@ def entry(stamp_ns: int, parent: str = "root") -> Entry:
     return Entry(stamp_ns, parent, Transform((stamp_ns / SECOND, 0.0, 0.0)), "/node")
 
 
-def test_entries_may_come_in_any_order() -> None:
+def test_entries_may_arrive_in_any_order() -> None:
     cache = TimeCache()
     for stamp_s in (103, 101, 102):
         assert cache.insert(entry(stamp_s * SECOND)) == ""
@@ -31,7 +31,7 @@ def test_repeated_and_old_entries_are_refused() -> None:
     assert cache.insert(entry(99 * SECOND)) == ""
 
 
-def test_what_is_too_old_is_forgotten() -> None:
+def test_old_entries_are_deleted() -> None:
     cache = TimeCache(SECOND)
     for stamp_s in (100, 101, 102):
         cache.insert(entry(stamp_s * SECOND))
@@ -40,7 +40,7 @@ def test_what_is_too_old_is_forgotten() -> None:
         cache.at(100 * SECOND)
 
 
-def test_between_two_parents_the_earlier_holds() -> None:
+def test_between_two_parents_the_earlier_is_valid() -> None:
     cache = TimeCache()
     cache.insert(entry(100 * SECOND, "old"))
     cache.insert(entry(101 * SECOND, "new"))
@@ -48,7 +48,7 @@ def test_between_two_parents_the_earlier_holds() -> None:
     assert cache.at(101 * SECOND).parent == "new"
 
 
-def test_a_static_transform_holds_at_every_moment() -> None:
+def test_a_static_transform_is_valid_at_all_times() -> None:
     cache = StaticCache(entry(5))
     assert cache.at(0) is cache.at(10**18)
     assert cache.insert(entry(4, "other")) == ""

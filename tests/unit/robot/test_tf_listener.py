@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 from rostether.graph.memory_network import MemoryNetwork
+from rostether.mechanisms.block_end import task_beside
 from rostether.robot.static_transforms import StaticTransform, publish_static_transform
 from rostether.robot.tf_buffer import TransformBuffer
 from rostether.robot.tf_listener import TfListener, tf_listener
@@ -8,7 +9,7 @@ from rostether.robot.tf_messages import TF_TYPE, from_message, tf_publisher, to_
 from rostether.robot.tf_statistics import TfStatistics
 from rostether.robot.transform import StampedTransform, Transform
 from rostether.rostime import Time
-from unit.robot.graphs import entered, running
+from unit.robot.graphs import entered
 from waiting import until
 
 SECOND = 10**9
@@ -21,7 +22,7 @@ async def test_static_and_moving_transforms_arrive() -> None:
     async with (
         entered(network, "/robot") as robot,
         entered(network, "/late") as late,
-        running(
+        task_beside(
             publish_static_transform(robot, StaticTransform("base", "laser", Transform((0.5, 0.0, 0.0))))
         ),
     ):
@@ -37,14 +38,14 @@ async def test_static_and_moving_transforms_arrive() -> None:
     assert refusals[0].startswith("TF_SELF_TRANSFORM")
 
 
-async def test_a_period_publishes_on_tf_again_and_again() -> None:
+async def test_a_static_transform_with_a_period_is_published_repeatedly() -> None:
     network = MemoryNetwork()
     static = StaticTransform("a", "b", Transform(), period_s=0.02)
     async with (
         entered(network, "/robot") as robot,
         entered(network, "/eye") as eye,
         tf_listener(eye) as listener,
-        running(publish_static_transform(robot, static)),
+        task_beside(publish_static_transform(robot, static)),
     ):
 
         def has_several() -> bool:
@@ -55,11 +56,11 @@ async def test_a_period_publishes_on_tf_again_and_again() -> None:
         cache = listener.buffer.cache_of("b")
         assert cache is not None
         assert not cache.is_static
-        # It ends with its node.
+        # The publisher ends with its node.
         await robot.close()
 
 
-async def test_a_jump_back_in_time_empties_the_buffer() -> None:
+async def test_a_jump_back_in_time_clears_the_buffer() -> None:
     refusals: list[str] = []
 
     class Clock:
@@ -82,7 +83,7 @@ async def test_a_jump_back_in_time_empties_the_buffer() -> None:
     assert "jump back in time" in refusals[1]
 
 
-async def test_messages_carry_all_of_a_transform() -> None:
+async def test_messages_contain_the_whole_transform() -> None:
     async with entered(MemoryNetwork(), "/n") as node:
         codec = node.store.codec(TF_TYPE)
         stamped = StampedTransform("a", "b", 1_234_567_890, Transform((1.0, 2.0, 3.0), (0.5, -0.5, 0.5, 0.5)))

@@ -31,7 +31,7 @@ def test_the_tree_is_below_its_root(buffer: TransformBuffer) -> None:
     ]
 
 
-def test_frames_in_a_loop_are_shown_as_such() -> None:
+def test_frames_in_a_loop_are_marked() -> None:
     buffer = TransformBuffer()
     for parent, child in (("x", "y"), ("y", "x")):
         buffer.set_transform(StampedTransform(parent, child, 1, Transform()))

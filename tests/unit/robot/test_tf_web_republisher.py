@@ -1,4 +1,4 @@
-"""tf2_web_republisher: the service and the action that web pages ask for transforms by."""
+"""tf2_web_republisher: the service and the action by which web pages request transforms."""
 
 from __future__ import annotations
 
@@ -15,11 +15,12 @@ from rostether.errors import ServiceCallError
 from rostether.graph.memory_network import MemoryNetwork
 from rostether.graph.typed_graph import TypedGraph
 from rostether.graph.typed_handles import TypedPublisher
+from rostether.mechanisms.block_end import task_beside
 from rostether.robot import tf_web_republisher
 from rostether.robot.tf_messages import tf_publisher, to_message
 from rostether.robot.tf_web_republisher import MAX_FRAMES, republish_for_web
 from rostether.robot.transform import StampedTransform, Transform, quaternion_from_rpy
-from unit.robot.graphs import entered, running
+from unit.robot.graphs import entered
 from waiting import until
 
 ASK = {"source_frames": ["/arm", "nowhere"], "target_frame": "world", "rate": 100.0}
@@ -51,26 +52,26 @@ async def world() -> AsyncIterator[World]:
     async with AsyncExitStack() as stack:
         graphs = [await stack.enter_async_context(entered(network, name)) for name in ("/repub", "/page")]
         tf = await tf_publisher(graphs[1])
-        await stack.enter_async_context(running(republish_for_web(graphs[0], problems.append)))
+        await stack.enter_async_context(task_beside(republish_for_web(graphs[0], problems.append)))
         await until(lambda: "/republish_tfs" in network.snapshot().services and tf.subscriber_count > 0)
         await until(lambda: "/tf2_web_republisher/cancel" in network.snapshot().topics)
         yield World(graphs[1], tf, problems)
 
 
-async def test_a_page_asks_by_the_service(world: World) -> None:
+async def test_a_page_requests_transforms_by_the_service(world: World) -> None:
     ask = {**ASK, "trans_thres": 0.1, "angular_thres": 0.1}
     answer = await world.page.call("/republish_tfs", "tf2_web_republisher/RepublishTFs", ask)
     assert answer.topic_name == "/tf_repub_1"
     again = await world.page.call("/republish_tfs", "tf2_web_republisher/RepublishTFs", ask)
     assert again.topic_name == "/tf_repub_2"
     got: list[Any] = []
-    async with running(world.collect("/tf_repub_1", "tf2_web_republisher/TFArray", got)):
+    async with task_beside(world.collect("/tf_repub_1", "tf2_web_republisher/TFArray", got)):
         world.move(1.0)
         await until(lambda: len(got) == 1)
         (sent,) = got[0].transforms
         assert (sent.header.frame_id, sent.child_frame_id) == ("world", "arm")
         assert sent.transform.translation.x == 1.0
-        # Too little to be worth a message; then far enough, then turned enough.
+        # A move below the thresholds, then one beyond the distance, then one beyond the angle.
         world.move(1.05)
         await asyncio.sleep(0.05)
         assert len(got) == 1
@@ -91,14 +92,14 @@ async def test_a_topic_ends_with_its_page(world: World, monkeypatch: pytest.Monk
         await asyncio.sleep(0.01)
 
 
-async def test_a_page_asks_by_the_action_as_roslibjs_does(world: World) -> None:
+async def test_a_page_requests_transforms_by_the_action_like_roslibjs(world: World) -> None:
     feedback: list[Any] = []
     results: list[Any] = []
     goals = await world.page.publisher("/tf2_web_republisher/goal", f"{ACTION}Goal")
     cancels = await world.page.publisher("/tf2_web_republisher/cancel", "actionlib_msgs/GoalID")
     async with (
-        running(world.collect("/tf2_web_republisher/feedback", f"{ACTION}Feedback", feedback)),
-        running(world.collect("/tf2_web_republisher/result", f"{ACTION}Result", results)),
+        task_beside(world.collect("/tf2_web_republisher/feedback", f"{ACTION}Feedback", feedback)),
+        task_beside(world.collect("/tf2_web_republisher/result", f"{ACTION}Result", results)),
     ):
         await until(lambda: goals.subscriber_count > 0 and cancels.subscriber_count > 0)
         world.move(1.0)

@@ -15,7 +15,7 @@ def with_joint(attributes: str, inside: str = ENDS) -> str:
     return f'<robot name="x">\n{TWO}\n<joint {attributes}>{inside}</joint></robot>'
 
 
-def test_an_arm_is_read_whole() -> None:
+def test_an_arm_is_read() -> None:
     model = parse_urdf(ARM)
     assert (model.name, model.root) == ("arm", "base")
     assert model.links == ("base", "turret", "upper", "fore", "hand")
@@ -84,7 +84,7 @@ def test_joints_below_a_link_are_sorted_by_name() -> None:
         ),
     ],
 )
-def test_what_makes_no_sense_is_refused_with_its_line(text: str, reported: str) -> None:
+def test_errors_name_their_line(text: str, reported: str) -> None:
     with pytest.raises(RobotModelError) as refusal:
         parse_urdf(text, file="robot.urdf")
     assert reported in str(refusal.value)
@@ -92,7 +92,7 @@ def test_what_makes_no_sense_is_refused_with_its_line(text: str, reported: str) 
     assert "\n" not in str(refusal.value)
 
 
-def test_the_line_is_the_joints_own() -> None:
+def test_an_error_of_a_joint_names_its_line() -> None:
     with pytest.raises(RobotModelError, match=r"^r:3: "):
         parse_urdf(with_joint('name="j" type="bar"'), file="r")
 

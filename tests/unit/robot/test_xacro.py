@@ -52,7 +52,7 @@ def test_dependencies(robot: Path) -> None:
     assert found == [str(robot.parent / "parts" / "wheel.xacro")]
 
 
-def test_a_package_that_is_not_there_is_named(robot: Path) -> None:
+def test_errors_name_a_missing_package(robot: Path) -> None:
     with pytest.raises(RobotModelError, match="no package parts on ROS_PACKAGE_PATH"):
         expand_xacro(robot, {}, packages={})
 
@@ -68,7 +68,7 @@ def test_a_package_that_is_not_there_is_named(robot: Path) -> None:
         ("<link", "not XML"),
     ],
 )
-def test_what_is_wrong_is_one_line_with_the_file(tmp_path: Path, inside: str, reported: str) -> None:
+def test_errors_are_one_line_with_the_file(tmp_path: Path, inside: str, reported: str) -> None:
     file = tmp_path / "wrong.xacro"
     file.write_text(f'<robot name="x" xmlns:xacro="http://www.ros.org/wiki/xacro">{inside}</robot>')
     with pytest.raises(RobotModelError) as refusal:
@@ -107,7 +107,7 @@ def test_endless_files_are_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPat
         expand(file)
 
 
-def test_without_the_package_the_extra_is_named(robot: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_error_without_the_package_names_the_extra(robot: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "xacro", None)
     with pytest.raises(RobotModelError, match=r"pip install 'rostether\[robot\]'"):
         expand(robot)
@@ -119,7 +119,7 @@ def test_mappings() -> None:
         parse_mappings(["a=1"])
 
 
-def test_what_is_xacro() -> None:
+def test_xacro_is_recognized() -> None:
     assert is_xacro(MAIN.encode())
     assert not is_xacro(b'<robot name="x"/>')
 

@@ -40,7 +40,7 @@ def refusal(file: Path, inside: str) -> str:
 
 
 @pytest.mark.parametrize("expression", BOMBS)
-def test_an_expression_without_end_is_refused_wherever_it_is(file: Path, expression: str) -> None:
+def test_endless_expressions_are_refused_everywhere(file: Path, expression: str) -> None:
     for inside in (
         f'<link name="${{{expression}}}"/>',
         f'<xacro:property name="p" value="${{{expression}}}"/><link name="${{p}}"/>',
@@ -50,7 +50,7 @@ def test_an_expression_without_end_is_refused_wherever_it_is(file: Path, express
         assert "robot.xacro" in refusal(file, inside)
 
 
-def test_the_reason_names_the_limit_and_the_expression(file: Path) -> None:
+def test_the_error_names_the_limit_and_the_expression(file: Path) -> None:
     text = refusal(file, '<link name="${10**10**9}"/>')
     assert "a whole number of more than 1024 bits is too large" in text
     assert "when evaluating expression '10**10**9'" in text
@@ -62,7 +62,7 @@ def test_eval_substitutions_are_bounded(file: Path, expression: str) -> None:
     refusal(file, f'<link name="$(eval {expression})"/>')
 
 
-def test_the_macro_parameter_that_lacks_a_quote_is_read_at_once(file: Path) -> None:
+def test_a_macro_parameter_without_its_closing_quote_is_read_quickly(file: Path) -> None:
     refusal(file, f'<xacro:macro name="m" params="a:={"b" * 200}\'"/><xacro:m/>')
 
 
@@ -123,5 +123,5 @@ def test_valid_documents_expand_as_with_the_package_alone(
         file.write_text(document(VALID))
         expected = xacro.process_file(str(file), mappings=dict(mappings)).toprettyxml(indent="  ")
         assert expand(file, VALID, **mappings) == expected
-    # The package is as before.
+    # The limits end with the block.
     assert xacro.process_file(str(file)).toprettyxml(indent="  ").count("<step") == 5

@@ -1,4 +1,4 @@
-"""Running scripts as `rostether run` does: a process of its own that finds our rospy, and no real one."""
+"""Runs scripts like `rostether run`: in a process that finds our rospy, and no real one."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ async def running_script(
     packages: Mapping[str, Path] | None = None,
     environ: Mapping[str, str] | None = None,
 ) -> AsyncIterator[asyncio.subprocess.Process]:
-    """Start a script, given as a file or as text; it is ended with the block."""
+    """Start a script, given as a file or as text; it ends with the block."""
     words = [str(script)] if isinstance(script, Path) else ["-c", script]
     process = await asyncio.create_subprocess_exec(
         sys.executable,

@@ -81,7 +81,7 @@ rospy.signal_shutdown("enough")
 """
 
 
-async def test_an_action_of_a_users_package(master: str, tmp_path: Path) -> None:
+async def test_an_action_of_a_package_of_the_user(master: str, tmp_path: Path) -> None:
     folder = tmp_path / "kitchen"
     (folder / "action").mkdir(parents=True)
     (folder / "package.xml").write_text("<package><name>kitchen</name></package>")

@@ -64,7 +64,7 @@ async def test_packages_of_ros_package_path(package: Path) -> None:
     assert lines == ["arm/Angles"]
 
 
-async def test_ros_2s_messages_of_the_same_names_are_not_taken(tmp_path: Path) -> None:
+async def test_messages_of_ros_2_with_the_same_names_are_not_used(tmp_path: Path) -> None:
     for path, text in {
         "std_msgs/__init__.py": "",
         "std_msgs/msg/__init__.py": "class String: pass\n",
@@ -78,7 +78,7 @@ async def test_ros_2s_messages_of_the_same_names_are_not_taken(tmp_path: Path) -
     assert lines == ["x"]
 
 
-async def test_what_is_not_there_is_reported(package: Path) -> None:
+async def test_missing_names_are_reported(package: Path) -> None:
     script = """
 for name in ("arm.msg:Nothing", "arm.nothing:x", "nothing.msg:x"):
     module, _, attribute = name.partition(":")
@@ -116,13 +116,13 @@ async def test_a_real_rospy_is_never_hidden(tmp_path: Path) -> None:
     assert await printed(script, environ={"PYTHONPATH": str(tmp_path)}) == ["True False"]
 
 
-async def test_another_sitecustomize_runs_as_well(tmp_path: Path) -> None:
+async def test_another_sitecustomize_also_runs(tmp_path: Path) -> None:
     (tmp_path / "sitecustomize.py").write_text("import builtins\nbuiltins.CUSTOM = 5\n")
     script = "import rospy; print(CUSTOM)"
     assert await printed(script, environ={"PYTHONPATH": str(tmp_path)}) == ["5"]
 
 
-async def test_where_a_package_is(package: Path) -> None:
+async def test_folders_of_packages(package: Path) -> None:
     script = """
 import rospkg, roslib.packages
 print(rospkg.RosPack().get_path("arm"), roslib.packages.get_pkg_dir("arm"), rospkg.RosPack().list())

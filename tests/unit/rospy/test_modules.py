@@ -32,7 +32,7 @@ async def test_frames(master: str) -> None:
     assert "['dock', 'odom', 'wheel'] True" in lines
 
 
-async def test_messages_of_several_topics_together(master: str) -> None:
+async def test_message_filters_combine_topics(master: str) -> None:
     lines = await printed(SCRIPTS / "filters.py", master_uri=master)
     assert "exact [('a', 1000000000), ('d', 1000000000)]" in lines
     assert "near [('a', 1000000000), ('b', 1050000000), ('e', 1040000000)]" in lines
@@ -44,7 +44,7 @@ async def test_the_masters_api_and_parameter_files(master: str) -> None:
     assert "lookup raises MasterError" in lines
 
 
-async def test_what_programs_ask_of_the_graph(master: str) -> None:
+async def test_lookups_of_the_graph(master: str) -> None:
     lines = await printed(SCRIPTS / "lookups.py", master_uri=master)
     assert "/look/poses/pose/position/x geometry_msgs/PoseStamped /look/poses True" in lines
     assert "/lookups ['/look/set']" in lines
@@ -57,7 +57,7 @@ async def test_point_clouds() -> None:
     assert "[(515,), (1543,), (2828,), (3856,)]" in lines
 
 
-async def test_point_clouds_beside_ros_2s_messages(tmp_path: Path) -> None:
+async def test_point_clouds_next_to_messages_of_ros_2(tmp_path: Path) -> None:
     (tmp_path / "sensor_msgs").mkdir()
     (tmp_path / "sensor_msgs" / "__init__.py").touch()
     script = "import sensor_msgs.point_cloud2 as pc2; print(pc2.create_cloud_xyz32(None, []).point_step)"
@@ -65,14 +65,14 @@ async def test_point_clouds_beside_ros_2s_messages(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("axes", ["sxyz", "rzyx", "sxyx", "rzxz", "syxz"])
-def test_euler_angles_there_and_back(axes: str) -> None:
+def test_euler_angles_survive_a_round_trip(axes: str) -> None:
     angles = (0.3, 0.9, -1.2)
     found = tf_rotations.euler_from_quaternion(tf_rotations.quaternion_from_euler(*angles, axes), axes)
     assert found == pytest.approx(angles)
 
 
 @pytest.mark.parametrize("axes", ["xyz", "sxxz", "qxyz", "sxyw"])
-def test_axes_that_are_none(axes: str) -> None:
+def test_invalid_axes_are_refused(axes: str) -> None:
     with pytest.raises(ValueError, match="are not axes;"):
         tf_rotations.quaternion_from_euler(1, 2, 3, axes)
 
@@ -86,7 +86,7 @@ def test_a_matrix_and_its_inverse() -> None:
         assert list(row) == pytest.approx(list(wanted))
 
 
-def test_a_shear_is_found_again() -> None:
+def test_a_shear_survives_a_round_trip() -> None:
     made = matrices.shear_matrix(-0.4, (0, 2, 0), (1, 2, 3), (3, 0, 0))
     angle, direction, point, normal = matrices.shear_from_matrix(made)
     assert matrices.is_same_transform(matrices.shear_matrix(angle, direction, point, normal), made)

@@ -1,4 +1,4 @@
-"""`import rosbag` where no ROS is: what rosbag itself is not there to compare with."""
+"""`import rosbag` in scripts; tests/interop compares it with the rosbag of ROS."""
 
 from __future__ import annotations
 

@@ -45,7 +45,7 @@ def test_fields_by_position_or_name(types: MessageTypes) -> None:
         point().w = 1
 
 
-def test_zero_values_are_each_messages_own(types: MessageTypes) -> None:
+def test_messages_do_not_share_zero_values(types: MessageTypes) -> None:
     header = made(types, "std_msgs/Header")
     header().stamp.secs = 7
     assert header().stamp == Time()
@@ -96,7 +96,7 @@ def test_any_message_keeps_its_bytes() -> None:
         AnyMsg(1)
 
 
-def test_a_class_of_the_users_own_is_asked(types: MessageTypes) -> None:
+def test_overridden_deserialize_is_called(types: MessageTypes) -> None:
     text: Any = types.message_class("std_msgs/String")
 
     class Loud(text):  # type: ignore[misc]
@@ -130,7 +130,7 @@ def test_prints_as_yaml(types: MessageTypes) -> None:
     ]
 
 
-def test_names_that_are_words_of_python_end_with_an_underscore(tmp_path: Path) -> None:
+def test_names_that_are_keywords_end_with_an_underscore(tmp_path: Path) -> None:
     package = tmp_path / "mail"
     (package / "msg").mkdir(parents=True)
     (package / "package.xml").write_text("<package><name>mail</name></package>")

@@ -69,7 +69,7 @@ except rospy.ROSInterruptException:
         assert process.returncode == 0
 
 
-async def test_a_call_is_interrupted_by_the_end(master: str) -> None:
+async def test_a_shutdown_interrupts_a_call(master: str) -> None:
     script = """
 import rospy, threading, time
 from std_srvs.srv import Empty, EmptyResponse
@@ -85,7 +85,7 @@ except (rospy.ROSInterruptException, rospy.ServiceException) as error:
     assert (await printed(script, master_uri=master))[0] in ("ROSInterruptException", "ServiceException")
 
 
-async def test_many_handlers_call_one_another(master: str) -> None:
+async def test_handlers_can_call_other_services(master: str) -> None:
     script = """
 import rospy
 from std_srvs.srv import Trigger, TriggerResponse
@@ -103,7 +103,7 @@ print(rospy.ServiceProxy("s11", Trigger)().message)
     assert await printed(script, master_uri=master) == ["...........end"]
 
 
-async def test_each_publisher_has_a_thread_of_its_own(master: str) -> None:
+async def test_each_publisher_has_its_own_thread(master: str) -> None:
     script = """
 import rospy, threading
 from std_msgs.msg import String
@@ -130,7 +130,7 @@ rospy.spin()
             assert await line_of(process, "a") == "['a', 'b']"
 
 
-async def test_a_slow_callback_holds_its_publisher_back_and_loses_nothing(master: str) -> None:
+async def test_a_slow_callback_delays_its_publisher_and_loses_no_message(master: str) -> None:
     script = """
 import rospy, time
 from std_msgs.msg import Int32

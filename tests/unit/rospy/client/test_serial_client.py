@@ -9,14 +9,14 @@ from rostether.device.device import Device
 from rostether.ros1.master.server import MasterServer
 from unit.rospy.programs import line_of, running_script
 
-# As users write their variants of serial_node.py.
+# Users write variants of serial_node.py like this.
 SCRIPT = """
 import rospy
 from rosserial_python import RosSerialServer, SerialClient
 from rostether.rospy.client import serial_client
 from std_msgs.msg import String
 
-# On a busy machine the boards take their time.
+# Boards are slow on a busy machine.
 serial_client._SHUTDOWN_LIMIT_S = 60
 
 def hear(message):

@@ -32,7 +32,7 @@ def test_arithmetic() -> None:
     assert divmod(Duration(7), Duration(4)) == (1, Duration(3))
 
 
-def test_kinds_do_not_mix() -> None:
+def test_times_and_durations_do_not_mix() -> None:
     with pytest.raises(TypeError):
         Time(1) + Time(1)
     with pytest.raises(TypeError):
@@ -51,6 +51,6 @@ def test_hash_order_and_truth() -> None:
     assert Duration(0, 1)
 
 
-def test_the_wire_is_taken_as_it_is() -> None:
+def test_fields_on_the_wire_are_not_checked() -> None:
     stamp = new_stamp(Time, (4_294_967_295, 4_294_967_295))
     assert (stamp.secs, stamp.nsecs) == (4_294_967_295, 4_294_967_295)
