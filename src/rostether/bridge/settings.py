@@ -29,7 +29,7 @@ class BridgeSettings(Struct, frozen=True):
     On a line with a baud rate, the limit is lower.
     `subscriber_bytes`: how much data may wait for a slow ROS subscriber of a board's topic: a second of
     images.
-    `unsent_bytes`: how many bytes of responses may wait in a link that accepts nothing; then it is closed.
+    `unsent_bytes`: how many bytes may wait in a link that accepts nothing; beyond it, responses are dropped.
     `connections`, `connections_per_host`: how many boards may connect to one listener, and from one address
     (None: the default of the kind of link).
     `stall_s`: how long a board may accept no byte before its subscriptions no longer wait for it.

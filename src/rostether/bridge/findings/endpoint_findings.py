@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from weakref import WeakKeyDictionary
+
 from rostether.bridge.endpoint.openings import Endpoint, ServiceEndpoint, name_of
 from rostether.bridge.endpoint.publisher import PublisherEndpoint
 from rostether.bridge.endpoint.subscriber import SubscriberEndpoint
@@ -30,7 +32,8 @@ class EndpointFindings:
     def __init__(self, endpoints: EndpointTable, store: TypeStore) -> None:
         self._endpoints = endpoints
         self._store = store
-        self._losses: dict[str, tuple[int, float]] = {}
+        # The number of dropped messages at the last check, and when it last increased.
+        self._losses: WeakKeyDictionary[SubscriberEndpoint, tuple[int, float]] = WeakKeyDictionary()
 
     def find(self, now_s: float, too_large_s: float, oversizes: Oversizes) -> list[Finding]:
         """Return the findings; at `too_large_s`, the board reported that its own message was too large."""
@@ -114,10 +117,10 @@ class EndpointFindings:
                     is_reported=endpoint.largest_oversize_bytes > 0,
                 )
             )
-        count, changed_s = self._losses.get(info.topic_name, (0, float("-inf")))
+        count, changed_s = self._losses.get(endpoint, (0, float("-inf")))
         if endpoint.dropped_count > count:
             changed_s = now_s
-        self._losses[info.topic_name] = endpoint.dropped_count, changed_s
+        self._losses[endpoint] = endpoint.dropped_count, changed_s
         if now_s - changed_s < RECENT_S:
             found.append(
                 warning(

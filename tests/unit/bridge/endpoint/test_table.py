@@ -224,6 +224,15 @@ async def test_a_name_that_another_spelling_held_is_bridged_when_that_has_gone(w
     assert findings.find(0.0, -math.inf, Oversizes()) == []
 
 
+async def test_findings_keep_nothing_of_topics_that_are_gone(world: Table) -> None:
+    findings, info = EndpointFindings(world.table, STORE), topic_info("/level")
+    world.table.announce_topic(TopicAnnounced(TopicRole.SUBSCRIBER, info), FakeLine())
+    findings.find(0.0, -math.inf, Oversizes())
+    assert len(findings._losses) == 1
+    world.table.withdraw(TopicWithdrawn(TopicRole.SUBSCRIBER, info))
+    await until(lambda: not findings._losses, "the end of the endpoint")
+
+
 async def test_the_device_withdraws_a_topic(world: Table) -> None:
     line = FakeLine()
     world.table.announce_topic(publisher(), line)
