@@ -116,19 +116,23 @@ class BoardRegistry:
             board.leave_timer = asyncio.get_running_loop().call_later(grace_s, self._end_grace, board)
 
     def end(self, board: Board) -> None:
-        """Remove a board immediately because its node was shut down from outside; it may reconnect later."""
-        self._leave(board)
+        """Remove a board immediately, for example because its node was shut down; it may reconnect later."""
+        self._cancel_leave_timer(board)
+        if board.node is None:
+            self._boards.pop(board.name, None)
+        elif board.leaving is None:
+            board.leaving = asyncio.get_running_loop().create_task(self._close_node(board, board.node))
 
     def dismiss(self, board: Board) -> None:
         """Remove a board whose name another node now uses: the two nodes would replace each other forever."""
         board.is_dismissed = True
         self._dismissed.add(board.name)
-        self._leave(board)
+        self.end(board)
 
     async def close(self) -> None:
         """Remove every board from the graph, in less than a second."""
         for board in list(self._boards.values()):
-            self._leave(board)
+            self.end(board)
         leaving = [board.leaving for board in self._boards.values() if board.leaving is not None]
         if leaving:
             await asyncio.wait(leaving)
@@ -140,19 +144,12 @@ class BoardRegistry:
             # Nothing is attached: all endpoints of the board leave the graph.
             board.node.endpoints.settle()
         else:
-            self._leave(board)
+            self.end(board)
 
     def _cancel_leave_timer(self, board: Board) -> None:
         if board.leave_timer is not None:
             board.leave_timer.cancel()
             board.leave_timer = None
-
-    def _leave(self, board: Board) -> None:
-        self._cancel_leave_timer(board)
-        if board.node is None:
-            self._boards.pop(board.name, None)
-        elif board.leaving is None:
-            board.leaving = asyncio.get_running_loop().create_task(self._close_node(board, board.node))
 
     async def _close_node(self, board: Board, node: BoardNode) -> None:
         closing = start_task(self._closing, self._close_and_report(node))

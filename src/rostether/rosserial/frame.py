@@ -14,6 +14,8 @@ Version 1 (Groovy and earlier), 7 bytes around the payload, no check before its 
 
 c(...) is 255 minus the sum of the bytes in the brackets, modulo 256. Numbers are unsigned and little endian.
 N may be 0.
+
+Source: the protocol page http://wiki.ros.org/rosserial/Overview/Protocol, and the established host.
 """
 
 from __future__ import annotations

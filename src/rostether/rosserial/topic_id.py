@@ -13,7 +13,7 @@
     100 ..   user topics                                           both
 
 Directions are the device's: 2 and 4 announce the topic that the device publishes, 3 and 5 the topic that it
-subscribes to.
+subscribes to. Source: rosserial_msgs/TopicInfo.
 """
 
 from __future__ import annotations

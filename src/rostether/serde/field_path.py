@@ -30,7 +30,9 @@ class FieldPath:
         for number, part in enumerate(parts, 1):
             name, bracket, rest = part.partition("[")
             if tree is None:
-                raise ConfigError(f"{within} has no fields, so {self.text!r} cannot continue with {part!r}")
+                raise ConfigError(
+                    f"{within} has no fields, so {self.text!r} cannot continue with {part!r}; end it there"
+                )
             member = _member(tree, name)
             index = _read_index(part, rest) if bracket else None
             self.type: FieldType = member.type

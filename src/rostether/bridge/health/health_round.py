@@ -111,9 +111,7 @@ class HealthRound:
     def _report_defect(self, error: Exception) -> None:
         if not self._is_broken:
             self._is_broken = True
-            self._reporter.report(
-                Level.ERROR, f"diagnostics failed ({type(error).__name__}: {error}); please report it"
-            )
+            self._reporter.report(Level.ERROR, f"diagnostics failed: {reason_of(error)}")
 
 
 class _StatusPublisher:

@@ -202,7 +202,7 @@ def test_a_defect_is_reported_once_and_ends_nothing(monkeypatch: pytest.MonkeyPa
         world = Rounds()
         await world.begin()
         await asyncio.sleep(4.0)
-        assert len(world.reporter.having("diagnostics failed (ZeroDivisionError")) == 1
+        assert len(world.reporter.having("diagnostics failed: ZeroDivisionError")) == 1
         await world.end()
 
     def fail(*_arguments: object) -> None:
