@@ -1,7 +1,7 @@
 """A thread that runs the callbacks of one source in order.
 
-It begins with the first item and ends after some time without items, so that publishers that have
-disconnected leave no threads behind.
+The thread begins with the first item, and ends IDLE_S after the last one: publishers that have disconnected
+leave no threads behind.
 """
 
 from __future__ import annotations

@@ -7,8 +7,8 @@ import json
 import re
 from collections.abc import Iterable
 
-# Control characters except line ends and tabs, invisible characters and those that change the direction of
-# writing, and lone surrogates (from invalid UTF-8), which a terminal's encoding rejects.
+# Control characters except line ends and tabs, invisible characters, and those that change the direction of
+# writing. Also lone surrogates (from invalid UTF-8), which the encoding of a terminal rejects.
 _STEERING = re.compile(
     "[\\x00-\\x08\\x0b-\\x1f\\x7f-\\x9f\\xad\\u061c\\u180e\\u200b-\\u200f\\u2028-\\u202e\\u2060-\\u206f"
     "\\ud800-\\udfff\\ufeff\\ufff9-\\ufffb\\U000e0000-\\U000e007f]"

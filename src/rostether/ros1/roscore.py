@@ -34,8 +34,8 @@ class Roscore:
     async def start(cls, environment: RosEnvironment, *, port: int = DEFAULT_MASTER_PORT) -> Roscore:
         """Start on the environment's addresses; port 0 means a free one.
 
-        Raises GraphError if the port is in use, ConfigError if an address does not belong to this machine or
-        its own host name is unknown.
+        Raises GraphError if the port is in use. Raises ConfigError if an address does not belong to this
+        machine, or if the advertised host name is unknown.
         """
         master = await MasterServer.start(
             environment.listen_hosts,

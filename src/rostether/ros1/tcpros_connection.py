@@ -40,9 +40,10 @@ Admit: TypeAlias = "Callable[[HandshakeProtocol, asyncio.Transport], bool]"
 class HandshakeProtocol(asyncio.Protocol):
     """Reads the first header of a connection, then hands the transport to the protocol `accept` returns.
 
-    `accept` runs immediately, so that no byte of the peer is lost, and leaves writing to its successor's
-    `connection_made`. The successor is the result of `outcome`. An error that `accept` raises ends the
-    connection and is the exception of `outcome`; the peer of an incoming connection receives its text first.
+    `accept` runs immediately, so that no byte of the peer is lost. It does not write: the protocol that it
+    returns does so in `connection_made`. That protocol is the result of `outcome`. An error that `accept`
+    raises ends the connection and is the exception of `outcome`; the peer of an incoming connection receives
+    its text first.
     A connection that `admit` refuses is closed. A large header is read only while `has_room` returns True.
     """
 

@@ -19,8 +19,8 @@ class ServerConnection(asyncio.Protocol):
     closes connections that are not allowed. After one request, or a large part of one, other connections are
     served first: `schedule` calls `resume` soon.
 
-    While an answer is computed, or the client does not read what was written, at most one more chunk is read
-    (to notice that the client has disconnected). This bounds the memory for each client.
+    While an answer is computed, or the client does not read, at most one more chunk is read. This limits
+    the memory for each client, and still detects that a client has disconnected.
     """
 
     def __init__(
@@ -65,7 +65,7 @@ class ServerConnection(asyncio.Protocol):
 
     @property
     def body_bytes(self) -> int:
-        """How much of a request's body it holds."""
+        """How many bytes of the request's body have arrived."""
         return self._http.body_bytes
 
     @property

@@ -3,8 +3,8 @@
     uint32 length | payload | uint32 length | payload | ...     (little endian)
 
 Both directions work on whole chunks, because at 200,000 messages a second each step for a message is
-expensive: the prefixes of a batch of equal lengths are one `join`, and a chunk of equal lengths is split by a
-comprehension after a check in C that all its prefixes are the same.
+expensive. A batch of equal lengths is framed by one `join`. A chunk of equal lengths is split by a
+comprehension, after a check in C that all its prefixes are the same.
 """
 
 from __future__ import annotations

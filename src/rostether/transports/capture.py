@@ -22,7 +22,7 @@ from msgspec import Meta, Struct
 from rostether.errors import ConfigError
 from rostether.mechanisms.text import read_failure
 
-# A chunk has at most 64 KiB, thus 128 KiB of hex; a much longer line is not from a capture.
+# A chunk has at most 128 KiB, thus 256 KiB of hex; a much longer line is not from a capture.
 MAX_LINE_BYTES = 4 << 20
 
 # Three years: a larger time is a mistake, and a replay would wait for it.

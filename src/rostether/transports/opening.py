@@ -77,12 +77,10 @@ async def listen(
 ) -> Listener:
     """Listen where `address.listens`, calling back with each new link.
 
-    Raises the same errors as `open_transport`.
-
-    `connections` limits how many links are open at a time, `connections_per_host` how many TCP connections
-    one host may have open (None: the default of the kind of link). `board_keys` are the keys of individual
-    boards. `entry` decides which senders of datagrams become links. `web_boards` are the boards that the
-    dashboard's pages connect.
+    `connections` limits the open links, `connections_per_host` the TCP connections of one host (None: the
+    default of the kind of link). `board_keys` are the keys of individual boards. `entry` decides which
+    senders of datagrams become links. `web_boards` are the boards that the dashboard's pages connect. Raises
+    the same errors as `open_transport`.
     """
     if isinstance(address, str):
         address = parse_address(address)

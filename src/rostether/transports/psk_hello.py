@@ -6,10 +6,10 @@ Four lines of ASCII, in which both sides prove that they have the key:
     connector   RSPSK1 <nonce> <proof>\n
     listener    RSPSK1 <proof>\n
 
-A nonce is 16 random bytes in hex. A proof is HMAC-SHA256 in hex, with the key, over the ASCII text
-`rostether psk1 connector <listener's nonce> <connector's nonce>`, or with `listener` for `connector`. A board
-that need not identify its host can ignore the last line. The bytes after the hello are not encrypted and not
-signed: use TLS for that, with or without this hello inside it.
+A nonce is 16 random bytes in hex. A proof is HMAC-SHA256 in hex, with the key. The connector's is over the
+ASCII text `rostether psk1 connector <listener's nonce> <connector's nonce>`; the listener's has `listener`
+for `connector`. A board that need not identify its host can ignore the last line. The bytes after the hello
+are not encrypted and not signed: use TLS for that, with or without this hello inside it.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
 """A pseudo-terminal with a symbolic link, which a simulated board opens like a serial port.
 
 The terminal stays while programs open and close the other side. While no program has it open, Linux reports
-a hang-up all the time, so the event loop does not watch it, but checks it twenty times a second. Bytes that
-are written in the meantime are dropped, so that the next program receives no old data.
+a hang-up all the time: instead of watching it, the event loop then checks it twenty times a second. Bytes
+that are written in the meantime are dropped, so that the next program receives no old data.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """Limits the bytes that are read from one connection at a time, so that the others get their turn soon.
 
-A byte of a flood of messages costs 0.1 µs, a hostile byte a few µs. The next read is as
-large as `TURN_S` permits at the highest recent cost of a byte, and at most twice as large as the last one.
+A byte of a flood of messages costs 0.1 µs, a hostile byte a few µs. `TURN_S` and the highest recent cost of
+a byte limit the next read. It is also at most twice as large as the last one.
 """
 
 from __future__ import annotations

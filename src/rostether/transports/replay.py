@@ -10,7 +10,7 @@ from rostether.transports.capture import Capture, Chunk, LinkClosed, LinkOpened
 from rostether.transports.memory import MemoryTransport, memory_pair
 from rostether.transports.transport import Transport
 
-# As many as a TCP listener accepts: a capture is untrusted, and each link becomes a session.
+# As many as a TCP listener accepts from one host: a capture is untrusted, and each link becomes a session.
 MAX_LINKS = 128
 
 # How often the replay checks whether the host has received a chunk.

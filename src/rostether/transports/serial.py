@@ -45,7 +45,7 @@ def list_ports() -> list[SerialPort]:
 
 
 async def open_serial(address: SerialAddress) -> SerialTransport:
-    """Open a port exclusively. Raises TransportOpenError with the next step.
+    """Open a port exclusively. Raises TransportOpenError, ConfigError for an unsupported baud rate.
 
     Linux asserts DTR whenever a port is opened; with `reset=False` it stays asserted at close. Then the next
     openings change nothing on the line, and the board keeps running.

@@ -17,8 +17,8 @@ if TYPE_CHECKING:
 
 # A board that does not read must not delay the end of this process: later data is lost.
 FLUSH_LIMIT_S = 1.0
-# About 900 frames with payloads of 64 bytes: enough to make the cost of a wake-up negligible, but few enough
-# to process the chunk of a flooding board in a few milliseconds, so that others get their turn.
+# About 900 frames with payloads of 64 bytes: the cost of a wake-up is negligible, and the chunk of a flooding
+# board takes only a few milliseconds, so that others get their turn.
 READ_CHUNK_BYTES = 64 * 1024
 
 

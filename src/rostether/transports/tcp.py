@@ -39,7 +39,7 @@ MAX_CONNECTIONS_PER_HOST = 128
 # Connections that have not proven their key yet, of one address and in total; a new one replaces the oldest.
 MAX_UNPROVEN_PER_HOST = 16
 MAX_UNPROVEN = 128
-# Accepted in one turn of the event loop.
+# Accepted in one turn of the event loop: a burst must not delay the messages of connected boards.
 _ACCEPTED_AT_ONCE = 64
 # A board on Wi-Fi answers within a second.
 CONNECT_LIMIT_S = 5.0
@@ -53,8 +53,8 @@ if TYPE_CHECKING:
 class TcpTransport(StreamTransport, asyncio.BufferedProtocol):
     """One TCP connection.
 
-    It reads less at a time while its chunks are expensive to process, so that a flood or hostile bytes on one
-    connection do not delay the others.
+    While its chunks are expensive to process, it reads less at a time: a flood or hostile bytes on one
+    connection must not delay the others.
     """
 
     def __init__(self, peer: str = "") -> None:
@@ -80,9 +80,9 @@ class TcpTransport(StreamTransport, asyncio.BufferedProtocol):
     def write(self, data: bytes | bytearray | memoryview) -> None:
         """Queue bytes. Never blocks; does nothing once the transport has ended.
 
-        If this side sends, the kernel delays acknowledgements for 40 ms, to send them with the next data. A
-        board that collects small messages until the last one is acknowledged (such as an ESP) would send its
-        next message with that delay after each time answer.
+        If this side sends, the kernel delays acknowledgements for 40 ms, to send them with the next data.
+        Some boards, such as an ESP, collect small messages until the last one is acknowledged. After each
+        time answer, their next message would have this delay.
         """
         super().write(data)
         if self._socket is not None and _QUICKACK is not None:
@@ -146,7 +146,7 @@ class TcpListener:
     ) -> TcpListener:
         """Listen.
 
-        Raises TransportOpenError if the port is in use or the host is not an address of this machine,
+        Raises TransportOpenError if the port is in use or the host is not an address of this machine. Raises
         ConfigError for a key or certificate that cannot be read.
         """
         allow = AllowList(address.allow)

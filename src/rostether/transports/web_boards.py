@@ -34,7 +34,7 @@ class WebBoards:
         self._address, self._on_transport = address, on_transport
 
     def open(self, socket: WebSocket) -> WebTransport:
-        """Return the user of a page's connection, which names its board next."""
+        """Return the transport of a page's new connection; the page names its board next."""
         return WebTransport(socket, self._connect, self._forget)
 
     async def close(self) -> None:

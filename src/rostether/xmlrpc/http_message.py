@@ -143,7 +143,7 @@ class HttpServerSide:
             self._refuse(413, f"the request is larger than {self._max_body_bytes} bytes")
 
     def send_response(self, body: bytes) -> None:
-        """Answer the request with an XML-RPC document."""
+        """Answer the request with an XML-RPC document. Raises LocalProtocolError without a request."""
         self._respond(200, b"OK", body, [_TEXT_XML])
 
     def _refuse(self, status: int, text: str) -> None:

@@ -1,8 +1,8 @@
 """This node's registrations with the master; they are repeated after the master has restarted.
 
 A master that restarts has lost all registrations, and notifies no node. So every few seconds the node
-requests its own address: no answer means that the master is unreachable, an unknown name that it has
-restarted, and another address that another node has taken the name.
+requests its own address. Without an answer, the master is unreachable. If it does not know the node's name,
+it has restarted. If it returns another address, another node has the name now.
 """
 
 from __future__ import annotations

@@ -26,7 +26,7 @@ class ParameterWatches:
         self._fetches: set[asyncio.Task[None]] = set()
 
     async def add(self, name: str, on_change: Callable[[ParamValue], None]) -> ParameterWatch:
-        """Call back with the value now and after every change."""
+        """Call back with the value now and after every change. Raises GraphError."""
         watch = ParameterWatch(self, name, on_change)
         self._watches.setdefault(name, []).append(watch)
         try:
@@ -59,7 +59,7 @@ class ParameterWatches:
         return bool(names)
 
     async def subscribe_again(self) -> None:
-        """Register all watches with a master that has lost them."""
+        """Register all watches with a master that has lost them. Raises GraphError."""
         for name, watches in list(self._watches.items()):
             value = _unset_as_none(await self._master.subscribe_param(name, self._node_uri))
             for watch in list(watches):

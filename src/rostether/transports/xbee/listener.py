@@ -4,8 +4,8 @@
     board <── radio <── radio at the host <── frames <── send queue <── writes
 
 The radio at the host is in API mode 2. Boards with an address of 16 bits (MY) and of 64 bits (the radio's
-own) can be mixed. 802.15.4 and DigiMesh have different frames for the latter, so the host asks the radio
-which of the two protocols it uses.
+own) can be mixed. 802.15.4 and DigiMesh have different frames for 64-bit addresses, so the host asks the
+radio which of the two protocols it uses.
 """
 
 from __future__ import annotations
@@ -89,7 +89,7 @@ class XbeeListener(SmallWriter):
     ) -> XbeeListener:
         """Open the radio's port; `call` is broadcast to find boards, unless the address has `peers=`.
 
-        Raises TransportOpenError as a serial port does.
+        Raises the errors of `open_serial`.
         """
         listener = cls(address, on_transport, open_serial, call)
         await listener._open()

@@ -20,6 +20,7 @@ from rostether.transports.xbee.packets import TransmitStatus
 
 Key = TypeVar("Key", bound=Hashable)
 
+# The packets for which a radio has room.
 WINDOW_PACKETS = 2
 # The longest frame that an Uno accepts, 288 bytes: it must not wait for other boards between its packets.
 TURN_PACKETS = 3
