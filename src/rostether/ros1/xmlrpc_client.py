@@ -33,7 +33,7 @@ class XmlRpcClient:
     `peer` names the server in errors (`the ROS master`); `unreachable` is the error raised when no server
     answers. Calls may overlap; each then uses its own connection. `on_lost` is called when the server closes
     a connection that was kept for the next call: often it has just ended. `other_server_advice` ends the
-    error that is raised if another kind of server answers.
+    errors that are raised if another kind of server answers.
     """
 
     def __init__(
@@ -107,7 +107,10 @@ class XmlRpcClient:
         """
         answer = await self.call(method, *args)
         if not (isinstance(answer, list) and len(answer) == 3 and isinstance(answer[0], int)):
-            raise GraphError(f"{self.peer} at {self.uri} answered {method} without [code, message, value]")
+            raise GraphError(
+                f"{self.peer} at {self.uri} answered {method} without [code, message, value]"
+                f"{self._other_server_advice}"
+            )
         text = answer[1][:MAX_SHOWN_CHARS] if isinstance(answer[1], str) else ""
         return answer[0], text, answer[2]
 

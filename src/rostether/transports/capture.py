@@ -88,7 +88,9 @@ class Capture:
                 # A recorder that was killed left its last line unfinished.
                 if not is_whole:
                     return
-                raise ConfigError(f"{self.path}, line {number}: {error}") from None
+                raise ConfigError(
+                    f"{self.path}, line {number}: {error}; correct or remove the line"
+                ) from None
             if entry is not None:
                 last_s = entry.time_s
                 yield entry

@@ -117,4 +117,4 @@ async def listen(
             web_boards.listen(address, on_transport)
             return web_boards
         case _:
-            raise ConfigError(f"{address} is one device, which cannot be listened on")
+            raise ConfigError(f"{address} is one device; give an address that listens, such as tcp://:11411")

@@ -242,7 +242,7 @@ class TcpListener:
 
     def _refusal_reason(self, host: str, own_host: str) -> str | None:
         if not self._allow.allows_connection(host, own_host):
-            return "its address is not allowed"
+            return "its address is not in allow="
         return self._full_reason(host)
 
     def _full_reason(self, host: str) -> str | None:

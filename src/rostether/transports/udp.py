@@ -157,7 +157,7 @@ class UdpListener(_DatagramSocket):
         if self._allow.allows(addr[0]):
             self.peers.receive(addr, data)
         else:
-            self.peers.refusals.refuse(_show_peer(addr), "its address is not allowed")
+            self.peers.refusals.refuse(_show_peer(addr), "its address is not in allow=")
 
 
 class _UdpClient(_DatagramSocket):

@@ -67,9 +67,7 @@ class MasterClient:
             publishers, subscribers, services = answer
             return dict(publishers), dict(subscribers), dict(services)
         except (TypeError, ValueError):
-            raise GraphError(
-                f"the ROS master at {self.uri} sent an invalid answer to getSystemState"
-            ) from None
+            raise self._invalid_answer("getSystemState") from None
 
     async def topic_types(self) -> dict[str, str]:
         """Return the known types of topics."""
@@ -77,9 +75,7 @@ class MasterClient:
         try:
             return dict(answer)
         except (TypeError, ValueError):
-            raise GraphError(
-                f"the ROS master at {self.uri} sent an invalid answer to getTopicTypes"
-            ) from None
+            raise self._invalid_answer("getTopicTypes") from None
 
     async def get_param(self, name: str) -> XmlRpcValue:
         """Return a value or tree. Raises UnknownNameError."""
@@ -138,6 +134,12 @@ class MasterClient:
         if code != 1:
             raise UnknownNameError(text)
         return value
+
+    def _invalid_answer(self, method: str) -> GraphError:
+        return GraphError(
+            f"the ROS master at {self.uri} sent an invalid answer to {method}; check which program listens "
+            "there"
+        )
 
     async def _call_status(self, method: str, *args: object) -> StatusTriplet:
         if self._connections is None:

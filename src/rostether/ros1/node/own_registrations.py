@@ -88,7 +88,7 @@ class OwnRegistrations:
         except MasterUnreachableError as error:
             if not self._is_behind:
                 self._is_behind = True
-                _log.warning("%s: %s; will register when it is back", self._master.caller_id, error)
+                _log.warning("%s will register when the master is back: %s", self._master.caller_id, error)
 
     async def remove(self, kind: EndpointKind, name: str) -> None:
         """Unregister. If cancelled, `close` unregisters instead."""
@@ -167,11 +167,11 @@ class OwnRegistrations:
             except MasterUnreachableError as error:
                 if not is_away:
                     _log.warning(
-                        "%s: %s; keeping the connections until it is back", self._master.caller_id, error
+                        "%s keeps its connections until the master is back: %s", self._master.caller_id, error
                     )
                 is_away = True
             except GraphError as error:
-                _log.warning("%s: cannot register again: %s", self._master.caller_id, error)
+                _log.warning("%s cannot register again: %s", self._master.caller_id, error)
 
     async def _check(self) -> bool:
         """Check the node's registration; return True if everything had to be registered again."""

@@ -99,7 +99,7 @@ async def test_a_master_that_restarts_gets_everything_again(
     connection = subscriber.connections[0]
 
     await stage.master.close()
-    await until(lambda: "until it is back" in caplog.text)
+    await until(lambda: "until the master is back" in caplog.text)
     # Connections stay while the master is away.
     publisher.publish_raw([b"meanwhile"])
     await until(lambda: inbox.payloads == [b"meanwhile"])
