@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from rostether.dashboard.playback import PREFIX, Playback
-from rostether.errors import ConfigError, RecordingError, RostetherError
+from rostether.errors import ConfigError, InvalidNameError, RecordingError, RostetherError
 from rostether.graph.callbacks import report_error
 from rostether.graph.ports import Graph
 from rostether.mechanisms.run_until import run_until
@@ -67,7 +67,10 @@ class Recordings:
         return self._task is not None and not self._task.done()
 
     async def start(self, topics: Sequence[str], form: str) -> None:
-        """Record topics, or all if none are given. Raises ConfigError, GraphError, RecordingError."""
+        """Record topics, or all if none are given.
+
+        Raises ConfigError, InvalidNameError, GraphError, RecordingError.
+        """
         async with self._lock:
             if self.is_active:
                 raise ConfigError(f"{self._name} is being recorded already; stop it first")
@@ -77,11 +80,16 @@ class Recordings:
                 raise ConfigError(f"at most {MAX_TOPICS} topics can be chosen; choose none to record all")
             await asyncio.to_thread(self._check_space)
             graph = await self._join()
+            try:
+                choice = TopicChoice(names=tuple(map(graph.resolve, topics)), is_all=not topics)
+            except InvalidNameError:
+                await graph.close()
+                raise
             self._name = f"{dated_name()}.{form}"
             self._began_s, self._failure = time.monotonic(), ""
             self._recorder = Recorder(
                 graph,
-                TopicChoice(names=tuple(map(graph.resolve, topics)), is_all=not topics),
+                choice,
                 RecordLimits(size_bytes=MAX_FILE_BYTES),
                 create=self._create,
                 name=lambda _: self._folder / self._name,

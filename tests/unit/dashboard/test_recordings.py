@@ -10,7 +10,7 @@ import pytest
 
 from rostether.dashboard import recordings as module
 from rostether.dashboard.recordings import Recordings
-from rostether.errors import ConfigError, RecordingError
+from rostether.errors import ConfigError, InvalidNameError, RecordingError
 from rostether.graph.memory_network import MemoryNetwork
 from rostether.graph.ports import Graph
 from rostether.graph.typed_graph import TypedGraph
@@ -142,6 +142,12 @@ async def test_a_folder_that_cannot_be_used(robot: Robot, tmp_path: Path) -> Non
     with pytest.raises(ConfigError, match=r"cannot write .*bags: File exists; choose a writable folder"):
         await robot.recordings.start((), "bag")
     assert (await robot.recordings.state())["files"] == []
+
+
+async def test_an_invalid_topic_leaves_no_node(robot: Robot) -> None:
+    with pytest.raises(InvalidNameError):
+        await robot.recordings.start(("/a topic",), "bag")
+    assert list(robot.network.nodes) == ["/robot"]
 
 
 async def test_a_failure_is_reported(robot: Robot, tmp_path: Path) -> None:
