@@ -47,6 +47,11 @@ _VERSION = 1
 HEADER_BYTES = _HEADER.size
 
 
+def kind_of(md5sum: str) -> bytes:
+    """Return the kind in frames with messages of a type, given the type's MD5 sum in hexadecimal digits."""
+    return bytes.fromhex(md5sum[:8])
+
+
 class Flags(IntFlag):
     """The request of a frame. QUERY requests the robot's status and changes nothing.
 
