@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 import os
 import sys
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, NoReturn
@@ -55,16 +55,12 @@ def up(file: Path, check: bool) -> None:
         return
     if not hasattr(os, "killpg"):
         raise ConfigError("rostether up needs Linux or macOS; start each part in its own terminal")
-    width = max(len(part.name) for part in robot.parts)
     environ = {**os.environ, **robot.environment}
     interface = environ.get(INTERFACE_VARIABLE, "")
     if interface and not environ.get("ROS_IP") and sys.platform != "linux":
         raise ConfigError(f'{file}: only Linux finds the address of an interface; give address = "ADDRESS"')
 
-    def report(name: str, line: str) -> None:
-        write_line(f"{name.ljust(width)} | {line}")
-
-    parts = _Parts(file, robot.parts, own_command(), environ, report)
+    parts = _Parts(file, robot.parts, environ)
 
     async def main() -> None:
         if not interface or environ.get("ROS_IP"):
@@ -87,21 +83,16 @@ def up(file: Path, check: bool) -> None:
 
 
 class _Parts:
-    """Runs all parts of a file; `wrong` has the names of the parts with wrong arguments."""
+    """Runs all parts of a file; `wrong` has the names of the parts with wrong arguments.
 
-    def __init__(
-        self,
-        file: Path,
-        parts: Sequence[Part],
-        command: Sequence[str],
-        environ: Mapping[str, str],
-        report: Callable[[str, str], None],
-    ) -> None:
+    `environ` is the parts' environment; a change applies to parts that start later.
+    """
+
+    def __init__(self, file: Path, parts: Sequence[Part], environ: Mapping[str, str]) -> None:
         self._file = file
         self._parts = parts
-        self._command = command
         self._environ = environ
-        self._report = report
+        self._name_width = max(len(part.name) for part in parts)
         self.wrong: set[str] = set()
 
     async def run(self) -> NoReturn:
@@ -119,8 +110,11 @@ class _Parts:
     async def _keep_running(self, part: Part) -> None:
         from rostether.platform.boot.part_process import PartProcess
 
-        await PartProcess(part, self._command, self._environ, self._report).run()
+        await PartProcess(part, own_command(), self._environ, self._report).run()
         self.wrong.add(part.name)
+
+    def _report(self, name: str, line: str) -> None:
+        write_line(f"{name.ljust(self._name_width)} | {line}")
 
 
 async def _wait_for_address(interface: str, *, other_than: str = "") -> str:
