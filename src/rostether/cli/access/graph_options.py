@@ -68,15 +68,20 @@ def chosen_middleware(*, ros1: bool = False, ros2: str | None = None) -> Middlew
         ros1: Whether `--ros1` was given.
         ros2: The value of `--ros2`, None if it was not given.
     """
-    version, implementation = os.environ.get("ROS_VERSION"), os.environ.get("RMW_IMPLEMENTATION")
     if not ros2:
+        version = os.environ.get("ROS_VERSION")
         if ros1 or version == "1":
             return None
-        if version != "2" and not implementation:
+        if version != "2" and not os.environ.get("RMW_IMPLEMENTATION"):
             return None
+    return middleware_of(ros2)
+
+
+def middleware_of(ros2: str | None) -> Middleware:
+    """Return the middleware that a value of `--ros2` selects; `any` or None select that of the environment."""
     if ros2 in list(Middleware):
         return Middleware(ros2)
-    if implementation:
+    if implementation := os.environ.get("RMW_IMPLEMENTATION"):
         # Only rclpy reaches middlewares other than zenoh.
         return Middleware.ZENOH if implementation == "rmw_zenoh_cpp" else Middleware.RCLPY
     return installed_middleware()

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import AsyncIterator
 from typing import NamedTuple
 
-from rostether.cli.access.graph_options import Middleware, ZenohReach, chosen_middleware
+from rostether.cli.access.graph_options import Middleware, ZenohReach, middleware_of
 from rostether.cli.access.ros2_access import ros2_access
 from rostether.cli.shell.output import write_finding
 from rostether.errors import RostetherError
@@ -24,9 +24,8 @@ class _Finding(NamedTuple):
 
 async def examine_ros2(ros2: str, *, as_json: bool) -> bool:
     """Print the findings; return whether none is a problem. Raises ConfigError."""
-    middleware = chosen_middleware(ros2=ros2) or Middleware.ZENOH
     is_ok = True
-    async for finding in _examine(middleware):
+    async for finding in _examine(middleware_of(ros2)):
         is_ok = is_ok and finding.is_ok
         write_finding(finding.what, finding.text, is_ok=finding.is_ok, as_json=as_json)
     return is_ok

@@ -12,8 +12,7 @@ from msgspec.structs import replace
 from rostether.cli.access.graph_options import (
     ROS2_CHOICE,
     GraphOptions,
-    Middleware,
-    chosen_middleware,
+    middleware_of,
     ros_arguments,
 )
 from rostether.cli.access.ros1_access import read_environment, type_store
@@ -91,7 +90,7 @@ async def _on_ros1(arguments: Arguments, name: str) -> AsyncIterator[Graph]:
 async def _on_ros2(arguments: Arguments, name: str, ros2: str) -> AsyncIterator[Graph]:
     from rostether.cli.access.ros2_access import ros2_access
 
-    async with ros2_access(chosen_middleware(ros2=ros2) or Middleware.ZENOH) as access:
+    async with ros2_access(middleware_of(ros2)) as access:
         namespace = arguments.special.get("__ns", "/")
         graph = await access.join(name, namespace=namespace, remappings=arguments.remappings)
         async with closed_at_end(graph):
