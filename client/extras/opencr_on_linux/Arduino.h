@@ -1,5 +1,6 @@
-// The board OpenCR as a Linux program: as much of its Arduino core as sketches for robots use. A simulation is at the
-// other end of its pins and lines (board.cpp); `rostether board run --board opencr` builds and starts both.
+// The board OpenCR as a Linux program: the part of its Arduino core that sketches for robots use. A simulation is at
+// the other end of its pins and lines (board.cpp). `rostether board run --board opencr` builds the program, and starts
+// both.
 #ifndef OPENCR_ON_LINUX_ARDUINO_H_
 #define OPENCR_ON_LINUX_ARDUINO_H_
 
@@ -109,7 +110,7 @@ class Stream : public Print {
   virtual int read() = 0;
 };
 
-// A line that is a file descriptor, with the number in an environment variable.
+// A line that is a file descriptor, whose number is in an environment variable.
 class Line : public Stream {
  public:
   explicit Line(const char* variable);

@@ -1,4 +1,4 @@
-// Arduino's Print: texts and numbers to a line.
+// Arduino's Print, which writes texts and numbers to a line.
 #ifndef OPENCR_ON_LINUX_PRINT_H_
 #define OPENCR_ON_LINUX_PRINT_H_
 
@@ -15,7 +15,7 @@ class Print {
   size_t print(const char* text) { return write(text); }
   template <typename Number>
   size_t print(Number number) { return print(String(number)); }
-  // `format`: the base of an integer, or the decimals of a floating point number.
+  // `format` is the base of an integer, or the number of decimals of a floating point number.
   template <typename Number>
   size_t print(Number number, int format) { return print(String(number, format)); }
   size_t println() { return write("\r\n"); }

@@ -1,4 +1,4 @@
-// Arduino's String: as much as sketches use for lines of text.
+// Arduino's String: the part that sketches use for lines of text.
 #ifndef OPENCR_ON_LINUX_WSTRING_H_
 #define OPENCR_ON_LINUX_WSTRING_H_
 

@@ -1,11 +1,12 @@
-// The lines and pins of the board. Its lines are file descriptors that the simulation passes, by their numbers in
-// environment variables: OPENCR_USB a terminal, OPENCR_DXL and OPENCR_BLUETOOTH bytes, OPENCR_PINS lines of text:
+// The lines and pins of the board. The lines are file descriptors that the simulation passes, with their numbers in
+// environment variables: OPENCR_USB is a terminal, OPENCR_DXL and OPENCR_BLUETOOTH transfer bytes, and OPENCR_PINS
+// transfers lines of text:
 //
-//   pin 34 1                    a level, from the simulation at an input, to the simulation at an output
+//   pin 34 1                    a level: from the simulation for an input, to the simulation for an output
 //   adc 17 512                  a voltage, 0 to 1023
-//   sonar 583                   how long an echo lasts, in microseconds; 0: none
+//   sonar 583                   the time of an echo in microseconds; 0: no echo
 //   motion RATE[3] ACCELERATION[3] FIELD[3]   the values of the IMU: rad/s, m/s^2, tesla
-//   tone 440 250                to the simulation: a tone in hertz and milliseconds (0: until the next)
+//   tone 440 250                to the simulation: a tone in hertz and milliseconds (0: until the next tone)
 //
 // The program ends when the simulation closes the pins.
 #include <errno.h>
@@ -55,7 +56,7 @@ int Line::available() {
 
 int Line::read() { return available() > 0 ? received_[read_bytes_++] : -1; }
 
-// Waits up to 0.1 s for a slow reader, then loses the rest, as USB does.
+// Waits up to 0.1 s for a slow reader, then drops the rest, as USB does.
 size_t Line::write(const uint8_t* bytes, size_t size) {
   size_t written = 0;
   while (written < size) {
@@ -137,13 +138,13 @@ static uint64_t nanoseconds() {
   return static_cast<uint64_t>(now.tv_sec) * 1000000000u + static_cast<uint64_t>(now.tv_nsec);
 }
 static const uint64_t started_ns = nanoseconds();
-// 32 bits, as on the board.
+// The clocks have 32 bits, as on the board.
 unsigned long millis() { return static_cast<uint32_t>((nanoseconds() - started_ns) / 1000000); }
 unsigned long micros() { return static_cast<uint32_t>((nanoseconds() - started_ns) / 1000); }
 void delay(unsigned long wait_ms) { usleep(static_cast<useconds_t>(wait_ms * 1000)); }
 void delayMicroseconds(unsigned long wait_us) { usleep(static_cast<useconds_t>(wait_us)); }
 
-// As the board's own: a divider of 5.7 before a converter for 3.3 V.
+// As on the board: a divider of 5.7 before a converter for 3.3 V.
 float getPowerInVoltage() { return static_cast<float>(analogRead(BDPIN_BAT_PWR_ADC)) * (3.3f * 5.7f / 1023); }
 uint8_t getPushButton() {
   return static_cast<uint8_t>(digitalRead(BDPIN_PUSH_SW_1) | digitalRead(BDPIN_PUSH_SW_2) << 1);
@@ -153,7 +154,7 @@ void drv_dxl_tx_enable(int) {}
 uint8_t SPIClass::transfer(uint8_t sent) { return imu_chip.transfer(sent); }
 
 int main() {
-  // The buttons' and LEDs' levels of the board at rest.
+  // The levels of the LEDs when they are off.
   for (int pin = BDPIN_LED_USER_1; pin <= BDPIN_LED_USER_4; ++pin) levels[pin] = HIGH;
   readPins();
   setup();

@@ -1,5 +1,5 @@
-// A simulated MPU-9250 with its AK8963, as seen on SPI: registers, ranges, the controller of the magnetometer's I2C.
-// Not simulated: filters, noise, FIFO, self-test, interrupts, and the time that a transfer on I2C takes.
+// A simulated MPU-9250 with its AK8963, as SPI accesses them: registers, ranges, the controller of the magnetometer's
+// I2C. Not simulated: filters, noise, FIFO, self-test, interrupts, and the time that a transfer on I2C takes.
 #ifndef MPU9250_CHIP_H_
 #define MPU9250_CHIP_H_
 
@@ -11,7 +11,7 @@ class Mpu9250Chip {
  public:
   Mpu9250Chip() : rate_(), acceleration_(), field_() { reset(); }
 
-  // rad/s, m/s^2 and tesla, in the axes of the board: x forward, y left, z up.
+  // Sets the values to measure: rad/s, m/s^2 and tesla, in the axes of the board (x forward, y left, z up).
   void setValues(const double (&rate)[3], const double (&acceleration)[3], const double (&field)[3]) {
     memcpy(rate_, rate, sizeof rate_);
     memcpy(acceleration_, acceleration, sizeof acceleration_);
@@ -46,7 +46,7 @@ class Mpu9250Chip {
   void resetMagnetometer() {
     memset(magnetometer_, 0, sizeof magnetometer_);
     magnetometer_[0] = 0x48;
-    // Its factory calibration: a factor of 1.09, 1.1 and 1.05.
+    // The factory calibration: the factors 1.09, 1.1 and 1.05.
     magnetometer_[0x10] = 151;
     magnetometer_[0x11] = 154;
     magnetometer_[0x12] = 141;
@@ -83,7 +83,7 @@ class Mpu9250Chip {
   }
 
   void measure() {
-    if (registers_[PWR_MGMT_1] & 0x40) return;  // it sleeps
+    if (registers_[PWR_MGMT_1] & 0x40) return;  // the chip sleeps
     const double g_range = 2 << (registers_[ACCEL_CONFIG] >> 3 & 3);
     const double rate_range = 250 << (registers_[GYRO_CONFIG] >> 3 & 3);
     for (int i = 0; i < 3; ++i) {

@@ -1,4 +1,5 @@
-// As much of Arduino's interfaces as platform/arduino*.h uses, on Linux: ports in memory, clients and UDP on sockets.
+// The part of Arduino's interfaces that platform/arduino*.h uses, on Linux: ports in memory, clients and UDP on
+// sockets.
 #ifndef ARDUINO_ON_HOST_H_
 #define ARDUINO_ON_HOST_H_
 
@@ -57,7 +58,7 @@ class IPAddress {
   uint8_t octets_[4];
 };
 
-// Serial of this board: what comes in is set by the test.
+// Serial of this board: the test sets the received bytes.
 class HardwareSerial : public Stream {
  public:
   void begin(unsigned long baud) { baud_ = baud; }

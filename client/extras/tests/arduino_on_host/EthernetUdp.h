@@ -8,7 +8,7 @@ class EthernetUDP : public Stream {
   EthernetUDP() : socket_(-1), out_size_(0), in_size_(0), in_next_(0) {}
   ~EthernetUDP() { stop(); }
 
-  // Port 0 takes any, so that tests can run side by side.
+  // Port 0 chooses a free one, so that tests can run at the same time.
   uint8_t begin(uint16_t port) { return open(IPAddress(127, 0, 0, 1), port); }
   // Receives datagrams to the group and, as a W5100 does, to its own address.
   uint8_t beginMulticast(IPAddress group, uint16_t port) {

@@ -57,7 +57,7 @@ int main(int count, char** arguments) {
   for (int byte; (byte = getchar()) >= 0;) client.bytes_ += static_cast<char>(byte);
   const int made = client.connect(IPAddress(127, 0, 0, 1), 1);
   if (made != (client.refusal() == client.NONE)) return 1;
-  // The bytes after the hello are left for ROS.
+  // The client must leave the bytes after the hello to ROS.
   printf("%d %u %s", client.refusal(), static_cast<unsigned>(client.bytes_.size() - client.at_), client.said_.c_str());
   return 0;
 }

@@ -1,9 +1,13 @@
-// A robot with ros::MulticastCommand on loopback, in the group 239.255.82.83. Prints what it does, one action per line:
-//   multicast_robot PORT [STALL_AFTER]     drive DIRECTION SPEED, halt, open; its socket stalls after this number of datagrams
-//   multicast_robot PORT bare             the same with ros::MulticastTopic
-// Robot 3 of group 1 line by line, without a network: a time in milliseconds and a datagram in hexadecimal on standard
-// input. Prints what each demands, and the status that answers it in hexadecimal:
-//   multicast_robot < LINES               0 nothing, 1 drive, 2 stop, 3 stop after silence; the status, or -
+// A robot with ros::MulticastCommand on loopback, in the group 239.255.82.83. It prints one action per line: "drive
+// DIRECTION SPEED", "halt" or "open". Its socket receives nothing after STALL_AFTER datagrams, until it is opened
+// again:
+//   multicast_robot PORT [STALL_AFTER]
+// The same with ros::MulticastTopic:
+//   multicast_robot PORT bare
+// Robot 3 of group 1 without a network. Each line of the standard input is a time in milliseconds and a datagram in
+// hexadecimal. The robot prints the datagram's demand (0 nothing, 1 drive, 2 stop, 3 stop after silence), and the
+// status that answers it in hexadecimal, or -:
+//   multicast_robot < LINES
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -17,7 +21,8 @@ HardwareSerial Serial;
 EthernetClass Ethernet;
 static int stall_after;
 
-// With the multicast of the official Ethernet library. As on an ESP32, a datagram must be read before the next one comes.
+// A socket with the multicast of the official Ethernet library. As on an ESP32, a datagram must be read before the next
+// one is received.
 class DeafUdp : public EthernetUDP {
  public:
   DeafUdp() : heard_(0) {}
@@ -54,7 +59,7 @@ static void obey(Commands& by, const char* port) {
 }
 
 static void obeyLines() {
-  // The kind of arduino_control/ArduinoControl.
+  // The number is the kind of arduino_control/ArduinoControl.
   ros::CommandReceiver robot(KEY, 0x4ccb2875);
   robot.setRobot(3, 2);
   robot.setSignal(-61);

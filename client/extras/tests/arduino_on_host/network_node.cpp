@@ -1,5 +1,5 @@
-// The platforms' node as a sketch with ROSSERIAL_ARDUINO_TCP or ROSSERIAL_ARDUINO_UDP: its host's port on this machine is
-// the first argument.
+// The platforms' node as a sketch with ROSSERIAL_ARDUINO_TCP or ROSSERIAL_ARDUINO_UDP. The host is on the same
+// computer; its port is the first argument.
 #include <SPI.h>
 #include <Ethernet.h>
 

@@ -3,7 +3,7 @@
 
 HardwareSerial Serial;
 
-// As SoftwareSerial: it does not report its room, so Print returns 0.
+// Like SoftwareSerial, it does not report its room: Print returns 0.
 class QuietPort : public Stream {
  public:
   QuietPort() : baud_(0), written_(0) {}
@@ -22,7 +22,7 @@ class TightPort : public QuietPort {
   int availableForWrite() { return 5; }
 };
 
-// No `begin`, as a stream over something else.
+// A stream without `begin`.
 class BareStream : public Stream {
  public:
   size_t write(uint8_t) { return 1; }
@@ -39,7 +39,7 @@ class NewHardware : public ArduinoHardware {
   NewHardware() : ArduinoHardware(&quiet, 9600) {}
 };
 
-// Sets up another port than Serial in its own way, as sketches do.
+// Sets up a port other than Serial with its own init, as sketches do.
 class OwnInit : public ArduinoHardware {
  public:
   OwnInit() {

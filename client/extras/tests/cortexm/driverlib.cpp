@@ -1,4 +1,4 @@
-// The calls of TivaWare's driver library that platform/tivac.h makes, by the registers of an LM3S6965.
+// The functions of TivaWare's driver library that platform/tivac.h calls, for the registers of an LM3S6965.
 extern "C" {
 #include <driverlib/driverlib.h>
 }
@@ -37,7 +37,7 @@ bool IntMasterEnable(void) {
   return false;
 }
 
-// At reset: the oscillator of 200 MHz by 16.
+// The clock after a reset: 200 MHz divided by 16.
 uint32_t SysCtlClockGet(void) { return 12500000; }
 void SysCtlPeripheralEnable(uint32_t peripheral) {
   at(peripheral == SYSCTL_PERIPH_UART0 ? CLOCK_GATES : PORT_GATES) |= 1;
@@ -45,7 +45,7 @@ void SysCtlPeripheralEnable(uint32_t peripheral) {
 bool SysCtlPeripheralReady(uint32_t) { return true; }
 
 void SysTickEnable(void) { at(SYSTICK_CONTROL) |= 5; }
-// With the processor's clock, the only one there is.
+// Uses the processor's clock, which is the only one.
 void SysTickIntEnable(void) { at(SYSTICK_CONTROL) |= 6; }
 void SysTickIntRegister(void (*handler)(void)) { tick_handler = handler; }
 void SysTickPeriodSet(uint32_t period) { at(SYSTICK_RELOAD) = period - 1; }

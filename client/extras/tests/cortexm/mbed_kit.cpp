@@ -1,4 +1,4 @@
-// The calls of Mbed 2 and of Mbed OS 6 that platform/mbed.h makes, by the registers of USART2 of an STM32F405.
+// The functions of Mbed 2 and of Mbed OS 6 that platform/mbed.h calls, for the registers of USART2 of an STM32F405.
 #include <mbed.h>
 
 #include "ros/platform/byte_ring.h"
@@ -25,7 +25,7 @@ void onTick() {
   usart2::letInterrupt(usart2::RECEIVED);
 }
 
-// In qemu the counter can start again a moment before its interrupt; the time must not go back.
+// In qemu, the counter can start again a moment before its interrupt. The time must not go back then.
 uint32_t now_us() {
   static uint32_t last_us = 0;
   uint32_t ms, left;

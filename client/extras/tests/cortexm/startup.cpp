@@ -1,4 +1,5 @@
-// Vectors and start of a program on a Cortex-M: an LM3S6965, the Tiva C's forerunner with the same UART, or an STM32.
+// The vectors and the start of a program on a Cortex-M: an STM32, or an LM3S6965, a predecessor of the Tiva C with the
+// same UART.
 #include <stdint.h>
 #include <string.h>
 
@@ -11,7 +12,7 @@ typedef void (*Constructor)();
 extern Constructor __init_array_start[], __init_array_end[];
 
 void startProgram();
-// A guard without threads: newlib's guard links locks.
+// A guard for programs without threads: newlib's guard would link locks.
 int __cxa_guard_acquire(uint8_t* guard) { return !*guard; }
 void __cxa_guard_release(uint8_t* guard) { *guard = 1; }
 int __aeabi_atexit(void*, void (*)(void*), void*) { return 0; }
@@ -41,7 +42,7 @@ void startProgram() {
 }
 
 typedef void (*Vector)();
-// A UART is the only device with an interrupt, so it has the positions of all.
+// A UART is the only device with an interrupt, so all positions have its handler.
 #define EIGHT onUart, onUart, onUart, onUart, onUart, onUart, onUart, onUart
 __attribute__((section(".vectors"), used)) static const Vector vectors[] = {
     reinterpret_cast<Vector>(stack_top), startProgram, stop, stop, stop, stop, stop,

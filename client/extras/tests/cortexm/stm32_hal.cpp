@@ -1,4 +1,4 @@
-// The calls of ST's HAL that platform/stm32_hal.h makes, by the registers of USART2 of an STM32F405, without DMA.
+// The functions of ST's HAL that platform/stm32_hal.h calls, for the registers of USART2 of an STM32F405, without DMA.
 #include "main.h"
 #include "usart2.h"
 

@@ -1,4 +1,4 @@
-// USART2 and SysTick of an STM32F405, as the kits' calls of this folder use them.
+// USART2 and SysTick of an STM32F405, for the kits' functions in this folder.
 #ifndef USART2_H_
 #define USART2_H_
 
@@ -8,7 +8,7 @@ namespace usart2 {
 
 const uint32_t BASE = 0x40004400;
 enum Register { STATUS = 0x00, DATA = 0x04, BAUD_RATE = 0x08, CONTROL = 0x0c };
-// Flags of the status, and in the control register the bits that let them interrupt.
+// The flags of the status register. The same bits of the control register enable their interrupts.
 enum Flag { RECEIVED = 0x20, TRANSMIT_EMPTY = 0x80 };
 enum Control { RECEIVER = 0x04, TRANSMITTER = 0x08, ENABLE = 0x2000 };
 
@@ -25,7 +25,7 @@ const uint32_t TICK_CLOCKS = CLOCK_HZ / 1000;
 
 inline void setBaud(uint32_t baud) { at(BASE + BAUD_RATE) = BUS_HZ / baud; }
 
-// Calls `tick` every millisecond, and `interrupt` for the flags that may interrupt.
+// Starts both: calls `tick` every millisecond, and `interrupt` for the flags with an enabled interrupt.
 inline void start(void (*tick)(), void (*interrupt)(), uint32_t baud) {
   tick_handler = tick;
   uart_handler = interrupt;

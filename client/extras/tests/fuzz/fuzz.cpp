@@ -1,10 +1,11 @@
-// Feeds a node unusual frames: any length, id and content, damaged ones, and noise.
+// Sends a node unusual frames (any length, id and content), damaged frames and noise.
 //
 //   fuzz SEED FRAMES
 //
-// The node has endpoints of many types, whose callbacks read the whole message. After each frame the line pauses,
-// and a valid message must be delivered, and sometimes a topic request answered. Prints the number of frames, and how many of them
-// reached a callback. After a failure it prints the last input and exits with 1. Meant to run with sanitizers.
+// The node has endpoints of many types, whose callbacks read the whole message. After each frame, the line pauses. Then
+// the node must deliver a valid message, and sometimes answer a request for the topics. Prints the number of frames,
+// and how many of them reached a callback. After a failure, it prints the last input and exits with 1. Run it with
+// sanitizers.
 #include <diagnostic_msgs/DiagnosticArray.h>
 #include <library_tests/Everything.h>
 #include <library_tests/Lookup.h>
@@ -33,7 +34,7 @@ static uint32_t randomBelow(uint32_t below) {
   return static_cast<uint32_t>((state >> 16) % below);
 }
 
-// Reads all that it is given, into a sum that the compiler must make.
+// An archive that adds all bytes of a message to a sum, so that they are really read.
 static volatile uint64_t seen;
 class Look {
  public:
@@ -109,7 +110,7 @@ class FuzzHardware : public QueueingHardware {
   bool faulty = false;
 
  private:
-  // The receive buffer follows it; the sanitizer checks the bytes after its end.
+  // The receive buffer is after these bytes, and the sanitizer checks the bytes after the buffer.
   const std::array<uint8_t, 64> canary_ = filled();
 
   static std::array<uint8_t, 64> filled() {
@@ -179,7 +180,7 @@ static void hearNumber(const std_msgs::Int16& message) {
   ++number_count;
 }
 
-// A valid payload of one of the types, to be damaged.
+// Valid payloads of the types, which will be damaged.
 static std::vector<Bytes> samples(const uint16_t* ids, size_t count);
 
 static Bytes damaged(Bytes bytes) {
@@ -272,7 +273,7 @@ int main(int count, char** arguments) {
         bytes = sample + damaged(sample) + valid[randomBelow(static_cast<uint32_t>(valid.size()))];
         break;
       default:
-        // A damaged payload in a valid frame: it reaches the reader.
+        // A damaged payload in a valid frame reaches the reader.
         bytes = frame(randomBelow(8) ? static_cast<uint16_t>(sample[5] | sample[6] << 8) : id,
                       damaged(Bytes(sample.begin() + 7, sample.end() - 1)));
     }
@@ -292,7 +293,7 @@ int main(int count, char** arguments) {
     board->line.noise = 0;
     const int number = static_cast<int>(randomBelow(30000));
     const unsigned before = number_count;
-    // Each topic request is answered with all endpoints, so it is sent rarely.
+    // The answer to a request for the topics has all endpoints, so this is sent rarely.
     const bool asks = fed % 16 == 0;
     board->line.send(frame(numbers.id_, Payload().u16(static_cast<uint16_t>(number))) + (asks ? frame(0) : Bytes()));
     const int result = board->node.spinOnce();

@@ -1,4 +1,4 @@
-// The calls of the ESP8266's Arduino core that a node makes, for qemu's lx60 board: its UART and the core's cycle counter.
+// The functions of the ESP8266's Arduino core that a node calls, for qemu's board lx60: its UART and cycle counter.
 #include <Arduino.h>
 
 extern "C" {
@@ -15,7 +15,7 @@ void __cxa_pure_virtual() {
 void runProgram();
 }
 
-// The compiler's library leaves division to the ESP8266's ROM.
+// The compiler's library has no division: it is in the ESP8266's ROM.
 extern "C" uint32_t __udivsi3(uint32_t value, uint32_t divisor) {
   uint32_t quotient = 0, rest = 0;
   for (int bit = 31; bit >= 0; --bit) {
@@ -43,7 +43,7 @@ void runProgram() {
   }
 }
 
-// Cycles of qemu's lx106 in a millisecond.
+// The cycles of qemu's lx106 in a millisecond.
 static const uint32_t CYCLES = 10000;
 
 unsigned long millis() {
@@ -56,7 +56,7 @@ unsigned long millis() {
   return now_ms;
 }
 
-// A 16550, one register in four bytes.
+// A UART 16550, with one register in four bytes.
 static volatile uint32_t* const UART = reinterpret_cast<uint32_t*>(0x9d050020);
 enum Register { DATA = 0, FIFO_CONTROL = 2, LINE_STATUS = 5 };
 enum LineStatus { RECEIVED = 0x01, TRANSMIT_EMPTY = 0x20 };

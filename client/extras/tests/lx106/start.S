@@ -1,4 +1,4 @@
-/* Start of a program on an lx106, the core of the ESP8266, as qemu's lx60 board has it. */
+/* The start of a program on qemu's board lx60 with an lx106, the processor core of the ESP8266. */
   .section .text.start, "ax"
   .literal_position
   .literal stack, stack_top

@@ -1,4 +1,5 @@
-// Payloads and frames, as the host writes and reads them: apart from the library, so that each checks the other.
+// Payloads and frames, as the host writes and reads them. This code is independent of the library, so that each checks
+// the other.
 #ifndef BYTES_H_
 #define BYTES_H_
 
@@ -60,7 +61,7 @@ struct TopicInfo {
   uint32_t buffer_bytes;
 };
 
-// Reads values one after the other out of a payload that the library wrote.
+// Reads values, one after the other, from a payload that the library wrote.
 class Parser {
  public:
   explicit Parser(const Bytes& bytes) : bytes_(bytes), at_(0) {}

@@ -1,4 +1,4 @@
-// Runs the tests of the concepts named as arguments, all without any.
+// Runs the tests of the concepts that are its arguments; without arguments, all tests.
 #include <string.h>
 
 #include "expect.h"

@@ -1,4 +1,4 @@
-// A Hardware whose line, clock and transmitter the test controls, and the host at its other end.
+// A Hardware whose line, clock and transmitter a test controls, and the host at the other end of the line.
 #ifndef SCRIPTED_HARDWARE_H_
 #define SCRIPTED_HARDWARE_H_
 
@@ -49,7 +49,7 @@ struct Line {
     now_ms += silence_ms;
     return -1;
   }
-  // A loop that only reads the clock also advances.
+  // The time also passes in a loop that only reads the clock.
   unsigned long time() {
     if (silence_ms && ++looks % 50 == 0) ++now_ms;
     return now_ms;
@@ -99,7 +99,7 @@ struct Line {
   }
 };
 
-// The four functions that every Hardware has: it cannot report the room of its transmitter.
+// A Hardware with only the four necessary functions: it cannot report the room of its transmitter.
 class PlainHardware {
  public:
   void init() { ++line.begun; }
@@ -110,7 +110,7 @@ class PlainHardware {
   Line line;
 };
 
-// A transmitter with a queue, as a UART has, that empties with time.
+// A Hardware with a queue for sent bytes, like a UART, that empties with time.
 class QueueingHardware : public PlainHardware {
  public:
   int writable() {
@@ -135,7 +135,7 @@ class QueueingHardware : public PlainHardware {
   bool stuck = false;
 };
 
-// A node on a scripted line; `meet` is a host that requests the topics and answers the time request.
+// A node on a scripted line. `meet` acts as a host that requests the topics and answers the time request.
 template <class Hardware = PlainHardware, int INPUT_SIZE = 512>
 struct Board {
   ros::NodeHandle_<Hardware, 25, 25, INPUT_SIZE, 512> node;

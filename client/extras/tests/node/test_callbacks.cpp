@@ -48,7 +48,7 @@ TEST(callbacks, member_functions_and_functions) {
   EXPECT_EQUAL(robot.heard[0], -5);
 }
 
-TEST(callbacks, a_parameter_is_asked_for_inside_one) {
+TEST(callbacks, a_parameter_is_requested_inside_one) {
   Robot robot;
   std::vector<int> got;
   robot.line.on_frame = [&](const Frame& frame) {
@@ -124,7 +124,7 @@ TEST(callbacks, a_call_within_a_call_of_the_same_client_fails) {
   EXPECT(!nested);
 }
 
-TEST(callbacks, a_flood_of_messages_whose_callbacks_wait_does_not_nest_without_end) {
+TEST(callbacks, nesting_of_callbacks_that_wait_is_limited) {
   Robot robot;
   robot.on_number = [&](int) {
     int value;
@@ -145,7 +145,7 @@ TEST(callbacks, large_messages_fill_the_buffer_while_one_waits) {
     if (!seen.empty()) return;
     seen = message.data;
     int value = 0;
-    // A message that cannot fit beside the one in this callback does not keep the answer from coming.
+    // A message that has no room beside the one of this callback is dropped; the answer after it arrives.
     EXPECT(robot.node.getParam("p", &value));
     EXPECT_EQUAL(value, 9);
     EXPECT_EQUAL(std::string(message.data), seen);
@@ -161,7 +161,7 @@ TEST(callbacks, large_messages_fill_the_buffer_while_one_waits) {
   EXPECT_EQUAL(robot.heard.size(), 1u);
 }
 
-TEST(callbacks, a_fully_taken_buffer_keeps_a_nested_spin_from_hanging) {
+TEST(callbacks, a_nested_spin_returns_when_the_buffer_is_full) {
   Robot robot;
   bool found = true;
   robot.on_text = [&](const std_msgs::String&) {
@@ -188,7 +188,7 @@ TEST(callbacks, a_callback_may_advertise) {
   EXPECT_EQUAL(robot.line.take(late.id_).size(), 2u);
 }
 
-TEST(callbacks, a_question_for_the_topics_inside_one_ends_the_inner_spin_only) {
+TEST(callbacks, a_request_for_the_topics_inside_one_ends_only_the_inner_spin) {
   Robot robot;
   int inner = ros::SPIN_OK;
   robot.on_number = [&](int value) {

@@ -41,9 +41,9 @@ TEST(damage, unknown_ids_are_dropped_and_counted) {
   }
 }
 
-TEST(damage, lengths_that_lie) {
+TEST(damage, wrong_lengths) {
   Target target;
-  // Strings and arrays longer than their frame, by one and by all that fits into 32 bits.
+  // Strings and arrays that are longer than their frame: by one up to the largest number of 32 bits.
   const uint32_t lengths[] = {1, 2, 100, 255, 65535, 65536, 0x7fffffff, 0x80000000, 0xfffffffb, 0xffffffff};
   for (uint32_t length : lengths) {
     target.dropped(frame(target.texts.id_, Payload().u32(length)));
@@ -104,7 +104,7 @@ TEST(damage, every_byte_lost_or_doubled) {
     const int heard = numbers_heard;
     target.line.send(damaged + frame(target.numbers.id_, Payload().u16(1)));
     for (int ms = 0; ms < 600; ++ms) ++target.line.now_ms, target.node.spinOnce();
-    // The next frame may count as the rest of the damaged one, and is then found in it.
+    // The next frame may first seem to be the rest of the damaged one.
     EXPECT_EQUAL(numbers_heard, heard + 1);
     target.line.take();
     target.line.send(Board<>::time(1700000000));

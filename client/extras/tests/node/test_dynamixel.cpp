@@ -1,4 +1,4 @@
-// The DYNAMIXEL protocol 2.0. The packets are the examples of ROBOTIS' e-Manual of the protocol.
+// The DYNAMIXEL protocol 2.0. The packets are the examples in ROBOTIS' e-Manual of the protocol.
 #include <deque>
 
 #include "dynamixel/bus.h"
@@ -7,7 +7,7 @@
 
 namespace {
 
-// A line with its own clock: each idle check takes 100 us.
+// A line with its own clock: each idle() takes 100 us.
 struct Line {
   std::vector<Bytes> sent;
   std::deque<Bytes> answers;  // one for each request
@@ -83,7 +83,7 @@ TEST(dynamixel, reads_several_servos_at_once) {
 TEST(dynamixel, a_header_in_the_parameters_is_stuffed) {
   const Bytes parameters = {0, 0xff, 0xff, 0xff, 0xfd, 0xfd, 0xff, 0xff, 0xfd};
   const Bytes packet = status(1, parameters);
-  // Two times ff ff fd, so two bytes more.
+  // ff ff fd occurs twice, so two bytes are added.
   EXPECT_EQUAL(packet.size(), 7u + 1 + parameters.size() + 2 + 2);
   EXPECT_EQUAL(packet[5], packet.size() - 7);
   dynamixel::PacketReader<16> reader;
@@ -95,7 +95,7 @@ TEST(dynamixel, a_header_in_the_parameters_is_stuffed) {
   EXPECT_EQUAL(reader.damaged(), 0u);
 }
 
-TEST(dynamixel, each_damaged_byte_is_noticed) {
+TEST(dynamixel, each_damaged_byte_is_detected) {
   for (size_t i = 0; i < PONG.size(); ++i) {
     Line line;
     dynamixel::Bus<Line> bus(line);
@@ -131,7 +131,7 @@ TEST(dynamixel, silence_ends_a_request) {
   const uint32_t before_us = line.now_us;
   EXPECT(bus.syncRead(132, 4, ids, bytes, 2) == dynamixel::NO_ANSWER);
   EXPECT_EQUAL(line.now_us - before_us, 3000u);
-  // An answer that comes too late does not belong to the next request.
+  // A late answer does not belong to the next request.
   line.received = POSITION_166;
   line.answers = {POSITION_OF_2};
   EXPECT(bus.read(2, 132, bytes, 4) == dynamixel::DONE);
@@ -167,7 +167,7 @@ TEST(dynamixel, a_request_that_is_too_long_is_not_sent) {
   EXPECT_EQUAL(line.sent.size(), 1u);
 }
 
-// Neither long packets nor noise leave the reader's memory; the sanitizers watch.
+// The sanitizers check that long packets and noise stay in the reader's memory.
 TEST(dynamixel, a_reader_survives_any_bytes) {
   dynamixel::PacketReader<8> reader;
   uint32_t random = 1;

@@ -74,7 +74,7 @@ struct Echo : Board<> {
   }
 };
 
-TEST(fields, every_kind_comes_in_and_goes_out_again) {
+TEST(fields, every_kind_is_received_and_sent_again) {
   Echo echo;
   const Bytes payload = everythingOnTheWire();
   for (int i = 0; i < 10; ++i) {
@@ -90,7 +90,7 @@ TEST(fields, every_kind_comes_in_and_goes_out_again) {
 TEST(fields, at_every_place_in_the_buffer) {
   Echo echo;
   const Bytes payload = everythingOnTheWire();
-  // Frames before it shift it by one byte each: processors that align their words see every remainder.
+  // The frame before it shifts its address, so that all remainders occur on processors that align their words.
   for (size_t shift = 0; shift < 16; ++shift) {
     echo.line.send(frame(4711, Bytes(shift)) + frame(echo.in.id_, payload));
     echo.node.spinOnce();
@@ -173,7 +173,7 @@ TEST(fields, a_text_with_a_nul_ends_there) {
   EXPECT_EQUAL(got, "be");
 }
 
-TEST(fields, a_bool_is_zero_or_one_whatever_comes) {
+TEST(fields, a_bool_is_zero_or_one_after_any_byte) {
   Board<> board;
   static int seen;
   seen = 0;

@@ -94,17 +94,17 @@ TEST(float64, edges_of_rounding) {
 TEST(float64, random_doubles) {
   for (int i = 0; i < 2000000; ++i) {
     uint64_t bits = random64();
-    // Half of them in the range of a float, some of them exact in a float.
+    // Half of them are in the range of a float, and some are exact in a float.
     if (i % 2) bits = (bits & 0x800fffffffffffffULL) | (865 + random64() % 300) << 52;
     if (i % 5 == 0) bits &= ~0xfffffffULL;
     expectNarrow(bits);
   }
 }
 
-// A macro of Arduino's: its type is that of its operands together.
+// Arduino's macro `constrain`: its type is the common type of its operands.
 #define CONSTRAIN(value, low, high) ((value) < (low) ? (low) : ((value) > (high) ? (high) : (value)))
 
-TEST(float64, an_element_that_came_in_is_a_double) {
+TEST(float64, a_received_element_is_a_double) {
   double wide[] = {0.5, -3};
   float narrow[] = {0.5f, -3};
   const ros::Float64Pointer arrays[] = {wide, narrow};

@@ -9,7 +9,7 @@
 static void ignoreInt16(const std_msgs::Int16&) {}
 static void ignoreCall(const std_srvs::SetBoolRequest&, std_srvs::SetBoolResponse&) {}
 
-TEST(negotiation, tells_of_every_endpoint_in_the_order_it_came) {
+TEST(negotiation, announces_the_endpoints_in_their_order) {
   Board<> board;
   std_msgs::String text;
   ros::Publisher chatter("chatter", &text);
@@ -42,13 +42,13 @@ TEST(negotiation, tells_of_every_endpoint_in_the_order_it_came) {
     EXPECT_EQUAL(infos[i].type, wanted[i].type);
     EXPECT_EQUAL(infos[i].md5sum, wanted[i].md5sum);
     EXPECT(infos[i].id >= 100);
-    // What the host sends must fit; what it gets is only bounded by the frame.
+    // Messages from the host must fit in the buffer; messages to it are limited only by the frame.
     EXPECT_EQUAL(infos[i].buffer_bytes, wanted[i].role % 2 ? 512u : 65535u);
     for (size_t j = 0; j < i; ++j) EXPECT(infos[j].id != infos[i].id);
   }
 }
 
-TEST(negotiation, asks_for_the_time_first) {
+TEST(negotiation, requests_the_time_first) {
   Board<> board;
   std_msgs::String text;
   ros::Publisher chatter("chatter", &text);
@@ -62,7 +62,7 @@ TEST(negotiation, asks_for_the_time_first) {
   EXPECT_EQUAL(frames[0].payload, Bytes(8));
 }
 
-TEST(negotiation, without_endpoints_it_only_asks_for_the_time) {
+TEST(negotiation, without_endpoints_it_only_requests_the_time) {
   Board<> board;
   board.meet();
   board.line.send(frame(0));
@@ -71,7 +71,7 @@ TEST(negotiation, without_endpoints_it_only_asks_for_the_time) {
 }
 
 // A board first requests the time: a host that requests the topics would receive the announcements twice.
-TEST(negotiation, introduces_itself_after_its_own_reset_to_a_host_that_does_not_ask) {
+TEST(negotiation, introduces_itself_after_a_reset_to_a_host_that_does_not_ask) {
   Board<> board;
   std_msgs::String text;
   ros::Publisher chatter("chatter", &text);
@@ -82,12 +82,12 @@ TEST(negotiation, introduces_itself_after_its_own_reset_to_a_host_that_does_not_
   EXPECT_EQUAL(first.size(), 1u);
   EXPECT_EQUAL(first[0].id, 10);
   EXPECT(!board.node.connected());
-  // A host that was there all the time answers the time request, and messages flow.
+  // A host that was connected all the time answers the time request, and receives messages.
   board.line.send(Board<>::time(1700000000));
   EXPECT_EQUAL(board.node.spinOnce(), ros::SPIN_OK);
   const std::vector<Frame> introduction = board.line.take();
   EXPECT_EQUAL(introduction.size(), 2u);
-  // Hosts distinguish it from a requested answer by the order.
+  // By this order, hosts distinguish an introduction from the answer to a request.
   EXPECT_EQUAL(introduction[0].id, 0);
   EXPECT_EQUAL(introduction[1].id, 10);
   EXPECT(board.node.connected());
@@ -95,7 +95,7 @@ TEST(negotiation, introduces_itself_after_its_own_reset_to_a_host_that_does_not_
   EXPECT_EQUAL(chatter.publish(&text), 8 + 4 + 8);
 }
 
-TEST(negotiation, requests_that_came_in_together_are_answered_once) {
+TEST(negotiation, requests_that_arrive_together_are_answered_once) {
   Board<> board;
   std_msgs::String text;
   ros::Publisher chatter("chatter", &text);
@@ -105,7 +105,7 @@ TEST(negotiation, requests_that_came_in_together_are_answered_once) {
   board.node.subscribe(numbers);
   board.node.spinOnce();
   board.line.take();
-  // A sketch that sleeps a second finds what the host has sent since, while it waited for an answer.
+  // A sketch that has slept for a second finds the requests that the host has repeated meanwhile.
   board.line.send(Board<>::time(1700000000) + frame(0) + frame(0) + frame(0) + frame(0));
   EXPECT_EQUAL(board.node.spinOnce(), ros::SPIN_ERR);
   const std::vector<Frame> answer = board.line.take();
@@ -124,7 +124,7 @@ TEST(negotiation, requests_that_came_in_together_are_answered_once) {
   EXPECT_EQUAL(board.announced().size(), 2u);
 }
 
-TEST(negotiation, a_request_beside_messages_is_answered_when_they_are_heard) {
+TEST(negotiation, a_request_among_messages_is_answered_after_them) {
   Board<> board;
   static int heard;
   heard = 0;
@@ -155,7 +155,7 @@ TEST(negotiation, a_sketch_that_sleeps_a_second_loses_only_one) {
   }
 }
 
-TEST(negotiation, asks_again_while_nobody_answers) {
+TEST(negotiation, asks_again_without_an_answer) {
   Board<> board;
   std_msgs::String text;
   ros::Publisher chatter("chatter", &text);
@@ -167,7 +167,7 @@ TEST(negotiation, asks_again_while_nobody_answers) {
   for (const Frame& each : sent) EXPECT_EQUAL(each.id, 10);
 }
 
-TEST(negotiation, a_second_initNode_starts_anew) {
+TEST(negotiation, a_second_initNode_starts_again) {
   Board<> board;
   std_msgs::String text;
   ros::Publisher chatter("chatter", &text);
@@ -199,7 +199,7 @@ TEST(negotiation, advertising_twice_is_advertising_once) {
   EXPECT_EQUAL(board.announced().size(), 2u);
 }
 
-TEST(negotiation, an_endpoint_that_comes_later_is_told_at_once) {
+TEST(negotiation, a_later_endpoint_is_announced_at_once) {
   Board<> board;
   std_msgs::String text;
   ros::Publisher chatter("chatter", &text);
@@ -213,7 +213,7 @@ TEST(negotiation, an_endpoint_that_comes_later_is_told_at_once) {
   EXPECT(infos[0].id != chatter.id_);
 }
 
-TEST(negotiation, endpoints_may_come_before_initNode) {
+TEST(negotiation, endpoints_may_precede_initNode) {
   Board<> board;
   std_msgs::String text;
   ros::Publisher chatter("chatter", &text);
@@ -241,7 +241,7 @@ TEST(negotiation, two_hundred_endpoints) {
   EXPECT_EQUAL(infos[199].id, 299);
 }
 
-TEST(negotiation, the_node_keeps_saying_what_size_hints_make_of_its_input) {
+TEST(negotiation, size_arguments_determine_the_announced_input_size) {
   Board<PlainHardware, 150> board;
   ros::Subscriber<std_msgs::Int16> numbers("numbers", ignoreInt16);
   board.node.initNode();
@@ -250,7 +250,7 @@ TEST(negotiation, the_node_keeps_saying_what_size_hints_make_of_its_input) {
   EXPECT_EQUAL(board.announced()[0].buffer_bytes, 150u);
 }
 
-TEST(negotiation, a_message_as_large_as_announced_comes_in) {
+TEST(negotiation, a_message_of_the_announced_size_is_received) {
   Board<PlainHardware, 150> board;
   static size_t length;
   length = 0;

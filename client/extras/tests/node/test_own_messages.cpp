@@ -1,4 +1,4 @@
-// Message classes of other generators: with a base class of virtual functions, and without one.
+// Message classes of other generators: with a base class that has virtual functions, and without one.
 #include "ros/subscriber.h"
 
 #include <ros.h>
@@ -7,7 +7,7 @@
 
 #include "scripted_hardware.h"
 
-// Only the functions, as in the tests of a library with other message classes.
+// A class with only the functions, without a base class.
 class Pair {
  public:
   uint8_t left = 0, right = 0;
@@ -63,7 +63,7 @@ TEST(own_messages, a_callback_runs_for_the_bytes_of_a_generated_message) {
   EXPECT_EQUAL(heard, "hello");
 }
 
-TEST(own_messages, they_go_in_and_out) {
+TEST(own_messages, they_are_received_and_sent) {
   Board<> board;
   Pair pair;
   VirtualPair virtual_pair;
@@ -92,7 +92,7 @@ TEST(own_messages, they_go_in_and_out) {
   board.line.send(frame(virtual_in.id_, Bytes({5, 6})));
   board.node.spinOnce();
   EXPECT_EQUAL(sum, 11);
-  // Of the wrong length.
+  // These messages have a wrong length.
   board.line.send(frame(in.id_, Bytes(3)) + frame(in.id_, Bytes(1)));
   board.node.spinOnce();
   EXPECT_EQUAL(sum, 11);

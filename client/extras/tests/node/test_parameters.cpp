@@ -98,7 +98,7 @@ TEST(parameters, texts) {
   EXPECT_EQUAL(std::string(small), "");
 }
 
-TEST(parameters, what_does_not_fit_leaves_the_values_alone) {
+TEST(parameters, values_that_do_not_fit_change_nothing) {
   Asker asker;
   int number = 5;
   float single = 6;
@@ -142,7 +142,7 @@ TEST(parameters, no_answer_ends_after_the_time) {
   EXPECT_EQUAL(asker.warned(), "Failed to get param: timeout expired");
 }
 
-TEST(parameters, lying_answers_are_waited_past) {
+TEST(parameters, invalid_answers_do_not_end_the_wait) {
   Asker asker;
   int number = 0;
   char name[8] = "keep";

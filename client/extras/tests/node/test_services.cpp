@@ -44,7 +44,7 @@ TEST(services, a_call_brings_the_response_with_all_its_arrays) {
   EXPECT_EQUAL(static_cast<double>(caller.response.parts[0].values[0]), 2.5);
 }
 
-TEST(services, the_response_stays_while_the_sketch_publishes_and_more_comes_in) {
+TEST(services, the_response_stays_valid_while_the_sketch_publishes_and_receives) {
   Board<QueueingHardware> board;
   LookupClient lookup("lookup");
   board.node.serviceClient(lookup);
@@ -76,14 +76,14 @@ TEST(services, no_response_within_the_time) {
   EXPECT(!caller.lookup.call(caller.request, caller.response, 300));
   EXPECT(caller.line.now_ms - began_ms >= 300 && caller.line.now_ms - began_ms < 400);
   EXPECT_EQUAL(caller.calls, 1);
-  // By default shorter than the time after which the host counts as disconnected.
+  // The default is shorter than the time after which a silent host counts as disconnected.
   const unsigned long again_ms = caller.line.now_ms;
   EXPECT(!caller.lookup.call(caller.request, caller.response));
   EXPECT(caller.line.now_ms - again_ms >= 5000 && caller.line.now_ms - again_ms <= 11000);
   EXPECT(caller.node.connected());
 }
 
-TEST(services, a_late_response_is_nobody_s) {
+TEST(services, a_late_response_is_ignored) {
   Caller caller;
   EXPECT(!caller.lookup.call(caller.request, caller.response, 100));
   caller.line.send(caller.found("late"));
@@ -100,7 +100,7 @@ TEST(services, a_time_answer_does_not_end_a_call) {
   EXPECT_EQUAL(std::string(caller.response.names[0]), "after");
 }
 
-TEST(services, a_response_that_is_none_is_waited_past) {
+TEST(services, an_invalid_response_does_not_end_a_call) {
   Caller caller;
   caller.answer = [&] {
     caller.line.send(frame(caller.lookup.id_) + frame(caller.lookup.id_, Payload().u8(1).u32(1000).u32(0)) +

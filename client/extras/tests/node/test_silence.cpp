@@ -5,7 +5,7 @@
 
 static const unsigned long PERIOD_MS = 2500;
 
-TEST(silence, the_time_is_asked_for_about_every_two_seconds) {
+TEST(silence, the_time_is_requested_about_every_two_seconds) {
   Board<> board;
   board.meet();
   unsigned long last_ms = board.line.now_ms;
@@ -26,7 +26,7 @@ TEST(silence, the_time_is_asked_for_about_every_two_seconds) {
   EXPECT(asked >= 24);
 }
 
-TEST(silence, after_eleven_seconds_the_host_is_gone) {
+TEST(silence, after_eleven_seconds_the_host_is_disconnected) {
   Board<> board;
   std_msgs::String text;
   ros::Publisher chatter("chatter", &text);
@@ -43,7 +43,7 @@ TEST(silence, after_eleven_seconds_the_host_is_gone) {
   text.data = "nobody hears";
   EXPECT_EQUAL(chatter.publish(&text), 0);
   EXPECT_EQUAL(board.line.take().size(), 0u);
-  // It comes back with the topic request, or with an answer to the introductions.
+  // The host is connected again after a request for the topics, or after an answer to a time request.
   board.line.send(frame(0));
   EXPECT_EQUAL(board.node.spinOnce(), ros::SPIN_ERR);
   EXPECT(board.node.connected());
@@ -88,7 +88,7 @@ TEST(silence, a_connection_to_a_silent_host_is_replaced_every_ten_seconds) {
     board.node.spinOnce();
   }
   EXPECT_EQUAL(board.node.getHardware()->relinks, 3);
-  // A sketch that blocks for longer asks in time, and gets its answer at the next spin.
+  // A sketch that blocks for longer than ten seconds gets the host's answer at its next spin: the link stays.
   board.node.initNode();
   for (int i = 0; i < 10; ++i) {
     board.line.now_ms += 20000;
@@ -98,7 +98,7 @@ TEST(silence, a_connection_to_a_silent_host_is_replaced_every_ten_seconds) {
   EXPECT_EQUAL(board.node.getHardware()->relinks, 3);
 }
 
-TEST(silence, stopping_is_obeyed_at_once) {
+TEST(silence, a_stop_disconnects_at_once) {
   Board<> board;
   std_msgs::String text;
   ros::Publisher chatter("chatter", &text);
@@ -113,7 +113,7 @@ TEST(silence, stopping_is_obeyed_at_once) {
   EXPECT(board.node.connected());
 }
 
-TEST(silence, a_sketch_that_sleeps_for_a_minute_still_asks) {
+TEST(silence, a_sketch_that_sleeps_for_a_minute_still_requests_the_time) {
   Board<> board;
   board.meet();
   for (int i = 0; i < 20; ++i) {
@@ -155,7 +155,7 @@ TEST(silence, an_unconfigured_node_answers_a_wrong_version_once) {
   board.line.send({0xff, 0x00});
   EXPECT_EQUAL(board.node.spinOnce(), ros::SPIN_OK);
   EXPECT_EQUAL(board.line.take(10).size(), 1u);
-  // A burst of them is one request, also when the clock ticks meanwhile.
+  // A burst of wrong versions gets one answer, even if it takes some milliseconds.
   board.line.now_ms += 100;
   board.line.sendSlowly({0xff, 0x00, 0xff, 0x00, 0xff, 0x00, 0xff, 0x01}, 1);
   for (int i = 0; i < 15; ++i) board.line.now_ms += 1, board.node.spinOnce();

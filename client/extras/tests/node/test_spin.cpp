@@ -17,7 +17,7 @@ struct Listener : Board<> {
   Bytes number(int value) { return frame(numbers.id_, Payload().u16(static_cast<uint16_t>(value))); }
 };
 
-TEST(spin, one_call_handles_all_that_came_in) {
+TEST(spin, one_call_handles_all_received_frames) {
   Listener board;
   for (int i = 0; i < 1000; ++i) board.line.send(board.number(i));
   EXPECT_EQUAL(board.node.spinOnce(), ros::SPIN_OK);
@@ -101,7 +101,7 @@ class BusyHardware : public PlainHardware {
   unsigned reads = 0;
 };
 
-TEST(spin, a_line_that_never_pauses_does_not_keep_it) {
+TEST(spin, a_line_that_never_pauses_ends_it_after_the_limit) {
   Board<BusyHardware> board;
   board.meet();
   const Bytes kinds[] = {frame(4711, Bytes(20)), Bytes(3, 0x55), {0xff, 0x00}, Bytes(1, 0xff), frame(10, Bytes(8, 1)),
@@ -117,11 +117,11 @@ TEST(spin, a_line_that_never_pauses_does_not_keep_it) {
     EXPECT(board.line.now_ms - began_ms >= 50 && board.line.now_ms - began_ms < 120);
     board.node.setSpinTimeout(0);
   }
-  // Its own requests are sent meanwhile.
+  // Meanwhile, the node has sent its requests for the time.
   EXPECT(board.line.take(10).size() >= 2);
 }
 
-TEST(spin, a_node_that_was_not_begun_does_nothing) {
+TEST(spin, before_initNode_it_does_nothing) {
   Board<> board;
   board.line.send(frame(0));
   EXPECT_EQUAL(board.node.spinOnce(), ros::SPIN_OK);

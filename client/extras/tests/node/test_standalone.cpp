@@ -9,7 +9,7 @@
 #include "bytes.h"
 #include "expect.h"
 
-TEST(standalone, a_message_goes_into_any_buffer_and_comes_back) {
+TEST(standalone, a_message_is_written_to_any_buffer_and_read_again) {
   nav_msgs::Odometry odometry, back;
   odometry.header.frame_id = "odom";
   odometry.child_frame_id = "base";
@@ -38,7 +38,7 @@ TEST(standalone, cut_off_bytes_are_no_message) {
   Bytes whole(state.serializedLength());
   EXPECT_EQUAL(state.serialize(&whole[0]), static_cast<int>(whole.size()));
   for (size_t length = 0; length < whole.size(); ++length) {
-    // Each in memory of exactly its size, so that a byte too far is detected.
+    // The buffer has exactly the needed size, so that an access after its end is detected.
     std::unique_ptr<uint8_t[]> buffer(new uint8_t[length + 64]);
     memcpy(buffer.get(), whole.data(), length);
     sensor_msgs::JointState back;
@@ -47,7 +47,7 @@ TEST(standalone, cut_off_bytes_are_no_message) {
   std::unique_ptr<uint8_t[]> buffer(new uint8_t[whole.size() + 64]);
   memcpy(buffer.get(), whole.data(), whole.size());
   sensor_msgs::JointState back;
-  // Without room for its pointers it is refused.
+  // Without room for its pointers, the message is refused.
   EXPECT_EQUAL(back.deserialize(buffer.get(), whole.size()), -1);
   memcpy(buffer.get(), whole.data(), whole.size());
   EXPECT_EQUAL(back.deserialize(buffer.get(), whole.size(), whole.size() + 64), static_cast<int>(whole.size()));
@@ -55,7 +55,7 @@ TEST(standalone, cut_off_bytes_are_no_message) {
   EXPECT_EQUAL(static_cast<double>(back.position[1]), 2.0);
 }
 
-TEST(standalone, trusted_bytes_take_their_arrays_from_the_heap) {
+TEST(standalone, arrays_of_trusted_bytes_are_on_the_heap) {
   tf::tfMessage message, back;
   geometry_msgs::TransformStamped transforms[3];
   for (int i = 0; i < 3; ++i) transforms[i].child_frame_id = "child";

@@ -27,7 +27,7 @@ TEST(time_sync, half_the_round_trip_belongs_to_the_answer) {
   EXPECT_EQUAL(since(board.node.now(), 1700000000), 2000);
 }
 
-TEST(time_sync, an_answer_to_no_question_is_taken_as_it_is) {
+TEST(time_sync, an_answer_without_a_request_is_not_adjusted) {
   Board<> board;
   board.meet(1700000000);
   board.line.now_ms += 700;
@@ -36,7 +36,7 @@ TEST(time_sync, an_answer_to_no_question_is_taken_as_it_is) {
   EXPECT_EQUAL(since(board.node.now(), 1700000500), 0);
 }
 
-TEST(time_sync, days_without_a_host_pass_between_two_looks) {
+TEST(time_sync, days_may_pass_between_two_calls_of_now) {
   Board<> board;
   board.meet(1700000000);
   board.line.now_ms += 40UL * 86400 * 1000 + 250;
@@ -85,7 +85,7 @@ TEST(time_sync, it_never_goes_back_when_answers_are_late) {
   EXPECT(error_ms > -150 && error_ms < 200);
 }
 
-TEST(time_sync, it_stands_still_rather_than_go_back_a_little) {
+TEST(time_sync, it_stops_instead_of_going_back_a_little) {
   Board<> board;
   board.meet(1700000100);
   EXPECT_EQUAL(since(board.node.now(), 1700000100), 0);
@@ -107,7 +107,7 @@ TEST(time_sync, a_host_whose_clock_was_set_back_is_followed) {
   EXPECT_EQUAL(since(board.node.now(), 1700000080), 0);
 }
 
-TEST(time_sync, setNow_goes_wherever_the_sketch_wants) {
+TEST(time_sync, setNow_accepts_any_time) {
   Board<> board;
   board.meet(1700000100);
   board.node.setNow(ros::Time(5, 6));
@@ -127,7 +127,7 @@ TEST(time_sync, answers_of_a_wrong_length_are_dropped) {
   EXPECT_EQUAL(since(board.node.now(), 1700000000), 0);
 }
 
-TEST(time_sync, nonsense_nanoseconds_do_no_harm) {
+TEST(time_sync, invalid_nanoseconds_do_no_harm) {
   Board<> board;
   board.meet(1700000000);
   board.line.send(Board<>::time(1700000001, 0xffffffff));

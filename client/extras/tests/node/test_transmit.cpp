@@ -21,7 +21,7 @@ struct Sender : Board<Hardware> {
   }
 };
 
-TEST(transmit, messages_of_all_lengths_are_whole) {
+TEST(transmit, messages_of_all_lengths_are_complete) {
   Sender<PlainHardware> sender;
   for (size_t length = 0; length < 3000; ++length) {
     const std::string text(length, static_cast<char>('a' + length % 26));
@@ -33,7 +33,7 @@ TEST(transmit, messages_of_all_lengths_are_whole) {
   }
 }
 
-TEST(transmit, what_no_frame_holds_is_not_sent) {
+TEST(transmit, a_message_too_long_for_a_frame_is_not_sent) {
   Sender<PlainHardware> sender;
   const std::string longest(65535 - 8 - 4, 'x'), longer(65535 - 8 - 3, 'x'), huge(200000, 'x');
   sender.text.data = longest.c_str();
@@ -49,7 +49,7 @@ TEST(transmit, what_no_frame_holds_is_not_sent) {
   }
 }
 
-TEST(transmit, it_goes_on_reading_while_the_transmitter_is_full) {
+TEST(transmit, it_continues_to_read_while_the_transmitter_is_full) {
   Sender<QueueingHardware> sender;
   // A line that is equally slow in both directions: while 400 bytes are sent, 20 messages arrive.
   const Bytes number = frame(sender.numbers.id_, Payload().u16(1));
@@ -63,7 +63,7 @@ TEST(transmit, it_goes_on_reading_while_the_transmitter_is_full) {
   EXPECT_EQUAL(heard, 20);
 }
 
-TEST(transmit, what_comes_in_meanwhile_waits_in_the_line_when_the_buffer_is_full) {
+TEST(transmit, bytes_wait_in_the_line_while_the_buffer_is_full) {
   Sender<QueueingHardware> sender;
   const Bytes number = frame(sender.numbers.id_, Payload().u16(1));
   for (int i = 0; i < 200; ++i) sender.line.send(number);
@@ -76,7 +76,7 @@ TEST(transmit, what_comes_in_meanwhile_waits_in_the_line_when_the_buffer_is_full
   EXPECT_EQUAL(sender.node.dropped(), 0);
 }
 
-TEST(transmit, frames_that_are_done_with_leave_their_room_to_what_comes_in) {
+TEST(transmit, handled_frames_leave_their_room_to_received_bytes) {
   Board<QueueingHardware, 280> board;
   static ros::Publisher* out;
   std_msgs::String text;
@@ -89,7 +89,7 @@ TEST(transmit, frames_that_are_done_with_leave_their_room_to_what_comes_in) {
   board.line.send(frame(texts.id_, Payload().text(std::string(140, 'a'))) + frame(0) +
                   frame(texts.id_, Payload().text(std::string(250, 'b'))));
   EXPECT_EQUAL(board.node.spinOnce(), ros::SPIN_ERR);
-  // All of it was read while the topics were announced; a UART would have kept 64 bytes of it.
+  // All bytes were read while the topics were announced; a UART would have kept only 64 of them.
   EXPECT(board.line.arriving.empty());
   board.node.spinOnce();
   EXPECT_EQUAL(board.line.take(chatter.id_).size(), 2u);
@@ -121,7 +121,7 @@ TEST(transmit, frames_that_fill_the_buffer_to_its_end_are_handled_at_once) {
   EXPECT_EQUAL(heard, 28);
 }
 
-TEST(transmit, a_transmitter_that_takes_nothing_is_given_up) {
+TEST(transmit, a_transmitter_that_accepts_nothing_is_given_up) {
   Sender<QueueingHardware> sender;
   sender.node.getHardware()->stuck = true;
   sender.text.data = "nobody takes this";
@@ -130,7 +130,7 @@ TEST(transmit, a_transmitter_that_takes_nothing_is_given_up) {
   EXPECT(sender.line.now_ms - began_ms > 50 && sender.line.now_ms - began_ms < 500);
   EXPECT_EQUAL(sender.node.dropped(), 1);
   EXPECT_EQUAL(sender.line.written.size(), 0u);
-  // Spinning does not wait for it again.
+  // Later spins do not wait again.
   const unsigned long spun_ms = sender.line.now_ms;
   for (int i = 0; i < 100; ++i) sender.node.spinOnce();
   EXPECT(sender.line.now_ms - spun_ms < 500);
@@ -144,7 +144,7 @@ TEST(transmit, publishing_while_a_callback_runs) {
   sender = &one;
   static std::string last;
   ros::Subscriber<std_msgs::String> texts("texts", [](const std_msgs::String& message) {
-    // The message is still there after all that was read meanwhile.
+    // The data of the message stays valid while bytes are read during publish.
     for (int i = 0; i < 3; ++i) sender->chatter.publish(&message);
     last = message.data;
   });
@@ -189,7 +189,7 @@ TEST(transmit, logs_of_every_level_and_from_flash) {
   for (uint8_t level = 0; level < 5; ++level) EXPECT_EQUAL(more[level].payload, Payload().u8(level).text("from flash"));
 }
 
-TEST(transmit, a_log_too_long_for_a_frame_is_no_lying_frame) {
+TEST(transmit, a_log_too_long_for_a_frame_is_not_sent) {
   Board<> board;
   board.meet();
   const std::string huge(70000, 'x');

@@ -1,4 +1,4 @@
-// The node as a sketch.
+// The platforms' node as a sketch.
 #if defined(USE_ETHERNET_H)
 #include <SPI.h>
 #include <Ethernet.h>

@@ -1,4 +1,4 @@
-// The node where a program is a main function without an operating system.
+// The platforms' node as a program without an operating system.
 #include "platform_node.h"
 
 #if defined(USE_HAL_DRIVER)
@@ -6,7 +6,7 @@ extern "C" void HAL_UART_TxCpltCallback(UART_HandleTypeDef*) { nh.getHardware()-
 extern "C" void HAL_UART_RxCpltCallback(UART_HandleTypeDef*) { nh.getHardware()->reset_rbuf(); }
 #endif
 
-// A simulator then has nothing to simulate.
+// A processor that waits needs no simulation.
 static void waitForInterrupt() { __asm__ volatile("wfi"); }
 
 int main() {

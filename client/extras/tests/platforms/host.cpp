@@ -1,4 +1,4 @@
-// The node on an operating system: its port is the first argument, its baud rate the second.
+// The platforms' node on an operating system: its port is the first argument, its baud rate the second.
 #include "platform_node.h"
 
 #include <stdlib.h>

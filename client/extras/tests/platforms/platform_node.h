@@ -1,4 +1,4 @@
-// A node that uses all that a platform must carry: every platform's program is this one.
+// The node that the tests of every platform use: it has endpoints of all kinds.
 #ifndef PLATFORM_NODE_H_
 #define PLATFORM_NODE_H_
 
@@ -23,7 +23,8 @@ ros::Publisher answers("answer", &answer);
 
 ros::ServiceClient<std_srvs::TriggerRequest, std_srvs::TriggerResponse> trigger("trigger");
 
-// Set by the callback, handled by the loop: a service call in a callback also works, but keeps the callback's frame.
+// The callback sets the task, and the loop handles it: a service call in a callback also works, but needs memory for
+// the callback's message meanwhile.
 enum Task { NOTHING, ASK_PARAMETER, CALL_SERVICE };
 Task task = NOTHING;
 

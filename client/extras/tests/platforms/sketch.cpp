@@ -1,4 +1,4 @@
-// An Arduino sketch where there is no Arduino: -DSKETCH='"path/X.ino"'. It provides the time, pins that keep
+// Runs an Arduino sketch on a platform without Arduino: -DSKETCH='"path/X.ino"'. It provides the time, pins that keep
 // their level, and the rest of Arduino that simple sketches use.
 #include <math.h>
 #include <stdint.h>

@@ -36,7 +36,7 @@ int main() {
   Line& line = *nh.getHardware();
   if (!nh.connected() || counter.publish(&count) != 12) return 1;
 
-  // The first frame waits for it, the others do not wait again.
+  // The first frame waits for the line; the others do not wait again.
   line.room_ = 0;
   unsigned long began_ms = line.now_ms_;
   if (counter.publish(&count) != -1) return 2;
@@ -47,7 +47,7 @@ int main() {
   }
   if (line.now_ms_ - began_ms > 20) return 5;
 
-  // A few bytes at a time are enough; then the node waits for a full line as before.
+  // Once the line accepts some bytes, the node waits again when the line is full.
   line.room_ = 1;
   line.sent_ = 0;
   if (counter.publish(&count) != 12 || line.sent_ != 12) return 6;

@@ -1,4 +1,4 @@
-// The calls of the RP2040's Arduino core that a node makes, for the chip's UART0 and timer.
+// The functions of the RP2040's Arduino core that a node calls, for the chip's UART0 and timer.
 #include <Arduino.h>
 
 #include "registers.h"
@@ -17,7 +17,7 @@ int main() {
 }
 
 unsigned long millis() {
-  // Microseconds since the start.
+  // The register counts microseconds since the start.
   const uint32_t TIMER_RAW_LOW = 0x40054028;
   static uint32_t now_ms, counted;
   const uint32_t passed_ms = (at(TIMER_RAW_LOW) - counted) / 1000;

@@ -1,9 +1,9 @@
-// Plays what a host sent, as it was recorded, into a node with the endpoints of the board that was there.
+// Plays the recorded bytes of a host to a node with the endpoints of the recorded board.
 //
-//   session_player ENDPOINT...      each one of: empty, text, byte, server, client; ids count up from 100
+//   session_player ENDPOINT...      each is one of: empty, text, byte, server, client; ids count up from 100
 //
-// Standard input: lines of milliseconds and hexadecimal bytes. Standard output: `heard ID`, `sent ID PAYLOAD`, and at the end
-// `dropped N` and `now SEC`.
+// Each line of the standard input is a time in milliseconds and bytes in hexadecimal. The standard output has the lines
+// `heard ID` and `sent ID PAYLOAD`, and at the end `dropped N` and `now SEC`.
 #include <rosserial_arduino/Test.h>
 #include <std_msgs/Byte.h>
 #include <std_msgs/Empty.h>

@@ -1,4 +1,4 @@
-// The part of Mbed 2 and Mbed OS 5 that the library uses. cortexm/mbed_kit.cpp has it for a simulated board.
+// The part of Mbed 2 and Mbed OS 5 that the library uses. cortexm/mbed_kit.cpp implements it for a simulated board.
 #ifndef STUB_MBED_H_
 #define STUB_MBED_H_
 

@@ -1,4 +1,4 @@
-// The part of ST's HAL that the library uses, as a CubeMX project's main.h includes it.
+// The part of ST's HAL that the library uses. In a CubeMX project, main.h includes the HAL.
 #ifndef STUB_MAIN_H_
 #define STUB_MAIN_H_
 
