@@ -78,7 +78,7 @@ def chosen_middleware(*, ros1: bool = False, ros2: str | None = None) -> Middlew
 
 
 def middleware_of(ros2: str | None) -> Middleware:
-    """Return the middleware that a value of `--ros2` selects; `any` or None select that of the environment."""
+    """Return the middleware for a value of `--ros2`; for `any` and None, that of the environment."""
     if ros2 in list(Middleware):
         return Middleware(ros2)
     if implementation := os.environ.get("RMW_IMPLEMENTATION"):

@@ -108,8 +108,8 @@ def _add_rates(facts: Mapping[str, Any], reader: RecordingReader) -> None:
     periods: dict[str, _Periods] = {}
     for message in reader.messages():
         # Times are floats, so that the digits are the same as rosbag's.
-        seconds, nanoseconds = divmod(message.time_ns, NS_PER_S)
-        periods.setdefault(message.connection.topic, _Periods()).add(seconds + nanoseconds / NS_PER_S)
+        time_s = Time.from_ns(message.time_ns).to_s()
+        periods.setdefault(message.connection.topic, _Periods()).add(time_s)
     for row in facts["topics"]:
         found = periods[row["topic"]].kept if row["topic"] in periods else ()
         if found and (period_s := median(found)) > 0:
