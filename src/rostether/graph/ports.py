@@ -45,6 +45,10 @@ class Level(IntEnum):
         return 10 * self.bit_length()
 
 
+# Passes a line to users with its level.
+Report: TypeAlias = Callable[[Level, str], None]
+
+
 class TopicEntry(Struct, frozen=True):
     """One topic in a snapshot; `type` is `*` until a node registers that knows it."""
 

@@ -8,7 +8,7 @@ from typing import NamedTuple
 from rostether.relay.side import Side
 
 
-class Kind(Enum):
+class ItemKind(Enum):
     """The kind of an item; reports about it start with the value."""
 
     TOPIC = ""
@@ -22,7 +22,7 @@ class RelayItem(NamedTuple):
     `chosen_type` is the type of an action, or of a service whose graph does not report the type; else empty.
     """
 
-    kind: Kind
+    kind: ItemKind
     name: str
     source: Side
     target: Side

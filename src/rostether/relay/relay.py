@@ -12,7 +12,7 @@ a topic or service keeps it. If two start at the same time, the older one gets i
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterable, Iterator
 from functools import partial
 
 from rostether.errors import GraphError, RostetherError
@@ -24,10 +24,10 @@ from rostether.graph.joint_marks import (
     relay_marks,
     replace_names,
 )
-from rostether.graph.ports import Level, Publisher, Snapshot
+from rostether.graph.ports import Level, Publisher, Report, Snapshot
 from rostether.mechanisms.tasks import cancel_all
 from rostether.relay.action_relay import ActionRelay, action_entries
-from rostether.relay.item import Kind, RelayItem
+from rostether.relay.item import ItemKind, RelayItem
 from rostether.relay.relay_filter import Direction, RelayFilter
 from rostether.relay.service_relay import ServiceRelay
 from rostether.relay.side import Side
@@ -49,8 +49,6 @@ CHECK_S = 3.0
 
 # How often a new relay checks for its first snapshot of a graph.
 SEEN_POLL_S = 0.05
-
-Report = Callable[[Level, str], None]
 
 
 class Relay:
@@ -205,7 +203,7 @@ class Relay:
                 continue
             if self._filter.relays_topic(name, direction):
                 yield (
-                    RelayItem(Kind.TOPIC, name, source, target),
+                    RelayItem(ItemKind.TOPIC, name, source, target),
                     there[name].publishers if name in there else (),
                 )
 
@@ -221,7 +219,7 @@ class Relay:
             # If both graphs have a service, each keeps its own.
             providers = there[name].providers if name in there else ()
             if relays.issuperset(providers):
-                yield RelayItem(Kind.SERVICE, name, source, target, chosen.type), providers
+                yield RelayItem(ItemKind.SERVICE, name, source, target, chosen.type), providers
 
     def _actions(self) -> Iterator[tuple[RelayItem, tuple[str, ...]]]:
         """Yield the actions of one side to relay, each with its servers on the other side."""
@@ -237,7 +235,7 @@ class Relay:
                 is_wanted = self._filter.relays_action(name) and not own.issuperset(entry.servers)
                 # If both graphs have an action, each keeps its own.
                 if is_wanted and relays.issuperset(servers):
-                    yield RelayItem(Kind.ACTION, name, source, target, entry.type), servers
+                    yield RelayItem(ItemKind.ACTION, name, source, target, entry.type), servers
 
     def _other_relay(self, own_name: str, nodes: Iterable[str]) -> str:
         """Return the other relay among `nodes` that keeps the item, or an empty string."""
@@ -271,9 +269,9 @@ class Relay:
             await asyncio.sleep(RETRY_S)
 
     def _new_relay(self, item: RelayItem) -> TopicRelay | ServiceRelay | ActionRelay:
-        if item.kind is Kind.TOPIC:
+        if item.kind is ItemKind.TOPIC:
             return TopicRelay(item.name, item.source, item.target, self._skip_nodes)
-        if item.kind is Kind.SERVICE:
+        if item.kind is ItemKind.SERVICE:
             return ServiceRelay(item.name, item.source, item.target, item.chosen_type)
         assert self._actions_join is not None
         ros1, _ = self._sides

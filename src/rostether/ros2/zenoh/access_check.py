@@ -16,7 +16,7 @@ from contextlib import ExitStack
 import zenoh
 
 from rostether.ros2.zenoh.thread_state import keep_thread_state
-from rostether.ros2.zenoh.tokens import Kind, Token, all_tokens, data_key, parse_token
+from rostether.ros2.zenoh.tokens import Token, TokenKind, all_tokens, data_key, parse_token
 
 # The maximum number of topics to probe; rules usually cover groups of topics.
 MAX_TOPICS = 64
@@ -30,7 +30,7 @@ _REPEAT_S = 0.2
 _CONNECT_LIMIT_MS = 5000
 _LISTING_LIMIT_S = 2.0
 _PROBE = "_rostether_access"
-_TOPICS = (Kind.PUBLISHER, Kind.SUBSCRIBER)
+_TOPICS = (TokenKind.PUBLISHER, TokenKind.SUBSCRIBER)
 _log = logging.getLogger("rostether.ros2")
 
 

@@ -6,7 +6,7 @@ import asyncio
 from collections.abc import Awaitable, Callable
 
 from rostether.errors import RostetherError, SerializationError, UnknownTypeError
-from rostether.graph.ports import Level
+from rostether.graph.ports import Level, Report
 from rostether.ros2.naming import type_of_dds_name
 from rostether.ros2.types.type_support import ANY_HASH, MessageSupport, Ros2Types
 
@@ -29,7 +29,7 @@ class DescribedTypes:
         types: Ros2Types,
         *,
         describe: Describe,
-        report: Callable[[Level, str], None],
+        report: Report,
         on_waiting: Callable[[], None],
         on_found: Callable[[], None],
     ) -> None:

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import asyncio
 from collections import Counter
-from collections.abc import Callable
 
 from rostether.errors import GraphError, ServiceUnavailableError, TypeMismatchError
 from rostether.graph.log_message import LOG_TYPE, ROSOUT
-from rostether.graph.ports import Level, OnMessages, ServiceHandler, SubscribeOptions
+from rostether.graph.ports import OnMessages, Report, ServiceHandler, SubscribeOptions
 from rostether.graph.publisher_handle import PublisherHandle
 from rostether.msgdef.interface import ANY_TYPE, MessageType, ServiceType
 from rostether.ros2.listed_client import ListedClient
@@ -22,15 +21,13 @@ from rostether.ros2.zenoh.service_client import ZenohServiceClient
 from rostether.ros2.zenoh.service_server import ZenohServiceServer
 from rostether.ros2.zenoh.shared_session import LiveToken
 from rostether.ros2.zenoh.subscription import Receiver, ZenohSubscriber
-from rostether.ros2.zenoh.tokens import Kind, Token
+from rostether.ros2.zenoh.tokens import Token, TokenKind
 
 # The time to wait until an unknown service is announced: 1 ms on one machine, longer through several routers.
 ANNOUNCEMENT_S = 0.2
 
 # The maximum number of unlisted service clients that a node keeps; a board's sketch has only a few.
 MAX_CLIENTS = 256
-
-Report = Callable[[Level, str], None]
 
 
 class Endpoints:
@@ -183,17 +180,17 @@ class Endpoints:
 
     async def _servers_of(self, service: str) -> list[Token]:
         graph = self._node.session.graph
-        if not graph.endpoints(Kind.SERVER, service):
+        if not graph.endpoints(TokenKind.SERVER, service):
             changed = asyncio.Event()
-            graph.listen(Kind.SERVER, service, changed.set)
+            graph.listen(TokenKind.SERVER, service, changed.set)
             try:
                 async with asyncio.timeout(ANNOUNCEMENT_S):
                     await changed.wait()
             except TimeoutError:
                 pass
             finally:
-                graph.unlisten(Kind.SERVER, service, changed.set)
-        servers = graph.endpoints(Kind.SERVER, service)
+                graph.unlisten(TokenKind.SERVER, service, changed.set)
+        servers = graph.endpoints(TokenKind.SERVER, service)
         if not servers:
             raise ServiceUnavailableError(f"no node offers the service {service}; start its node")
         return servers

@@ -5,7 +5,7 @@ from __future__ import annotations
 from rostether.names.graph_name import namespace_of
 from rostether.ros2.qos import DEFAULT_QOS, Qos
 from rostether.ros2.zenoh.shared_session import LiveToken, SharedSession
-from rostether.ros2.zenoh.tokens import Kind, Token
+from rostether.ros2.zenoh.tokens import Token, TokenKind
 
 
 class NodeEntities:
@@ -20,17 +20,17 @@ class NodeEntities:
 
     def declare_node(self) -> LiveToken:
         """Announce the node."""
-        return self._declare(Kind.NODE, self._id)
+        return self._declare(TokenKind.NODE, self._id)
 
     def declare(
-        self, kind: Kind, name: str, dds_type: str, type_hash: str, qos: Qos = DEFAULT_QOS
+        self, kind: TokenKind, name: str, dds_type: str, type_hash: str, qos: Qos = DEFAULT_QOS
     ) -> LiveToken:
         """Announce an endpoint of a topic or service."""
         return self._declare(kind, self.session.next_id(), name, dds_type, type_hash, qos)
 
     def _declare(
         self,
-        kind: Kind,
+        kind: TokenKind,
         entity_id: int,
         name: str = "",
         dds_type: str = "",

@@ -11,15 +11,15 @@ from rostether.graph.callbacks import call_safely
 from rostether.graph.ports import ServiceEntry, Snapshot, TopicEntry
 from rostether.msgdef.interface import ANY_TYPE
 from rostether.ros2.naming import type_of_dds_name
-from rostether.ros2.zenoh.tokens import Kind, Token, parse_token
+from rostether.ros2.zenoh.tokens import Token, TokenKind, parse_token
 
 # A fleet of a hundred robots with a thousand endpoints each; endpoints over this limit are not listed.
 MAX_TOKENS = 100_000
 
 _log = logging.getLogger("rostether.ros2")
 
-_TOPICS = (Kind.PUBLISHER, Kind.SUBSCRIBER)
-EndpointKey = tuple[Kind, str]
+_TOPICS = (TokenKind.PUBLISHER, TokenKind.SUBSCRIBER)
+EndpointKey = tuple[TokenKind, str]
 
 
 class GraphCache:
@@ -67,19 +67,19 @@ class GraphCache:
             self._snapshot = None
             self._report_change()
 
-    def endpoints(self, kind: Kind, name: str) -> list[Token]:
+    def endpoints(self, kind: TokenKind, name: str) -> list[Token]:
         """Return the tokens of a topic's or service's endpoints of one kind."""
         return list(self._endpoints.get((kind, name), {}).values())
 
     def all_endpoints(self) -> list[tuple[str, Token]]:
         """Return every endpoint's key expression and token."""
-        return [(text, token) for text, token in self._tokens.items() if token.kind is not Kind.NODE]
+        return [(text, token) for text, token in self._tokens.items() if token.kind is not TokenKind.NODE]
 
-    def listen(self, kind: Kind, name: str, listener: Callable[[], None]) -> None:
+    def listen(self, kind: TokenKind, name: str, listener: Callable[[], None]) -> None:
         """Call back after each change of a topic's or service's endpoints of one kind, until `unlisten`."""
         self._listeners.setdefault((kind, name), []).append(listener)
 
-    def unlisten(self, kind: Kind, name: str, listener: Callable[[], None]) -> None:
+    def unlisten(self, kind: TokenKind, name: str, listener: Callable[[], None]) -> None:
         """Stop calling back."""
         listeners = self._listeners.get((kind, name), [])
         if listener in listeners:
@@ -139,12 +139,12 @@ class GraphCache:
         if not self._node_names[name]:
             del self._node_names[name]
 
-    def _entries_of(self, kind: Kind) -> dict[str, TopicEntry] | dict[str, ServiceEntry]:
+    def _entries_of(self, kind: TokenKind) -> dict[str, TopicEntry] | dict[str, ServiceEntry]:
         return self._topic_entries if kind in _TOPICS else self._service_entries
 
     def _create_snapshot(self) -> Snapshot:
         topics = sorted({name for kind, name in self._endpoints if kind in _TOPICS})
-        services = sorted(name for kind, name in self._endpoints if kind is Kind.SERVER)
+        services = sorted(name for kind, name in self._endpoints if kind is TokenKind.SERVER)
         return Snapshot(
             nodes=tuple(sorted(self._node_names)),
             topics={name: self._topic_entries.get(name) or self._topic_entry(name) for name in topics},
@@ -158,18 +158,18 @@ class GraphCache:
         entry = self._topic_entries[name] = TopicEntry(
             name,
             self._types(_TOPICS, name),
-            self._nodes(Kind.PUBLISHER, name),
-            self._nodes(Kind.SUBSCRIBER, name),
+            self._nodes(TokenKind.PUBLISHER, name),
+            self._nodes(TokenKind.SUBSCRIBER, name),
         )
         return entry
 
     def _service_entry(self, name: str) -> ServiceEntry:
         entry = self._service_entries[name] = ServiceEntry(
-            name, self._nodes(Kind.SERVER, name), self._types((Kind.SERVER,), name)
+            name, self._nodes(TokenKind.SERVER, name), self._types((TokenKind.SERVER,), name)
         )
         return entry
 
-    def _types(self, kinds: Sequence[Kind], name: str) -> str:
+    def _types(self, kinds: Sequence[TokenKind], name: str) -> str:
         types = {
             type_of_dds_name(token.type) or token.type
             for kind in kinds
@@ -177,5 +177,5 @@ class GraphCache:
         }
         return " ".join(sorted(types)) or ANY_TYPE
 
-    def _nodes(self, kind: Kind, name: str) -> tuple[str, ...]:
+    def _nodes(self, kind: TokenKind, name: str) -> tuple[str, ...]:
         return tuple(sorted({token.node_name for token in self._endpoints.get((kind, name), {}).values()}))

@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
-from rostether.graph.ports import Level
+from rostether.graph.ports import Level, Report
 from rostether.ros2.naming import dds_name, type_of_dds_name
 from rostether.ros2.types.type_support import MessageSupport
-from rostether.ros2.zenoh.tokens import Kind, Token
+from rostether.ros2.zenoh.tokens import Token, TokenKind
 
 
 class Mismatches:
     """Reports each endpoint of a topic with a different type once."""
 
-    def __init__(self, topic: str, support: MessageSupport, report: Callable[[Level, str], None]) -> None:
+    def __init__(self, topic: str, support: MessageSupport, report: Report) -> None:
         self._topic = topic
         self._support = support
         self._type_name = dds_name(support.name)
@@ -31,7 +31,7 @@ class Mismatches:
         return end.type == self._type_name and end.type_hash == self._support.type_hash
 
     def _explain(self, end: Token) -> str:
-        verb = "publishes" if end.kind is Kind.PUBLISHER else "subscribes to"
+        verb = "publishes" if end.kind is TokenKind.PUBLISHER else "subscribes to"
         node = end.node_name[:200]
         if end.type != self._type_name:
             other = type_of_dds_name(end.type) or end.type

@@ -29,14 +29,14 @@ from rostether.ros2.zenoh.publication import ZenohPublication
 from rostether.ros2.zenoh.service_server import ZenohServiceServer
 from rostether.ros2.zenoh.shared_session import SharedSession
 from rostether.ros2.zenoh.subscription import ZenohSubscriber
-from rostether.ros2.zenoh.tokens import ADMIN_SPACE, Kind, Token, parse_token
+from rostether.ros2.zenoh.tokens import ADMIN_SPACE, Token, TokenKind, parse_token
 from rostether.rostime import Time
 
 _KINDS = {
-    Kind.PUBLISHER: EndpointKind.PUBLISHER,
-    Kind.SUBSCRIBER: EndpointKind.SUBSCRIPTION,
-    Kind.SERVER: EndpointKind.SERVER,
-    Kind.CLIENT: EndpointKind.CLIENT,
+    TokenKind.PUBLISHER: EndpointKind.PUBLISHER,
+    TokenKind.SUBSCRIBER: EndpointKind.SUBSCRIPTION,
+    TokenKind.SERVER: EndpointKind.SERVER,
+    TokenKind.CLIENT: EndpointKind.CLIENT,
 }
 
 # A router on this machine answers in milliseconds.
@@ -144,7 +144,7 @@ class ZenohGraph(Ros2Membership):
 
     async def other_domains(self) -> list[int]:
         """Return the other domains of this zenoh network that have nodes, sorted."""
-        key = f"{ADMIN_SPACE}/*/*/*/*/{Kind.NODE.value}/**"
+        key = f"{ADMIN_SPACE}/*/*/*/*/{TokenKind.NODE.value}/**"
         texts = await self._session.query_tokens(key, DOMAINS_TIMEOUT_S)
         found = {token.domain_id for token in map(parse_token, texts) if token is not None}
         return sorted(found - {self._session.domain_id})

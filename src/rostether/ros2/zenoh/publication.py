@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import Protocol, cast
 
 import zenoh
@@ -11,7 +11,7 @@ from zenoh import ext
 
 from rostether.errors import SerializationError
 from rostether.graph.flow_control import DEFAULT_QUEUE_BYTES
-from rostether.graph.ports import Level
+from rostether.graph.ports import Level, Report
 from rostether.graph.publisher_handle import check_same_type
 from rostether.msgdef.interface import MessageType
 from rostether.ros2.naming import dds_name
@@ -23,7 +23,7 @@ from rostether.ros2.zenoh.entities import NodeEntities
 from rostether.ros2.zenoh.mismatches import Mismatches
 from rostether.ros2.zenoh.put_queue import BatchResult, PutQueue
 from rostether.ros2.zenoh.shared_session import LiveToken
-from rostether.ros2.zenoh.tokens import Kind, Token, data_key
+from rostether.ros2.zenoh.tokens import Token, TokenKind, data_key
 
 # A put that takes this long has waited for room; other puts take a hundredth of this time.
 STALL_NS = 300_000
@@ -33,8 +33,6 @@ MAX_STALLS = 2
 
 # A put that takes this long has timed out, and zenoh has dropped its message.
 DROP_NS = WAIT_BEFORE_DROP_US * 1000
-
-Report = Callable[[Level, str], None]
 
 
 class _Putting(Protocol):
@@ -83,7 +81,7 @@ class ZenohPublication:
         self._is_closed = False
         self._subscribers: list[Token] = []
         self._declare()
-        node.session.graph.listen(Kind.SUBSCRIBER, topic, self._update_subscribers)
+        node.session.graph.listen(TokenKind.SUBSCRIBER, topic, self._update_subscribers)
         self._update_subscribers()
 
     @property
@@ -128,7 +126,7 @@ class ZenohPublication:
         try:
             await self._queue.finish()
         finally:
-            self._node.session.graph.unlisten(Kind.SUBSCRIBER, self.topic, self._update_subscribers)
+            self._node.session.graph.unlisten(TokenKind.SUBSCRIBER, self.topic, self._update_subscribers)
             self._subscribers = []
             self._undeclare()
 
@@ -200,7 +198,7 @@ class ZenohPublication:
                 zenoh.handlers.Callback(self._match, indirect=False)
             )
         self._token: LiveToken = self._node.declare(
-            Kind.PUBLISHER, self.topic, self._type_name, self._support.type_hash, self._qos
+            TokenKind.PUBLISHER, self.topic, self._type_name, self._support.type_hash, self._qos
         )
         self._gid = gid_of(self._token.text)
         self.gids.add(self._gid)
@@ -221,7 +219,7 @@ class ZenohPublication:
         return cast(zenoh.MatchingStatus, self._publisher.matching_status).matching
 
     def _update_subscribers(self) -> None:
-        ends = self._node.session.graph.endpoints(Kind.SUBSCRIBER, self.topic)
+        ends = self._node.session.graph.endpoints(TokenKind.SUBSCRIBER, self.topic)
         self._subscribers = [
             end for end in ends if end.type == self._type_name and end.type_hash == self._support.type_hash
         ]

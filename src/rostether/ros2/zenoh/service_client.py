@@ -16,7 +16,7 @@ from rostether.ros2.naming import dds_name
 from rostether.ros2.types.type_support import ServiceSupport
 from rostether.ros2.zenoh.attachment import Attachment, gid_of
 from rostether.ros2.zenoh.entities import NodeEntities
-from rostether.ros2.zenoh.tokens import Kind, data_key
+from rostether.ros2.zenoh.tokens import TokenKind, data_key
 
 # A query must have a time limit; a call without a limit ends when its server ends.
 ENDLESS_S = 7 * 24 * 3600.0
@@ -38,7 +38,7 @@ class ZenohServiceClient:
         self._node = node
         type_name = dds_name(support.name)
         self._key = data_key(node.session.domain_id, service, type_name, support.type_hash)
-        self._token = node.declare(Kind.CLIENT, service, type_name, support.type_hash)
+        self._token = node.declare(TokenKind.CLIENT, service, type_name, support.type_hash)
         self._gid = gid_of(self._token.text)
         self._loop = asyncio.get_running_loop()
         self._querier = node.session.zenoh.declare_querier(
@@ -69,7 +69,7 @@ class ZenohServiceClient:
                 loop.call_soon_threadsafe(settle, reply)
 
         def watch_server() -> None:
-            if not self._node.session.graph.endpoints(Kind.SERVER, self.service):
+            if not self._node.session.graph.endpoints(TokenKind.SERVER, self.service):
                 settle(None)
 
         self._sequence += 1
@@ -82,7 +82,7 @@ class ZenohServiceClient:
             cancellation_token=cancellation,
         )
         graph = self._node.session.graph
-        graph.listen(Kind.SERVER, self.service, watch_server)
+        graph.listen(TokenKind.SERVER, self.service, watch_server)
         try:
             async with asyncio.timeout(timeout_s):
                 # A request waits until its link has room, 5 s for a server that hangs.
@@ -94,7 +94,7 @@ class ZenohServiceClient:
                 "hang"
             ) from None
         finally:
-            graph.unlisten(Kind.SERVER, self.service, watch_server)
+            graph.unlisten(TokenKind.SERVER, self.service, watch_server)
             cancellation.cancel()
         if reply is None:
             raise ServiceUnavailableError(f"service {self.service} was shut down during the call")

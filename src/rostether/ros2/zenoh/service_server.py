@@ -22,7 +22,7 @@ from rostether.ros2.types.type_support import ServiceSupport
 from rostether.ros2.zenoh.attachment import Attachment, parse_attachment
 from rostether.ros2.zenoh.entities import NodeEntities
 from rostether.ros2.zenoh.thread_state import keep_thread_state
-from rostether.ros2.zenoh.tokens import Kind, data_key
+from rostether.ros2.zenoh.tokens import TokenKind, data_key
 
 # The limit of pending calls; a board answers one call at a time, so more calls would wait too long.
 MAX_CALLS = 1000
@@ -62,7 +62,7 @@ class ZenohServiceServer:
         self._queryable = node.session.zenoh.declare_queryable(
             self._key, zenoh.handlers.Callback(self._put, indirect=False), complete=True
         )
-        self._token = node.declare(Kind.SERVER, service, type_name, support.type_hash)
+        self._token = node.declare(TokenKind.SERVER, service, type_name, support.type_hash)
 
     async def close(self) -> None:
         """Unadvertise; pending calls fail. Idempotent."""

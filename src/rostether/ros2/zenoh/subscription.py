@@ -11,7 +11,7 @@ from zenoh import ext
 from rostether.errors import SerializationError
 from rostether.graph.callbacks import call_safely
 from rostether.graph.flow_control import DEFAULT_QUEUE_BYTES
-from rostether.graph.ports import Level, OnConnection, OnMessages
+from rostether.graph.ports import Level, OnConnection, OnMessages, Report
 from rostether.ros2.early_conversion import Received, convert_if_large, payload_of
 from rostether.ros2.endpoint_info import connection_fields
 from rostether.ros2.handover import Handover, loss_text
@@ -24,12 +24,10 @@ from rostether.ros2.zenoh.entities import NodeEntities
 from rostether.ros2.zenoh.mismatches import Mismatches
 from rostether.ros2.zenoh.shared_session import LiveToken
 from rostether.ros2.zenoh.thread_state import keep_thread_state
-from rostether.ros2.zenoh.tokens import Kind, Token, data_key
+from rostether.ros2.zenoh.tokens import Token, TokenKind, data_key
 
 # The number of earlier messages requested from a latched publisher: one, as in ROS 1.
 LATCHED_SAMPLES = 1
-
-Report = Callable[[Level, str], None]
 
 
 class Receiver(Struct, frozen=True):
@@ -108,7 +106,7 @@ class ZenohSubscriber:
         )
         if support is not None:
             self._declare_token(support)
-        node.session.graph.listen(Kind.PUBLISHER, topic, self._update_publishers)
+        node.session.graph.listen(TokenKind.PUBLISHER, topic, self._update_publishers)
         self._update_publishers()
 
     @property
@@ -134,7 +132,7 @@ class ZenohSubscriber:
         self._is_closed = True
         self._types.close()
         self._queue.close()
-        self._node.session.graph.unlisten(Kind.PUBLISHER, self.topic, self._update_publishers)
+        self._node.session.graph.unlisten(TokenKind.PUBLISHER, self.topic, self._update_publishers)
         self._publishers = set()
         for token in self._tokens.values():
             token.withdraw()
@@ -193,7 +191,7 @@ class ZenohSubscriber:
         return self._own_gids is None and self._skip_nodes == ()
 
     def _update_publishers(self) -> None:
-        ends = self._node.session.graph.endpoints(Kind.PUBLISHER, self.topic)
+        ends = self._node.session.graph.endpoints(TokenKind.PUBLISHER, self.topic)
         if self._skip_nodes != ():
             self._node_names = {gid_of(end.format()): end.node_name for end in ends}
         if self._mismatches is not None:
@@ -259,7 +257,7 @@ class ZenohSubscriber:
     def _declare_token(self, support: MessageSupport) -> None:
         if support.name not in self._tokens and support.type_hash != ANY_HASH:
             self._tokens[support.name] = self._node.declare(
-                Kind.SUBSCRIBER, self.topic, dds_name(support.name), support.type_hash
+                TokenKind.SUBSCRIBER, self.topic, dds_name(support.name), support.type_hash
             )
 
     def _refuse(self, error: SerializationError) -> None:

@@ -28,7 +28,7 @@ _ENDPOINT_PARTS = 13
 MAX_TOKEN_CHARACTERS = 4096
 
 
-class Kind(Enum):
+class TokenKind(Enum):
     """The kind of entity that a token announces."""
 
     NODE = "NN"
@@ -38,7 +38,7 @@ class Kind(Enum):
     CLIENT = "SC"
 
 
-_KINDS = {kind.value: kind for kind in Kind}
+_KINDS = {kind.value: kind for kind in TokenKind}
 
 
 class Token(Struct, frozen=True):
@@ -48,7 +48,7 @@ class Token(Struct, frozen=True):
     session_id: str
     node_id: int
     entity_id: int
-    kind: Kind
+    kind: TokenKind
     node_namespace: str
     node_base_name: str
     name: str = ""
@@ -75,7 +75,7 @@ class Token(Struct, frozen=True):
             mangle(self.node_namespace),
             self.node_base_name,
         ]
-        if self.kind is not Kind.NODE:
+        if self.kind is not TokenKind.NODE:
             parts += [mangle(self.name), self.type, self.type_hash, format_qos(self.qos)]
         return "/".join(parts)
 
@@ -100,7 +100,7 @@ def parse_token(text: str) -> Token | None:
         demangle(parts[8]).removeprefix("/"),
     )
     enclave = "" if parts[6] == "%" else demangle(parts[6])
-    if kind is Kind.NODE:
+    if kind is TokenKind.NODE:
         return Token(*node, enclave=enclave)
     if len(parts) < _ENDPOINT_PARTS:
         return None

@@ -4,26 +4,26 @@ import asyncio
 
 from rostether.graph.ports import ServiceEntry, TopicEntry
 from rostether.ros2.zenoh.graph_cache import GraphCache
-from rostether.ros2.zenoh.tokens import Kind, Token
+from rostether.ros2.zenoh.tokens import Token, TokenKind
 
 HASH = "RIHS01_" + "0" * 64
 
 
-def token(kind: Kind, node: str, name: str = "", type_name: str = "", entity_id: int = 0) -> str:
+def token(kind: TokenKind, node: str, name: str = "", type_name: str = "", entity_id: int = 0) -> str:
     return Token(0, "abc", 0, entity_id, kind, "/", node, name, type_name, HASH).format()
 
 
 STRING = "std_msgs::msg::dds_::String_"
-TALKER = token(Kind.PUBLISHER, "talker", "/chat", STRING, 1)
-LISTENER = token(Kind.SUBSCRIBER, "listener", "/chat", STRING, 2)
-SERVER = token(Kind.SERVER, "server", "/switch", "std_srvs::srv::dds_::SetBool_", 3)
-CLIENT = token(Kind.CLIENT, "client", "/switch", "std_srvs::srv::dds_::SetBool_", 4)
+TALKER = token(TokenKind.PUBLISHER, "talker", "/chat", STRING, 1)
+LISTENER = token(TokenKind.SUBSCRIBER, "listener", "/chat", STRING, 2)
+SERVER = token(TokenKind.SERVER, "server", "/switch", "std_srvs::srv::dds_::SetBool_", 3)
+CLIENT = token(TokenKind.CLIENT, "client", "/switch", "std_srvs::srv::dds_::SetBool_", 4)
 
 
 def test_a_snapshot_matches_the_tokens() -> None:
     graph = GraphCache()
     graph.apply_tokens(
-        [(each, True) for each in (TALKER, LISTENER, SERVER, CLIENT, token(Kind.NODE, "idle"))]
+        [(each, True) for each in (TALKER, LISTENER, SERVER, CLIENT, token(TokenKind.NODE, "idle"))]
     )
     snapshot = graph.snapshot()
     assert snapshot.nodes == ("/client", "/idle", "/listener", "/server", "/talker")
@@ -41,19 +41,21 @@ def test_removed_entries_are_forgotten() -> None:
     graph.apply_tokens([(TALKER, True), (TALKER, False), (SERVER, False), (SERVER, False), (CLIENT, False)])
     snapshot = graph.snapshot()
     assert (snapshot.nodes, snapshot.topics, snapshot.services) == ((), {}, {})
-    assert graph.endpoints(Kind.PUBLISHER, "/chat") == []
+    assert graph.endpoints(TokenKind.PUBLISHER, "/chat") == []
 
 
 def test_a_change_makes_only_its_own_entries_again() -> None:
     graph = GraphCache()
-    graph.apply_tokens([(TALKER, True), (SERVER, True), (token(Kind.PUBLISHER, "b", "/other", STRING), True)])
+    graph.apply_tokens(
+        [(TALKER, True), (SERVER, True), (token(TokenKind.PUBLISHER, "b", "/other", STRING), True)]
+    )
     before = graph.snapshot()
     graph.apply_tokens([(LISTENER, True)])
     after = graph.snapshot()
     assert after.topics["/chat"].subscribers == ("/listener",)
     assert after.topics["/other"] is before.topics["/other"], "fleets have thousands"
     assert after.services["/switch"] is before.services["/switch"]
-    graph.apply_tokens([(LISTENER, False), (token(Kind.SERVER, "twin", "/switch", entity_id=9), True)])
+    graph.apply_tokens([(LISTENER, False), (token(TokenKind.SERVER, "twin", "/switch", entity_id=9), True)])
     last = graph.snapshot()
     assert (last.nodes, last.topics) == (("/b", "/server", "/talker", "/twin"), before.topics)
     assert last.services["/switch"].providers == ("/server", "/twin")
@@ -68,7 +70,7 @@ def test_what_is_not_a_token_is_skipped() -> None:
 def test_several_types_of_a_topic_are_all_reported() -> None:
     graph = GraphCache()
     graph.apply_tokens(
-        [(TALKER, True), (token(Kind.SUBSCRIBER, "odd", "/chat", "std_msgs::msg::dds_::Bool_"), True)]
+        [(TALKER, True), (token(TokenKind.SUBSCRIBER, "odd", "/chat", "std_msgs::msg::dds_::Bool_"), True)]
     )
     assert graph.snapshot().topics["/chat"].type == "std_msgs/msg/Bool std_msgs/msg/String"
 
@@ -78,14 +80,14 @@ def test_listeners_are_called_for_their_endpoints_once_per_batch() -> None:
     received: list[int] = []
 
     def listen() -> None:
-        received.append(len(graph.endpoints(Kind.PUBLISHER, "/chat")))
+        received.append(len(graph.endpoints(TokenKind.PUBLISHER, "/chat")))
 
-    graph.listen(Kind.PUBLISHER, "/chat", listen)
-    graph.apply_tokens([(TALKER, True), (token(Kind.PUBLISHER, "other", "/chat", STRING), True)])
+    graph.listen(TokenKind.PUBLISHER, "/chat", listen)
+    graph.apply_tokens([(TALKER, True), (token(TokenKind.PUBLISHER, "other", "/chat", STRING), True)])
     graph.apply_tokens([(LISTENER, True)])
     graph.apply_tokens([(TALKER, False)])
-    graph.unlisten(Kind.PUBLISHER, "/chat", listen)
-    graph.unlisten(Kind.PUBLISHER, "/chat", listen)
+    graph.unlisten(TokenKind.PUBLISHER, "/chat", listen)
+    graph.unlisten(TokenKind.PUBLISHER, "/chat", listen)
     graph.apply_tokens([(TALKER, True)])
     assert received == [2, 1]
 

@@ -5,8 +5,8 @@ import pytest
 from rostether.ros2.qos import LATCHED_QOS
 from rostether.ros2.zenoh.tokens import (
     MAX_TOKEN_CHARACTERS,
-    Kind,
     Token,
+    TokenKind,
     all_tokens,
     data_key,
     parse_token,
@@ -21,7 +21,7 @@ PUBLISHER = (
 
 
 def test_a_nodes_token() -> None:
-    token = Token(2, SESSION, 0, 0, Kind.NODE, "/robot/arm", "listener")
+    token = Token(2, SESSION, 0, 0, TokenKind.NODE, "/robot/arm", "listener")
     assert token.format() == NODE
     assert parse_token(NODE) == token
     assert token.node_name == "/robot/arm/listener"
@@ -33,7 +33,7 @@ def test_a_publishers_token() -> None:
         SESSION,
         0,
         10,
-        Kind.PUBLISHER,
+        TokenKind.PUBLISHER,
         "/",
         "talker",
         "/chat/raw",
