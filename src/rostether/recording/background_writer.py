@@ -20,6 +20,7 @@ REPORT_PERIOD_S = 5.0
 # The approximate memory of a waiting message besides its payload.
 _MESSAGE_BYTES = 100
 
+# The number of a connection, the time in ns, the payloads, and their memory in bytes.
 _Batch = tuple[int, int, Sequence[bytes], int]
 
 

@@ -33,6 +33,7 @@ def check(path: Path, registry: Registry) -> CheckResult:
     """
     layouts: dict[Connection, Layout] = {}
     decoder = Decoder()
+    # By topic: the number of messages that do not fit their type, and the reason for the first one.
     unfit: dict[str, tuple[int, str]] = {}
     count = 0
     with closing(open_recording(path)) as reader:
@@ -88,7 +89,7 @@ def _differences(connection: Connection, registry: Registry) -> list[str]:
     try:
         known = registry.message_type(name).md5sum
     except UnknownTypeError:
-        return []  # recordings contain their definitions
+        return []  # The recording contains its definition.
     except RostetherError as error:
         return [f"{name} is broken here: {error}"]
     if known == md5sum:

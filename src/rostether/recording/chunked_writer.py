@@ -145,7 +145,10 @@ class ChunkedWriter(ABC):
 
 
 class OutputFile:
-    """Appends to a file; `position` is the end of the last complete part."""
+    """Appends to a file, which it creates or empties; `position` is the end of the last complete part.
+
+    Raises RecordingError if the file cannot be written.
+    """
 
     def __init__(self, path: Path) -> None:
         self.path = path
@@ -192,5 +195,6 @@ class OutputFile:
         try:
             os.ftruncate(self._file, self.position)
             os.lseek(self._file, self.position, os.SEEK_SET)
-        except OSError:  # devices cannot be truncated; readers find the last complete part themselves
+        except OSError:
+            # Devices cannot be truncated; readers find the last complete part themselves.
             return

@@ -59,7 +59,7 @@ def _locked(path: Path) -> int | None:
         try:
             file = os.open(path, os.O_RDWR | os.O_CREAT | os.O_NONBLOCK, 0o666)
         except OSError:
-            return None  # the error is reported when the file is opened for writing
+            return None  # The error is reported when the file is opened for writing.
         try:
             fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError:

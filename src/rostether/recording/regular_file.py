@@ -62,5 +62,6 @@ class MappedFile:
     def close(self) -> None:
         """Close the file. Idempotent."""
         self.view.release()
-        with contextlib.suppress(BufferError):  # an unfinished iterator holds a view and frees it later
+        # An unfinished iterator has a view of the data, and frees it later.
+        with contextlib.suppress(BufferError):
             self._data.close()

@@ -88,7 +88,7 @@ def _rewrite(
             stack.enter_context(FileLock(each))
         unfinished = stack.enter_context(_unfinished(path, output))
         written = copy(reader, unfinished, compression=compression, form=form_of(reader))
-        reader.close()  # SQLite merges its log into the file if the disk has space
+        reader.close()  # SQLite merges its log into the file if the disk has space.
         if keep_original is not None:
             end_active(path, keep_original)
         end_active(unfinished, output)

@@ -16,6 +16,7 @@ from rostether.rostime import NS_PER_S
 # A broken bag can have one fault in each chunk; a longer report does not help.
 MAX_FAULTS = 50
 
+# The entry of a message in a chunk's index: time (secs and nsecs), and offset in the chunk.
 _ENTRY = struct.Struct("<III")
 
 
@@ -24,7 +25,7 @@ def faults_of(data: Buffer) -> list[str]:
     content = read_content(data)
     faults: list[str] = []
     if content.damage:
-        return faults  # there is no index to compare with
+        return faults  # There is no index to compare with.
     order = TimeOrder()
     for chunk in sorted(content.chunks, key=lambda each: each.data_start):
         found = _chunk_faults(data, chunk, order)

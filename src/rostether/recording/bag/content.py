@@ -38,6 +38,7 @@ def read_content(data: Buffer, damage: str = "") -> BagContent:
         index_position = u64_field(fields, b"index_pos")
         chunk_count = u32_field(fields, b"chunk_count")
     except RecordingError as error:
+        # The header's two lengths have four bytes each.
         return search(data, start + BAG_HEADER_BYTES + 8, str(error))
     if damage:
         content = BagContent(damage=damage)

@@ -90,8 +90,8 @@ def _end_of(tree: Struct, path: str) -> tuple[Node, int]:
 def _read_or_none(field: FieldPath, message: Any) -> Any:
     try:
         return field.read(message)
-    except SerializationError:  # an array that is shorter this time
-        return None
+    except SerializationError:
+        return None  # The array is shorter in this message.
 
 
 def _below(struct: Struct, prefix: str, path: tuple[str, ...]) -> Iterator[Column]:

@@ -76,7 +76,7 @@ class Export:
         for (topic, _, found_type), connections in sorted(by_type.items()):
             try:
                 columns = columns_of(self._decoder.codec(connections[0]), fields)
-            except ConfigError as error:  # other topics may have that field
+            except ConfigError as error:  # Other topics may have that field.
                 errors.append(ConfigError(f"{topic}: {error}"))
                 continue
             except RostetherError as error:

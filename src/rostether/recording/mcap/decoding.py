@@ -18,11 +18,11 @@ from rostether.recording.mcap.records import (
     KINDS,
     RECORD_HEAD,
     STATISTICS,
-    TIME_AND_OFFSET,
     U16,
     U16_PAIR,
     U32,
     U64,
+    U64_PAIR,
     Channel,
     Chunk,
     ChunkIndex,
@@ -128,9 +128,9 @@ def decode_message_index(data: Buffer, start: int, end: int) -> tuple[int, Itera
     fields = _Fields(data, start, end, "message index")
     number = fields.unpack(U16)[0]
     entries = fields.part()
-    if (entries.end - entries.position) % TIME_AND_OFFSET.size:
+    if (entries.end - entries.position) % U64_PAIR.size:
         raise RecordingError("a record (message index) ends within an entry")
-    return number, TIME_AND_OFFSET.iter_unpack(data[entries.position : entries.end])
+    return number, U64_PAIR.iter_unpack(data[entries.position : entries.end])
 
 
 def decode_chunk_index(data: Buffer, start: int, end: int) -> ChunkIndex:
@@ -140,7 +140,7 @@ def decode_chunk_index(data: Buffer, start: int, end: int) -> ChunkIndex:
     indexes = fields.numbers()
     indexes_bytes = fields.unpack(U64)[0]
     compression = fields.text()
-    compressed_bytes, size_bytes = fields.unpack(TIME_AND_OFFSET)
+    compressed_bytes, size_bytes = fields.unpack(U64_PAIR)
     return ChunkIndex(
         start_ns, end_ns, position, length, indexes, indexes_bytes, compression, compressed_bytes, size_bytes
     )

@@ -48,7 +48,7 @@ FOOTER = struct.Struct("<QQI")
 FOOTER_BYTES = RECORD_HEAD.size + FOOTER.size
 STATISTICS = struct.Struct("<QHIIIIQQ")
 SUMMARY_OFFSET = struct.Struct("<BQQ")
-TIME_AND_OFFSET = struct.Struct("<QQ")
+U64_PAIR = struct.Struct("<QQ")
 CHANNEL_AND_NUMBER = struct.Struct("<HQ")
 CHUNK_LOCATION = struct.Struct("<QQQQ")
 U16_PAIR = struct.Struct("<HH")
@@ -159,6 +159,6 @@ def encode_chunk_index(index: ChunkIndex) -> bytes:
         encode_numbers(index.indexes),
         U64.pack(index.indexes_bytes),
         encode_text(index.compression),
-        TIME_AND_OFFSET.pack(index.compressed_bytes, index.size_bytes),
+        U64_PAIR.pack(index.compressed_bytes, index.size_bytes),
     )
     return encode_record(Op.CHUNK_INDEX, b"".join(parts))

@@ -21,11 +21,11 @@ from rostether.recording.mcap.records import (
     MESSAGE_HEAD,
     RECORD_HEAD,
     SUMMARY_OFFSET,
-    TIME_AND_OFFSET,
     U16,
     U16_PAIR,
     U32,
     U64,
+    U64_PAIR,
     ChunkIndex,
     Op,
     Statistics,
@@ -46,7 +46,8 @@ _MAX_TIME_NS = (1 << 64) - 1
 class McapWriter(ChunkedWriter):
     """An MCAP file being written; see `recording.recorded.RecordingWriter`.
 
-    Subclasses for another ROS version override `profile`, `schema_of` and `channel_of`.
+    Subclasses for another ROS version override `profile`, `schema_of` and `channel_of`. Raises
+    RecordingError, and ConfigError if the compression is not installed, or is not one of MCAP.
     """
 
     profile = "ros1"
@@ -181,7 +182,7 @@ class McapWriter(ChunkedWriter):
                 offsets.append(encode_record(Op.SUMMARY_OFFSET, SUMMARY_OFFSET.pack(op, position, length)))
                 position += length
         parts += offsets
-        parts.append(RECORD_HEAD.pack(Op.FOOTER, FOOTER.size) + TIME_AND_OFFSET.pack(start, position))
+        parts.append(RECORD_HEAD.pack(Op.FOOTER, FOOTER.size) + U64_PAIR.pack(start, position))
         summary = b"".join(parts)
         self._file.append(data_end + summary + U32.pack(zlib.crc32(summary)) + MAGIC)
 

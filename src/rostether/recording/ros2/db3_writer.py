@@ -44,7 +44,7 @@ CREATE INDEX timestamp_idx ON messages (timestamp ASC);
 class Db3Writer:
     """A .db3 file being written, from ROS 1 bytes; see `recording.recorded.RecordingWriter`.
 
-    `types` and `unfit` as for `Ros2Channels`.
+    `types` and `unfit` as for `Ros2Channels`. Raises RecordingError if the file cannot be written.
     """
 
     def __init__(
