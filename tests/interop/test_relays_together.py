@@ -58,7 +58,7 @@ class World:
         return peer
 
     async def until_nodes(self, part: str, *, at_least: int) -> None:
-        """Wait until so many nodes whose names have a part are in both graphs."""
+        """Wait until both graphs have `at_least` nodes whose names contain a part."""
         for graph in self.graphs:
             while sum(part in name for name in (await graph.snapshot()).nodes) < at_least:
                 await asyncio.sleep(0.02)
@@ -85,7 +85,9 @@ async def world() -> AsyncIterator[World]:
 
 
 class Flow:
-    """Numbered messages on a topic of one graph or both, and what each graph's own subscriber receives."""
+    """Numbered messages on a topic of one graph or both, and the messages that a subscriber in each graph
+    receives.
+    """
 
     def __init__(self, world: World, topic: str) -> None:
         self.inboxes = [Inbox() for _ in world.graphs]
@@ -94,14 +96,14 @@ class Flow:
         self._talkers: list[Publisher] = []
 
     async def open(self, *talking: int) -> None:
-        """Subscribe in both graphs, and advertise in some."""
+        """Subscribe in both graphs, and advertise in the graphs of `talking`."""
         graphs = self._world.graphs
         for graph, inbox in zip(graphs, self.inboxes, strict=True):
             await graph.subscribe(self._topic, STRING, inbox.take)
         self._talkers = [await graphs[number].advertise(self._topic, STRING) for number in talking]
 
     async def arrives(self, *others: Inbox) -> None:
-        """Send until both graphs and the others receive from every talker, then begin to count."""
+        """Send until both graphs and the others receive from every publisher, then begin to count."""
         seen: set[bytes] = set()
         while True:
             for number, talker in enumerate(self._talkers):
@@ -113,13 +115,13 @@ class Flow:
                     break
             else:
                 break
-        # Messages on their way arrive, and the start of both relays is over.
+        # Until pending messages have arrived, and both relays have started.
         await asyncio.sleep(3)
         for inbox in (*self.inboxes, *others):
             inbox.payloads.clear()
 
     async def run(self) -> list[bytes]:
-        """Send at 100 Hz from every talker; returns what was sent."""
+        """Send at 100 Hz from every publisher; return what was sent."""
         sent = []
         loop = asyncio.get_running_loop()
         begin_s = loop.time()
@@ -132,7 +134,7 @@ class Flow:
 
 
 async def arrives_once(inbox: Inbox, sent: list[bytes]) -> None:
-    """Wait for everything that was sent, and half a second for duplicates."""
+    """Wait for all sent messages, then half a second for duplicates."""
     await until(lambda: len(inbox.payloads) >= len(sent))
     await asyncio.sleep(0.5)
     counts = Counter(inbox.payloads)
@@ -226,7 +228,7 @@ async def test_a_relay_beside_a_board_in_both_graphs(world: World) -> None:
 
 
 async def test_relays_of_two_robots_carry_from_one_master_to_the_other(world: World) -> None:
-    """Two of the first robot, which has one master, and one of the second: a fleet on one ROS 2 graph."""
+    """Two relays of one robot and one relay of another robot, with separate masters and one ROS 2 graph."""
     second = await MasterServer.start(port=0)
     far = await join_ros1("/peer", environment=RosEnvironment.read({}).with_master(second.uri))
     try:
@@ -242,7 +244,7 @@ async def test_relays_of_two_robots_carry_from_one_master_to_the_other(world: Wo
         sent = await flow.run()
         for each in (*flow.inboxes, inbox):
             await arrives_once(each, sent)
-        # For the second robot the first one's relay is an ordinary node.
+        # For the second robot, the first robot's relay is an ordinary node.
         assert "relays it" not in other.text
     finally:
         await far.close()
@@ -272,7 +274,7 @@ async def test_a_killed_relay_is_followed(world: World) -> None:
     await serve_across()
     relay.process.kill()
     await relay.finish()
-    # Once for a relay that starts later, once for one that waits.
+    # The first for a relay that starts later, the second for a relay that waits.
     successor = await world.relay("/*", "--service", "/pull", "--service", "/push")
     await serve_across()
     waiting = await world.relay("/*", "--service", "/pull", "--service", "/push")

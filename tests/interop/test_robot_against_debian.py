@@ -1,4 +1,4 @@
-"""Our robot_state_publisher, joint_state_publisher and static_transform_publisher, and Debian's, compared."""
+"""Compares robot_state_publisher, joint_state_publisher and static_transform_publisher with Debian's."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ def same_transforms(ours: list[Any], theirs: list[Any], *, with_stamps: bool) ->
 
 
 def states_of(robot: str) -> list[tuple[int, list[str], list[float], bool]]:
-    """Return joint states, and whether each one comes late enough to be published."""
+    """Return joint states, and whether each one is late enough to be published."""
     rng = random.Random(robot)
     states = []
     stamp_ns = START_NS
@@ -83,7 +83,7 @@ async def test_robot_state_publisher_publishes_what_debians_does(roscore: Ros1Pe
     theirs = await robot_states(roscore, robot, "debian")
     ours = await robot_states(roscore, robot, "ours", "__ns:=/")
     if robot == "gripper":
-        # Debian's follows a joint that follows another only where their names are in the right order.
+        # Debian's handles a mimic joint of a mimic joint only if their names are in the right order.
         assert {each[1] for each in theirs["/tf"]} == {each[1] for each in ours["/tf"]}
     same_transforms(ours["/tf"], theirs["/tf"], with_stamps=True)
     same_transforms(ours["/tf_static"], theirs["/tf_static"], with_stamps=False)

@@ -1,4 +1,4 @@
-"""Bags that were made of ROS 2's recordings, read by Debian's rosbag."""
+"""Bags that were converted from ROS 2 recordings, read by Debian's rosbag."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from unit.recording.test_ros2_bags import foreign_bag
 
 pytestmark = pytest.mark.ros1
 
-# Values as rospy sees them, of types that it knows or only the bag does.
+# Prints the values that rospy reads, of types that it knows and of types that only the bag has.
 READ = """
 import json, sys, rosbag
 with rosbag.Bag(sys.argv[1]) as bag:

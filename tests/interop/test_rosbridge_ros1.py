@@ -1,4 +1,4 @@
-"""A web client on Debian's ROS 1: it publishes, receives, calls and serves for Debian's tools."""
+"""A web client on Debian's ROS 1: topics and services with Debian's tools."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ async def _topics(page: Page, debian: Ros1Peers) -> None:
 
 
 async def _services(page: Page, debian: Ros1Peers) -> None:
-    # The talker that `rostopic pub` is has services of rospy's; the master does not know their types.
+    # `rostopic pub` has services of rospy, whose types the master does not know.
     nodes = (await page.call("/rosapi/nodes"))["nodes"]
     talker = next(node for node in nodes if node.startswith("/rostopic"))
     loggers = (await page.call(f"{talker}/get_loggers"))["loggers"]
@@ -68,7 +68,7 @@ async def _services(page: Page, debian: Ros1Peers) -> None:
     assert await page.call("/rosapi/service_type", [f"{talker}/get_loggers"]) == {"type": "roscpp/GetLoggers"}
 
     await page.say("advertise_service", service="/flip", type="std_srvs/SetBool")
-    # Answered in order: it is offered now.
+    # Operations are handled in order, so the service is offered now.
     await page.call("/rosapi/get_time")
     for answer, printed in [
         ({"values": {"success": True, "message": "on"}, "result": True}, 'message: "on"'),

@@ -1,4 +1,4 @@
-"""The same scripts under Debian's rospy and under ours: what they print, and what the graph sees of them."""
+"""The same scripts with Debian's rospy and with rostether's: their output, and their state in the graph."""
 
 from __future__ import annotations
 
@@ -24,13 +24,13 @@ REMAPPINGS = ["early:=/talk/moved", "_gain:=2.5", "__name:=mona", "__ns:=/lisa",
 
 
 async def start(peers: Ros1Peers, python: str, script: str, *arguments: str) -> Peer:
-    """Start a script; with our Python it finds our rospy."""
+    """Start a script; the Python of the tests has rostether's rospy."""
     peers.environment = node_environment(peers.environment)
     return await peers.start(python, str(SCRIPTS / script), *arguments)
 
 
 async def printed(peers: Ros1Peers, python: str, script: str, *arguments: str) -> list[str]:
-    """Return the standard output of a script, without rospy's own debug messages and without times."""
+    """Return the standard output of a script, without rospy's debug messages and without times."""
     process = await asyncio.create_subprocess_exec(
         python,
         str(SCRIPTS / script),
@@ -46,7 +46,8 @@ async def printed(peers: Ros1Peers, python: str, script: str, *arguments: str) -
             process.kill()
             await process.wait()
     if python == DEBIAN_PYTHON and b"a goal handle that we're not tracking" in err:
-        # Debian's action client receives a goal's status before it has stored the goal, and waits in vain.
+        # Debian's action client may receive a goal's status before it has stored the goal, and then waits
+        # forever.
         return await printed(peers, python, script, *arguments)
     if python == DEBIAN_PYTHON and b"Unable to avoid copy while creating an array" in err:
         pytest.skip("Debian's tf.transformations does not work with NumPy 2")
@@ -66,7 +67,7 @@ def _is_debug(line: str) -> bool:
 
 
 async def observe(peers: Ros1Peers, python: str, how_to_end: str, *arguments: str) -> dict[str, Any]:
-    """Return what Debian's observer sees of a talker, and how it leaves."""
+    """Return what Debian's observer finds out about a talker, and how the talker ends."""
     name = "/lisa/mona" if arguments else "/talker"
     talker = await start(peers, python, "talker.py", *arguments)
     observer = await start(peers, DEBIAN_PYTHON, "observer.py", name)
@@ -79,7 +80,7 @@ async def observe(peers: Ros1Peers, python: str, how_to_end: str, *arguments: st
     await observer.finish()
     left = observer.lines[-1]
     assert left.startswith("LEFT"), observer.text
-    # Debian's rospy may close its connections before its shutdown hook's message has left.
+    # Debian's rospy may close its connections before it has sent the message of its shutdown hook.
     assert python == DEBIAN_PYTHON or left == "LEFT with a word"
     found: dict[str, Any] = json.loads(next(line for line in observer.lines if line.startswith("FOUND"))[6:])
     found["exit"] = talker.process.returncode
@@ -143,14 +144,14 @@ async def test_what_the_graph_sees(roscore: Ros1Peers, how_to_end: str, argument
     theirs = await observe(roscore, DEBIAN_PYTHON, how_to_end, *arguments)
     ours = await observe(roscore, sys.executable, how_to_end, *arguments)
     if how_to_end == "kill":
-        # Debian's loop may meet a publisher that is closed already; it then ends with 1.
+        # Debian's loop may publish when the publisher is closed; it then ends with 1.
         theirs["exit"] = 0
     assert ours == theirs
     assert len(ours["registered"][0]) == 6
 
 
 async def test_actions_between_both(roscore: Ros1Peers) -> None:
-    """Every client with every server: what a client sees is the same."""
+    """Every client with every server: the client has the same results."""
     seen = []
     for server_python, name in ((DEBIAN_PYTHON, "theirs"), (sys.executable, "ours")):
         server = await start(roscore, server_python, "action_server.py", f"__name:={name}")

@@ -1,4 +1,4 @@
-"""Bytes that we encode are the same values to genpy, for every bundled type that Debian has too."""
+"""genpy decodes encoded messages to the same values, for every bundled type that Debian also has."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ TYPES = [name for name in STORE.registry.messages() if not name.startswith(NOT_I
 
 @functools.cache
 def compared() -> dict[str, list[tuple[bytes, dict[str, Any], Any]]]:
-    """Return (payload, our plain form, genpy's answer) of some messages of each type."""
+    """Return (payload, plain form, genpy's answer) of some messages of each type."""
     draw = RandomMessages(seed=2)
     cases = []
     for name in TYPES:

@@ -1,4 +1,4 @@
-"""Our tf buffer and Debian's tf2, given the same transforms and the same questions."""
+"""The tf buffer and Debian's tf2 give the same answers after the same transforms."""
 
 from __future__ import annotations
 
@@ -80,7 +80,7 @@ def as_record(stamped: StampedTransform) -> list[Any]:
 
 
 def compare(operations: list[list[Any]]) -> dict[str, int]:
-    """Fail at the first answer that differs; return how many answers of each kind there were."""
+    """Compare all answers; return the number of answers of each kind."""
     counts: dict[str, int] = {}
     theirs, ours = ask_tf2(operations), ask_ours(operations)
     assert len(theirs) == len(ours) == len(operations)

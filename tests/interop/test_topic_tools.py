@@ -1,4 +1,4 @@
-"""Our relay, throttle and mux in the place of topic_tools', and with its own commands."""
+"""relay, throttle and mux instead of those of topic_tools, and with the commands of topic_tools."""
 
 from __future__ import annotations
 
@@ -81,7 +81,7 @@ async def test_a_relay_and_a_throttle(stage: Stage, whose: str) -> None:
     await until(lambda: len(inboxes["/copy"].payloads) >= 50 and len(inboxes["/a_throttle"].payloads) >= 3)
     count = len(inboxes["/a_throttle"].payloads)
     assert count <= 5.0 * (time.monotonic() - began_s) + 1
-    # Counts, not rates: what comes at 50 Hz on a quiet machine is slower on a busy one.
+    # Counts, not rates: 50 Hz on a quiet machine is slower on a busy one.
     assert count < len(inboxes["/a"].payloads)
     assert set(inboxes["/copy"].payloads + inboxes["/a_throttle"].payloads) == {string("x")}
     listed = (await peers.run("rosnode", "list")).split()

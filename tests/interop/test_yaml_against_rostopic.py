@@ -1,4 +1,4 @@
-"""Text that we print is rostopic's byte for byte; arguments that we read make genpy's messages."""
+"""Printed messages equal rostopic's output byte for byte; arguments give the same messages as with genpy."""
 
 from __future__ import annotations
 
@@ -68,7 +68,7 @@ def style_of(request: dict[str, Any]) -> EchoStyle:
 
 
 def printed(value: Any, request: dict[str, Any], path: FieldPath | None) -> str:
-    """Return all that `rostopic echo` would write for one message."""
+    """Return the complete output for one message, as of `rostopic echo`."""
     style = style_of(request)
     if request["plot"]:
         return f"{csv_header(value, style)}\n{csv_row(value, NOW, style)}\n"
@@ -78,7 +78,9 @@ def printed(value: Any, request: dict[str, Any], path: FieldPath | None) -> str:
 
 @functools.cache
 def echoes() -> dict[str, list[tuple[Message, dict[str, Any], Any]]]:
-    """Return (message, request, rostopic's answer) by type: every style, values that genpy changes too."""
+    """Return (message, request, rostopic's answer) by type, in every style, also for values that genpy
+    changes.
+    """
     cases = []
     for name in TYPES:
         codec = STORE.codec(name)
@@ -109,7 +111,7 @@ def selections() -> list[tuple[Any, dict[str, Any], FieldPath, Any]]:
         for seed in range(4):
             message = RandomMessages(seed).message(codec)
             request = {"task": "echo", "type": name, "payload": as_text(codec.encode(message)), "path": text}
-            # rostopic elides selected elements as if they were the array, and plots no lists of lists.
+            # rostopic shortens selected elements like the array, and does not plot lists of lists.
             plots = PLOT_STYLES[:2] if text.count("[") < 2 else []
             for style in (*YAML_STYLES[:1], *YAML_STYLES[4:], *plots):
                 cases.append((path.read(message), request | style, path))
@@ -176,7 +178,7 @@ ARGUMENTS: list[tuple[str, list[str]]] = [
     ("trajectory_msgs/JointTrajectory", ["{points: [{positions: [1], time_from_start: {secs: 1}}]}"]),
     ("trajectory_msgs/JointTrajectory", ["{points: [{positions: [1], time_from_start: 2000000000}]}"]),
     ("tf2_msgs/TFMessage", ["{transforms: [{header: auto, child_frame_id: b}]}"]),
-    # What both refuse.
+    # Arguments that both refuse.
     ("std_msgs/Byte", ["128"]),
     ("std_msgs/Byte", ["1.5"]),
     ("std_msgs/Byte", ["one"]),

@@ -1,4 +1,4 @@
-"""Our nodes over zenoh beside zenoh-ros2-sdk, another implementation of rmw_zenoh's conventions."""
+"""Nodes over zenoh with zenoh-ros2-sdk, another implementation of rmw_zenoh's conventions."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ uint32 nanosec
 
 @pytest_asyncio.fixture
 async def session() -> AsyncIterator[ZenohSession]:
-    """Our session, the router of a port of its own."""
+    """A session of rostether, which is the router of a free port."""
     session, _ = await open_router(DOMAIN)
     yield session
     await session.close()
@@ -57,13 +57,13 @@ async def session() -> AsyncIterator[ZenohSession]:
 
 @pytest_asyncio.fixture
 async def node(session: ZenohSession) -> Graph:
-    """Our node."""
+    """A node of rostether."""
     return await session.join("board", namespace="/lab")
 
 
 @pytest_asyncio.fixture
 async def peer(session: ZenohSession, tmp_path: Path) -> AsyncIterator[SdkPeer]:
-    """The other side, which knows our session as its router."""
+    """A peer with zenoh-ros2-sdk, which uses the session as its router."""
     (endpoint,) = session.listens_on
     port = int(endpoint.rpartition(":")[2])
     async with sdk_peer(port, tmp_path, DOMAIN) as peer:
@@ -95,7 +95,7 @@ async def test_sdk_publisher_to_subscriber(node: Graph, peer: SdkPeer) -> None:
 
 
 async def test_a_stamped_message_both_ways(node: Graph, session: ZenohSession, peer: SdkPeer) -> None:
-    # The other side takes our word for the hash: its own needs definitions from the net.
+    # The peer uses rostether's hash: its own implementation needs definitions from the internet.
     kind = {
         "msg_type": "sensor_msgs/msg/Range",
         "msg_definition": RANGE_TEXT,
@@ -125,7 +125,7 @@ async def test_a_stamped_message_both_ways(node: Graph, session: ZenohSession, p
     assert got["header"] == header
     await peer.do("publish", "/back", messages=[{**fields, "variance": 0.0, "header": header}])
     await until(lambda: back.payloads)
-    # The same but for seq, which ROS 2 does not have.
+    # The same except for seq, which ROS 2 does not have.
     assert back.payloads[0] == bytes(4) + ros1[4:]
 
 
@@ -183,7 +183,7 @@ async def test_each_sees_the_others_graph(node: Graph, session: ZenohSession, pe
         node_name="talker",
         namespace="/far",
     )
-    # The peer discovers its own topics like all others.
+    # The peer discovers its own topics like those of others.
     async with asyncio.timeout(60):
         while not {"/ours", "/theirs"} <= (topics := (await peer.do("topics"))["topics"]).keys():
             await asyncio.sleep(0.02)

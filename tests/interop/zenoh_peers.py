@@ -1,4 +1,4 @@
-"""zenoh-ros2-sdk as the other side, a process of its own."""
+"""Runs zenoh-ros2-sdk in a separate process."""
 
 from __future__ import annotations
 
@@ -20,7 +20,9 @@ def missing_sdk() -> str:
 
 
 class SdkPeer:
-    """The other side; `got` collects what its subscribers print, `got_on` by topic."""
+    """The process with zenoh-ros2-sdk; `got` has the messages of its subscribers, `got_on` those of each
+    topic.
+    """
 
     def __init__(self, process: asyncio.subprocess.Process) -> None:
         self.got: list[dict[str, Any]] = []
@@ -30,14 +32,14 @@ class SdkPeer:
         self._reading = asyncio.ensure_future(self._read())
 
     async def do(self, what: str, name: str = "", **order: Any) -> dict[str, Any]:
-        """Give an order, and wait until it is done."""
+        """Send a command, and wait until it is done."""
         assert self._process.stdin is not None
         line = json.dumps({"do": what, "name": name, **order})
         self._process.stdin.write(line.encode() + b"\n")
         return await self.answer(what)
 
     async def answer(self, what: str, timeout_s: float = 60.0) -> dict[str, Any]:
-        """Wait for the answer to an order."""
+        """Wait for the answer to a command."""
         async with asyncio.timeout(timeout_s):
             answer = await self._answers.get()
         assert answer.get("done") == what, answer
@@ -70,7 +72,7 @@ class SdkPeer:
 async def sdk_peer(
     port: int, home: Path, domain_id: int = 0, *, on: Sequence[str] = ()
 ) -> AsyncIterator[SdkPeer]:
-    """Start the other side as a peer of the router at `port`; `on` begins its command, see `machines`."""
+    """Start it as a peer of the router at `port`; `on` is a command prefix, see `machines`."""
     process = await asyncio.create_subprocess_exec(
         *on,
         sys.executable,

@@ -19,20 +19,20 @@ from rostether.serde.store import TypeStore
 
 @pytest.fixture(scope="session")
 def store() -> TypeStore:
-    """The codecs of our types."""
+    """The codecs of the bundled types."""
     return TypeStore(Registry())
 
 
 @pytest.fixture(scope="module")
 def peer() -> Iterator[RclpyPeer]:
-    """Another process with rclpy, one for all tests of a file: names tell the tests apart."""
+    """Another process with rclpy, one for all tests of a file; each test uses other names."""
     with rclpy_peer() as peer:
         yield peer
 
 
 @pytest_asyncio.fixture(scope="module", loop_scope="module")
 async def context(store: TypeStore) -> AsyncIterator[RclpyContext]:
-    """Our side, one for all tests of a file: two processes take a second to find each other."""
+    """The context of this process, one for all tests of a file, because discovery takes a second."""
     context = await RclpyContext.open(Ros2Types(store.registry, Ros2Definitions()), domain_id=own_domain())
     yield context
     await context.close()
@@ -40,8 +40,8 @@ async def context(store: TypeStore) -> AsyncIterator[RclpyContext]:
 
 @pytest.fixture
 def join(context: RclpyContext) -> JoinGraph:
-    """Join as a node that stays until the end of the file.
+    """Join as a node until the end of the file.
 
-    After a node has left, Fast DDS may take three seconds to tell of the next endpoint.
+    After a node has left, Fast DDS may need three seconds to announce the next endpoint.
     """
     return context.join

@@ -1,4 +1,4 @@
-"""Talks to the other process with rclpy, `rclpy_program`."""
+"""Controls the other process with rclpy, `rclpy_program`."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ class RclpyPeer:
         return self._process.pid
 
     async def ask(self, verb: str, **words: Any) -> Any:
-        """Have the peer do something, and return its answer."""
+        """Run a verb in the peer, and return its answer."""
         return await asyncio.to_thread(self._ask, {"verb": verb, **words})
 
     def wait_until_ready(self) -> None:

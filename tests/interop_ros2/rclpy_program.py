@@ -1,4 +1,4 @@
-"""A ROS 2 node of somebody else: plain rclpy, nothing of ours. It does what JSON lines on its input say.
+"""A ROS 2 node with plain rclpy, without rostether, controlled by JSON lines on its standard input.
 
 Each line is `{"verb": NAME, ...}` and is answered by one line, `{"answer": ...}` or `{"error": ...}`.
 """
@@ -58,7 +58,7 @@ def fill(message: Any, values: dict[str, Any]) -> Any:
 
 
 def plain(value: Any) -> Any:
-    """Return a message, or part of one, as JSON has it."""
+    """Return a message, or part of one, in the form of JSON."""
     if hasattr(value, "get_fields_and_field_types"):
         return {name: plain(getattr(value, name)) for name in value.get_fields_and_field_types()}
     if isinstance(value, bytes):
@@ -97,7 +97,9 @@ class Peer:
                 self.executor.spin_once()
 
     def close(self) -> None:
-        """Leave the graph: the shared memory of DDS that a killed process leaves may hang the next one."""
+        """Leave the graph. The shared memory of DDS that a killed process leaves can block the next
+        process.
+        """
         self.context.try_shutdown()
         self.spinning.join(5)
         with contextlib.suppress(RCLError):
@@ -165,7 +167,7 @@ class Peer:
             self.node.destroy_client(client)
 
     def act(self, action: str, type: str, goal: dict[str, Any], cancel: bool = False) -> Any:  # noqa: A002
-        """Send a goal, and with `cancel` end it after a feedback; return feedback, status and result."""
+        """Send a goal, and with `cancel` cancel it after a feedback; return feedback, status and result."""
         client: Any = ActionClient(self.node, find(type), action)
         feedback: list[Any] = []
         try:
@@ -235,7 +237,7 @@ class Peer:
         ]
 
     def described(self, topic: str) -> Any:
-        """Tell of a topic's ends in rclpy's own text."""
+        """Return rclpy's description of a topic's endpoints."""
         ends = (
             *self.node.get_publishers_info_by_topic(topic),
             *self.node.get_subscriptions_info_by_topic(topic),

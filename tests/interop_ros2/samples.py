@@ -1,4 +1,4 @@
-"""Messages with something in every kind of field, as ROS 2 has them."""
+"""Sample messages of ROS 2 with values in every kind of field."""
 
 from __future__ import annotations
 
@@ -83,7 +83,7 @@ def ros2_name(name: str, kind: str = "msg") -> str:
 
 
 def with_times(values: Any) -> Any:
-    """Return the same message with our own times, as a codec takes it."""
+    """Return the same message with rostether's times, as a codec needs them."""
     if isinstance(values, dict):
         if values.keys() == {"sec", "nanosec"}:
             return Time(values["sec"], values["nanosec"])
@@ -92,7 +92,7 @@ def with_times(values: Any) -> Any:
 
 
 def without_seq(plain: Any) -> Any:
-    """Return what a ROS 1 message says, as ROS 2 has it: times with other words, headers without numbers."""
+    """Return a ROS 1 message in the form of ROS 2: other names in times, headers without `seq`."""
     if isinstance(plain, dict):
         if plain.keys() == {"secs", "nsecs"}:
             return {"sec": plain["secs"], "nanosec": plain["nsecs"]}

@@ -1,4 +1,4 @@
-"""A board's action, as an rclpy action client uses it."""
+"""A board's action, used by an action client of rclpy."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ SUCCEEDED = 4
 
 
 class CountingBoard:
-    """Serves the action `count`: feedback with all numbers but the last, and a result with all."""
+    """Serves the action `count`: feedback with all numbers except the last, and a result with all."""
 
     def __init__(self, device: Device) -> None:
         self._feedback = device.publisher("count/feedback", f"{TYPE}ActionFeedback")
@@ -87,7 +87,7 @@ async def test_rclpy_sends_a_goal_to_a_board(context: RclpyContext, peer: RclpyP
             )
             assert acted["status"] == SUCCEEDED
             assert acted["result"] == {"sequence": [0, 1, 1, 2, 3, 5]}
-            # rclpy may receive the feedback after the result, and then drops it.
+            # If rclpy receives the feedback after the result, it drops the feedback.
             assert acted["feedback"] in ([], [{"sequence": [0, 1, 1, 2, 3]}])
     finally:
         await supervisor.close()

@@ -1,4 +1,4 @@
-"""Boards through the bridge, as a real ROS 2 node sees them: devices over TCP, the graph over rclpy."""
+"""Boards through the bridge with a real ROS 2 node: devices over TCP, the graph over rclpy."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ pytestmark = [pytest.mark.rclpy, pytest.mark.asyncio(loop_scope="module")]
 
 
 class Boards:
-    """A bridge with a TCP port, and devices that stay until the end of the file."""
+    """A bridge with a TCP port, and devices that are connected until the end of the file."""
 
     def __init__(self, context: RclpyContext, store: TypeStore) -> None:
         self.reporter = RecordingReporter()
@@ -40,12 +40,12 @@ class Boards:
         self._stack = contextlib.AsyncExitStack()
 
     async def connect(self) -> Device:
-        """Connect one more device; declare its endpoints afterwards."""
+        """Connect another device; the caller declares its endpoints afterwards."""
         device = Device(self.supervisor.listening_on[0], store=self._store)
         return await self._stack.enter_async_context(device)
 
     async def announced(self, role: str, name: str) -> str:
-        """Wait until an endpoint is on the graph; returns its board's node."""
+        """Wait until an endpoint is in the graph; return its board's node."""
 
         def nodes() -> list[str]:
             return [
@@ -118,7 +118,7 @@ async def test_a_board_calls_rclpy(boards: Boards, peer: RclpyPeer) -> None:
     device = await boards.connect()
     client = device.service_client("gripper", "std_srvs/SetBool")
     node = await boards.announced("service client", "gripper")
-    # Listed before it has called anything, once the peer has discovered the node.
+    # Listed before its first call, as soon as the peer has discovered the node.
     while [node.removeprefix("/"), "/"] not in await peer.ask("nodes"):
         await asyncio.sleep(0.01)
     while ["/gripper", ["std_srvs/srv/SetBool"]] not in (

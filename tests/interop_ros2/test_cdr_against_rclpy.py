@@ -1,4 +1,6 @@
-"""Real ROS 2 reads our CDR, and we read its: random values of every type of the common packages."""
+"""rclpy reads rostether's CDR, and rostether that of rclpy: random values of every type of the common
+packages.
+"""
 
 from __future__ import annotations
 
@@ -33,7 +35,7 @@ TYPES = Ros2Types(Registry(), DEFINITIONS)
 
 
 def names() -> list[str]:
-    """Return all messages of the packages, halves of services among them."""
+    """Return all messages of the packages, including requests and responses of services."""
     found = []
     for package in PACKAGES:
         found += DEFINITIONS.messages(package)
@@ -43,7 +45,7 @@ def names() -> list[str]:
 
 
 def through_ros2(name: str, cdr: bytes) -> bytes:
-    """Return the CDR that rclpy writes of the message that it reads in ours."""
+    """Let rclpy read a CDR message, and return the CDR that it writes."""
     from rclpy.serialization import deserialize_message, serialize_message
 
     package, kind, short_name = name.split("/")
@@ -54,7 +56,9 @@ def through_ros2(name: str, cdr: bytes) -> bytes:
 
 
 def as_ros2_keeps_it(value: Any) -> Any:
-    """Zero a header's `seq`, end strings before a NUL, as rclpy does, and keep to severities and bounds."""
+    """Set a header's `seq` to 0, end strings before a NUL as rclpy does, and limit values to valid severities
+    and bounds.
+    """
     if isinstance(value, Message):
         if hasattr(value, "level") and hasattr(value, "topics"):
             value.level = 1 << abs(value.level) % 5
@@ -78,14 +82,14 @@ def require_round_trips(name: str, codec: Codec, converter: CdrConverter) -> Non
         payload = codec.encode(as_ros2_keeps_it(random.message(codec)))
         cdr = converter.to_cdr(payload)
         back = through_ros2(name, cdr)
-        # Fast DDS leaves in padding what was in memory, and bytes at the end that it had counted on.
+        # Fast DDS does not clear the padding, and reserves more bytes at the end than it needs.
         assert converter.to_cdr(converter.from_cdr(back)) == cdr
         if name not in LESS_IN_ROS2:
             assert converter.from_cdr(back) == payload
 
 
 def codec_of(message_type: MessageType) -> Codec:
-    """Return the codec of a type from its own definition."""
+    """Return the codec of a type, from its definition."""
     registry = Registry(bundled=False)
     registry.add_full_text(message_type.name, message_type.definition)
     return TypeStore(registry).codec(message_type.name)

@@ -1,4 +1,6 @@
-"""Services and parameters between our node over rclpy and a real one in another process."""
+"""Services and parameters between a node of rostether over rclpy and a plain rclpy node in another
+process.
+"""
 
 from __future__ import annotations
 
@@ -32,7 +34,7 @@ async def test_parameters_that_are_set_are_described(
     node, asker = await join("/described"), await join("/asker")
     await node.set_param("~gain", 1.5)
     client = ParameterClient(asker)
-    # Set by another node, without having been declared.
+    # Another node sets it, without a declaration.
     await client.set("/described", {"name": typed_value("name", "arm")})
     described = await client.describe("/described", ["gain", "name"])
     assert [(each.name, each.type, each.dynamic_typing) for each in described] == [

@@ -1,4 +1,4 @@
-"""Topics between our node over rclpy and a real one in another process."""
+"""Topics between a node of rostether over rclpy and a plain rclpy node in another process."""
 
 from __future__ import annotations
 
@@ -108,7 +108,7 @@ async def test_a_subscriber_of_any_type_learns_it(
 async def test_sensor_data_is_received(join: JoinGraph, peer: RclpyPeer, store: TypeStore) -> None:
     node, inbox = await join("/board"), Inbox()
     string_type = store.registry.message_type("std_msgs/String")
-    # Asked for reliably before anybody publishes: the subscription adapts.
+    # The subscription is reliable before a publisher exists, then it adapts.
     await node.subscribe("/sensor/in", string_type, inbox.take)
     await peer.ask("advertise", topic="/sensor/in", type="std_msgs/msg/String", quality="sensor")
     while not inbox.payloads:
@@ -118,7 +118,7 @@ async def test_sensor_data_is_received(join: JoinGraph, peer: RclpyPeer, store: 
     await peer.ask("subscribe", topic="/sensor/out", type="std_msgs/msg/String", quality="sensor")
     publisher = await node.advertise("/sensor/out", string_type)
     await until(lambda: publisher.subscriber_count == 1)
-    # The other side may still discover us, and best-effort messages are not sent again.
+    # The peer may not have discovered the subscriber yet, and best-effort messages are not sent again.
     while not (received := await peer.ask("receive", topic="/sensor/out", count=0)):
         publisher.publish_raw([string("back")])
         await asyncio.sleep(0.01)
@@ -154,7 +154,7 @@ async def test_a_latched_topic_greets_a_subscriber_of_rclpy(
     publisher = await node.advertise("/latched/out", string_type, latch=True)
     publisher.publish_raw([string("old"), string("new")])
     await peer.ask("subscribe", topic="/latched/out", type="std_msgs/msg/String", quality="latched")
-    # On a busy machine the subscriber connects between the two.
+    # On a busy machine, the subscriber connects between the two.
     while (await peer.ask("receive", topic="/latched/out", count=1))[-1] != {"data": "new"}:
         await asyncio.sleep(0.05)
 
@@ -190,7 +190,7 @@ async def test_the_type_hash_is_the_official_one(
         message_type = store.registry.message_type(name)
         topic = f"/hash/{name.replace('/', '_')}"
         await node.advertise(topic, message_type)
-        # The names of nodes travel on their own, a little later.
+        # The names of nodes arrive separately, a little later.
         while not (endpoints := await peer.ask("endpoints", topic=topic)) or endpoints[0]["node"] != "board":
             await asyncio.sleep(0.01)
         (endpoint,) = endpoints
@@ -237,13 +237,13 @@ def is_stopped(pid: int) -> bool:
 async def test_a_publisher_waits_for_subscribers_that_do_not_know_it_yet(
     join: JoinGraph, peer: RclpyPeer
 ) -> None:
-    """A publisher may know a subscriber that does not know it yet, and so drops its messages."""
+    """A publisher may discover a subscriber that has not discovered it yet, and drops its messages."""
     node = await join("/hasty")
     await peer.ask("subscribe", topic="/hasty_text", type="std_msgs/msg/String")
     await snapshot_when(node, lambda seen: "/hasty_text" in seen.topics, 60)
     os.kill(peer.pid, signal.SIGSTOP)
     try:
-        # On a busy machine its threads may run on for a moment, and learn of the publisher.
+        # On a busy machine, its threads may continue for a short time, and discover the publisher.
         await until(lambda: is_stopped(peer.pid))
         publisher = await node.advertise("/hasty_text", STRING)
         await until(lambda: publisher.subscriber_count)
@@ -254,6 +254,7 @@ async def test_a_publisher_waits_for_subscribers_that_do_not_know_it_yet(
     finally:
         os.kill(peer.pid, signal.SIGCONT)
     await drained
-    # Acknowledged is not yet received by the program: its middleware may drop messages of closed publishers.
+    # The program may not have received an acknowledged message: its middleware may drop messages of closed
+    # publishers.
     assert await peer.ask("receive", topic="/hasty_text", count=1) == [{"data": "hello"}]
     await publisher.close()

@@ -1,4 +1,4 @@
-"""How the graph looks from both sides: our node over rclpy, and a real one in another process."""
+"""The graph as listed by a node of rostether over rclpy and by a plain rclpy node in another process."""
 
 from __future__ import annotations
 
@@ -104,7 +104,7 @@ async def test_a_node_that_leaves_is_removed_there(join: JoinGraph, peer: RclpyP
 async def test_a_node_of_rclpy_describes_its_types(join: JoinGraph, peer: RclpyPeer, name: str) -> None:
     known = Ros2Definitions()
     types = Ros2Types(Registry(), known)
-    # The service's own type stays known.
+    # The service's type stays known.
     types.native_service(SERVICE_TYPE)
     types.definitions = Ros2Definitions(bundled=False)
     node = await join("/learner")
@@ -135,7 +135,7 @@ async def test_time_comes_from_clock_with_use_sim_time(join: JoinGraph, peer: Rc
     await node.set_param("~use_sim_time", value=True)
     assert node.now() == Time()
     await peer.ask("advertise", topic="/clock", type="rosgraph_msgs/msg/Clock")
-    # Nobody sends again what is best effort.
+    # Best-effort messages are not sent again.
     while node.now() != Time(42, 7):
         await peer.ask("publish", topic="/clock", messages=[{"clock": {"sec": 42, "nanosec": 7}}])
         await asyncio.sleep(0.01)

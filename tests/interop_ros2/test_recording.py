@@ -1,4 +1,4 @@
-"""Recording and playing over rclpy, beside a node of plain rclpy."""
+"""Recording and playing over rclpy, with a plain rclpy node."""
 
 from __future__ import annotations
 
@@ -27,7 +27,8 @@ async def test_messages_of_rclpy_are_recorded_and_played_back(peer: RclpyPeer, t
     )
     scan = {"ranges": [0.5, 7.0], "header": {"frame_id": "laser"}}
     await peer.ask("advertise", topic="/scan2", type="sensor_msgs/msg/LaserScan", quality="default")
-    # The publisher may know its subscriber before that knows the publisher: what comes then is lost.
+    # The publisher may discover its subscriber before the subscriber discovers the publisher; messages are
+    # then lost.
     while not recording.done():
         for topic in ("/scan", "/scan2"):
             await peer.ask("publish", topic=topic, messages=[scan], subscribers=0)

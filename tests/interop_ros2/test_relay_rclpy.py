@@ -1,6 +1,6 @@
-"""Two of `rostether relay` as their users run them, between Debian's ROS 1 and real rclpy.
+"""Two processes of `rostether relay` between Debian's ROS 1 and plain rclpy.
 
-The two recognize each other: together they do what one does alone.
+The two recognize each other, and copy every message once.
 """
 
 from __future__ import annotations
@@ -88,7 +88,7 @@ ACTION = "test_msgs/Fibonacci"
 
 @dataclass
 class Sides:
-    """What is on both sides of the relays, and the relays, the older one first."""
+    """The nodes on both sides of the relays, and the relays, the older one first."""
 
     ros1: Ros1Peers
     ros2: RclpyPeer
@@ -125,7 +125,7 @@ async def sides(peer: RclpyPeer, tmp_path_factory: pytest.TempPathFactory) -> As
 
 
 async def received(peer: RclpyPeer, topic: str, count: int) -> list[Any]:
-    """Wait until ROS 2 has received so many messages."""
+    """Wait until ROS 2 has received `count` messages."""
     while len(found := await peer.ask("receive", topic=topic, count=0)) < count:
         await asyncio.sleep(0.05)
     assert isinstance(found, list)
@@ -135,7 +135,7 @@ async def received(peer: RclpyPeer, topic: str, count: int) -> list[Any]:
 async def test_ros2_receives_each_message_of_ros1_once(sides: Sides) -> None:
     await sides.ros2.ask("subscribe", topic="/sensors/joints", type="sensor_msgs/msg/JointState")
     counter = await sides.ros1.rospy(COUNTER)
-    # The peer's queue holds 100, which is enough for it to pause a few seconds on a busy machine.
+    # The peer's queue has 100 places, enough for a pause of a few seconds on a busy machine.
     joints = await received(sides.ros2, "/sensors/joints", 40)
     await counter.stop()
     assert joints[0]["name"] == ["left", "right"]
@@ -208,7 +208,7 @@ async def test_one_relay_follows_when_the_other_is_killed(sides: Sides) -> None:
     for relay in sides.relays[:1]:
         relay.process.kill()
         await relay.finish()
-    # DDS lists the killed one for 20 s more; ROS 1 would list it for ever.
+    # DDS lists the killed relay for 20 s more; ROS 1 would list it forever.
     await sides.relays[1].wait_for("was killed: removed its registrations", PATIENCE_S)
     while '"from ROS 2"' not in await sides.ros1.run("rosservice", "call", "/pull", check=False):
         await asyncio.sleep(0.1)

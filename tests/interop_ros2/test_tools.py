@@ -1,4 +1,4 @@
-"""The tools over rclpy, each a process as users run them, beside a node of plain rclpy."""
+"""The tools over rclpy as processes, with a plain rclpy node."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ TIMEOUT_S = 60.0
 
 
 async def tool(*arguments: str, code: int = 0) -> str:
-    """Run one command; returns its output, or its error line where it is to fail."""
+    """Run one command; return its output, or its error line if `code` is not 0."""
     own_domain()
     environment = {name: value for name, value in os.environ.items() if not name.startswith("RMW_")}
     process = await asyncio.create_subprocess_exec(
@@ -53,7 +53,7 @@ async def test_listings(peer: RclpyPeer) -> None:
     await peer.ask("advertise", topic="/text", type="std_msgs/msg/String", quality="latched")
     await peer.ask("subscribe", topic="/numbers", type="std_msgs/msg/Int32")
     await peer.ask("serve", service="/enable", type="std_srvs/srv/Trigger", response={"success": True})
-    # On a busy machine a tool may end before it has discovered the peer.
+    # On a busy machine, a tool may end before it has discovered the peer.
     for _ in range(5):
         topics, nodes, services = await asyncio.gather(
             tool("topic", "list", "-t"), tool("node", "list"), tool("service", "list", "-t")
@@ -68,7 +68,7 @@ async def test_listings(peer: RclpyPeer) -> None:
     assert "    /enable: std_srvs/srv/Trigger\n" in node
     assert "/enable [std_srvs/srv/Trigger]" in services.splitlines()
     described = await peer.ask("described", topic="/text")
-    # rclpy knows the depth of its own queue, and what the network does not tell is unknown to others.
+    # rclpy knows the depth of its own queue, which the network does not report to other nodes.
     for line in described["peer"].splitlines():
         if "History (Depth)" not in line:
             assert line in info.splitlines()
@@ -106,7 +106,7 @@ async def test_calls_and_parameters(peer: RclpyPeer) -> None:
     assert "  gain (type: double)\n" in listed
     assert await tool("param", "set", PEER_NAME, "gain", "2.5") == "Set parameter successful\n"
     assert await peer.ask("get_own_parameter", name="gain") == 2.5
-    # It stays a double.
+    # The parameter stays a double.
     await tool("param", "set", PEER_NAME, "gain", "2")
     assert isinstance(await peer.ask("get_own_parameter", name="gain"), float)
     refused = await tool("param", "set", PEER_NAME, "use_sim_time", "high", code=1)

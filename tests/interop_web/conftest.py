@@ -1,4 +1,4 @@
-"""Fixtures of the tests with the web's own libraries."""
+"""Fixtures of the tests with web libraries."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ def node_modules() -> Path:
 
 @pytest_asyncio.fixture
 async def web_peers(node_modules: Path, tmp_path: Path) -> AsyncIterator[WebPeers]:
-    """Programs of `peers/` to start; all are ended with the test."""
+    """Starts programs of `peers/`; they end with the test."""
     peers = WebPeers(node_modules, tmp_path / "web_peers")
     yield peers
     await peers.close()

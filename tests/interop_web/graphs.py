@@ -1,4 +1,4 @@
-"""The graphs that the web's clients are tested on: in memory, of ROS 1, and of ROS 2 alone."""
+"""The graphs for the tests of web clients: in memory, with ROS 1, and with only ROS 2."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ from rostether.serde.store import TypeStore
 
 @dataclass(frozen=True, slots=True)
 class GraphOfTest:
-    """A graph with nothing else on it, and how a gateway joins it."""
+    """An empty graph, and the function with which a gateway joins it."""
 
     join: JoinGraph
     store: TypeStore
@@ -61,7 +61,7 @@ async def _zenoh() -> AsyncIterator[GraphOfTest]:
             session = await open_session(free_port(), is_router=True, types=types)
             break
         except MasterUnreachableError:
-            # Somebody else's connection took the port a moment ago.
+            # Another program's connection has just used the port.
             if attempt == 4:
                 raise
     yield GraphOfTest(session.join, TypeStore(registry, NativeClasses(registry)), Style.ROS2)

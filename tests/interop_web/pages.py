@@ -1,4 +1,4 @@
-"""What a client's program has reported so far."""
+"""The reports of a client's program."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ PATIENCE_S = 60.0
 
 
 def reports(peer: Peer) -> dict[str, Any]:
-    """Return what was found, by check; errors as texts."""
+    """Return the result of each check; errors as texts."""
     found = [json.loads(line) for line in peer.lines if line.startswith('{"check"')]
     return {each["check"]: each.get("found", each.get("error")) for each in found}
 
 
 async def until(peer: Peer, condition: Callable[[], object]) -> None:
-    """Wait for a condition, and say what the program printed where it does not come to pass."""
+    """Wait for a condition; at the time limit, fail with the program's output."""
     try:
         async with asyncio.timeout(PATIENCE_S):
             while not condition() and not (peer.reader_done and peer.process.returncode is not None):
@@ -38,7 +38,7 @@ async def until_served(stage: RobotStage, service: str) -> None:
 
 
 async def go_on(peer: Peer) -> None:
-    """Let a program that waits for a line go on."""
+    """Let a program that waits for a line continue."""
     assert peer.process.stdin is not None
     peer.process.stdin.write(b"go on\n")
     await peer.process.stdin.drain()

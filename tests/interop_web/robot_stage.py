@@ -1,4 +1,4 @@
-"""A robot in a graph, and a rosbridge server on it: what the web's clients are tested with."""
+"""A robot in a graph and a rosbridge server, for the tests of web clients."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ IMAGE_BYTES = 300_000
 
 
 class RobotStage:
-    """The graph, its talker, and what clients have published; `url` is where the server is."""
+    """The graph, its talker, and the messages that clients have published; `url` is the server's address."""
 
     def __init__(self, graph: GraphOfTest, talker: TypedGraph, gateway: Graph) -> None:
         self.graph = graph
@@ -47,7 +47,7 @@ class RobotStage:
 
     @property
     def url(self) -> str:
-        """What clients connect to."""
+        """The address for clients."""
         return f"ws://127.0.0.1:{self._port}"
 
     @property
@@ -56,7 +56,7 @@ class RobotStage:
         return self._port
 
     async def start_server(self) -> None:
-        """Serve, the second time at the same port."""
+        """Start the server, the second time on the same port."""
         settings = RosbridgeSettings(host="127.0.0.1", port=self._port)
         graph = self.graph
         self.api = Rosapi(
@@ -74,22 +74,22 @@ class RobotStage:
         self._port = self._server.port
 
     async def stop_server(self) -> None:
-        """Hang up on all clients."""
+        """Stop the server and close all connections."""
         if self._server is not None:
             await self._server.close()
             self._server = None
 
     async def is_served(self, service: str) -> bool:
-        """Tell whether the robot finds a service."""
+        """Return whether the robot finds a service."""
         return service in (await self.talker.snapshot()).services
 
     def payload(self, type_name: str, value: dict[str, Any]) -> bytes:
-        """Return the serialization of a value of JSON."""
+        """Return the serialization of a JSON value."""
         codec = self.graph.store.codec(type_name)
         return JsonForm(self.graph.style).from_json(codec, value, Time())
 
     def collect(self, topic: str, type_name: str) -> None:
-        """Keep what is published on a topic in `received`."""
+        """Store the messages of a topic in `received`."""
         messages = self.received.setdefault(topic, [])
 
         async def listen() -> None:
@@ -101,7 +101,7 @@ class RobotStage:
     async def publish_regularly(
         self, topic: str, type_name: str, value: dict[str, Any], period_s: float
     ) -> None:
-        """Publish a message again and again until the stage is left."""
+        """Publish a message repeatedly until the stage ends."""
         publisher = await self.talker.publisher(topic, type_name)
         payload = self.payload(type_name, value)
 
@@ -122,7 +122,7 @@ class RobotStage:
 
 @contextlib.asynccontextmanager
 async def robot_stage(graph: GraphOfTest) -> AsyncIterator[RobotStage]:
-    """Set everything up for as long as the block lasts."""
+    """Run the robot and the server until the block ends."""
     talker = TypedGraph(await graph.join("/talker"), graph.store)
     gateway = await graph.join("/gateway")
     stage = RobotStage(graph, talker, gateway)
@@ -157,7 +157,7 @@ def _fail(_: Message) -> dict[str, Any]:
 
 
 async def _serve_action(stage: RobotStage) -> None:
-    """Answer every goal of the action /lookup, as an actionlib server would."""
+    """Answer every goal of the action /lookup, like an actionlib server."""
     action = "tf2_msgs/LookupTransformAction"
     talker = stage.talker
     results = await talker.publisher("/lookup/result", f"{action}Result")
@@ -169,7 +169,7 @@ async def _serve_action(stage: RobotStage) -> None:
         async for goal in talker.messages("/lookup/goal", f"{action}Goal"):
             status = {"goal_id": goal.goal_id, "status": 3}
             statuses.publish(status_list=[status])
-            # Nothing is so quick in truth: the client's subscription may still be on its way.
+            # A real server is slower: the client's subscription may not exist yet.
             await results.wait_for_subscriber(30.0)
             text = f"{goal.goal.source_frame} to {goal.goal.target_frame}"
             results.publish(status=status, result={"error": {"error_string": text}})

@@ -1,4 +1,4 @@
-"""A client in JavaScript, written from the page of the wire protocol alone, against the cases."""
+"""A client in JavaScript, written only from the page of the wire protocol, passes the conformance cases."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Foxglove's own client library with our gateway, on ROS 1 and ROS 2 graphs."""
+"""Foxglove's client library with rostether's gateway, on ROS 1 and ROS 2 graphs."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ STRING = STORE.codec("std_msgs/String")
 
 @asynccontextmanager
 async def robot(join: JoinGraph, reported: list[str]) -> AsyncIterator[None]:
-    """A node with one of everything."""
+    """A node with a publisher, a subscriber, a service and a parameter."""
     graph = TypedGraph(await join("/robot"), STORE)
     latched = await graph.publisher("/latched", "std_msgs/String", latch=True)
     latched.publish(data="kept")

@@ -1,4 +1,4 @@
-"""What our gateway says, beside what Foxglove's own server says of the same things."""
+"""Compares the messages of rostether's gateway with those of Foxglove's server."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ PARAMETERS: dict[str, ParamValue] = {
 
 
 async def hear_all(client: ProtocolClient, publish: Callable[[], Awaitable[None]]) -> dict[str, Any]:
-    """Ask for one of everything; returns what came without ids, which a server chooses."""
+    """Use every operation once; return the answers without the ids, which the server chooses."""
     info = await client.wait("serverInfo")
     channel = await client.channel("/chatter")
     service = await client.service("/motor")

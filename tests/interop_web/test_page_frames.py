@@ -1,4 +1,4 @@
-"""The page's tf buffer beside tf2: the same transforms give the same poses."""
+"""The page's tf buffer compared with tf2: the same transforms give the same poses."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""roslibjs of both generations, in Node, against the rosbridge server."""
+"""roslibjs 1 and 2, in Node, with the rosbridge server."""
 
 from __future__ import annotations
 
@@ -79,7 +79,7 @@ async def test_a_page_does_with_a_robot_what_it_does_with_rosbridge_suite(
                 "linear": {"x": "float64", "y": "float64", "z": "float64"},
                 "angular": {"x": "float64", "y": "float64", "z": "float64"},
             },
-            # ROS 2's actions are no plain topics.
+            # Actions of ROS 2 are not topics.
             "actionServers": ["/lookup"] if is_ros1 else [],
             "rawTypes": True,
         }

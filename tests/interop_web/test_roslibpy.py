@@ -1,4 +1,4 @@
-"""roslibpy, over both of its transports, against the rosbridge server."""
+"""roslibpy, with both of its transports, with the rosbridge server."""
 
 from __future__ import annotations
 

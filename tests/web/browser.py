@@ -1,4 +1,4 @@
-"""Chromium with the dashboard's page in it, driven through `browser.mjs`."""
+"""Chromium with the dashboard's page, controlled through `browser.mjs`."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from interop_web.web_peers import install_packages, node_folder
 ROOT = Path(__file__).parents[2]
 WEB = ROOT / "web"
 PROGRAM = Path(__file__).parent / "browser.mjs"
-# Chromium without the windows of its user interface starts and opens pages in a fifth of the processor time.
+# Chromium without its user interface starts and opens pages in a fifth of the processor time.
 HEADLESS = "chromium-headless-shell"
 # It has no camera.
 CHROMIUM = "chromium"
@@ -40,7 +40,7 @@ class Browser:
 
     @classmethod
     async def start(cls, packages: Path, program: str = HEADLESS) -> Browser:
-        """Start it; all of Chromium where `program` is not installed."""
+        """Start it; the complete Chromium if `program` is not installed."""
         node, chromium = node_folder(), shutil.which(program) or shutil.which(CHROMIUM)
         assert node is not None
         assert chromium is not None
@@ -58,7 +58,7 @@ class Browser:
         return cls(process)
 
     async def close(self) -> None:
-        """End it; at the end of its input the program closes Chromium, and waits until that has ended."""
+        """End it; at the end of its input, the program closes Chromium and waits for its end."""
         assert self._process.stdin is not None
         self._process.stdin.close()
         try:
@@ -75,7 +75,7 @@ class Browser:
         number = next(self._numbers)
         self._process.stdin.write(json.dumps({"id": number, "command": command, **given}).encode() + b"\n")
         answer: dict[str, Any] = {}
-        # A command that was cancelled still has its answer.
+        # The answer to a cancelled command still arrives.
         while answer.get("id") != number:
             line = await asyncio.wait_for(self._process.stdout.readline(), PATIENCE_S)
             assert line, "the browser's program has ended"
@@ -88,7 +88,7 @@ class Browser:
         """Wait until a script's value is true."""
         try:
             async with asyncio.timeout(PATIENCE_S):
-                # A page announces nothing; looking is cheap.
+                # A page sends no events; a check is fast.
                 while not await self.do("evaluate", page=page, script=script):
                     await asyncio.sleep(POLL_S)
         except TimeoutError:

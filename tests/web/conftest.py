@@ -32,7 +32,7 @@ async def chromium(packages: Path) -> AsyncIterator[Browser]:
 
 @pytest_asyncio.fixture(loop_scope="session")
 async def browser(chromium: Browser) -> AsyncIterator[Browser]:
-    """Chromium; its pages, with what they store, are closed after each test."""
+    """Chromium; after each test, its pages and their stored data are closed."""
     yield chromium
     await chromium.do("closeAll")
 
@@ -50,7 +50,7 @@ async def board(tmp_path_factory: pytest.TempPathFactory) -> AsyncIterator[Robot
 
 @pytest_asyncio.fixture(loop_scope="session")
 async def robot(board: Robot) -> Robot:
-    """A simulated board, and beside it the dashboard without options."""
+    """A simulated board, and the dashboard without options."""
     await board.restore_dashboard()
     return board
 

@@ -1,4 +1,4 @@
-"""A package with a robot that has meshes: STL in millimeters, Collada with its own color, OBJ."""
+"""A package with a robot that has meshes: STL in millimeters, Collada with a color, OBJ."""
 
 from __future__ import annotations
 
@@ -89,7 +89,7 @@ def _obj(x: float, y: float, z: float) -> str:
 
 
 def _collada(x: float, y: float, z: float) -> str:
-    """Return a box in centimeters, with a color of its own."""
+    """Return a box in centimeters, with a color."""
     positions = " ".join(f"{value * 100:g}" for corner in _corners(x, y, z) for value in corner)
     indices = " ".join(str(corner) for each in _TRIANGLES for corner in each)
     return f"""<?xml version="1.0"?>

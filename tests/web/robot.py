@@ -1,4 +1,4 @@
-"""A simulated board on a ROS master, and the dashboard beside it, each a process of `rostether`."""
+"""A simulated board on a ROS master, and the dashboard, each a process of `rostether`."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ POLL_S = 0.1
 
 
 class Robot:
-    """The board is there from the beginning; the dashboard comes and goes."""
+    """A board that runs for the whole test, and a dashboard that can be restarted."""
 
     def __init__(self, home: Path) -> None:
         self._home = home
@@ -37,7 +37,7 @@ class Robot:
 
     async def start(self) -> None:
         """Start the board, then the dashboard."""
-        # With its own page, which stays unused, the board publishes /diagnostics as other boards do.
+        # The demo publishes /diagnostics only with its own page, which is not used here.
         self._board = await self._run("demo", "--board", "python", "--ros1")
         await self.start_dashboard()
 
@@ -47,7 +47,7 @@ class Robot:
         return self._master
 
     async def start_dashboard(self, *options: str) -> None:
-        """Start the dashboard, the second time at the same address, and wait until it answers."""
+        """Start the dashboard, the second time on the same address, and wait until it answers."""
         self._options = options
         port = str(self._port)
         recordings = str(self._home / "recordings")
@@ -58,13 +58,13 @@ class Robot:
         await wait_page(self.url, self._dashboard)
 
     async def restore_dashboard(self) -> None:
-        """Start the dashboard again if a test has ended it, or gave it options."""
+        """Start the dashboard again if a test has ended it or set options."""
         if self._options or self._dashboard is None or self._dashboard.returncode is not None:
             await self.kill_dashboard()
             await self.start_dashboard()
 
     async def kill_dashboard(self) -> None:
-        """End it without a chance to close its connections."""
+        """Kill it, so that it cannot close its connections."""
         await end(self._dashboard, signal.SIGKILL)
 
     async def close(self) -> None:
@@ -73,11 +73,11 @@ class Robot:
         await end(self._board, signal.SIGTERM)
 
     async def subscribed_topics(self) -> set[str]:
-        """Return the topics that the dashboard's node subscribes, as the master knows them."""
+        """Return the topics to which the dashboard's node subscribes, from the master."""
         return await self._topics(1)
 
     async def wait_published(self, topic: str, *, wanted: bool) -> None:
-        """Wait until the dashboard's node publishes a topic, or does not any more."""
+        """Wait until the dashboard's node publishes a topic or, with `wanted` false, does not."""
         async with asyncio.timeout(PATIENCE_S):
             while (topic in await self._topics(0)) is not wanted:
                 await asyncio.sleep(POLL_S)
@@ -88,7 +88,7 @@ class Robot:
         return {topic for topic, nodes in answer[2][kind] if any("dashboard" in node for node in nodes)}
 
     async def wait_subscribed(self, topic: str, *, wanted: bool) -> None:
-        """Wait until the dashboard's node subscribes a topic, or does not any more."""
+        """Wait until the dashboard's node subscribes to a topic or, with `wanted` false, does not."""
         async with asyncio.timeout(PATIENCE_S):
             while (topic in await self.subscribed_topics()) is not wanted:
                 await asyncio.sleep(POLL_S)
@@ -98,7 +98,7 @@ class Robot:
 
 
 class LaunchedRobot:
-    """What a launch file starts, with a master and a dashboard of its own."""
+    """The processes of a launch file, with a master and a dashboard."""
 
     def __init__(self, home: Path, launch: Path) -> None:
         self._home = home
@@ -136,7 +136,7 @@ def _answers(url: str) -> bool:
 
 
 async def run_rostether(home: Path, master: str, *arguments: str) -> asyncio.subprocess.Process:
-    """Start a command of rostether that belongs to a master."""
+    """Start a command of rostether that uses a master."""
     return await asyncio.create_subprocess_exec(
         sys.executable,
         "-m",
@@ -151,7 +151,7 @@ async def run_rostether(home: Path, master: str, *arguments: str) -> asyncio.sub
 
 
 async def end(process: asyncio.subprocess.Process | None, number: signal.Signals) -> None:
-    """End a process by a signal, and wait for that."""
+    """End a process with a signal, and wait until it has ended."""
     if process is not None and process.returncode is None:
         with contextlib.suppress(ProcessLookupError):
             process.send_signal(number)

@@ -1,4 +1,6 @@
-"""A fleet with sensors, in this process: robots that answer a monitor, and their sensors at a manager."""
+"""A fleet with sensors, in this process: robots that answer a monitor, and sensors that register with a
+manager.
+"""
 
 from __future__ import annotations
 
@@ -39,9 +41,9 @@ _SIZE = PictureChange(width=320, height=240)
 async def sensing_fleet(
     master: str, robots: int, cameras: int, *, has_manager: bool = True
 ) -> AsyncIterator[list[RegisteredSensor]]:
-    """Have robots with five sensors each at 5 Hz; only the first `cameras` send pictures.
+    """Run robots with five sensors each at 5 Hz; only the first `cameras` send pictures.
 
-    Yields the sensors, in the order of their registration.
+    Yield the sensors, in the order of their registration.
     """
     address = loopback_group()
     sensors: list[RegisteredSensor] = []

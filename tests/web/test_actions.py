@@ -1,4 +1,4 @@
-"""What people do on the page reaches the robot, and stops with the page."""
+"""Actions on the page reach the robot, and stop with the page."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ async def test_controls_follow_another_page(robot: Robot, browser: Browser) -> N
         for page in (first, second):
             await browser.wait_for(page, f"{state} === 'mixed' && {box} !== null")
         async with asyncio.timeout(PATIENCE_S):
-            # What is published before the robot has connected the topic to the pages is lost.
+            # Messages are lost until the robot has connected the topic to the pages.
             while await browser.do("evaluate", page=second, script=state) == "mixed":
                 await browser.do("click", page=first, selector=selector)
                 await asyncio.sleep(0.1)
@@ -68,7 +68,7 @@ async def test_controls_follow_another_page(robot: Robot, browser: Browser) -> N
 async def test_a_card_and_its_page_share_the_range_of_a_slider(robot: Robot, browser: Browser) -> None:
     async with rostether.join("servo", master=robot.master) as graph:
         servo = await graph.subscriber("/servo", "std_msgs/UInt16", lambda _: None)
-        # A link may hold anything.
+        # A link may contain anything.
         damaged = robot.url + "#/controls?s=" + base64.b64encode(b'{"topic": 5, "ranges": "x"}').decode()
         page = await browser.do("open", url=damaged)
         slider = ".querySelector('[type=range][aria-label=\"/servo\"]')"
@@ -77,7 +77,7 @@ async def test_a_card_and_its_page_share_the_range_of_a_slider(robot: Robot, bro
         await browser.do(
             "click", page=page, selector=".card-controls .card-head a[href*='?s=']:has-text('/servo')"
         )
-        # The page of one card still has the other controls.
+        # The page of one panel still has the other controls.
         await browser.wait_for(
             page,
             f"!document.querySelector('.cards') && document{slider}"
@@ -106,7 +106,7 @@ async def test_the_robot_stops_when_the_tab_is_closed(robot: Robot, browser: Bro
         press = "void dispatchEvent(new KeyboardEvent('keydown', { code: 'KeyW' }))"
         async with asyncio.timeout(PATIENCE_S):
             while not commands or commands[-1] <= 0:
-                # The page listens to keys a moment after it is drawn.
+                # The page handles keys shortly after it is drawn.
                 await browser.do("evaluate", page=page, script=press)
                 await asyncio.sleep(0.1)
         await browser.do("close", page=page)
@@ -125,7 +125,7 @@ async def test_a_recording_is_made_listed_and_played(robot: Robot, browser: Brow
     )
     await browser.do("click", page=page, selector=".recording .button")
     await browser.wait_for(page, "document.querySelector('.recording-files a[download$=\".bag\"]') !== null")
-    # Slowly, so that it does not end first.
+    # Slowly, so that the playback does not end first.
     play = "rostether.gateway.playRecording(rostether.recordings.value.files[0].name, 0, 0.1, true)"
     await browser.do("evaluate", page=page, script=play)
     await browser.wait_for(page, "document.querySelector('.recording-playback') !== null")
@@ -133,7 +133,7 @@ async def test_a_recording_is_made_listed_and_played(robot: Robot, browser: Brow
     await browser.wait_for(page, "rostether.feed('/playback/ultrasound').last !== undefined")
     await browser.do("click", page=page, selector=".recording-playback [aria-label='Stop playing']")
     await browser.wait_for(page, "document.querySelector('.recording-playback') === null")
-    # What the robot refuses is said on the page.
+    # The page shows what the robot refuses.
     script = "rostether.gateway.playRecording('none.bag', 0, 1, true)"
     await browser.do("evaluate", page=page, script=script)
     await browser.wait_for(page, "document.querySelector('.banner')?.innerText.includes('none.bag')")
@@ -147,7 +147,7 @@ async def test_a_page_that_may_only_view_cannot_act(robot: Robot, browser: Brows
     await browser.wait_for(page, "document.querySelector('.push')?.matches(':disabled')")
     await browser.do("evaluate", page=page, script="void rostether.subscribe('/ultrasound')")
     await browser.wait_for(page, "rostether.feed('/ultrasound').last !== undefined")
-    # It does not try what it may not do, neither while the controls are shown nor when they are left.
+    # It sends nothing that it may not, neither while the controls are shown nor afterwards.
     await browser.do("evaluate", page=page, script="void (location.hash = '#/console')")
     await browser.wait_for(page, "document.querySelector('.push') === null")
     await browser.do("evaluate", page=page, script="void rostether.subscribe('/diagnostics')")

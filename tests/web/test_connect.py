@@ -1,4 +1,4 @@
-"""A board on a serial port of the device that shows the page: the page's relay, the server and the bridge."""
+"""A board on a serial port of the device that shows the page, the page's relay, the server and the bridge."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ STATE = "document.querySelector('.connect-board .badge')?.innerText"
 
 @pytest_asyncio.fixture(scope="module", loop_scope="session")
 async def served(tmp_path_factory: pytest.TempPathFactory) -> AsyncIterator[tuple[str, str]]:
-    """The page and the master of a bridge that has only the boards of pages."""
+    """The page and the master of a bridge that only serves boards of pages."""
     port, master = free_port(), f"http://127.0.0.1:{free_port()}"
     process = await run_rostether(
         *(tmp_path_factory.mktemp("home"), master),
@@ -66,7 +66,7 @@ async def test_the_board_of_a_page_is_a_node(served: tuple[str, str], browser: B
         page = await connected_page(url, board, browser)
         await talk("by page")
         assert board.bauds == ["57600"]
-        # It was reset once, before the robot got its bytes.
+        # The board was reset once, before the robot got its bytes.
         assert board.signals == [False, True]
 
         await browser.do("hide", page=page, hidden=True)
@@ -82,7 +82,7 @@ async def test_the_board_of_a_page_is_a_node(served: tuple[str, str], browser: B
         )
         await browser.wait_for(page, f"{STATE} === 'Connected'")
         await talk("plugged in")
-        # One name, however often it came back.
+        # It keeps its name after every reconnection.
         await browser.do("evaluate", page=page, script="void (location.hash = '#/boards')")
         await browser.wait_for(page, "document.body.innerText.includes('web_uno')")
         assert not await browser.do(

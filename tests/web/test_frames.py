@@ -1,4 +1,4 @@
-"""Where the page draws frames, beside the numbers of Debian's tf2."""
+"""The positions of frames on the page, compared with Debian's tf2."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The dashboard's page in Chromium, on a real gateway beside a simulated board."""
+"""The dashboard's page in Chromium, with a real gateway and a simulated board."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ async def test_the_overview_shows_the_board_and_moving_values(robot: Robot, brow
     first = await browser.do("evaluate", page=page, script="document.querySelector('.cards').innerText")
     await browser.wait_for(page, f"document.querySelector('.cards').innerText !== {first!r}")
     await browser.wait_for(page, f"{RANGE}.rate.hertz(performance.now()) > 0")
-    # Each card has the rows that it needs, so that none covers another.
+    # Each card has enough rows, so that none covers another.
     rows = (
         "[...document.querySelectorAll('.card')].every((each) => /^span [1-9]/.test(each.style.gridRowEnd))"
     )
@@ -38,7 +38,7 @@ async def test_the_overview_shows_the_board_and_moving_values(robot: Robot, brow
 
 
 async def test_the_3d_view_starts_after_the_first_values(robot: Robot, browser: Browser) -> None:
-    # Without a graphics card, its start blocks the page for up to a second. Here the values come late.
+    # Without a graphics card, its start blocks the page for up to a second. Here the values are delayed.
     note = """
         const { set } = Object.getOwnPropertyDescriptor(WebSocket.prototype, "onmessage");
         Object.defineProperty(WebSocket.prototype, "onmessage", { set(handle) {
@@ -55,7 +55,7 @@ async def test_the_3d_view_starts_after_the_first_values(robot: Robot, browser: 
     await browser.wait_for(page, f"{code} !== undefined && globalThis.valueMs !== undefined")
     times = f"[{code}.startTime, valueMs, openedMs]"
     started_ms, value_ms, opened_ms = await browser.do("evaluate", page=page, script=times)
-    # It does not wait for silent topics longer than this.
+    # The longest wait for silent topics.
     assert started_ms > min(value_ms, opened_ms + 1500), (started_ms, value_ms, opened_ms)
 
 
@@ -113,7 +113,7 @@ async def test_a_recording_has_the_format_that_suits_the_graph(robot: Robot, bro
     page = await browser.do("open", url=robot.url + "#/recording")
     select = "document.querySelector('.recording select')"
     await browser.wait_for(page, f"{select}?.value === 'bag'")
-    # As on a graph of ROS 2 alone.
+    # As on a graph of only ROS 2.
     metadata = "{ ...rostether.info.value.metadata, recording_format: 'mcap' }"
     script = f"void (rostether.info.value = {{ ...rostether.info.value, metadata: {metadata} }})"
     await browser.do("evaluate", page=page, script=script)
@@ -178,7 +178,7 @@ async def test_the_map_keeps_moving_robots_in_the_picture(robot: Robot, browser:
             " && top >= map.top && bottom <= map.bottom; }).length)"
             "(document.querySelector('.map-picture')?.getBoundingClientRect())"
         )
-        # The second one drives away, over the date line.
+        # The second robot crosses the date line.
         for longitude in (179.99, 179.995, -179.9):
             async with asyncio.timeout(PATIENCE_S):
                 while True:
@@ -187,7 +187,7 @@ async def test_the_map_keeps_moving_robots_in_the_picture(robot: Robot, browser:
                     await asyncio.sleep(0.1)
                     if await browser.do("evaluate", page=page, script=inside) == 2:
                         break
-        # It is drawn 10 km away, not at the other end of the world.
+        # It is drawn 10 km away, not on the other side of the Earth.
         scale = "parseInt(document.querySelector('.leaflet-control-scale-line').innerText)"
         unit = "document.querySelector('.leaflet-control-scale-line').innerText.split(' ')[1]"
         assert await browser.do("evaluate", page=page, script=f"{unit} === 'm' || {scale} <= 10")
@@ -198,7 +198,7 @@ async def test_the_page_connects_again(robot: Robot, browser: Browser) -> None:
     await browser.wait_for(page, f"{RANGE}.last !== undefined && !{RANGE}.isStale()")
     await robot.kill_dashboard()
     await browser.wait_for(page, "document.querySelector('.banner') !== null")
-    # What is old must not look fresh.
+    # Old values must not look new.
     await browser.wait_for(page, "document.querySelector('.card-boards .badge.ok') === null")
     await robot.start_dashboard()
     await browser.wait_for(page, f"document.querySelector('.banner') === null && !{RANGE}.isStale()")
@@ -222,7 +222,7 @@ async def test_every_panel_opens_without_an_error_and_leaves_nothing(robot: Robo
 async def test_a_phone_sees_everything_in_one_column(robot: Robot, browser: Browser) -> None:
     page = await browser.do("open", url=robot.url, width=360, height=740, touch=True)
     await browser.wait_for(page, "document.querySelectorAll('.card').length > 2")
-    # Nothing sticks out at the side.
+    # The page is not wider than the screen.
     script = (
         "document.querySelector('.content').scrollWidth <= document.querySelector('.content').clientWidth"
     )
@@ -249,10 +249,10 @@ async def test_closed_panels_are_freed(robot: Robot, browser: Browser) -> None:
                 page, f"document.querySelector('.page, .cards')?.childElementCount > 0 && {link!r}"
             )
         await browser.wait_for(page, f"!{RANGE}.isStale()")
-        # It starts last; a round without it has fewer nodes.
+        # The panel that starts last; a round without it has fewer elements.
         await browser.wait_for(page, "document.querySelector('.card-scene canvas') !== null")
         kept.append(await browser.do("memory", page=page))
-    # Values collect for five minutes, so bytes say little here; `make soak-page` watches them.
+    # Values are kept for five minutes, so memory is not compared here; `make soak-page` does that.
     for what, noise in (("nodes", 250), ("listeners", 25)):
         first, last = ([each[what] for each in rounds] for rounds in (kept[:2], kept[-2:]))
         assert min(last) < min(first) + noise, kept
@@ -283,7 +283,7 @@ async def test_a_token_is_taken_from_the_address_and_hidden(robot: Robot, browse
     page = await browser.do("open", url=robot.url + "#token=7f3c9a")
     await browser.wait_for(page, f"{RANGE}.last !== undefined")
     assert await browser.do("evaluate", page=page, script="location.href") == robot.url
-    # The tab keeps it.
+    # The tab stores the token.
     await browser.do("reload", page=page)
     await browser.wait_for(page, f"{RANGE}.last !== undefined")
 

@@ -1,4 +1,4 @@
-"""The sensors of the device that shows the page, as topics; the browser fakes what this machine lacks."""
+"""The sensors of the device that shows the page, as topics; the browser simulates the sensors."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from web.robot import PATIENCE_S, Robot
 
 pytestmark = pytest.mark.asyncio(loop_scope="session")
 
-# It lies on a table, its top to the west, and turns to the left.
+# The phone lies on a table, with its top to the west, and turns to the left.
 READINGS = {
     "accelerometer": {"xyz": {"x": 0, "y": 0, "z": 9.81}},
     "linear-acceleration": {"xyz": {"x": 0, "y": 0, "z": 0}},
@@ -44,7 +44,7 @@ async def browser(packages: Path) -> AsyncIterator[Browser]:
 
 
 async def first(messages: AsyncIterator[Any]) -> Any:
-    """Return the first message; of motion, the first after the browser has reported the attitude."""
+    """Return the first message; for motion, the first after the browser has reported the attitude."""
     async for message in messages:
         if not hasattr(message, "orientation") or message.orientation_covariance[0] == 0:
             return message
@@ -73,7 +73,7 @@ async def test_a_phone_publishes_its_sensors_in_the_robot_s_time(robot: Robot, b
         imu, fix, picture, battery = await asyncio.gather(*firsts)
         for message in (imu, picture, battery):
             stamp = message.header.stamp
-            # Both clocks are this machine's, which may be busy.
+            # Both clocks are those of this machine, which may be busy.
             assert abs(time.time() - stamp.secs - stamp.nsecs / 1e9) < PATIENCE_S
         assert imu.header.frame_id == "phone"
         assert imu.linear_acceleration.z == pytest.approx(9.81, abs=0.1)
@@ -84,7 +84,7 @@ async def test_a_phone_publishes_its_sensors_in_the_robot_s_time(robot: Robot, b
         assert bytes(picture.data[:3]) == b"\xff\xd8\xff"
         assert picture.header.frame_id == "phone_camera"
         assert battery.present
-        # A hidden page has no topics.
+        # A hidden page publishes nothing.
         await browser.do("hide", page=page, hidden=True)
         await robot.wait_published("/phone/imu", wanted=False)
         await browser.do("hide", page=page, hidden=False)

@@ -1,4 +1,4 @@
-"""What the page's plots save, read by rostether's own reader, and for ROS 2 by rosbags."""
+"""The files that the page's plots save, read by rostether and, for ROS 2, by rosbags."""
 
 from __future__ import annotations
 
@@ -25,10 +25,10 @@ async def test_a_saved_plot_is_a_recording(robot: Robot, browser: Browser, tmp_p
     page = await browser.do(
         "open", url=robot.url + "#" + read_view("plots", ["/ultrasound/range"]).fragment("")
     )
-    # Nothing but the plot receives the topic.
+    # Only the plot receives the topic.
     await browser.wait_for(page, "rostether.feed('/ultrasound').rate.hertz(performance.now()) > 0")
     await _check(page, browser, tmp_path / "plot.mcap")
-    # As on a graph of ROS 2 alone.
+    # As on a graph of only ROS 2.
     metadata = "{ ...rostether.info.value.metadata, recording_format: 'mcap' }"
     script = f"void (rostether.info.value = {{ ...rostether.info.value, metadata: {metadata} }})"
     await browser.do("evaluate", page=page, script=script)

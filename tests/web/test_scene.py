@@ -29,7 +29,7 @@ async def test_meshes_are_drawn_and_sliders_move_them(tmp_path: Path, browser: B
         await browser.do("evaluate", page=page, script="void rostether.subscribe('/tf')")
         await browser.do("evaluate", page=page, script="void (location.hash = '#/controls')")
         slider = "document.querySelector('.joint input')"
-        # Until the publisher of the sliders is there, /joint_states has sliders.
+        # Until the publisher of the sliders runs, /joint_states has sliders.
         shown = "document.querySelector('.controls-grid')?.textContent"
         await browser.wait_for(page, f"{shown}?.includes({SLIDERS!r}) && {slider} !== null")
         move = f"{slider}.value = 1; void {slider}.dispatchEvent(new Event('input', {{ bubbles: true }}))"
@@ -48,7 +48,7 @@ async def test_meshes_are_drawn_and_sliders_move_them(tmp_path: Path, browser: B
 
 
 async def _wait_for_background(browser: Browser, page: int, path: Path, red: int) -> None:
-    """Wait until the picture has this red above its ground."""
+    """Wait until the background of the picture has this value of red."""
     for _ in range(600):
         await browser.do("screenshot", page=page, path=str(path))
         with Image.open(path) as picture:
@@ -58,13 +58,15 @@ async def _wait_for_background(browser: Browser, page: int, path: Path, red: int
 
 
 async def _wait_for_colors(browser: Browser, page: int, path: Path) -> tuple[int, ...]:
-    """Return how many pixels are the STL's gray, the Collada file's red and the OBJ file's green."""
+    """Return the numbers of pixels in the STL file's gray, the Collada file's red and the OBJ file's
+    green.
+    """
     for _ in range(600):
-        # A picture is the only witness of what is drawn.
+        # Only a picture shows what is drawn.
         await browser.do("screenshot", page=page, path=str(path))
         counts = [0, 0, 0]
         with Image.open(path) as picture:
-            # Beside the text of the list, which is gray too.
+            # Without the text of the list, which is also gray.
             drawing = picture.convert("RGB").crop((220, 120, 980, 800))
         for (red, green, blue), count in Counter(struct.iter_unpack("3B", drawing.tobytes())).items():
             if red > 100 and green < 60 and blue < 60:

@@ -1,4 +1,4 @@
-"""The robots of a fleet and their sensors on the page."""
+"""The robots of a fleet, and their sensors, on the page."""
 
 from __future__ import annotations
 
@@ -32,14 +32,14 @@ class Registry:
         self._process: asyncio.subprocess.Process | None = None
 
     async def start(self) -> None:
-        """Start it; it keeps its sensors in a file."""
+        """Start it; it stores its sensors in a file."""
         file = self._folder / "sensors.json"
         self._process = await run_rostether(
             self._folder, self._robot.master, "role", "sensing-manager", f"_state_file:={file}"
         )
 
     async def end(self, number: signal.Signals) -> None:
-        """End it by a signal."""
+        """End it with a signal."""
         await end(self._process, number)
 
 
@@ -62,7 +62,8 @@ async def test_robots_and_their_sensors_are_shown(robot: Robot, browser: Browser
         await browser.do("click", page=page, selector=".sensor[title='/sensors/robot1/camera']")
         await browser.wait_for(page, "document.querySelector('.sensor-pane canvas')?.width === 320")
 
-        # The registry is killed: the tree and the values stay, and a change is shown after the restart.
+        # After the registry is killed, the tree and the values stay, and the restarted registry shows a
+        # change.
         await browser.do("fill", page=page, selector=".sensors input", text="")
         await browser.wait_for(page, f"{ROWS} === 9 && {BATTERY} === 'Ready'")
         await registry.end(signal.SIGKILL)

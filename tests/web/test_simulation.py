@@ -1,4 +1,4 @@
-"""A simulated board in the browser: its pins, and what surrounds it."""
+"""A simulated board in the browser: its pins and its surroundings."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ async def test_pins_are_live_and_the_surroundings_change(tmp_path: Path, browser
         await browser.wait_for(page, f"{_level('D13')} === '1'")
         await browser.do("click", page=page, selector="[data-pin=D7]")
         await browser.wait_for(page, f"{_level('D13')} === '0'")
-        # Two taps that are faster than the board's state.
+        # Two taps that are faster than the updates of the board's state.
         tap = "pin.dispatchEvent(new MouseEvent('click', { bubbles: true }))"
         twice = f"(pin => void [{tap}, {tap}])(document.querySelector('[data-pin=D7]'))"
         await browser.do("evaluate", page=page, script=twice)
@@ -55,7 +55,7 @@ async def test_pins_are_live_and_the_surroundings_change(tmp_path: Path, browser
         await browser.wait_for(page, f"{_level('D13')} === '1'")
         await browser.do("click", page=page, selector="[data-pin=D7]")
         await browser.wait_for(page, f"{_level('D13')} === '0'")
-        # For fingers, the pins are buttons too.
+        # On touch screens, pins are also buttons.
         phone = await browser.do("open", url=f"http://{place}/#/simulation", width=390, touch=True)
         button = "button[data-pin=D7]"
         await browser.wait_for(phone, f"document.querySelector('{button}')?.offsetHeight >= 44")

@@ -1,4 +1,4 @@
-"""A board at a serial port of the browser: a Python device behind a WebSocket for `fake_serial.js`."""
+"""A board on a serial port of the browser: a Python device behind a WebSocket for `fake_serial.js`."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ SCRIPT = Path(__file__).parent / "fake_serial.js"
 
 
 class UsbBoard:
-    """Publishes what it heard on /spoken as /heard; `signals` are the changes of its DTR line."""
+    """Publishes the messages of /spoken on /heard; `signals` are the changes of its DTR line."""
 
     def __init__(self) -> None:
         self.signals: list[bool] = []
@@ -30,7 +30,7 @@ class UsbBoard:
 
     @property
     def script(self) -> str:
-        """What gives a page the serial port."""
+        """The script that gives a page the serial port."""
         assert self._server is not None
         port = next(iter(self._server.sockets)).getsockname()[1]
         return f"globalThis.boardUrl = 'ws://127.0.0.1:{port}';\n{SCRIPT.read_text(encoding='utf-8')}"
@@ -54,7 +54,7 @@ class UsbBoard:
         await self._server.wait_closed()
 
     def data_received(self, data: bytes) -> None:
-        """Pass bytes of the board on; a port that is not open loses them."""
+        """Forward bytes of the board; without an open port they are lost."""
         if self._browser is not None:
             start_task(self._sending, self._browser.send(data))
 
@@ -68,7 +68,7 @@ class UsbBoard:
         """The test sends little."""
 
     async def unplug(self) -> None:
-        """Let the open port fail."""
+        """Make the open port fail."""
         assert self._browser is not None
         await self._browser.close()
 

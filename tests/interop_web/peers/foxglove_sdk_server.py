@@ -1,4 +1,6 @@
-"""Foxglove's own server with one of everything: it prints its port, and ends with its input."""
+"""Foxglove's server with one channel, service and parameter of each kind. It prints its port, and ends with
+its input.
+"""
 
 from __future__ import annotations
 
@@ -27,12 +29,12 @@ def schema(described: dict[str, str]) -> Schema:
 
 
 class Listener(ServerListener):
-    """Answers with what it was given."""
+    """Returns the values that it received."""
 
     def on_get_parameters(
         self, client: object, param_names: list[str], request_id: str | None = None
     ) -> list[Parameter]:
-        """Return one of each kind."""
+        """Return one parameter of each kind."""
         return [
             Parameter("/bytes", value=b"\0\xff"),
             Parameter("/float", value=1.0),

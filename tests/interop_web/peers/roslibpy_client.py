@@ -1,4 +1,4 @@
-"""A program on roslibpy: `roslibpy_client.py PORT twisted|asyncio`; prints each check with what it found."""
+"""Uses roslibpy, and prints each check with its result: `roslibpy_client.py PORT twisted|asyncio`."""
 
 from __future__ import annotations
 
@@ -125,7 +125,7 @@ def main(port: int, transport: str) -> None:
     tell("served", served(ros))
     tell("reconnected", reconnected(ros))
     ros.terminate()
-    # Its threads outlive it with one of its transports.
+    # With one of its transports, threads of roslibpy do not end.
     sys.stdout.flush()
     os._exit(0)
 

@@ -1,4 +1,4 @@
-"""roslibpy's TFClient, which asks tf2_web_republisher by its service: prints where a frame is, once.
+"""Prints the transform of a frame once, with roslibpy's TFClient, which uses tf2_web_republisher's service.
 
 roslibpy_tf.py PORT
 """
@@ -18,7 +18,7 @@ client.run(60)
 
 
 def take(transform: dict[str, object]) -> None:
-    """Print the first one."""
+    """Print the first transform."""
     if not came.is_set():
         print(json.dumps(transform), flush=True)
         came.set()
