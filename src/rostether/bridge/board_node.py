@@ -74,7 +74,7 @@ class BoardNode:
         self.program: ProgramSize | None = None
 
     def link_config(self) -> HostLinkConfig:
-        """Return the limits of a connection to the board."""
+        """Return the configuration of a link to the board."""
         return HostLinkConfig(
             max_payload_bytes=self.settings.frame_bytes,
             max_endpoints=self.settings.endpoints,

@@ -151,7 +151,7 @@ class Session:
         self._end(None)
 
     def abandon(self) -> None:
-        """End without a report: the board has connected again in another way."""
+        """End without a report: the board has another connection now."""
         self.transport.close()
         self._end(None)
 

@@ -50,7 +50,7 @@ MAX_JOIN_WAIT_S = 2.0
 # A board sends data within 2 s after it connects; a silent connection uses a session that another board
 # may need.
 FIRST_FRAME_LIMIT_S = 60.0
-# The time to ask the boards to stop; a hung board does not read it.
+# The time to ask the boards to stop; a hung board does not read the request.
 STOP_LIMIT_S = 0.8
 
 

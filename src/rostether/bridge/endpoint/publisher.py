@@ -16,7 +16,7 @@ from rostether.rosserial.frame import SYNC
 from rostether.rosserial.packets import TopicInfo
 from rostether.serde.layout import Layout
 
-# Messages kept until the topic is advertised: a master answers in milliseconds, a flood fills this in 20.
+# Messages kept until the topic is advertised: a master answers in milliseconds, a flood fills this in 20 ms.
 HELD_BYTES = 256 * 1024
 # The overhead of each held message, besides its payload.
 MESSAGE_OVERHEAD_BYTES = 64

@@ -131,7 +131,7 @@ class ServiceServerEndpoint:
                 )
 
     async def call(self, request: bytes) -> bytes:
-        """Pass a call on to the board. Raises ServiceCallError, ServiceTimeoutError."""
+        """Pass a call on to the board; return the response. Raises ServiceCallError, ServiceTimeoutError."""
         name = self.info.name
         # A longer one is refused later: checking a request of many MB would block all boards.
         if len(request) <= MAX_PAYLOAD_BYTES and not self._request_layout.accepts(request):

@@ -15,7 +15,7 @@ from rostether.serde.layout import Layout
 
 
 class SubscriberEndpoint:
-    """One topic id on which the board receives; at most `queue_depth` messages wait (None: bytes count)."""
+    """One topic id on which the board receives; at most `queue_depth` messages wait (None: any)."""
 
     def __init__(
         self,

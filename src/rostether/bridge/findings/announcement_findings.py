@@ -87,7 +87,7 @@ class AnnouncementFindings:
 
 
 def is_overwritten(info: TopicInfo) -> bool:
-    """Return whether an announcement in a valid frame has text that no compiler wrote."""
+    """Return whether an announcement in a valid frame has texts that no sketch contains."""
     texts = (info.topic_name, info.message_type, info.md5sum)
     return any(map(_has_damage, texts)) or not info.md5sum or not info.message_type
 

@@ -57,7 +57,7 @@ class BoardHealth:
     def connected(
         self, baud: int | None, statistics: LinkStatistics, now_s: float, medium: Medium = Medium.SERIAL
     ) -> LineWatch:
-        """Start to watch a connection."""
+        """Watch a new connection; return its watch."""
         was_alive = self.watch is not None and self.watch.was_alive
         if self._was_closed:
             self._resets = Resets()

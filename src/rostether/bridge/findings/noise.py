@@ -18,6 +18,9 @@ MIN_TEXT_BYTES = 8
 # A board that is reset in the middle of its announcements leaves one piece of text, and noise may add some.
 MIN_PIECES = 4
 
+# One in 256 pieces of noise passes the length check of a header, but not three with the same version.
+MIN_VERSIONS = 3
+
 # At 9600 baud, the rest of an announcement arrives within this time, a few bytes at a time.
 PIECE_GAP_S = 0.1
 
@@ -112,10 +115,9 @@ class Noise:
             self.text = self.text or bytes(self._line[:KEPT_BYTES])
 
     def _note_version(self, data: bytes) -> None:
-        # Only headers with a correct length check count. One in 256 pieces of noise passes this check, but
-        # not three with the same version.
+        # Only headers with a correct length check count.
         if len(data) >= 5 and data[1] >= 0xF0 and sum(data[2:5]) & 0xFF == 0xFF:
             version = data[1]
             self._versions[version] = self._versions.get(version, 0) + 1
-            if self._versions[version] >= 3:
+            if self._versions[version] >= MIN_VERSIONS:
                 self.other_version = version

@@ -18,7 +18,7 @@ RECENT_S = 30.0
 # At 9600 baud, the rest of a frame arrives within this time, a few bytes at a time.
 REST_GAP_S = 0.1
 
-# More than any board has room for; bounds the memory for a device that uses new ids all the time.
+# More than any board has room for; limits the memory for a device that uses new ids all the time.
 MAX_IDS = 64
 
 

@@ -21,7 +21,7 @@ _SERVICE_ROLES = ("service server", "service client")
 
 
 class EndpointStatus(Struct, frozen=True):
-    """One topic or service of a board; messages per second, and messages lost."""
+    """One topic or service of a board; `dropped_count` messages were lost."""
 
     role: str
     name: str

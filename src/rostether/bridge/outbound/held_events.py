@@ -88,7 +88,7 @@ class HeldEvents:
                 announced = event.request.md5sum, event.response.md5sum
                 matches = announced == (halves.request.md5sum, halves.response.md5sum)
             if not matches:
-                # The line about it names the types that do match.
+                # The report about a mismatch names the types that match.
                 registry.packages()
 
         return registry.can_answer(query)

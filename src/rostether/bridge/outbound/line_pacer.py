@@ -31,7 +31,7 @@ class LinePacer:
         self._idle_at_s = 0.0
 
     def room_bytes(self, now_s: float) -> int:
-        """Return how many bytes may be written now; one message may overshoot it."""
+        """Return how many bytes may be written now; one message may exceed them."""
         waiting_s = max(0.0, self._idle_at_s - now_s)
         return self._window_bytes() - int(waiting_s * self._speed())
 

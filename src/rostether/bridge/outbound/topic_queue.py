@@ -11,7 +11,7 @@ FRAME_OVERHEAD_BYTES = 8
 
 
 class TopicQueue:
-    """The queue of one topic id; it holds `depth` messages at most (None: only bytes count)."""
+    """The queue of one topic id; it holds at most `depth` messages (None: only their bytes are limited)."""
 
     __slots__ = (
         "_source",

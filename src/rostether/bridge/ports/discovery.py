@@ -18,7 +18,7 @@ from rostether.ports.port_watch import PortWatch
 from rostether.ports.usb_boards import board_of
 from rostether.transports.serial_port import SerialPort
 
-# The limit of ports that are reported as not opened.
+# The limit of remembered ports that were reported as not opened; no machine has more.
 MAX_OFFERS = 256
 
 

@@ -22,7 +22,7 @@ async def open_port(address: SerialAddress) -> TunableTransport:
 
 
 class MachinePorts(Struct, frozen=True):
-    """`list_ports` returns the system's list, `folders` are watched for changes of it.
+    """The access to serial ports: `list_ports` returns the system's list, `folders` show when it changes.
 
     `find_port_user` names the other program that uses a port; it is called in a thread.
     """
