@@ -57,7 +57,7 @@ class PublicationFlow:
         return not self._congested
 
     async def drained(self, timeout_s: float) -> None:
-        """Wait until no subscriber is congested, or a pause has ended; see `is_open`."""
+        """Wait until no subscriber is congested, at most `timeout_s`; after this time, the pause ends."""
         if not self._congested:
             return
         before = list(self._congested)

@@ -69,11 +69,11 @@ class JointGraph:
         self._background: set[asyncio.Task[None]] = set()
 
     def run_until_closed(self, work: Coroutine[Any, Any, None]) -> None:
-        """Run something until the node leaves the graphs."""
+        """Run `work` until the node leaves the graphs."""
         start_task(self._background, work)
 
     async def add(self, graph: Graph, position: int) -> None:
-        """Join another graph, with all publishers, subscribers, services and watches."""
+        """Join another graph, with all publishers, subscribers, services and watches; `position` is its rank."""
         self._graphs.insert(position, graph)
         self._watching.add(asyncio.ensure_future(self._watch_closed(graph)))
         self._joined.set()
@@ -123,7 +123,7 @@ class JointGraph:
     async def call_service(
         self, service: str, service_type: ServiceType, request: bytes, *, timeout_s: float | None = None
     ) -> bytes:
-        """Call a service in the first graph that has it."""
+        """Call a service in the first graph that has it. Raises the errors of `Graph.call_service`."""
         # After these errors, it tries the next graph, which may know the type or accept the name.
         return await self._first_of(
             lambda graph: graph.call_service(service, service_type, request, timeout_s=timeout_s),

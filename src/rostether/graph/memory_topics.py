@@ -56,7 +56,7 @@ class MemoryPublisher:
         return self.flow.is_open
 
     async def drained(self, timeout_s: float) -> None:
-        """Wait until no subscriber is above its high-water mark."""
+        """Wait until all backlogs are low, at most `timeout_s`. Each call counts as one pause."""
         await self.flow.drained(timeout_s)
 
     async def close(self) -> None:

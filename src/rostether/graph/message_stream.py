@@ -119,7 +119,10 @@ class MessageStream(Generic[M]):
         return self._codec
 
     async def __aiter__(self) -> AsyncGenerator[M, None]:
-        """Subscribe and yield messages. Raises UnknownTypeError, DefinitionError, TypeMismatchError."""
+        """Subscribe and yield messages.
+
+        Raises UnknownTypeError, DefinitionError, TypeMismatchError, InvalidNameError, GraphError.
+        """
         message_type = ANY_MESSAGE
         name, registry = self._type_name, self._types.store.registry
         if name is not None:

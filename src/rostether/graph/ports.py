@@ -192,7 +192,7 @@ class Graph(Protocol):
         """Advertise a topic. `queue_bytes` limits the backlog of each slow subscriber (None: default).
 
         A second handle to a topic of this node shares the first one's queues and subscribers; it raises
-        TypeMismatchError if its type is different.
+        TypeMismatchError if its type is different. Raises InvalidNameError, GraphError.
         """
 
     async def subscribe(
@@ -202,7 +202,7 @@ class Graph(Protocol):
         on_messages: OnMessages,
         **options: Unpack[SubscribeOptions],
     ) -> Subscriber:
-        """Subscribe. `ANY_MESSAGE` accepts every type."""
+        """Subscribe. `ANY_MESSAGE` accepts every type. Raises InvalidNameError, GraphError."""
 
     async def advertise_service(
         self, service: str, service_type: ServiceType, handler: ServiceHandler

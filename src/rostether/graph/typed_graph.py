@@ -181,7 +181,8 @@ class TypedGraph(LogMethods):
         """Call a service of a type, given by name or as a class of `rostether.srv`; return its response.
 
         Pass the whole request, or its fields.
-        Raises ServiceUnavailableError, ServiceTimeoutError, ServiceCallError, SerializationError.
+        Raises UnknownTypeError, ServiceUnavailableError, ServiceTimeoutError, ServiceCallError,
+        TypeMismatchError, SerializationError.
         """
         client = await self.service_client(service, name_of_type(type_name))
         return await client.call(request, timeout_s=timeout_s, **fields)

@@ -59,7 +59,7 @@ class TypedPublisher(Generic[P]):
         return self.raw.publish_raw([self.codec.encode_given(message, fields, now=self._now)])
 
     async def drained(self, timeout_s: float) -> None:
-        """Wait until no subscriber is above its high-water mark."""
+        """Wait until all subscribers have read enough, at most `timeout_s`."""
         await self.raw.drained(timeout_s)
 
     async def wait_for_subscriber(self, timeout_s: float | None = None) -> bool:
@@ -123,7 +123,8 @@ class TypedServiceClient(Generic[Response]):
     ) -> Response:
         """Call the service and return its response; pass the whole request, or its fields.
 
-        Raises ServiceUnavailableError, ServiceTimeoutError, ServiceCallError, SerializationError.
+        Raises ServiceUnavailableError, ServiceTimeoutError, ServiceCallError, TypeMismatchError,
+        SerializationError.
         """
         payload = self._request_codec.encode_given(request, fields)
         answer = await self._graph.call_service(
