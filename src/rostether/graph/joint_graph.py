@@ -73,7 +73,7 @@ class JointGraph:
         start_task(self._background, work)
 
     async def add(self, graph: Graph, position: int) -> None:
-        """Join another graph, with all publishers, subscribers, services and watches; `position` is its rank."""
+        """Join another graph, of rank `position`, with all publishers, subscribers, services and watches."""
         self._graphs.insert(position, graph)
         self._watching.add(asyncio.ensure_future(self._watch_closed(graph)))
         self._joined.set()

@@ -56,7 +56,7 @@ class JointPublisher(JointHandle[Publisher]):
         return is_open
 
     async def drained(self, timeout_s: float) -> None:
-        """Wait until all backlogs are low in all graphs, at most `timeout_s`. Each call counts as one pause."""
+        """Wait until all backlogs are low in all graphs, at most `timeout_s`; each call is one pause."""
         await asyncio.gather(*(part.drained(timeout_s) for part in self.parts.values()))
 
     async def _open(self, graph: Graph) -> Publisher:

@@ -22,7 +22,7 @@ def to_plain(message: Message) -> dict[str, Any]:
 
 
 def plain_value(value: Any, of_bytes: Callable[[bytes], Any] = list) -> Any:
-    """Return the value of a field or parameter in the same form, bytes as `of_bytes` returns them."""
+    """Return the value of a field or parameter as `to_plain` does, bytes as `of_bytes` returns them."""
     if isinstance(value, float) and not math.isfinite(value):
         return "NaN" if math.isnan(value) else "Infinity" if value > 0 else "-Infinity"
     if isinstance(value, str):

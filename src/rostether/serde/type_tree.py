@@ -100,7 +100,7 @@ class Member(msgspec.Struct, frozen=True, eq=False):
 
 
 class Struct(msgspec.Struct, frozen=True, eq=False):
-    """A message type; `depth` is 1 where no field is a struct."""
+    """A message type; `depth` is 1 if no field is a struct."""
 
     name: str
     members: tuple[Member, ...]

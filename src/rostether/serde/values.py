@@ -57,7 +57,7 @@ class Message:
         )
 
     def to_dict(self) -> dict[str, Any]:
-        """Return the fields as a dictionary, with dictionaries where messages are; it can be published."""
+        """Return the fields as a dictionary, nested messages too; it can be published."""
         return {name: _plain(getattr(self, name)) for name, _ in self._fields}
 
     def __repr__(self) -> str:
@@ -189,7 +189,7 @@ def unknown_field(type_name: str, field: object, known: list[str]) -> Serializat
 
 
 def misfit_error(type_name: str, path: str, wanted: str, got: object) -> SerializationError:
-    """Return the error for a value that does not fit a field, or the whole type where the path is empty."""
+    """Return the error for a value that does not fit a field, or the whole type if the path is empty."""
     subject = f"field '{path}' of {type_name}" if path else type_name
     return SerializationError(f"{subject} needs {wanted}, got {_show(got)}")
 

@@ -35,7 +35,10 @@ def parse_values(codec: Codec, arguments: str | Sequence[str], *, now: Callable[
 
 
 def parse_documents(codec: Codec, text: str, *, now: Callable[[], Time]) -> Iterator[Message]:
-    """Yield the message of each YAML document (`---` between them), empty ones omitted."""
+    """Yield the message of each YAML document (`---` between them), empty ones omitted.
+
+    Raises SerializationError.
+    """
     for document in load_documents(text):
         yield fill_message(codec, document, now=now)
 
@@ -60,7 +63,10 @@ def load_documents(text: str) -> Iterator[list[Any]]:
 
 
 def fill_message(codec: Codec, values: list[Any], *, now: Callable[[], Time]) -> Message:
-    """Return the message that loaded arguments describe; each `now` and `auto` reads the clock again."""
+    """Return the message that loaded arguments describe; each `now` and `auto` reads the clock again.
+
+    Raises SerializationError.
+    """
     tree = codec.tree
     value: Any = values
     if len(values) == 1 and isinstance(values[0], dict):

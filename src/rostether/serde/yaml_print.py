@@ -83,7 +83,7 @@ class _Printer:
         """Return the value, or the remark that --noarr or --nostr puts in its place."""
         is_list = isinstance(value, list | bytes)
         if self._style.no_arrays and field_type.is_array and is_list:
-            # rostopic strips the brackets of `int8[]` and forgets about those of `int8[3]`.
+            # rostopic strips the brackets of `int8[]`, but not those of `int8[3]`.
             return f"<array type: {str(field_type).rstrip('[]')}, length: {len(value)}>"
         if self._style.no_strings and field_type.base == "string":
             if isinstance(value, str):

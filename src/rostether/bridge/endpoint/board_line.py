@@ -25,7 +25,7 @@ class BoardLine(Protocol):
         """Read nothing from the board until `wait()` ends; return False if the line cannot pause."""
 
     def rescan(self, payload: bytes) -> None:
-        """Handle the frames in a payload without its type's layout: noise before them looked like a header."""
+        """Handle the frames in a payload without its type's layout: noise before them looked like one."""
 
     def call_started(self) -> None:
         """Record that the board waits for a response."""

@@ -65,7 +65,7 @@ class Plain(Struct, frozen=True, eq=False):
 
 
 class Text(Struct, frozen=True, eq=False):
-    """A string, or a wstring where it `is_wide`: UTF-16 in ROS 2, UTF-8 in ROS 1.
+    """A string, or a wstring if `is_wide`: UTF-16 in ROS 2, UTF-8 in ROS 1.
 
     `bound` is the limit of bytes, or units of UTF-16, in ROS 2; None for any number.
     """
@@ -109,7 +109,7 @@ class Array:
 
 
 class Slot(Struct, frozen=True, eq=False):
-    """One field of a record, under its name on each side ("" where it has none).
+    """One field of a record, under its name on each side ("" if it has none).
 
     `default` is the value of a field that only ROS 2 has: pieces of bytes with their alignment.
     """

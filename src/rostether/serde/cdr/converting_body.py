@@ -231,7 +231,7 @@ class ConvertingBody(ReadingBody):
         """Return the code that converts one element, and the known part of the elements' offsets in CDR.
 
         That is the common part of the first element's position and the ends of all elements. More knowledge
-        of the position gives more knowledge of the ends, so it is repeated.
+        of the position gives more knowledge of the ends, so this is repeated until nothing more is known.
         """
         start = self.target_at if self.to_cdr else self.source_at
         modulus, residue = 1, 0
