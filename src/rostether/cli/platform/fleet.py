@@ -156,14 +156,13 @@ async def _stop(settings: FleetSettings, as_json: bool) -> int:
     with closing(FleetSender(settings, _report)) as sender:
         robots = await sender.stop()
     for robot in robots:
-        who = f"robot {robot.status.robot_id} at {robot.address[0]}"
+        number, address, is_stopped = robot.status.robot_id, robot.address[0], has_stopped(robot)
         if as_json:
-            number, address = robot.status.robot_id, robot.address[0]
-            write_json({"robot": number, "address": address, "stopped": has_stopped(robot)})
-        elif has_stopped(robot):
-            write_line(f"{who} has stopped")
+            write_json({"robot": number, "address": address, "stopped": is_stopped})
+        elif is_stopped:
+            write_line(f"robot {number} at {address} has stopped")
         else:
-            warn(f"{who} has NOT confirmed the stop")
+            warn(f"robot {number} at {address} has NOT confirmed the stop")
     if not robots:
         warn(silence_text(settings))
     return EXIT_DONE if robots and all(map(has_stopped, robots)) else EXIT_FAILED

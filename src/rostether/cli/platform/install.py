@@ -5,14 +5,15 @@ from __future__ import annotations
 import os
 import shutil
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
-from rostether.cli.platform.systemd import UNIT, clean, is_lingering, linger, output_of, systemctl
+from rostether.cli.platform.systemd import UNIT, clean, is_lingering, linger, systemctl
 from rostether.cli.shell.failures import EXIT_DONE, EXIT_FAILED
 from rostether.cli.shell.option_group import (
     EXISTING_FILE,
@@ -119,12 +120,10 @@ def _enabling_link(root: Path, installation: Installation) -> Path:
 def _enable_below(root: Path, installation: Installation) -> None:
     """Make systemd start the unit in an image: `systemctl` only enables units of the running machine."""
     link = _enabling_link(root, installation)
-    try:
+    with _changing(link):
         link.parent.mkdir(exist_ok=True)
         link.unlink(missing_ok=True)
         link.symlink_to(installation.unit)
-    except OSError as error:
-        raise ConfigError(write_failure(link, error)) from None
     write_line(f"wrote {link}")
 
 
@@ -144,10 +143,14 @@ def uninstall(for_user: bool | None, root: Path | None) -> None:
         elif is_lingering():
             write_line("your services may still start at boot; to prevent this: loginctl disable-linger")
     else:
-        _enabling_link(root, installation).unlink(missing_ok=True)
+        link = _enabling_link(root, installation)
+        with _changing(link):
+            link.unlink(missing_ok=True)
     for path in paths:
-        path_below(root, path).unlink()
-        write_line(f"removed {path_below(root, path)}")
+        target = path_below(root, path)
+        with _changing(target):
+            target.unlink()
+        write_line(f"removed {target}")
     folder = path_below(root, installation.robot_file).parent
     if folder.name == "rostether" and not any(folder.iterdir()):
         folder.rmdir()
@@ -174,11 +177,10 @@ def status(for_user: bool | None, root: Path | None) -> int:
         # systemd shows the service as running: the other parts run.
         warn(f"{error}; a part with wrong arguments does not run")
     if root is None:
-        scope = [] if installation.is_system else ["--user"]
-        shown = output_of(["systemctl", *scope, "show", UNIT, "-p", "ActiveState,SubState"])
+        shown = systemctl(installation, "show", UNIT, "-p", "ActiveState,SubState")
         states = dict(line.split("=", 1) for line in shown.splitlines() if "=" in line)
         write_line(f"{states.get('ActiveState', 'unknown')} ({states.get('SubState', 'unknown')})")
-        write_line(f"log: journalctl {'--user ' if scope else ''}-u rostether")
+        write_line(f"log: journalctl {'' if installation.is_system else '--user '}-u rostether")
     return EXIT_DONE
 
 
@@ -270,13 +272,20 @@ def _written(installation: Installation) -> list[Path]:
 def _write(files: Mapping[Path, str], root: Path | None) -> None:
     for path, content in files.items():
         target = path_below(root, path)
-        try:
+        with _changing(target):
             target.parent.mkdir(parents=True, exist_ok=True)
             target.write_text(content, encoding="utf-8")
-        except PermissionError as error:
-            raise ConfigError(
-                f"cannot write {target}: {error.strerror}; run the command with sudo, or add --user"
-            ) from None
-        except OSError as error:
-            raise ConfigError(write_failure(target, error)) from None
         write_line(f"wrote {target}")
+
+
+@contextmanager
+def _changing(path: Path) -> Iterator[None]:
+    """Raise ConfigError with the next step if the block cannot change a file."""
+    try:
+        yield
+    except PermissionError as error:
+        raise ConfigError(
+            f"cannot change {path}: {error.strerror}; run the command with sudo, or add --user"
+        ) from None
+    except OSError as error:
+        raise ConfigError(write_failure(path, error)) from None

@@ -21,12 +21,12 @@ _LINGERING = Path("/var/lib/systemd/linger")
 _LIMIT_S = 60.0
 
 
-def systemctl(installation: Installation, *words: str) -> None:
-    """Run a command of `systemctl` for the system's or the user's services. Raises ConfigError."""
-    output_of(["systemctl", *([] if installation.is_system else ["--user"]), *words])
+def systemctl(installation: Installation, *words: str) -> str:
+    """Run `systemctl` for the system's or the user's services; return its output. Raises ConfigError."""
+    return _output_of(["systemctl", *([] if installation.is_system else ["--user"]), *words])
 
 
-def output_of(command: Sequence[str]) -> str:
+def _output_of(command: Sequence[str]) -> str:
     """Run a program of systemd and return its output. Raises ConfigError if it fails."""
     try:
         done = subprocess.run(  # noqa: S603 - systemd's programs
@@ -50,7 +50,7 @@ def linger() -> None:
     """
     command = ["loginctl", "enable-linger", getpass.getuser()]
     try:
-        output_of(command)
+        _output_of(command)
     except ConfigError:
         raise ConfigError(
             "rostether runs now, and each time you log in; to start it at boot, type: "

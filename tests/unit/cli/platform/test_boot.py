@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import shlex
 import signal
@@ -220,3 +221,20 @@ async def test_the_line_of_the_unit_runs_the_parts(root: Path, shell: Shell, tmp
         (core,) = _children(up.process.pid, "rostether core")
         os.kill(core, signal.SIGKILL)
         await up.wait_for("core   | ended (signal SIGKILL); restarts in 1 s")
+
+
+@pytest.mark.parametrize("words", [("install", "--machine", "both", "--name", "r"), ("uninstall",)])
+def test_files_that_cannot_be_changed(
+    root: Path, shell: Shell, monkeypatch: pytest.MonkeyPatch, words: tuple[str, ...]
+) -> None:
+    def refuse(path: Path, *_: object, **__: object) -> None:
+        raise PermissionError(errno.EACCES, "Permission denied", str(path))
+
+    place = ("--root", str(root), "--system")
+    shell.output("install", "--machine", "both", "--name", "r", *place)
+    # Root may change everything, so permissions cannot be tried out.
+    for method in ("write_text", "unlink"):
+        monkeypatch.setattr(Path, method, refuse)
+    line = shell.failure(*words, *place)
+    assert line.startswith(f"cannot change {root}/etc/")
+    assert line.endswith(": Permission denied; run the command with sudo, or add --user")
