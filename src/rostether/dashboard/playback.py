@@ -12,6 +12,7 @@ from rostether.errors import ConfigError, RostetherError
 from rostether.graph.callbacks import report_error
 from rostether.graph.ports import Graph
 from rostether.mechanisms.run_until import run_until
+from rostether.mechanisms.tasks import cancel_all
 from rostether.recording.files import open_recording
 from rostether.recording.player import Player, PlaySettings
 from rostether.recording.recorded import RecordingReader
@@ -92,8 +93,7 @@ class Playback:
 
     async def _end(self) -> None:
         if self._task is not None:
-            self._task.cancel()
-            await asyncio.wait([self._task])
+            await cancel_all(self._task)
             self._task = None
 
     async def _play(self, reader: RecordingReader, started: asyncio.Future[None]) -> None:

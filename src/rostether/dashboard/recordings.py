@@ -16,6 +16,7 @@ from rostether.errors import ConfigError, InvalidNameError, RecordingError, Rost
 from rostether.graph.callbacks import report_error
 from rostether.graph.ports import Graph
 from rostether.mechanisms.run_until import run_until
+from rostether.mechanisms.tasks import cancel_all
 from rostether.mechanisms.text import write_failure
 from rostether.recording.files import create_recording, dated_name
 from rostether.recording.player import PlaySettings
@@ -108,8 +109,7 @@ class Recordings:
         async with self._lock:
             if self._task is None or self._task.done():
                 raise ConfigError("nothing is being recorded; start a recording first")
-            self._task.cancel()
-            await asyncio.wait([self._task])
+            await cancel_all(self._task)
             self._report(f"recorded {self._folder / self._name}")
 
     @property

@@ -19,6 +19,7 @@ from rostether.errors import ServiceCallError
 from rostether.graph.ports import Level, Snapshot, Subscriber
 from rostether.graph.typed_graph import TypedGraph
 from rostether.graph.typed_handles import TypedPublisher
+from rostether.mechanisms.block_end import closed_at_end, task_beside
 from rostether.msgdef.interface import ANY_MESSAGE
 from rostether.platform.sensor_files import read_state, write_state
 from rostether.platform.sensor_registration import Registration, fields_of
@@ -67,37 +68,32 @@ class SensingManager:
             self._registry.add(sensor, now_s)
         if restored:
             self._report(Level.INFO, f"sensors known from an earlier run: {len(restored)}")
-        self._publisher = await self._graph.publisher("sensors", "sensing_platform/Sensors", latch=True)
+        graph, offer = self._graph, self._graph.service_server
+        self._publisher = await graph.publisher("sensors", "sensing_platform/Sensors", latch=True)
         # This comes before the first registration, so that no sensor gets a topic in use.
-        self._record_publishers(await self._graph.snapshot())
-        services = [
-            await self._graph.service_server(
-                "sensors_register", "sensors/RegistrationService", self._register
+        self._record_publishers(await graph.snapshot())
+        async with (
+            closed_at_end(self._publisher),
+            closed_at_end(await offer("sensors_register", "sensors/RegistrationService", self._register)),
+            closed_at_end(
+                await offer("sensors_register_by_id", "sensing_platform/RegisterSensor", self._register_by_id)
             ),
-            await self._graph.service_server(
-                "sensors_register_by_id", "sensing_platform/RegisterSensor", self._register_by_id
-            ),
-            await self._graph.service_server("sensors_rename", "sensing_platform/RenameSensor", self._rename),
-        ]
-        following = asyncio.ensure_future(self._follow_connections())
-        try:
-            while True:
-                await self._subscribe_to_new()
-                self._registry.update_states(time.monotonic())
-                self._publish()
+            closed_at_end(await offer("sensors_rename", "sensing_platform/RenameSensor", self._rename)),
+            task_beside(self._follow_connections()) as following,
+        ):
+            try:
+                while True:
+                    await self._subscribe_to_new()
+                    self._registry.update_states(time.monotonic())
+                    self._publish()
+                    await self._save()
+                    await self._wait(following)
+            finally:
                 await self._save()
-                await self._wait(following)
-        finally:
-            await self._save()
-            following.cancel()
-            await asyncio.wait([following])
-            for service in services:
-                await service.close()
-            for subscriber in self._subscribers.values():
-                await subscriber.close()
-            await self._publisher.close()
+                for subscriber in self._subscribers.values():
+                    await subscriber.close()
 
-    async def _wait(self, following: asyncio.Task[None]) -> None:
+    async def _wait(self, following: asyncio.Task[object]) -> None:
         """Wait until the list has changed."""
         while True:
             if following.done():

@@ -146,9 +146,8 @@ class FoxgloveGateway(BlockClosable):
     async def close(self) -> None:
         """Close all connections, and end everything on the graph."""
         self._is_closing = True
-        await self._server.close()
         await cancel_all(*(task for task in (self._following, self._leaving) if task is not None))
-        await self._server.close_connections()
+        await self._server.close()
         await self.context.close()
 
     async def wait_ended(self) -> None:
@@ -236,10 +235,9 @@ class FoxgloveGateway(BlockClosable):
 
     async def _end_with_node(self) -> None:
         reason = await self.context.graph.wait_closed()
-        self._warn(f"its node was shut down: {reason}")
+        self._warn(f"its node was shut down ({reason}); start it again")
         self._is_closing = True
         await self._server.close()
-        await self._server.close_connections()
         self._ended.set()
 
     def _broadcast(self, message: str | bytes) -> None:

@@ -8,6 +8,7 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Protocol
 
 from rostether.errors import RostetherError
+from rostether.mechanisms.tasks import cancel_all
 
 # How often the size of a running recording is reported.
 PERIOD_S = 1.0
@@ -71,8 +72,7 @@ class RecordingReports:
         """End the reports, the playback and the recording."""
         self._followers.clear()
         if self._task is not None:
-            self._task.cancel()
-            await asyncio.wait([self._task])
+            await cancel_all(self._task)
         await self.control.stop_playing()
         if self.control.is_active:
             with contextlib.suppress(RostetherError):

@@ -124,12 +124,11 @@ class RosbridgeServer:
 
     async def _end_with_node(self) -> None:
         reason = await self._context.graph.wait_closed()
-        self._report(Level.WARN, f"rosbridge: its node was shut down ({reason}); the server has stopped")
+        self._report(Level.WARN, f"rosbridge: its node was shut down ({reason}); start it again")
         await self._close()
 
     async def _close(self) -> None:
         await self._server.close()
-        await self._server.close_connections()
         if self._clients:
             await asyncio.wait(list(self._clients.values()))
         await self._context.close()

@@ -33,6 +33,7 @@ from rostether.gateways.websocket.access_rules import Token
 from rostether.gateways.websocket.websocket_stream import WebSocketStream
 from rostether.graph.callbacks import report_error
 from rostether.graph.ports import Level
+from rostether.mechanisms.block_end import task_beside
 from rostether.mechanisms.text import counted, fold_line
 
 if TYPE_CHECKING:
@@ -100,14 +101,12 @@ class Session:
 
     async def run(self, *, is_authenticated: bool) -> None:
         """Serve the client until it closes the connection."""
-        sending = asyncio.ensure_future(self._send_all())
-        sending.add_done_callback(self._sending_ended)
         try:
-            if is_authenticated or await self._authenticate():
-                await self._receive_all()
+            async with task_beside(self._send_all()) as sending:
+                sending.add_done_callback(self._sending_ended)
+                if is_authenticated or await self._authenticate():
+                    await self._receive_all()
         finally:
-            sending.cancel()
-            await asyncio.wait([sending])
             with contextlib.suppress(RostetherError):
                 await asyncio.gather(self._topics.close(), self._services.close(), self._actions.close())
 
@@ -245,7 +244,7 @@ class Session:
             size += sum(map(len, new))
         return frames
 
-    def _sending_ended(self, sending: asyncio.Task[None]) -> None:
+    def _sending_ended(self, sending: asyncio.Task[object]) -> None:
         if not sending.cancelled() and (error := sending.exception()) is not None:
             report_error(f"sending to {self.name}", error)
             self._connection.abort()

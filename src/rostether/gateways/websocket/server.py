@@ -122,12 +122,9 @@ class WebSocketServer:
             port = self.port
 
     async def close(self) -> None:
-        """Stop accepting connections; existing ones stay open."""
+        """Stop listening, close all connections, and abort those that do not answer in time. Idempotent."""
         self._is_closed = True
         await close_servers(self._servers)
-
-    async def close_connections(self) -> None:
-        """Close all connections, and abort those that do not answer in time."""
         for connection in list(self._connections):
             connection.close()
         try:
