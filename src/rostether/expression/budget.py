@@ -141,7 +141,9 @@ class Budget:
             formats = _FORMAT.findall(text)
             for digits in (each for pair in formats for each in pair if each):
                 if digits == "*" or len(digits) > 4 or int(digits) > MAX_DIGITS:
-                    raise OverflowError(f"a width in a format must be a number of at most {MAX_DIGITS}")
+                    raise OverflowError(
+                        f"a width in a format must be a number of at most {MAX_DIGITS}; use a smaller one"
+                    )
             self.spend(len(text) + len(formats) * (self._size(right) + MAX_DIGITS))
         return left % right
 
@@ -224,7 +226,7 @@ class Budget:
     @staticmethod
     def _round(number: Any, ndigits: Any = None) -> Any:
         if isinstance(ndigits, int) and abs(ndigits) > MAX_DIGITS:
-            raise OverflowError(f"round() takes at most {MAX_DIGITS} digits")
+            raise OverflowError(f"round() takes at most {MAX_DIGITS} digits; use fewer")
         return round(number, ndigits)
 
     @staticmethod
@@ -254,4 +256,6 @@ def _collisions(count: int) -> int:
 
 def _check_bits(bits: float) -> None:
     if bits > MAX_INTEGER_BITS:
-        raise OverflowError(f"a whole number of more than {MAX_INTEGER_BITS} bits is too large")
+        raise OverflowError(
+            f"a whole number of more than {MAX_INTEGER_BITS} bits is too large; use smaller numbers"
+        )

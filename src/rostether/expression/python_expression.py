@@ -129,7 +129,7 @@ class PythonEvaluator:
 
     def _format(self, value: Any, conversion: int, spec: str) -> str:
         if any(len(digits) > 4 or int(digits) > MAX_DIGITS for digits in re.findall(r"\d+", spec)):
-            raise OverflowError(f"a width in a format must be at most {MAX_DIGITS}")
+            raise OverflowError(f"a width in a format must be at most {MAX_DIGITS}; use a smaller one")
         self._budget.read(value)
         conversions: dict[int, Callable[[Any], str]] = {ord("s"): str, ord("r"): repr, ord("a"): ascii}
         return format(conversions[conversion](value) if conversion in conversions else value, spec)

@@ -178,7 +178,9 @@ class ParameterTags:
 def _read_bytes(file: str) -> bytes:
     data = read_file(file)
     if len(data) > MAX_FILE_BYTES:
-        raise LaunchError(f"{file} is larger than {MAX_FILE_BYTES} bytes, too large for a parameter")
+        raise LaunchError(
+            f"{file} is larger than {MAX_FILE_BYTES} bytes, too large for a parameter; shorten it"
+        )
     return data
 
 

@@ -168,8 +168,10 @@ def _substitutions(text: str) -> Iterator[str]:
                 raise LaunchError(f"{text!r}: $(...) cannot be nested; use $(eval ...)")
             if character == "(":
                 if text.startswith(_EVAL_PREFIX[2:], start):
-                    raise LaunchError(f"{text!r}: $(eval ...) has to be the whole value")
-                raise LaunchError(f"{text!r}: there is a second '(' inside $(...)")
+                    raise LaunchError(
+                        f"{text!r}: $(eval ...) has to be the whole value; move the rest into it"
+                    )
+                raise LaunchError(f"{text!r}: there is a second '(' inside $(...); remove it")
             if character == ")":
                 if index > start:
                     found.append(text[start:index])
@@ -189,7 +191,7 @@ def _substitutions(text: str) -> Iterator[str]:
 def evaluate(expression: str, scope: Scope, context: LaunchContext) -> str:
     """Return the text of an expression's value. Raises LaunchError, ConfigError."""
     if "__" in expression:
-        raise LaunchError(f"$(eval {expression}) must not contain a double underscore")
+        raise LaunchError(f"$(eval {expression}) must not contain a double underscore; use other names")
 
     # Arguments override Python's functions; `math` overrides arguments: `e` and `pi` are always numbers.
     names: dict[str, Any] = {

@@ -140,7 +140,7 @@ def _given_path(package: str, name: str, folder: Path | None) -> Path:
         raise _not_found(package)
     program = folder / name
     if not program.is_file():
-        raise ConfigError(f"package {package} has no {name}: {program} does not exist")
+        raise ConfigError(f"package {package} has no {name}: {program} does not exist; correct the path")
     if not os.access(program, os.X_OK) and not is_python(program):
         raise ConfigError(f"{program} is not executable; run `chmod +x {program}`")
     return program

@@ -86,7 +86,7 @@ def parse_package_xml(data: bytes, *, file: str = PACKAGE_FILE, default_name: st
         make_error=place_first(ConfigError, file),
     )
     if root.tag != "package":
-        raise ConfigError(f"{file}: the root element is <{root.tag}>, not <package>")
+        raise ConfigError(f"{file}: the root element is <{root.tag}>, not <package>; write a package.xml")
     name = _text(root, "name") or default_name
     if not name:
         raise ConfigError(f"{file}: the package has no name; add <name>NAME</name>")

@@ -161,6 +161,7 @@ class JointStates:
         factor, offset, leader = mimic_chain(self._dependent, name)
         if leader not in self.free:
             raise RobotModelError(
-                f"joint {name!r} mimics {leader!r}, which is not a movable joint of the robot"
+                f"joint {name!r} mimics {leader!r}, which is not a movable joint of the robot; "
+                "correct its mimic or dependent_joints"
             )
         return factor, offset, leader

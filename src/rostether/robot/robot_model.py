@@ -96,7 +96,8 @@ def mimic_chain(
         offset += factor * mimic.offset
         factor *= mimic.multiplier
         if mimic.joint in passed:
-            raise RobotModelError(f"joints mimic each other in a cycle: {', '.join([*passed, mimic.joint])}")
+            cycle = ", ".join([*passed, mimic.joint])
+            raise RobotModelError(f"joints mimic each other in a cycle: {cycle}; remove one of the mimics")
         passed.append(mimic.joint)
         mimic = None if mimic.joint in given else mimics.get(mimic.joint)
     return factor, offset, passed[-1]

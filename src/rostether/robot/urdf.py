@@ -63,7 +63,7 @@ def _robot(robot: XmlElement) -> RobotModel:
             raise element.error(f"link {link!r} is not unique; rename one")
         links[link] = None
     if not links:
-        raise robot.error(f"the robot has no <link>{_xacro_hint(robot)}")
+        raise robot.error(f"the robot has no <link>{_xacro_hint(robot) or '; add one'}")
     if len(links) > MAX_LINKS:
         raise robot.error(f"the robot has more than {MAX_LINKS} links; simplify it")
     joints: dict[str, Joint] = {}
@@ -75,12 +75,13 @@ def _robot(robot: XmlElement) -> RobotModel:
         for role, link_name in (("parent", joint.parent), ("child", joint.child)):
             if link_name not in links:
                 raise element.error(
-                    f"{role} link {link_name!r} of joint {joint.name!r} does not exist{_xacro_hint(robot)}"
+                    f"{role} link {link_name!r} of joint {joint.name!r} does not exist"
+                    f"{_xacro_hint(robot) or '; add it, or correct the name'}"
                 )
         if joint.child in children:
             other = children[joint.child]
             raise element.error(
-                f"link {joint.child!r} is the child of two joints, {other!r} and {joint.name!r}"
+                f"link {joint.child!r} is the child of two joints, {other!r} and {joint.name!r}; remove one"
             )
         children[joint.child] = joint.name
         joints[joint.name] = joint
@@ -91,7 +92,9 @@ def _robot(robot: XmlElement) -> RobotModel:
 def _root(robot: XmlElement, links: Iterable[str], children: dict[str, str]) -> str:
     roots = [name for name in links if name not in children]
     if not roots:
-        raise robot.error("no root link: every link is the child of a joint, so they form a loop")
+        raise robot.error(
+            "no root link: every link is the child of a joint, so they form a loop; remove a joint"
+        )
     if len(roots) > 1:
         raise robot.error(
             f"two root links, {roots[0]!r} and {roots[1]!r}; connect them with a joint{_xacro_hint(robot)}"

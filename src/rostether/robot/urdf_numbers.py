@@ -14,7 +14,7 @@ def number(element: XmlElement, name: str, what: str, default: float | None = No
     if text is not None:
         return _number(element, text, f"{name} of {what}")
     if default is None:
-        raise element.error(f"{what} has no {name}")
+        raise element.error(f"{what} has no {name}; add it")
     return default
 
 
