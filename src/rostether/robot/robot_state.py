@@ -91,23 +91,12 @@ class RobotState:
         if not self.settings.ignore_timestamp and stamp_ns < min(last_ns, now_ns) + self.settings.interval_ns:
             return []
         self._published_ns.update(dict.fromkeys(known, stamp_ns))
-        complete = self._with_followers(known)
+        complete = with_mimics(self._model, known)
         return [
             self._stamped(joint, complete[name], stamp_ns)
             for name, joint in self._moving.items()
-            if name in complete
+            if math.isfinite(complete.get(name, math.nan))
         ]
-
-    def _with_followers(self, known: dict[str, float]) -> dict[str, float]:
-        complete = with_mimics(self._model, known)
-        return {
-            name: at
-            for name, at in complete.items()
-            if name in known or (self._has_known_leader(name, known) and math.isfinite(at))
-        }
-
-    def _has_known_leader(self, name: str, known: dict[str, float]) -> bool:
-        return mimic_chain(self._model.mimics, name, known)[2] in known
 
     def _defect(self, names: Sequence[str], positions: Sequence[float], stamp_ns: int, now_ns: int) -> str:
         if len(names) != len(positions):
@@ -159,7 +148,7 @@ def joint_transform(joint: Joint, position: float = 0.0) -> Transform:
 
 
 def with_mimics(model: RobotModel, positions: Mapping[str, float]) -> dict[str, float]:
-    """Return the positions, with those of all joints that mimic them, directly or indirectly.
+    """Return the positions, with those of the joints that mimic them, directly or indirectly.
 
     Raises RobotModelError if joints mimic each other in a cycle.
     """
@@ -168,7 +157,8 @@ def with_mimics(model: RobotModel, positions: Mapping[str, float]) -> dict[str, 
     for name in mimics:
         if name not in complete:
             factor, offset, leader = mimic_chain(mimics, name, positions)
-            complete[name] = factor * positions[leader] + offset if leader in positions else offset
+            if leader in positions:
+                complete[name] = factor * positions[leader] + offset
     return complete
 
 

@@ -27,16 +27,14 @@ class Duration(stamps.Duration):
     """A span of time."""
 
     __slots__ = ()
-
-    @classmethod
-    def _shown_as(cls) -> str:
-        return "rospy.Duration"
+    _class_text = "rospy.Duration"
 
 
 class Time(stamps.Time):
     """A point in ROS time."""
 
     __slots__ = ()
+    _class_text = "rospy.Time"
 
     @staticmethod
     def now() -> Time:
@@ -47,10 +45,6 @@ class Time(stamps.Time):
     def from_seconds(cls, float_secs: float) -> Time:
         """Create a time from seconds; the older name of `from_sec`."""
         return cls.from_sec(float_secs)
-
-    @classmethod
-    def _shown_as(cls) -> str:
-        return "rospy.Time"
 
 
 def is_wallclock() -> bool:

@@ -6,7 +6,7 @@ Source: http://docs.ros.org/en/noetic/api/genpy/html/
 from __future__ import annotations
 
 from numbers import Integral, Real
-from typing import Any, TypeVar
+from typing import Any, ClassVar, TypeVar
 
 from rostether.rostime import NS_PER_S
 
@@ -17,6 +17,7 @@ class TVal:
     """Seconds and nanoseconds, 0 <= nsecs < 1e9; `secs` alone may be a float."""
 
     __slots__ = ("nsecs", "secs")
+    _class_text: ClassVar = "genpy.TVal"
     _slot_types = ["int32", "int32"]  # noqa: RUF012 - a list, as introspection of messages expects
 
     def __init__(self, secs: Any = 0, nsecs: Any = 0) -> None:
@@ -59,7 +60,7 @@ class TVal:
         return str(self.to_nsec())
 
     def __repr__(self) -> str:
-        return f"{self._shown_as()}[{self.to_nsec()}]"
+        return f"{self._class_text}[{self.to_nsec()}]"
 
     def __bool__(self) -> bool:
         return not self.is_zero()
@@ -85,10 +86,6 @@ class TVal:
     def __setstate__(self, state: list[int]) -> None:
         self.secs, self.nsecs = state
 
-    @classmethod
-    def _shown_as(cls) -> str:
-        return f"genpy.{cls.__name__}"
-
     def __add__(self, other: object) -> Any:
         if isinstance(other, Duration):
             return type(self)(self.secs + other.secs, self.nsecs + other.nsecs)
@@ -106,6 +103,7 @@ class Time(TVal):
     """A point in time. Raises TypeError for a negative one."""
 
     __slots__ = ()
+    _class_text = "genpy.Time"
 
     def __init__(self, secs: Any = 0, nsecs: Any = 0) -> None:
         super().__init__(secs, nsecs)
@@ -126,6 +124,7 @@ class Duration(TVal):
     """A span of time, which may be negative."""
 
     __slots__ = ()
+    _class_text = "genpy.Duration"
 
     def __neg__(self) -> Any:
         return type(self)(-self.secs, -self.nsecs)

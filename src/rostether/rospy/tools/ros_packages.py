@@ -219,6 +219,4 @@ def _manifest_in(folder: Path) -> Manifest:
         raise InvalidManifest(f"{error}") from None
 
 
-@cache
-def _all_folders() -> dict[str, Path]:
-    return package_folders()
+_all_folders = cache(package_folders)
