@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from array import array
 from collections.abc import Mapping
-from contextlib import closing
+from contextlib import closing, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -170,11 +170,9 @@ def _topic_lines(facts: Mapping[str, Any]) -> list[str]:
     lines = []
     for row in topics:
         word = "msg " if row["messages"] == 1 else "msgs"
+        rate = rates.get(row["topic"], "")
         line = f"{row['topic']:<{name_width}}   {row['messages']:>{count_width}} {word}"
-        line += (
-            f" @ {rates[row['topic']]:>{rate_width}}" if row["topic"] in rates else f"   {'':{rate_width}}"
-        )
-        line += f" : {row['type']}"
+        line += f" {'@' if rate else ' '} {rate:>{rate_width}} : {row['type']}"
         if row["connections"] > 1:
             line += f" ({row['connections']} connections)"
         lines.append(line)
@@ -268,12 +266,8 @@ def _shown(value: Any, indent: int = 0) -> str:
 
 def _word(text: str) -> str:
     """Return a text as YAML, without quotes if possible."""
-    try:
-        is_plain = load(f"a: {text}") == {"a": text}
-    except YamlError:
-        is_plain = False
-    return (
-        text
-        if is_plain
-        else str(yaml.safe_dump(text, width=1 << 30)).removesuffix("\n").removesuffix("\n...")
-    )
+    with suppress(YamlError):
+        if load(f"a: {text}") == {"a": text}:
+            return text
+    quoted = str(yaml.safe_dump(text, width=1 << 30))
+    return quoted.removesuffix("\n").removesuffix("\n...")

@@ -130,6 +130,10 @@ def bag_play(options: PlayOptions, files: tuple[str, ...], graph: GraphOptions) 
         given = [each for each in given if not each.startswith("/") or Path(each).exists()]
     if not given:
         raise click.UsageError("name a file to play")
+
+    def full(name: str) -> str:
+        return resolve(name, environment)
+
     settings = PlaySettings(
         rate=options.rate,
         start_s=options.start_s,
@@ -141,15 +145,13 @@ def bag_play(options: PlayOptions, files: tuple[str, ...], graph: GraphOptions) 
         delay_s=options.delay_s,
         clock_hz=options.clock_hz if options.with_clock else None,
         queue_messages=options.queue_messages,
-        rate_control_topic=resolve(options.rate_control_topic, environment)
-        if options.rate_control_topic
-        else "",
+        rate_control_topic=full(options.rate_control_topic) if options.rate_control_topic else "",
         rate_control_max_delay_s=options.rate_control_max_delay_s,
         waits_for_subscribers=options.wait_for_subscribers,
-        pause_topics=frozenset(resolve(each, environment) for each in options.pause_topics),
-        topics=frozenset(resolve(each, environment) for each in topics),
-        prefix=resolve(options.prefix, environment) if options.prefix else "",
-        remappings={resolve(old, environment): resolve(new, environment) for old, new in remappings.items()},
+        pause_topics=frozenset(map(full, options.pause_topics)),
+        topics=frozenset(map(full, topics)),
+        prefix=full(options.prefix) if options.prefix else "",
+        remappings={full(old): full(new) for old, new in remappings.items()},
     )
     run(_play(graph, [Path(each) for each in given], settings, options))
 

@@ -117,6 +117,20 @@ class RecordOptions:
     quiet: bool = flag("-q --quiet", "Print only errors.")
     msg_paths: tuple[Path, ...] = shared(msg_path_option, ())
 
+    @property
+    def compression(self) -> str:
+        """The name of the compression of chunks."""
+        if self.bz2:
+            return "bz2"
+        return "lz4" if self.lz4 else "none"
+
+    @property
+    def buffer_bytes(self) -> int | None:
+        """The size of the buffer, None without one: without compression, messages are written immediately."""
+        if self.compression == "none":
+            return None
+        return (self.buffer_mb or MAX_BUFFER_MB) * MEGABYTE
+
 
 @verb(
     "record",
@@ -172,11 +186,7 @@ def bag_record(options: RecordOptions, topics: tuple[str, ...], graph: GraphOpti
         max_splits=options.max_splits,
         messages_per_topic=options.limit,
     )
-    packing = Packing(
-        "bz2" if options.bz2 else "lz4" if options.lz4 else "none",
-        options.chunk_kb * KILOBYTE,
-        options.storage,
-    )
+    packing = Packing(options.compression, options.chunk_kb * KILOBYTE, options.storage)
     files = NewFiles(
         options.output_name,
         options.output_prefix,
@@ -224,10 +234,7 @@ async def _record(
             name=files.path_of,
             report=report,
             repeat_latched=options.repeat_latched,
-            # Without compression, messages are written immediately.
-            buffer_bytes=(options.buffer_mb or MAX_BUFFER_MB) * MEGABYTE
-            if options.bz2 or options.lz4
-            else None,
+            buffer_bytes=options.buffer_bytes,
         )
         try:
             # A signal and `rosnode kill` are the normal ends of a recording.

@@ -210,7 +210,9 @@ def _endpoint(endpoint: EndpointStatus, name_width: int, width: int) -> Line:
 
 
 def _milliseconds(value: float | None) -> str:
-    return "-" if value is None else f"{value:.1f}" if value < 1000 else f"{value:.0f}"
+    if value is None:
+        return "-"
+    return f"{value:.1f}" if value < 1000 else f"{value:.0f}"
 
 
 def _offset(value_ms: float | None) -> str:

@@ -137,8 +137,10 @@ def format_ros2_bandwidth(bandwidth: Bandwidth) -> str:
 
 
 def _unit(bandwidth: Bandwidth) -> tuple[float, str, int]:
-    rate = bandwidth.bytes_per_s
-    return (1, "B", 0) if rate < 1e3 else (1e3, "KB", 2) if rate < 1e6 else (1e6, "MB", 2)
+    """Return the bytes in the unit, its name, and the decimals that `ros2 topic bw` prints."""
+    if bandwidth.bytes_per_s < 1e3:
+        return 1, "B", 0
+    return (1e3, "KB", 2) if bandwidth.bytes_per_s < 1e6 else (1e6, "MB", 2)
 
 
 def _amounts(bandwidth: Bandwidth) -> tuple[float, ...]:
