@@ -35,7 +35,7 @@ FIRST_ANSWER_S = 15.0
 ASK_AGAIN_S = 1.0
 # The announcements are complete if none follows within this time.
 SETTLED_S = 0.5
-# After a pause of this length inside a frame, its rest does not come. Simulated boards pause when busy.
+# After a pause of this length inside a frame, its rest was lost. Simulated boards pause on a busy machine.
 TORN_AFTER_S = 5.0
 # The host's clock at the start of a check.
 HOST_EPOCH = Time(1_700_000_000, 0)

@@ -85,7 +85,7 @@ def read_given(folder: Path) -> list[Library]:
     """
     folder = folder.expanduser().resolve()
     if not folder.is_dir():
-        raise ConfigError(f"--library {folder}: no such folder")
+        raise ConfigError(f"--library {folder}: no such folder; give the folder of a library, or of several")
     if (folder / "library.properties").is_file() or _has_headers(folder):
         return [read_library(folder, Origin.GIVEN)]
     if (folder / "src").is_dir() and _has_headers(folder / "src"):

@@ -186,7 +186,7 @@ def _add_loose(found: dict[str, PackageFiles], folder: Folder) -> None:
     owner = folder.path
     if owner.name in _KIND_FOLDERS:
         owner = owner.parent
-    # --msg-path may have been given the msg folder of a real package.
+    # The user may have given the msg folder of a real package.
     name = (package_name(owner) if owner != folder.path else None) or owner.name
     if is_package_name(name):
         found.setdefault(name, PackageFiles()).add_loose(folder.path, folder.files)

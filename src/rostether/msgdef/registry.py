@@ -76,7 +76,7 @@ class Registry:
     def from_environment(
         cls, msg_paths: Iterable[Path | str] = (), environ: Mapping[str, str] | None = None
     ) -> Registry:
-        """Use --msg-path folders, ROS_PACKAGE_PATH, and the packages around and below the current folder.
+        """Return a registry of --msg-path folders, ROS_PACKAGE_PATH, and packages near the current folder.
 
         Raises ConfigError for a missing folder.
         """

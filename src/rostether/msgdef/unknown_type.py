@@ -17,13 +17,13 @@ class KnownNames(Protocol):
     """The names in a registry."""
 
     def packages(self) -> list[str]:
-        """All packages."""
+        """Return the names of all packages."""
 
     def messages(self, package: str | None = None) -> list[str]:
-        """Full names of messages."""
+        """Return the full names of the messages, of one package or of all."""
 
     def services(self, package: str | None = None) -> list[str]:
-        """Full names of services."""
+        """Return the full names of the services, of one package or of all."""
 
 
 def explain_unknown(known: KnownNames, kind: Kind, package: str, short_name: str) -> str:

@@ -106,7 +106,7 @@ class QemuBoard(BlockClosable):
             await _end(process)
             if isinstance(error, TimeoutError):
                 raise BoardError(
-                    f"{PROGRAM} did not start within {START_LIMIT_S:g} s; the machine may be too busy"
+                    f"{PROGRAM} did not start within {START_LIMIT_S:g} s; try again on an idle computer"
                 ) from None
             raise
 

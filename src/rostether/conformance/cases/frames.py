@@ -96,7 +96,7 @@ async def check_false_header(client: CheckedClient) -> None:
 
 @case("frame-torn", Part.TEXT)
 async def check_torn(client: CheckedClient) -> None:
-    """After the beginning of a frame and a pause of 1.2 s, over TCP of 6 s, the next frame is received."""
+    """After the beginning of a frame and a pause of 1.2 s (6 s over TCP), the next frame is received."""
     # The beginning of the longest frame: the next frame is too short to complete it.
     size = min(client.buffer_of("text_in"), 1024) - 4
     client.send_bytes(_frame(client, "x" * size)[:9])

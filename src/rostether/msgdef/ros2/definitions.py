@@ -76,7 +76,7 @@ class Ros2Definitions:
     def from_environment(
         cls, msg_paths: Iterable[Path | str] = (), environ: Mapping[str, str] | None = None
     ) -> Ros2Definitions:
-        """Use --msg-path folders, the variables of ROS 1 and ROS 2, and packages from pip.
+        """Return the definitions in --msg-path folders, on the paths of ROS 1 and ROS 2, and from pip.
 
         Raises ConfigError for a missing folder.
         """

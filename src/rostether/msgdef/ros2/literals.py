@@ -9,7 +9,7 @@ from rostether.msgdef.ros2.primitives import INTEGER_RANGES, STRING_TYPES
 from rostether.msgdef.ros2.spec import ConstantValue, DefaultValue, Ros2Type
 from rostether.names.graph_name import quote
 
-# Python refuses thousands of digits with a longer error text.
+# Longer numbers are out of range. Without this limit, Python's error for thousands of digits would appear.
 _MAX_INTEGER_CHARACTERS = 100
 _BOOLS = {"true": True, "1": True, "false": False, "0": False}
 

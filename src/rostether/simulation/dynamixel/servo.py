@@ -21,7 +21,7 @@ TICKS_PER_RAD = 4096 / math.tau
 # Units of the profile: 214.577 turns per minute squared.
 PROFILE_RAD_S2 = 214.577 * math.tau / 3600
 WATCHDOG_UNIT_S = 0.02
-# How long a servo does not answer after a reboot.
+# The time after a reboot in which a servo does not answer.
 REBOOT_S = 0.2
 _GOALS = ("goal_pwm", "goal_velocity", "goal_position")
 

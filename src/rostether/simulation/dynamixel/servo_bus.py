@@ -1,4 +1,4 @@
-"""A bus of simulated DYNAMIXEL servos, without I/O: request bytes in, answer bytes out.
+"""A bus of simulated DYNAMIXEL servos, sans I/O: request bytes in, answer bytes out.
 
 The caller provides the clock.
 """

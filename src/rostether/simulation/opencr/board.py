@@ -42,6 +42,7 @@ PIN_FULL_SCALE_V = 3.3
 # The sound travels there and back, at 342 m/s.
 _ECHO_US_PER_M = 2e6 / 342
 _BATTERY_PIN = pin_number("BDPIN_BAT_PWR_ADC")
+# Just below the largest voltage that the board can measure.
 _MAX_BATTERY_V = 18.0
 
 
@@ -163,7 +164,7 @@ class OpenCrBoard(BlockClosable):
         """Change the supply of the board and the servos. Raises ConfigError beyond 0 to 18 V."""
         if not 0 <= volts <= _MAX_BATTERY_V:
             raise ConfigError(
-                f"a battery of {volts:g} V would destroy the board; give 0 to {_MAX_BATTERY_V:g} V"
+                f"the board cannot measure a battery of {volts:g} V; give 0 to {_MAX_BATTERY_V:g} V"
             )
         self._send_to_sketch(_battery_line(volts))
         for servo in self.base.servos.values():

@@ -12,6 +12,7 @@ from rostether.simulation.simavr.board_events import BoardEvent
 
 _BUTTONS = {"none": 0, "up": 1, "down": 2, "left": 4, "right": 8}
 _SERVOS = {"left": LEFT_ID, "right": RIGHT_ID}
+# The range of an HC-SR04.
 _MAX_RANGE_M = 4.0
 
 

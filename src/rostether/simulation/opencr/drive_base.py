@@ -9,7 +9,7 @@ from rostether.simulation.dynamixel.servo import WheelMotor
 from rostether.simulation.dynamixel.servo_bus import ServoBus
 from rostether.simulation.motion import GRAVITY, Vector
 
-# A TurtleBot3 Burger.
+# The dimensions of a TurtleBot3 Burger.
 WHEEL_RADIUS_M = 0.033
 WHEEL_SEPARATION_M = 0.160
 LEFT_ID, RIGHT_ID = 1, 2

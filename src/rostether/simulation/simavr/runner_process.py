@@ -56,8 +56,8 @@ class RunnerProcess:
             await made.close()
             if isinstance(error, TimeoutError):
                 raise BoardError(
-                    f"the simulated board did not start within {START_LIMIT_S:g} s; the machine may be too "
-                    "busy"
+                    f"the simulated board did not start within {START_LIMIT_S:g} s; try again on an "
+                    "idle computer"
                 ) from None
             raise
         made._reading = asyncio.get_running_loop().create_task(made._read())

@@ -24,6 +24,7 @@ ODOMETRY = "nav_msgs/Odometry"
 # These commands have a value for each pin.
 _BY_PIN = ("adc", "pin")
 
+# Longer than any command; the shown errors have the same limit.
 MAX_COMMAND_CHARS = 200
 # Fast enough to look live; without a subscriber, the board is not queried.
 PERIOD_S = 0.1

@@ -51,7 +51,7 @@ class CountingBoard:
     async def __aexit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        """Stop."""
+        """Stop counting, and close the device."""
         if self._counting is not None:
             await cancel_all(self._counting)
         await self._device.close()
