@@ -91,6 +91,28 @@ def export(options: ExportOptions) -> int:
     return EXIT_FAILED if any(table.unfit_count for table in chosen.tables) else EXIT_DONE
 
 
+def _is_table_name(output: str) -> bool:
+    """Return whether -o names a file. Raises ConfigError for an unknown extension."""
+    path = Path(output)
+    if path.is_dir() or output.endswith("/"):
+        return False
+    is_table = path.suffix in (".csv", ".parquet")
+    if not is_table and path.suffix[1:2].isalpha():
+        raise ConfigError(
+            f"-o {output}: the name of a table must end with .csv or .parquet; a folder must exist already, "
+            "or have no extension"
+        )
+    return is_table
+
+
+def _stem(recording: Path) -> str:
+    """Return a recording's name without its extension."""
+    path = recording.resolve()
+    # The file metadata.yaml selects the ROS 2 bag in its folder.
+    name = path.parent.name if path.name == "metadata.yaml" else path.name.removesuffix(".active")
+    return str(Path(name).with_suffix(""))
+
+
 class _TableFiles:
     """The files of the tables, in the requested format."""
 
@@ -98,26 +120,10 @@ class _TableFiles:
         output = options.output
         self._created: list[Path] = []
         self._is_stdout = output == _STDOUT
-        self._folder = Path()
-        self._file: Path | None = None
-        if output is not None and not self._is_stdout:
-            path = Path(output)
-            is_folder = path.is_dir() or output.endswith("/")
-            is_file = path.suffix in (".csv", ".parquet") and not is_folder
-            if not is_file and not is_folder and path.suffix[1:2].isalpha():
-                raise ConfigError(
-                    f"-o {output}: the name of a table must end with .csv or .parquet; a folder must exist "
-                    "already, or have no extension"
-                )
-            self._folder = path
-            self._file = path if is_file else None
+        self._file = Path(output) if output is not None and _is_table_name(output) else None
         extension = self._file.suffix.removeprefix(".") if self._file is not None else None
         self._format = options.format_name or extension or "csv"
-        if output is None:
-            # The file metadata.yaml selects the ROS 2 bag in its folder.
-            whole = options.recording.resolve()
-            name = whole.parent.name if whole.name == "metadata.yaml" else whole.name.removesuffix(".active")
-            self._folder = Path(f"{Path(name).with_suffix('')}_{self._format}")
+        self._folder = Path(f"{_stem(options.recording)}_{self._format}" if output is None else output)
         if (self._is_stdout or self._file is not None) and len(chosen.tables) != 1:
             names = ", ".join(table.topic for table in chosen.tables)
             raise ConfigError(

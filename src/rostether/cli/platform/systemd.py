@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 UNIT = "rostether.service"
 # Where logind keeps the users whose services start at boot.
 _LINGERING = Path("/var/lib/systemd/linger")
-# Stopping the service takes a few seconds for each part.
+# systemd kills a service that does not stop within 10 s; a slow machine needs more time.
 _LIMIT_S = 60.0
 
 
