@@ -50,7 +50,7 @@ class LoopThread:
 
     @property
     def loop(self) -> asyncio.AbstractEventLoop:
-        """The running loop."""
+        """The running loop; its first use starts the thread. Raises GraphError in a forked process."""
         self.require_thread()
         with self._lock:
             if self._loop is None:

@@ -20,23 +20,23 @@ class RepeatLimiter:
 
     def __init__(self, *, by_episode: bool = False) -> None:
         self._by_episode = by_episode
-        # {kind: (start of the period, suppressed lines)}
+        # {kind: (start of the period, omitted lines)}
         self._kinds: OrderedDict[str, tuple[float, int]] = OrderedDict()
 
     def admit(self, kind: str, now_s: float, *, count: int = 1) -> int | None:
-        """Return how many lines of the kind were suppressed since the last one, None to suppress this one.
+        """Return how many lines of the kind were omitted since the last one, None to omit this one.
 
         `count` is the number of events in the line.
         """
-        began_s, suppressed = self._kinds.get(kind, (float("-inf"), 0))
+        began_s, omitted_count = self._kinds.get(kind, (float("-inf"), 0))
         if now_s - began_s < PERIOD_S:
-            self._kinds[kind] = now_s if self._by_episode else began_s, suppressed + count
+            self._kinds[kind] = now_s if self._by_episode else began_s, omitted_count + count
             return None
         self._kinds[kind] = now_s, 0
         self._kinds.move_to_end(kind)
         if len(self._kinds) > MAX_KINDS:
             self._kinds.popitem(last=False)
-        return suppressed
+        return omitted_count
 
     def forget(self, kind: str) -> None:
         """Admit the next line of a kind."""

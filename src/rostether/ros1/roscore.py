@@ -62,7 +62,7 @@ class Roscore:
         return self._master.uri
 
     async def wait_closed(self) -> None:
-        """Wait until the master has been closed, by `close` or from outside."""
+        """Wait until the master has been closed, by `close` or by a call of its `shutdown` method."""
         await self._master.wait_closed()
 
     async def close(self) -> None:

@@ -21,7 +21,7 @@ CONNECT_TIMEOUT_S = 10.0
 # that the subscriber is behind.
 UNSENT_BYTES = 128 << 10
 
-# A peer that reads gets the rest within milliseconds. There is no wait for other peers.
+# A peer that reads gets the rest within milliseconds; one that hangs must not delay the end.
 CLOSE_GRACE_S = 1.0
 
 # Nearly all headers are smaller; larger ones are counted together, so that many cannot fill the memory.
@@ -186,8 +186,8 @@ class ConnectionRecord:
 def set_keepalive(transport: asyncio.Transport) -> None:
     """Let the kernel detect a peer that disappeared.
 
-    TCP_NODELAY is asyncio's default: Nagle's algorithm would delay a message by up to 40 ms, although whole
-    batches are written.
+    TCP_NODELAY is asyncio's default. Nagle's algorithm would save nothing, because whole batches are written,
+    and delay messages by up to 40 ms.
     """
     opened = transport.get_extra_info("socket")
     if opened is None:

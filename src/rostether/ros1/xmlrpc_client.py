@@ -59,27 +59,26 @@ class XmlRpcClient:
         self._idle: list[_Connection] = []
         self._is_closed = False
 
-    async def call(self, method: str, *args: object, timeout_s: float | None = None) -> XmlRpcValue:
+    async def call(self, method: str, *args: object) -> XmlRpcValue:
         """Return the method's value.
 
-        Raises GraphError (or `unreachable`) when the server cannot be reached, is too slow, or answers with a
-        fault or nonsense; SerializationError when an argument cannot be sent. `__cause__` is the OSError, if
-        any.
+        Raises GraphError (or `unreachable`) when the server cannot be reached, is too slow, or sends a fault
+        or an invalid answer; its `__cause__` is the OSError, if any. Raises SerializationError when an
+        argument cannot be sent.
         """
-        limit_s = self._timeout_s if timeout_s is None else timeout_s
         try:
             writer = DocumentWriter()
             await run_in_slices(call_steps(writer, method, args))
             # The work on large values here does not count: the server answers meanwhile, or has answered.
-            async with asyncio.timeout(limit_s):
+            async with asyncio.timeout(self._timeout_s):
                 answer = await self._exchange(writer.document())
             reader = DocumentReader(answer)
             await run_in_slices(reader.steps())
             return reader.response()
         except TimeoutError:
             raise self._unreachable(
-                f"{self.peer} at {self.uri} did not answer {method} in {limit_s:g} s; check that it does not"
-                " hang"
+                f"{self.peer} at {self.uri} did not answer {method} in {self._timeout_s:g} s; check that it "
+                "does not hang"
             ) from None
         except (OSError, UnicodeError) as error:
             reason = _reason(error)

@@ -48,7 +48,7 @@ class ServerConnection(asyncio.Protocol):
         self._is_congested = False
         self._loop = asyncio.get_running_loop()
         self.last_active_s = self._loop.time()
-        # When the request that is being received, or waited for, began.
+        # When the current request began, or the wait for the next one.
         self.waiting_since_s = self.last_active_s
         self.has_spoken = False
         self.host = ""
@@ -75,11 +75,11 @@ class ServerConnection(asyncio.Protocol):
 
     @property
     def is_answering(self) -> bool:
-        """Whether the method called has not returned yet."""
+        """Whether a method is running."""
         return self._task is not None
 
     def close(self) -> None:
-        """Close the connection after the written data was sent; its methods are stopped."""
+        """Close the connection after the written data was sent; a running method is cancelled."""
         if self._task is not None:
             self._task.cancel()
         if self._transport is not None:

@@ -22,12 +22,13 @@ from rostether.transports.sockets import close_servers
 IDLE_TIMEOUT_S = 90.0
 # A client connects to send a request; a silent connection only uses a descriptor.
 FIRST_BYTE_LIMIT_S = 15.0
-# A client that reads has its answer within milliseconds. The server does not wait for other clients.
+# A client that reads has its answer within milliseconds; one that hangs must not delay the end.
 _CLOSE_GRACE_S = 1.0
 # The maximum share of connections that have not sent a complete request. Above it, they replace each other;
 # otherwise, they would replace the connections of nodes that wait between two calls.
 _UNUSED_SHARE = 0.25
-# How many of the largest requests may be received, and of the largest answers wait to be read, at once.
+# How many of the largest requests may be received, and of the largest answers wait to be read, at once: they
+# use up to 64 MB each.
 _LARGEST_AT_ONCE = 4
 
 

@@ -1,6 +1,6 @@
 """Answers on a TCPROS service connection: a flag for success, then the response or the error's text.
 
-    uint8 ok | uint32 length | payload            (little endian; requests are framed as messages are)
+    uint8 ok | uint32 length | payload            (little endian; requests are framed like messages)
 
 ok = 1: the payload is the response message. ok = 0: it is the server's error text in UTF-8.
 """

@@ -122,7 +122,7 @@ class PtyAddress(_NamedAddress, frozen=True):
 
 
 class XbeeAddress(_SharedAddress, frozen=True):
-    """An XBee radio's serial port; `peers` are 16-bit or 64-bit addresses served before they send."""
+    """An XBee radio's serial port; `peers` are addresses of boards that are served before they send."""
 
     path: str
     baud: int = DEFAULT_BAUD

@@ -26,7 +26,8 @@ _LIKELY_PREFIXES = ("ttyACM", "ttyUSB", "cu.usb")
 class PortFacts(Struct, frozen=True):
     """The state of one port; `group` may use it, None if membership would not help.
 
-    `near` are the ports with a similar name, `others` all ports of this machine, as text for users.
+    For a port that does not exist, `near` are the ports with a similar name, and `others` the first ports of
+    this machine, as text for users.
     """
 
     path: str

@@ -1,6 +1,6 @@
 r"""The hello of a network board with a pre-shared key, sans I/O; rosserial bytes follow only after it.
 
-Four lines of ASCII, in which both sides prove that they have the key:
+Three lines of ASCII, in which both sides prove that they have the key:
 
     listener    RSPSK1 <nonce>\n
     connector   RSPSK1 <nonce> <proof>\n

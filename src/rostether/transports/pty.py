@@ -23,7 +23,7 @@ from rostether.transports.sockets import explain_reason
 from rostether.transports.stream import FLUSH_LIMIT_S
 from rostether.transports.transport import Receiver
 
-# A person does not notice it, and it costs less than 0.1 % of a CPU.
+# Users do not notice this delay, and the checks cost less than 0.1 % of a CPU.
 _OPENER_POLL_S = 0.05
 # The kernel drops unread bytes when our side closes, and moves bytes to the reader in steps: all bytes are
 # read when two checks in a row find none waiting.

@@ -22,8 +22,8 @@ class RefusalLog:
     def refuse(self, peer: str, reason: str) -> None:
         """Count a refused peer, and log it if the rate permits."""
         self.count += 1
-        suppressed = self._lines.admit("refused", self._clock())
-        if suppressed is None:
+        omitted_count = self._lines.admit("refused", self._clock())
+        if omitted_count is None:
             return
-        more = f" ({suppressed} more since the last such line)" if suppressed else ""
+        more = f" ({omitted_count} more since the last such line)" if omitted_count else ""
         _LOG.warning("%s refused %s: %s%s", self._listener, peer, reason, more)

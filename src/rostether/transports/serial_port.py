@@ -1,4 +1,4 @@
-"""The facts about a serial port before it is opened."""
+"""Serial ports as the system lists them."""
 
 from __future__ import annotations
 

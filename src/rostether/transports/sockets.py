@@ -1,4 +1,4 @@
-"""Shared by TCP and UDP: socket options, and explanations of socket errors."""
+"""Options of sockets, and explanations of their errors, for TCP, UDP and the servers of ROS 1."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ _UNACKNOWLEDGED_LIMIT_MS = 11_000
 _UNSENT_BYTES = 16 * 1024
 
 # The connections that the kernel keeps while the event loop is busy: after a restart, all boards and nodes
-# connect at once. Without room, a connection is repeated a second later. Only waiting ones need memory.
+# connect at once. Without room, a peer tries again a second later. Only waiting connections need memory.
 _BACKLOG = 1024
 
 # About 30 frames of 4 KiB: with smaller reads, system calls take a tenth of the time.
@@ -139,7 +139,7 @@ def explain_connect_error(sockaddr: str, error: OSError) -> TransportOpenError:
 
 
 def explain_reason(error: Exception) -> str:
-    """Return the shortest text of an error."""
+    """Return the text of an error, without its number and file name."""
     if isinstance(error, OSError) and error.strerror:
         return error.strerror
     return str(error) or type(error).__name__

@@ -168,7 +168,7 @@ class TcpListener:
 
     @property
     def connection_count(self) -> int:
-        """How many boards are connected now."""
+        """How many connections are open now, with those that have not proven their key."""
         return len(self._transports)
 
     async def close(self) -> None:

@@ -2,7 +2,7 @@
 
 h11 does the framing (Content-Length, chunked, HTTP/1.0 and 1.1, keep-alive); this adds what ROS peers need:
 limits, one exchange at a time, and `Expect: 100-continue`. It also refuses browsers, because a web page can
-make a browser POST to a loopback port: only a browser sends an `Origin` header, so a request with one is
+make a browser POST to a loopback port. Only a browser sends an `Origin` header, so a request with one is
 refused. A request whose `Host` is not a name of this machine is refused too: see `transports.own_names`.
 """
 

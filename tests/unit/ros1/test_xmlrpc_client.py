@@ -210,9 +210,9 @@ async def test_silence() -> None:
         await asyncio.Event().wait()
 
     async with peer(session) as uri:
-        client = XmlRpcClient(uri, unreachable=MasterUnreachableError)
+        client = XmlRpcClient(uri, unreachable=MasterUnreachableError, timeout_s=0.05)
         with pytest.raises(MasterUnreachableError, match=r"did not answer getPid in 0\.05 s"):
-            await client.call("getPid", timeout_s=0.05)
+            await client.call("getPid")
 
 
 async def test_a_name_that_cannot_be_resolved() -> None:

@@ -84,7 +84,7 @@ class Endpoints:
         self._is_open = True
 
     def start_watch(self, interval_s: float) -> None:
-        """Check the node's host name, and repeat registrations that the master has lost."""
+        """Check the node's host name now, and its registrations every `interval_s`."""
         self._registrations.start_watch(interval_s)
         check_own_host(self._environment.advertised_host, partial(self._report, Level.WARN))
 

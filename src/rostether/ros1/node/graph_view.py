@@ -48,7 +48,7 @@ async def watch_changes(master: MasterClient, closed: asyncio.Event) -> AsyncIte
     """Yield a snapshot now and one after each change, until `closed` is set.
 
     If the master is unreachable later, the snapshot's `problem` has the reason; only the first request
-    raises MasterUnreachableError.
+    raises MasterUnreachableError. Raises GraphError if the master refuses a request.
     """
     latest = await take_snapshot(master)
     yield latest

@@ -20,7 +20,7 @@ from rostether.ros1.xmlrpc_client import XmlRpcClient
 # The caller id of tools that start no node, and the meaning of `~` in their names.
 TOOL_NAME = "/rostether"
 
-# rosnode's own: a node answers within milliseconds, over a bad radio link within a second or two.
+# The same as in rosnode: a node answers within milliseconds, over a bad radio link within a second or two.
 NODE_TIMEOUT_S = 3.0
 
 _CONNECTION = re.compile(r"\w+ connection on port (\d+) to \[(.*) on socket (\d+)\]")

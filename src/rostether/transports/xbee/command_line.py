@@ -52,12 +52,12 @@ class CommandLine(SmallWriter):
         self._changed.set()
 
     def connection_lost(self, error: TransportError | None) -> None:
-        """Note the end of the port."""
+        """Record the end of the port."""
         self._has_ended, self._error = True, error
         self._changed.set()
 
     async def leave_api_mode(self) -> bool:
-        """Set a radio in API mode to transparent; False if none answers. Raises TransportError."""
+        """Set a radio in API mode to transparent; return False if none answers. Raises TransportError."""
         self._received.clear()
         self._transport.write(encode_at("AP", _TRANSPARENT, frame_id=_FRAME_ID))
         decoder = XbeeFrameDecoder()
@@ -73,7 +73,7 @@ class CommandLine(SmallWriter):
             return False
 
     async def enter(self) -> bool:
-        """Enter command mode; False if no radio answers at this baud rate. Raises TransportError."""
+        """Enter command mode; return False if no radio answers at this baud rate. Raises TransportError."""
         await asyncio.sleep(GUARD_S)
         self._received.clear()
         self._transport.write(b"+++")
@@ -93,7 +93,7 @@ class CommandLine(SmallWriter):
         return value if 0 <= value <= _MAX_REGISTER else None
 
     async def execute(self, command: str) -> bool:
-        """Run a command such as `MY1` or `WR`; False if the radio refuses it. Raises TransportError."""
+        """Run a command such as `WR`; return False if the radio refuses it. Raises TransportError."""
         return await self._ask(command) == _OK
 
     async def _ask(self, command: str) -> bytes:

@@ -69,7 +69,7 @@ class SendQueue(Generic[Key]):
         self._frame_id = 0
 
     def put(self, key: Key, data: bytes | bytearray | memoryview) -> bool:
-        """Queue bytes for a board; False if its queue is full, and all of them are dropped."""
+        """Queue bytes for a board; return False if its queue is full, which drops all of them."""
         board = self._boards.setdefault(key, _WaitingBytes())
         board.is_gone = False
         # A message that is longer on its own still gets through.
