@@ -67,7 +67,7 @@ async def publish_joint_states(
     if not isinstance(sources, list) or not all(isinstance(each, str) for each in sources):
         raise ConfigError(f"~source_list must be a list of topics, not {sources!r:.200}")
     publisher = await graph.publisher("joint_states", STATE_TYPE)
-    left = asyncio.ensure_future(graph.raw.wait_closed())
+    closed = asyncio.ensure_future(graph.raw.wait_closed())
     async with asyncio.TaskGroup() as tasks:
         listening = [
             tasks.create_task(_listen(graph, str(source), states, on_source))
@@ -78,7 +78,7 @@ async def publish_joint_states(
         # The first message has the number 1, as in rospy.
         sequence = 0
         try:
-            while not left.done():
+            while not closed.done():
                 states.step()
                 values = states.values()
                 if values.name:
@@ -92,9 +92,9 @@ async def publish_joint_states(
                     )
                 # After a delay, continue from now instead of catching up in a burst.
                 due_s = max(due_s + 1 / rate_hz, loop.time())
-                await asyncio.wait([left], timeout=due_s - loop.time())
+                await asyncio.wait([closed], timeout=due_s - loop.time())
         finally:
-            left.cancel()
+            closed.cancel()
             for task in listening:
                 task.cancel()
 

@@ -86,7 +86,7 @@ class RobotState:
         # If a joint occurs twice, the first value counts. Unknown names are not stored: a peer could send any
         # number of them.
         values = reversed(list(zip(names, positions, strict=True)))
-        known = {name: at for name, at in values if name in self._moving and math.isfinite(at)}
+        known = {name: each for name, each in values if name in self._moving and math.isfinite(each)}
         last_ns = min((self._published_ns.get(name, 0) for name in known), default=now_ns)
         if not self.settings.ignore_timestamp and stamp_ns < min(last_ns, now_ns) + self.settings.interval_ns:
             return []

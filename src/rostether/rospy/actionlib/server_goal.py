@@ -93,23 +93,25 @@ class ServerGoalHandle:
 
     def set_canceled(self, result: Any = None, text: str = "") -> None:
         """End the goal as cancelled: RECALLED or PREEMPTED."""
-        wanted = "a cancelled state, the goal must be in a pending, recalling, active, or preempting state"
-        self._end(_CANCELLED, wanted, result, text)
+        requirement = (
+            "a cancelled state, the goal must be in a pending, recalling, active, or preempting state"
+        )
+        self._end(_CANCELLED, requirement, result, text)
 
     def set_rejected(self, result: Any = None, text: str = "") -> None:
         """Refuse the goal."""
-        wanted = "a rejected state, the goal must be in a pending or recalling state"
-        self._end(_REJECTED, wanted, result, text)
+        requirement = "a rejected state, the goal must be in a pending or recalling state"
+        self._end(_REJECTED, requirement, result, text)
 
     def set_aborted(self, result: Any = None, text: str = "") -> None:
         """End the goal as failed."""
-        wanted = "an aborted state, the goal must be in a preempting or active state"
-        self._end(_from_work_to(GoalStatus.ABORTED), wanted, result, text)
+        requirement = "an aborted state, the goal must be in a preempting or active state"
+        self._end(_from_work_to(GoalStatus.ABORTED), requirement, result, text)
 
     def set_succeeded(self, result: Any = None, text: str = "") -> None:
         """End the goal as done."""
-        wanted = "a succeeded state, the goal must be in a preempting or active state"
-        self._end(_from_work_to(GoalStatus.SUCCEEDED), wanted, result, text)
+        requirement = "a succeeded state, the goal must be in a preempting or active state"
+        self._end(_from_work_to(GoalStatus.SUCCEEDED), requirement, result, text)
 
     def publish_feedback(self, feedback: Any) -> None:
         """Publish feedback."""
@@ -130,7 +132,7 @@ class ServerGoalHandle:
             server.publish_status()
             return True
 
-    def _change(self, transitions: dict[int, int], wanted: str, text: str) -> ServedGoal | None:
+    def _change(self, transitions: dict[int, int], requirement: str, text: str) -> ServedGoal | None:
         found = self._found("set status")
         if found is None:
             return None
@@ -138,7 +140,7 @@ class ServerGoalHandle:
         with server.lock:
             status = transitions.get(goal.status.status)
             if status is None:
-                logerr("To transition to %s, it is currently in state: %d", wanted, goal.status.status)
+                logerr("To transition to %s, it is currently in state: %d", requirement, goal.status.status)
                 return None
             logdebug("Goal %s: %s", goal.status.goal_id.id, GoalStatus.to_string(status))
             goal.status.status = status
@@ -147,13 +149,13 @@ class ServerGoalHandle:
                 server.publish_status()
             return goal
 
-    def _end(self, transitions: dict[int, int], wanted: str, result: Any, text: str) -> None:
+    def _end(self, transitions: dict[int, int], requirement: str, result: Any, text: str) -> None:
         server = self.action_server
         if server is None:
             self._found("set status")
             return
         with server.lock:
-            goal = self._change(transitions, wanted, text)
+            goal = self._change(transitions, requirement, text)
             if goal is not None:
                 goal.ended_at = Time.now()
                 server.publish_result(goal.status, self.get_default_result() if result is None else result)

@@ -107,8 +107,8 @@ class SimpleActionClient:
         if self.gh is None:
             return int(GoalStatus.LOST)
         status = self.gh.get_goal_status()
-        seen_as = {GoalStatus.RECALLING: GoalStatus.PENDING, GoalStatus.PREEMPTING: GoalStatus.ACTIVE}
-        return int(seen_as.get(status, status))
+        simplified = {GoalStatus.RECALLING: GoalStatus.PENDING, GoalStatus.PREEMPTING: GoalStatus.ACTIVE}
+        return int(simplified.get(status, status))
 
     def get_goal_status_text(self) -> str:
         """Return the text of the server's last status of the goal."""

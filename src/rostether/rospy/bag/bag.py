@@ -86,7 +86,7 @@ class Bag:
             path.open("ab").close()
             self._writer = self._create(path)
         else:
-            self._continue(path)
+            self._start_appending(path)
 
     def __enter__(self) -> Bag:
         return self
@@ -164,7 +164,7 @@ class Bag:
             )
 
         found = reader.messages(is_wanted, start_ns=_nanoseconds(start_time), end_ns=_nanoseconds(end_time))
-        return self._given(found, raw=raw, with_header=return_connection_header)
+        return self._converted(found, raw=raw, with_header=return_connection_header)
 
     def write(
         self,
@@ -265,7 +265,7 @@ class Bag:
         except RecordingError as error:
             raise ROSBagException(str(error)) from None
 
-    def _continue(self, path: Path) -> None:
+    def _start_appending(self, path: Path) -> None:
         """Copy the bag to a new file; `close` replaces the bag with it."""
         reader = self._open(path)
         writer = self._create(path.with_name(f".{path.name}.unfinished"))
@@ -299,7 +299,7 @@ class Bag:
             raise ROSBagException("Bag contains no message")
         return span_ns
 
-    def _given(self, found: Iterator[RecordedMessage], *, raw: bool, with_header: bool) -> Iterator[Any]:
+    def _converted(self, found: Iterator[RecordedMessage], *, raw: bool, with_header: bool) -> Iterator[Any]:
         for connection, time_ns, payload in found:
             stamp = Time(*divmod(time_ns, NS_PER_S))
             made = self._types.class_of(connection.type)

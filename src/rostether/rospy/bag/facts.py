@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from itertools import pairwise
-from statistics import median
 from typing import Any, NamedTuple
 
+from rostether.mechanisms.median import median
 from rostether.recording.recorded import RecordingReader
 from rostether.rospy.client.stamps import Time
 from rostether.rostime import NS_PER_S

@@ -107,15 +107,15 @@ def wait_for_message(topic: str, topic_type: type[Message], timeout: Any = None)
     timeout_s = in_seconds(timeout)
     deadline_s = None if timeout_s is None else time.monotonic() + timeout_s
     found: list[Message] = []
-    news = threading.Event()
+    arrived = threading.Event()
 
     def on_message(message: Message) -> None:
         found.append(message)
-        news.set()
+        arrived.set()
 
     subscriber = Subscriber(topic, topic_type, on_message)
     try:
-        while not is_shutdown() and not news.wait(0.1):
+        while not is_shutdown() and not arrived.wait(0.1):
             if deadline_s is not None and time.monotonic() >= deadline_s:
                 raise ROSException(f"timeout exceeded while waiting for message on topic {topic}")
     finally:

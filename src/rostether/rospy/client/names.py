@@ -47,12 +47,12 @@ class NodeNames:
 
     def set_node_name(self, base_name: str) -> str:
         """Set the node's name, with which private names resolve. Returns its full name."""
-        self.caller_id = self._plain(base_name, self.caller_id)
+        self.caller_id = self._full_name(base_name, self.caller_id)
         self.namespace = _parent(self.caller_id)
         self.resolved_mappings = {
-            source if source.startswith("__") else self._plain(source, self.caller_id): target
+            source if source.startswith("__") else self._full_name(source, self.caller_id): target
             if source.startswith("__")
-            else self._plain(target, self.caller_id)
+            else self._full_name(target, self.caller_id)
             for source, target in self.mappings.items()
         }
         return self.caller_id
@@ -62,7 +62,7 @@ class NodeNames:
         caller_id = caller_id or self.caller_id
         if not name:
             return _parent(caller_id)
-        resolved = self._plain(str(name), caller_id)
+        resolved = self._full_name(str(name), caller_id)
         return self.resolved_mappings.get(resolved, resolved)
 
     def resolve_early(self, name: str) -> str:
@@ -73,21 +73,21 @@ class NodeNames:
         if is_private(name):
             raise ValueError("~name topics cannot be created before init_node() has been called")
         fake_caller = self.namespace + "node"
-        resolved = self._plain(name, fake_caller)
+        resolved = self._full_name(name, fake_caller)
         for source, target in self.mappings.items():
-            if not source.startswith("__") and self._plain(source, fake_caller) == resolved:
+            if not source.startswith("__") and self._full_name(source, fake_caller) == resolved:
                 if is_private(target):
                     raise ROSInitException(
                         f"{name} cannot be remapped to a ~name here: the topic is created before init_node()"
                     )
-                return self._plain(target, fake_caller)
+                return self._full_name(target, fake_caller)
         return resolved
 
     def remap(self, name: str) -> str:
         """Return the resolved target of a name that the command line remaps, else the same name."""
-        return self._plain(self.mappings[name], self.caller_id) if name in self.mappings else name
+        return self._full_name(self.mappings[name], self.caller_id) if name in self.mappings else name
 
-    def _plain(self, name: str, caller_id: str) -> str:
+    def _full_name(self, name: str, caller_id: str) -> str:
         try:
             return _resolve(name, namespace=_parent(caller_id), node_name=caller_id)
         except ValueError:

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -33,6 +35,15 @@ class RosParamException(Exception):  # noqa: N818 - the name is rosparam's
 
 class RosParamIOException(RosParamException):
     """The master does not answer."""
+
+
+@contextmanager
+def master_required(kind: type[Exception]) -> Iterator[None]:
+    """Raise an error of the class `kind` if the master does not answer in the block."""
+    try:
+        yield
+    except ConnectionRefusedError:
+        raise kind("Unable to communicate with master!") from None
 
 
 class Master:

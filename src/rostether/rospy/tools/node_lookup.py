@@ -14,7 +14,7 @@ from rostether.ros1.machines import hosts_of_machine
 from rostether.ros1.xmlrpc_client import XmlRpcClient
 from rostether.rospy.client.node import node
 from rostether.rospy.tools.graph_names import make_global_ns
-from rostether.rospy.tools.master_tools import Master, MasterError, MasterException
+from rostether.rospy.tools.master_tools import Master, MasterError, MasterException, master_required
 
 # As in rosnode.
 PING_TIMEOUT_S = 3.0
@@ -41,12 +41,11 @@ def get_node_names(namespace: str | None = None) -> list[str]:
 
 def get_api_uri(master: Master, caller_id: str, skip_cache: bool = False) -> str | None:
     """Return the URI of a node; None if the master does not know it. Raises ROSNodeIOException."""
-    try:
-        return str(master.lookupNode(caller_id))
-    except MasterError:
-        return None
-    except ConnectionRefusedError:
-        raise ROSNodeIOException("Unable to communicate with master!") from None
+    with master_required(ROSNodeIOException):
+        try:
+            return str(master.lookupNode(caller_id))
+        except MasterError:
+            return None
 
 
 def get_machines_by_nodes() -> list[str]:
@@ -156,10 +155,8 @@ def get_node_info_description(node_name: str) -> str:
 
 
 def _state() -> list[list[tuple[str, list[str]]]]:
-    try:
+    with master_required(ROSNodeIOException):
         return [[(name, nodes) for name, nodes in table] for table in Master(_OWN_NAME).getSystemState()]
-    except ConnectionRefusedError:
-        raise ROSNodeIOException("Unable to communicate with master!") from None
 
 
 def _machines() -> list[tuple[str, str]]:

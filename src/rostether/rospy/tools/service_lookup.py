@@ -16,7 +16,7 @@ from rostether.rospy.client.node import node
 from rostether.rospy.client.ros_time import get_rostime
 from rostether.rospy.client.services import ServiceProxy
 from rostether.rospy.tools.graph_names import make_global_ns, script_resolve_name
-from rostether.rospy.tools.master_tools import Master, MasterException
+from rostether.rospy.tools.master_tools import Master, MasterException, master_required
 from rostether.tcpros.handshake import probe_fields
 
 _OWN_NAME = "/rosservice"
@@ -37,10 +37,8 @@ def get_service_list(
 
     Raises ROSServiceIOException.
     """
-    try:
+    with master_required(ROSServiceIOException):
         services = Master(_OWN_NAME).getSystemState()[2]
-    except ConnectionRefusedError:
-        raise ROSServiceIOException("Unable to communicate with master!") from None
     if namespace:
         below = make_global_ns(namespace)
         services = [each for each in services if each[0] == namespace or each[0].startswith(below)]
@@ -51,12 +49,11 @@ def get_service_list(
 
 def get_service_uri(service_name: str) -> str | None:
     """Return the URI of a service; None if no node offers it. Raises ROSServiceIOException."""
-    try:
-        return str(Master(_OWN_NAME).lookupService(service_name))
-    except MasterException:
-        return None
-    except ConnectionRefusedError:
-        raise ROSServiceIOException("Unable to communicate with master!") from None
+    with master_required(ROSServiceIOException):
+        try:
+            return str(Master(_OWN_NAME).lookupService(service_name))
+        except MasterException:
+            return None
 
 
 def get_service_node(service_name: str) -> str | None:

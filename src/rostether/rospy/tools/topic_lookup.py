@@ -13,7 +13,7 @@ from rostether.rospy.client.message_types import all_types, get_message_class
 from rostether.rospy.client.ros_time import Rate, get_rostime
 from rostether.rospy.client.shutdown import is_shutdown
 from rostether.rospy.tools.graph_names import ANYTYPE, script_resolve_name
-from rostether.rospy.tools.master_tools import Master
+from rostether.rospy.tools.master_tools import Master, master_required
 
 # As in rostopic.
 _POLL_S = 0.1
@@ -63,11 +63,9 @@ def get_topic_class(topic: str, blocking: bool = False) -> tuple[Any, str | None
 def get_topic_list(master: Master | None = None) -> tuple[list[Any], list[Any]]:
     """Return published and subscribed topics, each as (name, type, nodes). Raises ROSTopicIOException."""
     master = master or Master("/rostopic")
-    try:
+    with master_required(ROSTopicIOException):
         publishers, subscribers, _ = master.getSystemState()
         types = dict(master.getTopicTypes())
-    except ConnectionRefusedError:
-        raise ROSTopicIOException("Unable to communicate with master!") from None
     published, subscribed = (
         [(name, types.get(name, "unknown type"), nodes) for name, nodes in table]
         for table in (publishers, subscribers)
@@ -184,10 +182,8 @@ def _has_field(kind: str, path: str) -> bool:
 
 
 def _types() -> list[tuple[str, str]]:
-    try:
+    with master_required(ROSTopicIOException):
         return [(name, kind) for name, kind in Master("/rostopic").getTopicTypes()]
-    except ConnectionRefusedError:
-        raise ROSTopicIOException("Unable to communicate with master!") from None
 
 
 def _index_of(text: str) -> int | slice:
