@@ -1,4 +1,4 @@
-"""Files that say a few bytes are a lot: one line, and little memory."""
+"""Files whose few bytes would need much memory: they are refused in one line, with little memory."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ def test_data_that_unpacks_to_more_than_its_stated_size_is_refused(name: str) ->
     assert decompress(name, packed, 10_000_000) == bytes(10_000_000)
 
 
-def test_connections_without_end(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_too_many_connections_are_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(bag_chunks, "MAX_CONNECTIONS", 100)
     records = [
         encode_record(Op.CONNECTION, {b"conn": U32.pack(number), b"topic": b"/a%d" % number}, b"")
@@ -65,7 +65,7 @@ def test_connections_without_end(tmp_path: Path, monkeypatch: pytest.MonkeyPatch
     assert len(reader.counts) == 100
 
 
-def test_definitions_without_end(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_too_large_definitions_are_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(mcap_content, "MAX_DEFINITION_BYTES", 10_000)
     schema = encode_mcap(McapOp.SCHEMA, struct.pack("<H", 1) + encode_text("a/B") + encode_text("") * 2)
     plain = schema * 10_000
@@ -77,7 +77,7 @@ def test_definitions_without_end(tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 
 
 @pytest.mark.slow
-def test_a_few_bytes_that_unpack_to_a_lot_take_bounded_memory(tmp_path: Path) -> None:
+def test_a_few_bytes_that_unpack_to_many_need_bounded_memory(tmp_path: Path) -> None:
     path = tmp_path / "a.bag"
     path.write_bytes(_bag(bytes(MAX_CHUNK_BYTES // 2)))
     assert path.stat().st_size < 10_000

@@ -15,7 +15,7 @@ from unit.recording.bags import START_NS, connection, text
 
 
 class _Slow:
-    """A writer that waits until it is let go on, and may fail."""
+    """A writer that waits for `may_go`, and may fail."""
 
     def __init__(self, error: RecordingError | None = None) -> None:
         self.may_go = threading.Event()
@@ -43,7 +43,7 @@ class _Slow:
 
 
 @pytest.mark.parametrize("compression", ["bz2", "lz4"])
-def test_all_that_is_written_is_in_the_file(tmp_path: Path, compression: str) -> None:
+def test_all_written_messages_are_in_the_file(tmp_path: Path, compression: str) -> None:
     reported: list[str] = []
     inner = BagWriter(tmp_path / "a.bag", compression=compression, chunk_bytes=1000)
     writer = BackgroundWriter(inner, buffer_bytes=1 << 20, report=reported.append)
@@ -59,7 +59,7 @@ def test_all_that_is_written_is_in_the_file(tmp_path: Path, compression: str) ->
     assert found == [("/a" if index % 2 == 0 else "/b", text(f"message {index}")) for index in range(500)]
 
 
-def test_what_finds_no_room_is_lost_and_reported() -> None:
+def test_messages_beyond_the_limit_are_lost_and_reported() -> None:
     reported: list[str] = []
     inner = _Slow()
     writer = BackgroundWriter(inner, buffer_bytes=1000, report=reported.append)
@@ -77,7 +77,7 @@ def test_what_finds_no_room_is_lost_and_reported() -> None:
     assert reported[1:] == [f"lost 4 messages: {reason}"]
 
 
-def test_it_flushes_when_nothing_waits() -> None:
+def test_it_flushes_after_the_waiting_messages() -> None:
     inner = _Slow()
     writer = BackgroundWriter(inner, buffer_bytes=1 << 20, report=print)
     number = writer.add_connection(connection())

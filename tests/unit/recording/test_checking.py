@@ -9,7 +9,7 @@ from rostether.recording.checking import check
 from rostether.recording.recorded import Connection
 
 
-def test_names_of_a_damaged_file_stay_in_one_line(tmp_path: Path) -> None:
+def test_a_fault_with_a_damaged_name_is_one_line(tmp_path: Path) -> None:
     path = tmp_path / "damaged.bag"
     writer = BagWriter(path)
     broken = MessageType("std_mata\n\tto", "0" * 32, "string data\n")

@@ -1,4 +1,4 @@
-"""Messages of chunks by time: overlapping, put aside, too large to list."""
+"""Messages of chunks by time: overlapping chunks, closed chunks, and chunks that are too large to list."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ def _chunk(*times: int) -> _Chunk:
 
 
 class _File:
-    """Chunks of which each message is one byte, and how often and how many were open."""
+    """Chunks whose messages have one byte; counts how often and how many were open."""
 
     def __init__(self, *chunks: _Chunk) -> None:
         self.chunks = sorted(chunks, key=lambda chunk: chunk.start_ns)
@@ -47,7 +47,7 @@ def _overlapping(count: int) -> _File:
     return _File(*(_chunk(*(rng.randrange(1000) for _ in range(20))) for _ in range(count)))
 
 
-def test_chunks_one_after_the_other_are_opened_one_at_a_time() -> None:
+def test_consecutive_chunks_are_opened_one_at_a_time() -> None:
     file = _File(_chunk(1, 2, 3), _chunk(4, 5), _chunk(6))
     found = in_order(file.chunks, file.unpack)
     next(found)
@@ -63,14 +63,16 @@ def test_overlapping_chunks_are_merged() -> None:
     assert _overlapping(30).times(200, 300) == [each for each in file.times() if 200 <= each <= 300]
 
 
-def test_chunks_that_take_too_much_are_closed_and_opened_again(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_chunks_that_need_too_much_memory_are_closed_and_opened_again(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     monkeypatch.setattr(chunk_order, "MAX_OPEN_BYTES", 15_000)
     file = _overlapping(30)
     assert file.times() == sorted(time_ns for chunk in file.chunks for time_ns in chunk.times)
     assert len(file.opened) > 30
 
 
-def test_the_payload_is_the_one_of_its_time(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_each_time_has_its_payload(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(chunk_order, "MAX_OPEN_BYTES", 1000)
     file = _File(_chunk(5, 1, 3), _chunk(2, 6, 4))
     assert [(time_ns, payload[0]) for _, time_ns, payload in in_order(file.chunks, file.unpack)] == [
@@ -80,7 +82,7 @@ def test_the_payload_is_the_one_of_its_time(monkeypatch: pytest.MonkeyPatch) -> 
 
 
 @pytest.mark.parametrize("times", [tuple(range(200)), tuple(reversed(range(200)))])
-def test_large_chunks_are_walked_over_not_listed(
+def test_large_chunks_are_read_without_a_list(
     monkeypatch: pytest.MonkeyPatch, times: tuple[int, ...]
 ) -> None:
     monkeypatch.setattr(chunk_order, "MAX_LISTED_BYTES", 100)
@@ -88,7 +90,7 @@ def test_large_chunks_are_walked_over_not_listed(
     assert file.times() == sorted((*times, 50, 60))
 
 
-def test_equal_times_stay_as_they_stand() -> None:
+def test_messages_with_equal_times_keep_their_order() -> None:
     file = _File(_chunk(1, 1, 1), _chunk(1, 1))
     found = [payload[0] for _, _, payload in in_order(file.chunks, file.unpack)]
     assert found == [0, 1, 2, 0, 1]

@@ -45,7 +45,7 @@ def test_a_chunk_is_unpacked_in_steps(name: str, size: int) -> None:
             decompress(name, stored[: len(stored) // 2], size)
 
 
-def test_how_much_a_file_may_unpack_to() -> None:
+def test_the_limit_of_the_unpacked_size() -> None:
     check_unpacked_size(compression.MAX_UNPACKED_BYTES, 1)
     check_unpacked_size(compression.MAX_RATIO * (10 << 20), 10 << 20)
     with pytest.raises(RecordingError, match="would decompress to"):
@@ -54,7 +54,7 @@ def test_how_much_a_file_may_unpack_to() -> None:
 
 @pytest.mark.parametrize("name", ["a.bag", "a.mcap"])
 @pytest.mark.parametrize("closes", [True, False])
-def test_a_recording_that_would_fill_memory_is_refused_at_once(
+def test_a_recording_that_would_fill_the_memory_is_refused_immediately(
     tmp_path: Path, name: str, closes: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     pytest.importorskip("lz4.frame")
@@ -75,8 +75,8 @@ def test_a_recording_that_would_fill_memory_is_refused_at_once(
         check(path, Registry())
 
 
-def test_a_signal_comes_through_between_two_steps(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Python handles signals between two calls of a library, so none unpacks a large chunk at once."""
+def test_signals_are_handled_between_two_steps(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Python handles signals between two calls of a library, so no call unpacks a large chunk."""
     sizes = []
     original = bz2.BZ2Decompressor
 

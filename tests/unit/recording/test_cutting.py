@@ -46,7 +46,7 @@ def test_times_are_local(text: str, moment: str) -> None:
     assert shown(text, "2026-11-23 15:00:00") == moment
 
 
-def test_a_time_that_occurs_twice() -> None:
+def test_a_local_time_that_occurs_twice() -> None:
     first_ns = moment_ns("2026-10-25 02:30", START_NS)
     second = second_moment("2026-10-25 02:30", first_ns)
     assert second == "2026-10-25 02:30:00+01:00"
@@ -56,12 +56,12 @@ def test_a_time_that_occurs_twice() -> None:
 
 
 @pytest.mark.parametrize("text", ["", "14", "25:00", "yesterday", "2026-13-01 10:00"])
-def test_what_is_not_a_time(text: str) -> None:
+def test_invalid_times_are_refused(text: str) -> None:
     with pytest.raises(ConfigError, match="is not a time; write 14:02"):
         moment_ns(text, START_NS)
 
 
-def test_a_span_of_several_recordings(tmp_path: Path) -> None:
+def test_a_span_of_several_recordings_is_cut(tmp_path: Path) -> None:
     folder = tmp_path / "recordings"
     folder.mkdir()
     # 30 messages each, 10 ms apart, on /a and /b; the second file is being recorded.
@@ -81,7 +81,7 @@ def test_a_span_of_several_recordings(tmp_path: Path) -> None:
     found = [(each.connection.topic, each.time_ns, each.payload) for each in reader.messages()]
     reader.close()
     assert found == [written[place] for place in (10, 10, 12, 12)]
-    # An earlier file stays if nothing is found.
+    # An existing file is kept if there are no messages.
     assert cutting.write(target, lambda _: True, end_ns + NS_PER_S, end_ns + 2 * NS_PER_S) == (0, 0)
     assert cutting.write(target, lambda each: each.topic == "/c", start_ns, end_ns) == (0, 0)
     assert target.exists()
@@ -89,7 +89,7 @@ def test_a_span_of_several_recordings(tmp_path: Path) -> None:
         cutting.write(folder / "R3_0.bag", lambda _: True, start_ns, end_ns)
 
 
-def test_what_cannot_be_cut(tmp_path: Path) -> None:
+def test_missing_recordings_are_reported(tmp_path: Path) -> None:
     with pytest.raises(ConfigError, match="no recordings in"):
         find_recordings([tmp_path])
     with pytest.raises(RecordingError, match="No such file"):

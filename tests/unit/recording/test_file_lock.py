@@ -32,7 +32,7 @@ def test_a_new_file_without_content_is_removed(tmp_path: Path) -> None:
     assert path.exists()
 
 
-def test_a_file_that_is_renamed_meanwhile_is_not_taken_for_the_new_one(
+def test_a_file_renamed_while_it_is_locked_is_not_the_new_file(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     path = tmp_path / "a.bag.active"
@@ -52,13 +52,13 @@ def test_a_file_that_is_renamed_meanwhile_is_not_taken_for_the_new_one(
     FileLock(tmp_path / "a.bag").release()
 
 
-def test_a_path_that_cannot_be_written_is_left_to_the_writer(tmp_path: Path) -> None:
+def test_a_path_that_cannot_be_written_gets_no_lock(tmp_path: Path) -> None:
     FileLock(tmp_path / "missing" / "a.bag").release()
     FileLock(tmp_path).release()
 
 
 @pytest.mark.parametrize("suffix", [".bag", ".mcap", ".db3"])
-def test_the_lock_holds_for_every_format_and_its_writer_is_not_hindered(tmp_path: Path, suffix: str) -> None:
+def test_every_format_can_be_locked_and_written(tmp_path: Path, suffix: str) -> None:
     path = tmp_path / f"a{suffix}.active"
     path.write_bytes(b"what a killed recorder left")
     with FileLock(path):
@@ -72,7 +72,7 @@ def test_the_lock_holds_for_every_format_and_its_writer_is_not_hindered(tmp_path
     reader.close()
 
 
-def test_a_recording_that_is_written_is_neither_mended_nor_written_over(tmp_path: Path) -> None:
+def test_a_recording_being_written_is_neither_repaired_nor_overwritten(tmp_path: Path) -> None:
     live, source = tmp_path / "live.bag", tmp_path / "source.bag"
     write_bag(live, closes=False)
     write_bag(source)
@@ -89,7 +89,7 @@ def test_a_recording_that_is_written_is_neither_mended_nor_written_over(tmp_path
 
 
 def _unclosed(active: Path, count: int) -> None:
-    """Leave what is there when a full disk kept a file from being closed."""
+    """Write the files that remain when a full disk prevented closing."""
     writer = Db3Writer(active.with_name("other"))
     writer.write(writer.add_connection(connection()), START_NS, [text("one")] * count)
     writer.flush()
@@ -117,7 +117,7 @@ def test_a_file_that_sqlite_could_not_close_keeps_its_log(tmp_path: Path) -> Non
     assert _count(path) == 5
 
 
-def test_a_closed_file_does_not_get_the_log_of_the_one_before(tmp_path: Path) -> None:
+def test_a_closed_file_does_not_get_the_log_of_an_earlier_file(tmp_path: Path) -> None:
     active, path = tmp_path / "a.db3.active", tmp_path / "a.db3"
     _unclosed(active, 3)
     end_active(active, path)
@@ -129,7 +129,7 @@ def test_a_closed_file_does_not_get_the_log_of_the_one_before(tmp_path: Path) ->
     assert _count(path) == 1
 
 
-def test_reindex_takes_what_is_in_the_log(tmp_path: Path) -> None:
+def test_reindex_reads_the_messages_in_the_log(tmp_path: Path) -> None:
     active, path, original = tmp_path / "a.db3.active", tmp_path / "a.db3", tmp_path / "a.orig.db3"
     _unclosed(active, 3)
     end_active(active, path)

@@ -26,7 +26,7 @@ def _write(path: Path, *, closes: bool = True, compression: str = "none") -> Non
 
 
 @pytest.mark.parametrize("compression", ["none", "lz4"])
-def test_the_package_itself_reads_it(tmp_path: Path, compression: str) -> None:
+def test_the_mcap_package_reads_own_files(tmp_path: Path, compression: str) -> None:
     path = tmp_path / "a.mcap"
     _write(path, compression=compression)
     with path.open("rb") as file:
@@ -48,7 +48,7 @@ def test_the_package_itself_reads_it(tmp_path: Path, compression: str) -> None:
     assert {each.topic for each in summary.channels.values()} == {"/a", "/b", "/imu"}
 
 
-def test_what_was_flushed_is_read_without_an_end(tmp_path: Path) -> None:
+def test_flushed_messages_are_read_from_a_file_that_was_not_closed(tmp_path: Path) -> None:
     path = tmp_path / "a.mcap"
     _write(path, closes=False)
     reader = McapReader(path)
@@ -57,7 +57,7 @@ def test_what_was_flushed_is_read_without_an_end(tmp_path: Path) -> None:
     assert {each.topic: count for each, count in reader.counts.items()} == {"/a": 20, "/b": 20}
 
 
-def test_a_file_cut_anywhere_gives_a_prefix_or_is_refused(tmp_path: Path) -> None:
+def test_a_file_truncated_anywhere_yields_its_first_messages_or_is_refused(tmp_path: Path) -> None:
     path = tmp_path / "a.mcap"
     _write(path)
     data = path.read_bytes()
@@ -75,7 +75,7 @@ def test_a_file_cut_anywhere_gives_a_prefix_or_is_refused(tmp_path: Path) -> Non
     assert max_count == 40
 
 
-def test_md5sums_that_others_leave_out_are_computed(tmp_path: Path) -> None:
+def test_missing_md5sums_are_computed(tmp_path: Path) -> None:
     from mcap.writer import CompressionType, Writer
 
     path = tmp_path / "a.mcap"
@@ -92,7 +92,7 @@ def test_md5sums_that_others_leave_out_are_computed(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("use_chunking", [True, False])
 @pytest.mark.parametrize("compression", ["NONE", "LZ4", "ZSTD"])
-def test_ours_reads_those_of_the_package(tmp_path: Path, compression: str, use_chunking: bool) -> None:
+def test_files_of_the_mcap_package_are_read(tmp_path: Path, compression: str, use_chunking: bool) -> None:
     from mcap.writer import CompressionType, Writer
 
     path = tmp_path / "a.mcap"
@@ -104,7 +104,7 @@ def test_ours_reads_those_of_the_package(tmp_path: Path, compression: str, use_c
         schema = writer.register_schema(STRING.name, "ros1msg", STRING.definition.encode())
         channels = [writer.register_channel(topic, "ros1", schema) for topic in ("/a", "/b")]
         for index in range(40):
-            # Of each two the later one comes first, also across chunks.
+            # Of each two messages, the later one is first, also across chunks.
             writer.add_message(channels[index % 2], START_NS + (index ^ 1), text(str(index ^ 1)), START_NS)
         writer.finish()
     reader = McapReader(path)
@@ -115,7 +115,7 @@ def test_ours_reads_those_of_the_package(tmp_path: Path, compression: str, use_c
     assert [each.time_ns - START_NS for each in some] == [9, 11, 13, 15]
 
 
-def test_a_length_beyond_the_end_of_the_file_takes_no_memory(tmp_path: Path) -> None:
+def test_a_length_beyond_the_end_of_the_file_needs_no_memory(tmp_path: Path) -> None:
     path = tmp_path / "a.mcap"
     for op in range(1, 0x10):
         path.write_bytes(MAGIC + encode_record(1, bytes(8)) + RECORD_HEAD.pack(op, 1 << 62) + b"abc")

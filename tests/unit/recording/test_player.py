@@ -19,7 +19,7 @@ from unit.recording.bags import START_NS, STRING, connection, text, write_bag
 
 
 class Stage:
-    """A bag of 30 messages 10 ms apart, played to a node that listens."""
+    """A bag of 30 messages at intervals of 10 ms, played to a node that subscribes."""
 
     def __init__(self, folder: Path, graph: MemoryGraph, listener: MemoryGraph) -> None:
         self.path = folder / "a.bag"
@@ -58,7 +58,7 @@ async def stage(tmp_path: Path) -> AsyncIterator[Stage]:
     await listener.close()
 
 
-async def test_messages_come_in_order_and_not_before_their_time(stage: Stage) -> None:
+async def test_messages_are_played_in_order_and_not_before_their_time(stage: Stage) -> None:
     await stage.listen("/a", "/b")
     began_s = asyncio.get_running_loop().time()
     await stage.player(rate=2.0).play()
@@ -70,21 +70,21 @@ async def test_messages_come_in_order_and_not_before_their_time(stage: Stage) ->
         assert received_s - began_s >= index * 0.005 - 0.001
 
 
-async def test_start_duration_and_topics_choose(stage: Stage) -> None:
+async def test_start_duration_and_topics_select_messages(stage: Stage) -> None:
     await stage.listen("/a", "/b")
     await stage.player(is_immediate=True, start_s=0.1, duration_s=0.05, topics=frozenset(["/b"])).play()
     await stage.until_received(3)
     assert stage.payloads() == [text(f"message {index}") for index in (11, 13, 15)]
 
 
-async def test_prefix_and_remappings_name_the_topics(stage: Stage) -> None:
+async def test_prefix_and_remappings_change_the_topics(stage: Stage) -> None:
     await stage.listen("/old/c", "/old/b")
     await stage.player(is_immediate=True, prefix="/old", remappings={"/a": "/c"}).play()
     await stage.until_received(30)
     assert len(stage.payloads("/old/c")) == len(stage.payloads("/old/b")) == 15
 
 
-async def test_paused_it_plays_only_steps_until_it_continues(stage: Stage) -> None:
+async def test_while_paused_only_steps_are_played(stage: Stage) -> None:
     await stage.listen("/a", "/b")
     player = stage.player(rate=100.0, starts_paused=True)
     task = asyncio.create_task(player.play())
@@ -99,7 +99,7 @@ async def test_paused_it_plays_only_steps_until_it_continues(stage: Stage) -> No
     assert sorted(stage.payloads()) == sorted(payload for _, _, payload in stage.written)
 
 
-async def test_it_pauses_at_the_topics_that_were_named(stage: Stage) -> None:
+async def test_it_pauses_at_pause_topics(stage: Stage) -> None:
     await stage.listen("/a", "/b")
     player = stage.player(rate=100.0, pause_topics=frozenset(["/b"]))
     task = asyncio.create_task(player.play())
@@ -112,7 +112,7 @@ async def test_it_pauses_at_the_topics_that_were_named(stage: Stage) -> None:
         await task
 
 
-async def test_a_loop_begins_again(stage: Stage) -> None:
+async def test_a_loop_starts_again(stage: Stage) -> None:
     await stage.listen("/a", "/b")
     task = asyncio.create_task(stage.player(rate=20.0, is_looping=True).play())
     await stage.until_received(70)
@@ -135,7 +135,7 @@ async def test_the_clock_runs_with_the_recording(stage: Stage) -> None:
     assert times[-1] <= START_NS + 2_000_000_000
 
 
-async def test_silences_are_skipped(stage: Stage) -> None:
+async def test_long_gaps_are_skipped(stage: Stage) -> None:
     writer = BagWriter(stage.path)
     number = writer.add_connection(connection("/a"))
     for hours in range(3):
@@ -155,7 +155,7 @@ async def test_two_bags_are_merged(stage: Stage, tmp_path: Path) -> None:
     assert stage.payloads("/a")[:2] == [text("message 0")] * 2
 
 
-async def test_nothing_to_play_is_reported(stage: Stage) -> None:
+async def test_a_recording_without_messages_is_reported(stage: Stage) -> None:
     BagWriter(stage.path).close()
     with pytest.raises(RecordingError, match="no message"):
         stage.player()
@@ -164,7 +164,7 @@ async def test_nothing_to_play_is_reported(stage: Stage) -> None:
 @pytest.mark.parametrize(
     ("count", "queue_bytes"), [(None, [None, None]), (10, [780, 780]), (0, [1 << 30] * 2)]
 )
-async def test_queues_hold_as_many_messages_as_asked(
+async def test_queues_have_room_for_the_requested_messages(
     stage: Stage, monkeypatch: pytest.MonkeyPatch, count: int | None, queue_bytes: list[int | None]
 ) -> None:
     asked: list[int | None] = []
@@ -176,7 +176,7 @@ async def test_queues_hold_as_many_messages_as_asked(
 
     monkeypatch.setattr(stage.graph, "advertise", noted)
     await stage.player(is_immediate=True, queue_messages=count).play()
-    # Ten of `message 28`, with the length before it and what a queue adds.
+    # Ten messages `message 28`, each with its length and the memory of a queued message.
     assert asked == queue_bytes
 
 
@@ -200,7 +200,7 @@ async def test_it_waits_for_the_topic_that_controls_its_rate(stage: Stage) -> No
     await stage.until_received(30)
 
 
-async def test_large_messages_that_are_due_at_once_leave_one_by_one(
+async def test_large_messages_that_are_due_together_are_sent_one_by_one(
     stage: Stage, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     writer = BagWriter(stage.path)

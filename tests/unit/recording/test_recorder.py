@@ -103,7 +103,7 @@ async def test_a_named_topic_is_recorded_until_cancelled(stage: Stage) -> None:
     assert not (stage.folder / "0.bag.active").exists()
 
 
-async def test_a_second_recorder_of_one_file_is_refused_and_the_first_is_whole(stage: Stage) -> None:
+async def test_a_second_recorder_of_one_file_is_refused_and_the_first_continues(stage: Stage) -> None:
     publisher = await stage.node.advertise("/a", STRING)
     first = stage.recorder(TopicChoice(names=("/a",)))
     task = asyncio.create_task(first.run())
@@ -122,7 +122,7 @@ async def test_a_second_recorder_of_one_file_is_refused_and_the_first_is_whole(s
     assert stage.payloads() == []
 
 
-async def test_what_a_killed_recorder_has_left_is_kept(stage: Stage) -> None:
+async def test_the_file_of_a_killed_recorder_is_kept(stage: Stage) -> None:
     for number in (1, 2):
         left = BagWriter(stage.folder / "0.bag.active")
         left.write(left.add_connection(Connection("/a", STRING)), NS_PER_S, [text(f"left {number}")])
@@ -141,7 +141,7 @@ async def test_what_a_killed_recorder_has_left_is_kept(stage: Stage) -> None:
         stage.lines.clear()
 
 
-async def test_no_chunk_holds_times_before_and_after_a_reset(
+async def test_no_chunk_has_times_before_and_after_a_reset(
     stage: Stage, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     publisher = await stage.node.advertise("/a", STRING)
@@ -187,7 +187,7 @@ async def test_a_misspelt_topic_is_reported(stage: Stage, monkeypatch: pytest.Mo
     await _end(task)
 
 
-async def test_all_topics_also_later_ones_but_not_the_excluded(stage: Stage) -> None:
+async def test_all_topics_are_recorded_also_later_ones_except_excluded_ones(stage: Stage) -> None:
     first = await stage.node.advertise("/a", STRING)
     left_out = await stage.node.advertise("/camera/image", STRING)
     mark = await stage.node.advertise(new_joint_mark(), MARK_TYPE)
@@ -197,7 +197,7 @@ async def test_all_topics_also_later_ones_but_not_the_excluded(stage: Stage) -> 
     later = await stage.node.advertise("/b", STRING)
     await _subscribed(later)
     assert not left_out.subscriber_count
-    # It carries nothing.
+    # It has no messages.
     assert not mark.subscriber_count
     first.publish_raw([text("1")])
     later.publish_raw([text("2")])
@@ -213,7 +213,7 @@ async def test_patterns_match_whole_names() -> None:
     assert TopicChoice(node="/driver").includes("/cmd_vel", ("/driver",))
 
 
-async def test_it_ends_when_each_topic_has_its_messages(stage: Stage) -> None:
+async def test_it_ends_when_each_topic_has_enough_messages(stage: Stage) -> None:
     publisher = await stage.node.advertise("/a", STRING)
     recorder = stage.recorder(TopicChoice(names=("/a",)), RecordLimits(messages_per_topic=3))
     task = asyncio.create_task(recorder.run())
@@ -224,7 +224,7 @@ async def test_it_ends_when_each_topic_has_its_messages(stage: Stage) -> None:
     assert stage.payloads() == [text(str(index)) for index in range(3)]
 
 
-async def test_files_split_by_size_keep_every_message_and_the_newest(stage: Stage) -> None:
+async def test_files_split_by_size_have_all_messages_and_only_the_newest_are_kept(stage: Stage) -> None:
     publisher = await stage.node.advertise("/a", STRING)
     recorder = stage.recorder(
         TopicChoice(names=("/a",)), RecordLimits(size_bytes=8000, is_splitting=True, max_splits=3)
@@ -245,7 +245,7 @@ async def test_files_split_by_size_keep_every_message_and_the_newest(stage: Stag
     assert len(found) > 10
 
 
-async def test_files_that_are_compressed_in_the_background_are_whole(stage: Stage) -> None:
+async def test_files_compressed_in_the_background_are_complete(stage: Stage) -> None:
     publisher = await stage.node.advertise("/a", STRING)
     recorder = stage.recorder(
         TopicChoice(names=("/a",)),
@@ -268,7 +268,7 @@ async def test_files_that_are_compressed_in_the_background_are_whole(stage: Stag
     assert recorder.size_bytes == sum((stage.folder / f"{n}.bag").stat().st_size for n in range(files))
 
 
-async def test_each_file_begins_with_the_latched_messages(stage: Stage) -> None:
+async def test_each_file_starts_with_the_latched_messages(stage: Stage) -> None:
     publisher = await stage.node.advertise("/map", STRING, latch=True)
     publisher.publish_raw([text("map")])
     recorder = stage.recorder(
@@ -282,7 +282,7 @@ async def test_each_file_begins_with_the_latched_messages(stage: Stage) -> None:
     assert stage.payloads(0) == stage.payloads(1) == [text("map")]
 
 
-async def test_a_full_disk_ends_it_with_a_line_and_keeps_what_is_there(stage: Stage) -> None:
+async def test_a_full_disk_ends_the_recording_and_keeps_its_messages(stage: Stage) -> None:
     class FullSoon(BagWriter):
         def flush(self) -> None:
             if self.message_count > 4:
@@ -306,7 +306,7 @@ async def test_a_full_disk_ends_it_with_a_line_and_keeps_what_is_there(stage: St
     assert recorder.progress.message_count == 5
 
 
-async def test_errors_at_the_end_are_reported_also_after_ctrl_c(stage: Stage) -> None:
+async def test_errors_at_the_end_are_reported_even_after_ctrl_c(stage: Stage) -> None:
     recorder = stage.recorder(TopicChoice(names=("/a",)))
     publisher = await stage.node.advertise("/a", STRING)
     task = asyncio.create_task(recorder.run())
@@ -339,7 +339,7 @@ async def test_a_graph_that_cannot_unsubscribe_leaves_a_complete_file(
     assert stage.payloads() == [text("kept")]
 
 
-async def test_no_file_is_begun_after_one_that_found_no_room_for_its_index(stage: Stage) -> None:
+async def test_no_new_file_is_started_after_an_index_could_not_be_written(stage: Stage) -> None:
     class NoIndex(BagWriter):
         def close(self) -> None:
             self.flush()

@@ -8,7 +8,7 @@ from rostether.errors import RecordingError
 from rostether.recording.regular_file import MappedFile
 
 
-def test_a_file_is_seen_and_released(tmp_path: Path) -> None:
+def test_a_file_is_mapped_and_released(tmp_path: Path) -> None:
     path = tmp_path / "a"
     path.write_bytes(b"abc")
     file = MappedFile(path)
@@ -19,7 +19,7 @@ def test_a_file_is_seen_and_released(tmp_path: Path) -> None:
     assert bytes(kept) == b"bc"
 
 
-def test_what_cannot_be_read_is_named(tmp_path: Path) -> None:
+def test_errors_name_the_path_that_cannot_be_read(tmp_path: Path) -> None:
     empty = tmp_path / "empty"
     empty.touch()
     with pytest.raises(RecordingError, match="empty is empty"):

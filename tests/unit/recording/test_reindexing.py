@@ -10,7 +10,7 @@ from rostether.recording.reindexing import copy, refuse_same, reindex
 from unit.recording.bags import connection, text, write_bag
 
 
-def test_a_cut_bag_becomes_whole_and_the_old_one_stays(tmp_path: Path) -> None:
+def test_a_truncated_bag_is_repaired_and_the_original_is_kept(tmp_path: Path) -> None:
     path, backup = tmp_path / "a.bag", tmp_path / "a.orig.bag"
     written = write_bag(path, compression="bz2")
     data = path.read_bytes()
@@ -49,7 +49,7 @@ def test_only_the_damaged_chunk_is_lost(tmp_path: Path, name: str, is_closed: bo
     assert 24 <= mended.message_count == len(found) < 30
 
 
-def test_a_whole_bag_is_left_alone(tmp_path: Path) -> None:
+def test_a_complete_bag_is_not_changed(tmp_path: Path) -> None:
     path = tmp_path / "a.bag"
     write_bag(path)
     before = path.read_bytes()
@@ -70,14 +70,14 @@ def test_bag_to_mcap_and_back_keeps_everything(tmp_path: Path, compression: str)
     assert len({reader.span_ns for reader in readers}) == 1
 
 
-def test_a_command_never_writes_over_what_it_reads(tmp_path: Path) -> None:
+def test_the_input_file_is_never_overwritten(tmp_path: Path) -> None:
     path = tmp_path / "a.bag"
     write_bag(path)
     with pytest.raises(RecordingError, match="is the input file; give"):
         refuse_same(path, tmp_path / "." / "a.bag")
 
 
-def test_what_cannot_be_copied_whole_leaves_no_file(tmp_path: Path) -> None:
+def test_a_copy_that_fails_leaves_no_file(tmp_path: Path) -> None:
     path = tmp_path / "a.bag"
     write_bag(path, compression="bz2")
     data = bytearray(path.read_bytes())

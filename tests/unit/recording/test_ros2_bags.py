@@ -1,4 +1,4 @@
-"""ROS 2 bags against the package rosbags: what it writes is read here, and what we write there."""
+"""ROS 2 bags and the package rosbags: each reads the files of the other."""
 
 from __future__ import annotations
 
@@ -72,7 +72,7 @@ def values() -> dict[str, Any]:
 def foreign_bag(
     folder: Path, storage: StoragePlugin, mode: CompressionMode = CompressionMode.NONE, version: Any = 9
 ) -> dict[str, bytes]:
-    """Write one message of each type with rosbags; returns their CDR by topic."""
+    """Write one message of each type with rosbags; return their CDR by topic."""
     written = {}
     writer = Writer(folder, version=version, storage_plugin=storage)
     writer.set_compression(mode, CompressionFormat.ZSTD)
@@ -117,7 +117,9 @@ MODES = [
 
 
 @pytest.mark.parametrize(("storage", "mode", "version"), MODES)
-def test_theirs_are_read(tmp_path: Path, storage: StoragePlugin, mode: CompressionMode, version: int) -> None:
+def test_bags_of_rosbags_are_read(
+    tmp_path: Path, storage: StoragePlugin, mode: CompressionMode, version: int
+) -> None:
     folder = tmp_path / "theirs"
     foreign_bag(folder, storage, mode, version)
     string, header, own = messages(folder)
@@ -138,7 +140,7 @@ def test_another_message_compression_is_an_error_with_the_bag(tmp_path: Path) ->
         open_recording(folder)
 
 
-def test_a_workspace_with_definitions_of_ros2(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_workspace_may_have_definitions_of_ros2(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     definition = tmp_path / "ws/arm_msgs/msg/Gripper.msg"
     definition.parent.mkdir(parents=True)
     definition.write_text("string<=5 name\n")
@@ -148,7 +150,7 @@ def test_a_workspace_with_definitions_of_ros2(tmp_path: Path, monkeypatch: pytes
     assert messages(tmp_path / "theirs")[2].connection.shown_type == OWN_TYPE
 
 
-def test_a_type_of_ros2_alone_is_in_ros1_what_its_package_would_be_there(tmp_path: Path) -> None:
+def test_a_type_that_only_ros2_has_is_converted_to_ros1(tmp_path: Path) -> None:
     foreign_bag(tmp_path / "theirs", StoragePlugin.SQLITE3)
     own = messages(tmp_path / "theirs")[2]
     registry = Registry(bundled=False)
@@ -165,7 +167,7 @@ TARGETS = [("copy", "mcap"), ("copy", "sqlite3"), ("copy.mcap", "mcap"), ("copy.
 
 
 @pytest.mark.parametrize(("name", "storage"), TARGETS)
-def test_copies_of_theirs_are_the_same_bytes(tmp_path: Path, name: str, storage: str) -> None:
+def test_copies_of_bags_of_rosbags_have_the_same_bytes(tmp_path: Path, name: str, storage: str) -> None:
     folder = tmp_path / "theirs"
     written = foreign_bag(folder, StoragePlugin.MCAP)
     target = tmp_path / name
@@ -183,7 +185,7 @@ def test_copies_of_theirs_are_the_same_bytes(tmp_path: Path, name: str, storage:
 
 
 @pytest.mark.parametrize(("name", "storage"), TARGETS)
-def test_ours_of_ros1_and_back(tmp_path: Path, name: str, storage: str) -> None:
+def test_a_ros1_bag_is_converted_to_ros2_and_back(tmp_path: Path, name: str, storage: str) -> None:
     bag, target = tmp_path / "a.bag", tmp_path / name
     imu = STORE.codec("sensor_msgs/Imu").encode({"header": {"frame_id": "base", "stamp": {"secs": 3}}})
     with_bag = create_recording(bag)
@@ -233,7 +235,7 @@ def test_a_bag_of_several_files_and_one_that_was_not_closed(tmp_path: Path) -> N
     assert sorted(each.name for each in tmp_path.iterdir()) == ["drive", "drive.orig"]
 
 
-def test_what_was_committed_is_read_while_it_is_recorded(tmp_path: Path) -> None:
+def test_committed_messages_can_be_read_while_others_are_recorded(tmp_path: Path) -> None:
     path = tmp_path / "a.db3.active"
     writer = create_recording(path, form=Form.ROS2)
     number = writer.add_connection(Connection("/chat", STORE.registry.message_type("std_msgs/String")))
@@ -265,7 +267,7 @@ def test_what_was_committed_is_read_while_it_is_recorded(tmp_path: Path) -> None
         ),
     ],
 )
-def test_a_broken_summary_gets_one_line(tmp_path: Path, content: str, reason: str) -> None:
+def test_broken_metadata_is_reported_in_one_line(tmp_path: Path, content: str, reason: str) -> None:
     (tmp_path / "metadata.yaml").write_text(content)
     with pytest.raises(RecordingError, match=rf"metadata\.yaml does not describe .*: {reason}") as raised:
         open_recording(tmp_path)
@@ -279,7 +281,7 @@ def test_a_database_names_the_distribution_of_its_types(tmp_path: Path) -> None:
         assert database.execute("SELECT ros_distro FROM schema").fetchall() == [("humble",)]
 
 
-def test_a_summary_names_no_files_elsewhere(tmp_path: Path) -> None:
+def test_metadata_cannot_name_files_in_other_folders(tmp_path: Path) -> None:
     foreign_bag(tmp_path / "theirs", StoragePlugin.MCAP)
     bag = tmp_path / "bag"
     bag.mkdir()
@@ -290,7 +292,9 @@ def test_a_summary_names_no_files_elsewhere(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("storage", list(StoragePlugin))
-def test_cut_files_get_one_line_or_give_what_is_whole(tmp_path: Path, storage: StoragePlugin) -> None:
+def test_truncated_files_yield_their_complete_messages_or_one_line(
+    tmp_path: Path, storage: StoragePlugin
+) -> None:
     foreign_bag(tmp_path / "theirs", storage)
     (path,) = (each for each in (tmp_path / "theirs").iterdir() if each.suffix != ".yaml")
     data = path.read_bytes()
@@ -311,7 +315,7 @@ def test_cut_files_get_one_line_or_give_what_is_whole(tmp_path: Path, storage: S
 
 
 @pytest.mark.parametrize("table", ["messages", "topics"])
-def test_a_view_without_end_is_not_run(tmp_path: Path, table: str) -> None:
+def test_an_endless_view_is_not_run(tmp_path: Path, table: str) -> None:
     path = tmp_path / "a.db3"
     create_recording(path, form=Form.ROS2).close()
     endless = "WITH RECURSIVE n(i) AS (SELECT 1 UNION ALL SELECT i + 1 FROM n) SELECT"
@@ -327,7 +331,7 @@ def test_a_view_without_end_is_not_run(tmp_path: Path, table: str) -> None:
         open_recording(path)
 
 
-def test_aliases_without_end_are_not_written_out(tmp_path: Path) -> None:
+def test_endless_aliases_are_not_written_out(tmp_path: Path) -> None:
     bomb = "\n".join(f"a{n}: &a{n} [{', '.join([f'*a{n - 1}'] * 9)}]" for n in range(1, 12))
     rest = (
         "rosbag2_bagfile_information: {version: 9, storage_identifier: *a11, relative_file_paths: [a.mcap],"
@@ -338,7 +342,7 @@ def test_aliases_without_end_are_not_written_out(tmp_path: Path) -> None:
         open_recording(tmp_path)
 
 
-def test_mcap_reads_ours_as_rosbag2s(tmp_path: Path) -> None:
+def test_the_mcap_package_reads_own_ros2_files(tmp_path: Path) -> None:
     folder = tmp_path / "theirs"
     written = foreign_bag(folder, StoragePlugin.SQLITE3)
     reader = open_recording(folder, is_native=True)

@@ -20,7 +20,7 @@ def test_numbers_of_older_recordings_become_words() -> None:
     assert read_profiles(profiles_text([profile])) == [profile]
 
 
-def test_what_is_offered() -> None:
+def test_the_profile_of_a_ros1_publisher() -> None:
     (latched,) = yaml.safe_load(offered(is_latching=True))
     (plain,) = yaml.safe_load(offered(is_latching=False, is_best_effort=True))
     assert (latched["durability"], latched["depth"], latched["reliability"]) == (
@@ -34,5 +34,5 @@ def test_what_is_offered() -> None:
 
 
 @pytest.mark.parametrize("stored", [None, 3, "", "{", "a: 1", "[1, [2]]", "- *nobody", "[" * 50_000])
-def test_what_is_not_such_a_list_is_none(stored: object) -> None:
+def test_invalid_profiles_are_omitted(stored: object) -> None:
     assert read_profiles(stored) == []

@@ -11,7 +11,7 @@ def _fault(*seconds: float) -> str:
     return order.fault
 
 
-def test_time_that_goes_on_or_back_a_little_is_not_a_fault() -> None:
+def test_small_steps_back_are_not_a_fault() -> None:
     assert not _fault()
     assert not _fault(1, 1, 2, 1.5, 3)
 

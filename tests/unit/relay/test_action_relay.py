@@ -28,11 +28,11 @@ from rostether.ros2.types.type_support import Ros2Types
 from rostether.serde.store import TypeStore
 from unit.bridge.virtual_time import on_virtual_time
 
-# Its goal has a Header and a pose: ROS 1 and ROS 2 differ in how they look.
+# Its goal has a Header and a pose, whose layouts differ in ROS 1 and ROS 2.
 ACTION, TYPE = "/arm/reach", "move_base_msgs/MoveBase"
 REGISTRY = Registry()
 NATIVE = NativeRegistry.from_environment(environ={})
-# ROS 2 has no definition of this type: it gets that of ROS 1.
+# ROS 2 has no definition of this type, so it uses that of ROS 1.
 FORMS = ActionForms(TYPE, Ros2Types(REGISTRY, Ros2Definitions()), NativeTypes(NATIVE), NATIVE)
 
 
@@ -45,7 +45,7 @@ def open_session(session: NativeSession) -> nullcontext[NativeSession]:
 
 
 class Server:
-    """Serves the action in ROS 2; `goals` and `cancels` are what it received."""
+    """Serves the action in ROS 2; `goals` and `cancels` are the received requests."""
 
     def __init__(self) -> None:
         self.goals: list[tuple[bytes, bytes]] = []
@@ -67,7 +67,7 @@ async def eventually(check: object) -> None:
 
 
 class Chain:
-    """The three graphs, and what the relays report."""
+    """The three graphs, and the lines that the relays report."""
 
     def __init__(self) -> None:
         self.networks = [MemoryNetwork() for _ in range(3)]

@@ -1,4 +1,4 @@
-"""Boards in both graphs, and several relays: nothing is carried twice."""
+"""Boards in both graphs, and several relays: nothing is relayed twice."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ async def test_a_board_in_both_graphs_is_skipped(world: World) -> None:
         assert world.lines == ["/board is a node of both graphs: its messages are not relayed"]
         await asyncio.sleep(0.05)
         assert not world.relayed
-        # What others publish there goes on, without the board's.
+        # Messages of other publishers are relayed, without those of the board.
         talker = await world.one.advertise("/chat", STRING)
         await until(lambda: world.carries("/chat", 1) and talker.subscriber_count)
         for publisher in (*mine, talker):
@@ -55,14 +55,14 @@ async def test_a_board_in_both_graphs_is_skipped(world: World) -> None:
         assert sorted(inbox.payloads) == sorted([string("hello"), string("board")])
 
 
-async def test_a_node_of_the_same_name_in_each_graph_is_two_nodes(world: World) -> None:
+async def test_nodes_with_the_same_name_in_both_graphs_are_two_nodes(world: World) -> None:
     talkers = [await (await network.join("/talker")).advertise("/chat", STRING) for network in world.networks]
     async with world.relaying(Topics("/chat")):
         await until(lambda: all(talker.subscriber_count for talker in talkers))
 
 
-async def test_what_another_relay_carries_is_left_to_it(world: World) -> None:
-    # Its mark is of a relay that started later, but it carries the topic already.
+async def test_topics_and_services_of_another_relay_are_not_relayed(world: World) -> None:
+    # It has the mark of a relay that started later, but it already relays the topic.
     others = await marked(world, "/other_relay", new_relay_mark().replace("relay_", "relay_f"))
     await world.one.advertise("/chat", STRING)
     theirs = await others[1].advertise("/chat", STRING)
@@ -106,7 +106,7 @@ async def test_a_younger_relay_waits_for_older_ones(world: World, monkeypatch: p
         await until(lambda: any("/older already relays it" in line for line in world.lines))
         await asyncio.sleep(0.6)
         assert not world.relayed
-        # One that the older relay does not choose.
+        # The older relay does not choose this topic.
         await world.one.advertise("/more", STRING)
         await until(lambda: world.carries("/more", 1))
 

@@ -1,4 +1,4 @@
-"""A relay between two graphs: what is carried, from when to when, and that nothing comes back."""
+"""A relay between two graphs: what it relays and when, and that no message comes back."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ from unit.relay.relay_world import World, service_type
 from waiting import until
 
 
-async def test_topics_go_both_ways_and_nothing_comes_back(world: World) -> None:
+async def test_topics_are_relayed_in_both_directions_and_nothing_comes_back(world: World) -> None:
     inboxes = Inbox(), Inbox()
     talkers = [await graph.advertise("/chat", STRING) for graph in (world.one, world.two)]
     for graph, inbox in zip((world.one, world.two), inboxes, strict=True):
@@ -54,7 +54,7 @@ async def test_topics_go_both_ways_and_nothing_comes_back(world: World) -> None:
     assert "no longer relaying /chat from one to two" in world.lines
 
 
-async def test_only_what_is_chosen_is_carried(world: World) -> None:
+async def test_only_chosen_topics_are_relayed(world: World) -> None:
     for graph in (world.one, world.two):
         for topic in ("/forth/a", "/back/a", "/other", "/clock"):
             await graph.advertise(topic, STRING)
@@ -74,7 +74,7 @@ async def test_only_what_is_chosen_is_carried(world: World) -> None:
         assert not any("/rosout" in line for line in world.lines)
 
 
-async def test_a_topic_is_carried_as_long_as_it_is_published(world: World) -> None:
+async def test_a_topic_is_relayed_as_long_as_it_is_published(world: World) -> None:
     inbox = Inbox()
     await world.two.subscribe("/chat", STRING, inbox.take)
     async with world.relaying(Topics("/chat")):
@@ -88,7 +88,9 @@ async def test_a_topic_is_carried_as_long_as_it_is_published(world: World) -> No
     assert inbox.payloads == [string("0"), string("1"), string("2")]
 
 
-async def test_what_is_published_to_the_first_connection_arrives_once_and_in_order(world: World) -> None:
+async def test_messages_published_right_after_the_first_connection_arrive_once_and_in_order(
+    world: World,
+) -> None:
     inbox = Inbox()
     await world.two.subscribe("/chat", STRING, inbox.take)
     talker = await world.one.advertise("/chat", STRING)
@@ -103,7 +105,7 @@ async def test_what_is_published_to_the_first_connection_arrives_once_and_in_ord
     assert inbox.payloads == expected
 
 
-async def test_a_topic_whose_type_changes_is_carried_on(world: World) -> None:
+async def test_a_topic_whose_type_changes_is_still_relayed(world: World) -> None:
     talker = await world.one.advertise("/chat", STRING)
     async with world.relaying(Topics("/chat")):
         await until(lambda: world.carries("/chat", 1))
@@ -117,7 +119,7 @@ async def test_a_topic_whose_type_changes_is_carried_on(world: World) -> None:
     assert inbox.payloads == [TRUE]
 
 
-async def test_latched_topics_stay_latched(world: World) -> None:
+async def test_latched_topics_are_latched_in_the_other_graph(world: World) -> None:
     talker = await world.one.advertise("/map", STRING, latch=True)
     talker.publish_raw([string("the map")])
     async with world.relaying(Topics("/map")):
@@ -130,7 +132,7 @@ async def test_latched_topics_stay_latched(world: World) -> None:
             assert inbox.headers[0]["latching"] == "1"
 
 
-async def test_a_late_subscriber_has_the_static_transforms_of_all_publishers(world: World) -> None:
+async def test_a_late_subscriber_receives_the_static_transforms_of_all_publishers(world: World) -> None:
     store = TypeStore(Registry())
     codec, message_type = (
         store.codec("tf2_msgs/TFMessage"),
@@ -155,11 +157,11 @@ async def test_a_late_subscriber_has_the_static_transforms_of_all_publishers(wor
         await until(lambda: inbox.payloads)
     frames = [each.child_frame_id for each in codec.decode(inbox.payloads[0]).transforms]
     assert sorted(frames) == ["camera", "lidar"]
-    # What is not a list of transforms is not touched.
+    # A message that is not a list of transforms is not changed.
     assert StaticTransforms().merge(b"\2\0\0\0short") == b"\2\0\0\0short"
 
 
-async def test_a_slow_reader_on_one_side_is_felt_on_the_other(world: World) -> None:
+async def test_a_slow_subscriber_slows_the_publisher_in_the_other_graph(world: World) -> None:
     talker = await world.one.advertise("/chat", STRING)
     inbox = Inbox()
     slow = await world.two.subscribe("/chat", STRING, inbox.take)
@@ -200,13 +202,13 @@ async def test_services_are_offered_where_they_are_missing(world: World) -> None
         await until(lambda: len(world.relayed) == 1)
         with pytest.raises(ServiceUnavailableError):
             await world.two.call_service("/switch", SET_BOOL, TRUE)
-        # Two servers: the relay takes its own one back.
+        # There are two servers now, so the relay withdraws its own.
         await world.one.advertise_service("/refuse", SET_BOOL, agreeing)
         await until(lambda: not world.relayed)
         assert await world.one.call_service("/refuse", SET_BOOL, TRUE) == answer("done")
 
 
-async def test_an_unknown_type_is_reported_once_and_can_be_given(
+async def test_an_unknown_service_type_is_reported_once_and_can_be_given(
     world: World, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(relay_module, "RETRY_S", 0.001)
@@ -222,7 +224,7 @@ async def test_an_unknown_type_is_reported_once_and_can_be_given(
         assert await world.two.call_service("/odd", SET_BOOL, TRUE) == answer("done")
 
 
-async def test_what_a_graph_refuses_is_tried_again(world: World, monkeypatch: pytest.MonkeyPatch) -> None:
+async def test_refused_requests_are_tried_again(world: World, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(relay_module, "RETRY_S", 0.001)
     taken = True
     advertise: Callable[..., object] = MemoryGraph.advertise
@@ -264,11 +266,11 @@ async def test_a_node_shutdown_ends_the_relay(world: World) -> None:
         (Topics("/clock"), "/clock", Direction.FIRST_TO_SECOND, True),
     ],
 )
-def test_choosing_topics(topics: Topics, name: str, direction: Direction, *, carried: bool) -> None:
+def test_the_filter_chooses_topics(topics: Topics, name: str, direction: Direction, *, carried: bool) -> None:
     assert RelayFilter((topics,)).relays_topic(name, direction) is carried
 
 
-def test_choosing_services() -> None:
+def test_the_filter_chooses_services() -> None:
     choice = RelayFilter(services=(Services("/lab/*", "a/B"), Services("/node/get_loggers")))
     assert choice.service("/lab/switch") == Services("/lab/*", "a/B")
     assert choice.service("/lab/node/set_parameters") is None

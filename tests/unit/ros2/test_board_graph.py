@@ -24,13 +24,13 @@ from rostether.serde.store import TypeStore
 from rostether.serde.values import Message
 from unit.bridge.virtual_time import on_virtual_time
 
-# Its goal has a Header and a pose: ROS 1 and ROS 2 differ in how they look.
+# Its goal has a Header and a pose, whose layouts differ in ROS 1 and ROS 2.
 ACTION, TYPE = "/arm/reach", "move_base_msgs/MoveBase"
 STORE = TypeStore(Registry())
 
 
 class Board:
-    """A board that serves the action; `goals` and `cancels` are what it received."""
+    """A board that serves the action; `goals` and `cancels` are the received requests."""
 
     def __init__(self, graph: Graph) -> None:
         self.graph = graph
@@ -39,7 +39,7 @@ class Board:
         self._publishers: dict[str, Publisher] = {}
 
     async def open(self) -> None:
-        """Declare the five topics, the status first: the order is the sketch's."""
+        """Declare the five topics in the order of the sketch: the status first."""
         for part, name in (
             ("status", "actionlib_msgs/GoalStatusArray"),
             ("feedback", f"{TYPE}ActionFeedback"),
@@ -142,7 +142,7 @@ async def test_goals_are_canceled_replaced_and_lost() -> None:
         running = asyncio.create_task(call.run(goal))
         board.send("result", await goal_of(board), 2)
         assert (await running)[0] is GoalStatus.ABORTED
-        # A board that was reset does not list the goal any more.
+        # A board that was reset no longer lists the goal.
         call.goal_id = bytes(range(1, 17))
         running = asyncio.create_task(call.run(goal))
         received = await goal_of(board)

@@ -1,4 +1,4 @@
-"""ROS time on ROS 2: the parameter use_sim_time switches it, at any time."""
+"""ROS time on ROS 2, which the parameter use_sim_time switches at any time."""
 
 from __future__ import annotations
 
@@ -87,7 +87,7 @@ async def test_time_switches_with_the_parameter(setting: Setting) -> None:
     assert setting.simulator.subscriber_count == 0
 
 
-async def test_quick_switches_end_where_the_parameter_is(setting: Setting) -> None:
+async def test_after_quick_switches_the_clock_matches_the_parameter(setting: Setting) -> None:
     store = ParameterStore()
     clock = NodeClock(store, setting.node, lambda: WALL)
     await clock.open()

@@ -50,7 +50,7 @@ def test_every_variable_is_read(tmp_path: Path) -> None:
         ("ZENOH_CONFIG_OVERRIDE", "=1"),
     ],
 )
-def test_what_makes_no_sense_is_refused_by_name(variable: str, value: str) -> None:
+def test_errors_name_the_invalid_variable(variable: str, value: str) -> None:
     with pytest.raises(ConfigError, match=variable) as caught:
         Ros2Environment.read({variable: value})
     assert "\n" not in str(caught.value)

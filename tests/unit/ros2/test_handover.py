@@ -7,7 +7,7 @@ from rostether.ros2.handover import MAX_BATCH, MAX_BATCH_BYTES, Handover
 from waiting import until
 
 
-async def test_items_of_a_thread_arrive_in_order_and_in_batches() -> None:
+async def test_items_from_a_thread_arrive_in_order_and_in_batches() -> None:
     batches: list[list[int]] = []
     handover: Handover[int] = Handover(batches.append, limit=10_000)
 
@@ -26,7 +26,7 @@ async def test_items_of_a_thread_arrive_in_order_and_in_batches() -> None:
     assert batches[1] == [1000]
 
 
-async def test_a_flood_gives_other_work_of_the_loop_its_turns() -> None:
+async def test_a_flood_does_not_block_other_work_of_the_loop() -> None:
     batches: list[list[int]] = []
     handover: Handover[int] = Handover(batches.append, limit=10_000)
     for number in range(3 * MAX_BATCH + 1):
@@ -43,7 +43,7 @@ async def test_a_flood_gives_other_work_of_the_loop_its_turns() -> None:
     assert batches == [[0, 1], [2, 3]]
 
 
-async def test_the_oldest_go_when_there_is_too_much() -> None:
+async def test_the_oldest_items_are_dropped_beyond_the_limit() -> None:
     batches: list[list[str]] = []
     handover: Handover[str] = Handover(batches.append, limit=10)
     for item in ("a", "b", "c"):
@@ -51,14 +51,14 @@ async def test_the_oldest_go_when_there_is_too_much() -> None:
     await until(lambda: batches)
     assert batches == [["b", "c"]]
     assert handover.dropped_count == 1
-    # The newest stays, even alone too large.
+    # The newest item is kept, even if it alone is too large.
     handover.put("d", 1)
     handover.put("e", 11)
     await until(lambda: len(batches) == 2)
     assert batches[1] == ["e"]
 
 
-async def test_a_pause_keeps_what_comes() -> None:
+async def test_items_are_kept_during_a_pause() -> None:
     batches: list[list[int]] = []
     handover: Handover[int] = Handover(batches.append, limit=3)
     handover.put(1)
@@ -74,7 +74,7 @@ async def test_a_pause_keeps_what_comes() -> None:
     assert batches == [[2, 3, 4]]
 
 
-async def test_nothing_is_handed_on_after_the_end() -> None:
+async def test_nothing_is_delivered_after_close() -> None:
     batches: list[list[int]] = []
     handover: Handover[int] = Handover(batches.append, limit=3)
     handover.put(1)

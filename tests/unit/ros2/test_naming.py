@@ -22,7 +22,7 @@ from rostether.ros2.naming import (
         ("std_srvs/srv/SetBool_Request", "std_srvs::srv::dds_::SetBool_Request_"),
     ],
 )
-def test_spells_types_both_ways(name: str, dds: str) -> None:
+def test_type_names_are_converted_in_both_directions(name: str, dds: str) -> None:
     assert dds_name(name) == dds
     assert type_of_dds_name(dds) == name
 
@@ -31,11 +31,11 @@ def test_spells_types_both_ways(name: str, dds: str) -> None:
     "name",
     ["", "String", "std_msgs::msg::String_", "a::msg::dds_::B", "a::msg::dds_::B/C_", "a::x::dds_::B_"],
 )
-def test_knows_what_is_not_a_type(name: str) -> None:
+def test_invalid_type_names_give_an_empty_string(name: str) -> None:
     assert type_of_dds_name(name) == ""
 
 
-def test_takes_legal_names() -> None:
+def test_valid_names_are_accepted() -> None:
     assert validate_node_name("/ns/node_1") == "/ns/node_1"
     assert validate_node_name("node") == "/node"
     assert validate_namespace("/") == "/"
@@ -60,7 +60,7 @@ def test_takes_legal_names() -> None:
         ("/\n" * 500, "'\\n' is not allowed"),
     ],
 )
-def test_reports_why_a_node_name_is_invalid(name: str, says: str) -> None:
+def test_errors_say_why_a_node_name_is_invalid(name: str, says: str) -> None:
     if name.endswith("\n"):
         name += "x"
     with pytest.raises(InvalidNameError) as error:
@@ -83,7 +83,7 @@ def test_reports_why_a_node_name_is_invalid(name: str, says: str) -> None:
         ("/" + "a" * 247, "longer than 247 characters"),
     ],
 )
-def test_reports_why_a_topic_name_is_invalid(name: str, says: str) -> None:
+def test_errors_say_why_a_topic_name_is_invalid(name: str, says: str) -> None:
     with pytest.raises(InvalidNameError) as error:
         validate_topic_name(name)
     assert says in str(error.value)

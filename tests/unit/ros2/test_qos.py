@@ -3,6 +3,6 @@ from __future__ import annotations
 from rostether.ros2.qos import DEFAULT_QOS, LATCHED_QOS
 
 
-def test_only_transient_local_latches() -> None:
+def test_only_transient_local_is_latching() -> None:
     assert LATCHED_QOS.is_latching
     assert not DEFAULT_QOS.is_latching

@@ -8,7 +8,7 @@ from rostether.ros2.rcl_interfaces import rcl_interfaces
 from rostether.serde.store import TypeStore
 
 
-def test_other_tables_learn_the_services_of_parameters() -> None:
+def test_the_types_can_be_added_to_another_registry() -> None:
     registry = Registry(bundled=False)
     rcl_interfaces().add_to(registry)
     service = registry.service_type("rcl_interfaces/DescribeParameters")
@@ -17,6 +17,6 @@ def test_other_tables_learn_the_services_of_parameters() -> None:
     assert request == b"\x01\0\0\0\x04\0\0\0gain"
 
 
-def test_a_service_with_a_mistake_is_refused() -> None:
+def test_an_invalid_service_is_refused() -> None:
     with pytest.raises(DefinitionError):
         Registry(bundled=False).add_service_text("test/Broken", "int32\n---\n")

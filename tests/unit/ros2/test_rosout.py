@@ -13,11 +13,11 @@ from rostether.serde.store import TypeStore
 
 
 @pytest.mark.parametrize(("node", "logger"), [("/board", "board"), ("/lab/robot/board", "lab.robot.board")])
-def test_a_logger_is_named_for_its_node(node: str, logger: str) -> None:
+def test_a_logger_has_the_name_of_its_node(node: str, logger: str) -> None:
     assert logger_name(node) == logger
 
 
-def test_messages() -> None:
+def test_messages_are_encoded() -> None:
     codec = TypeStore(Registry()).codec(LOG_TYPE.name)
     log = RosoutLog("/lab/board", lambda: Time(12, 34))
     for sequence in (1, 2):

@@ -28,7 +28,7 @@ def _first(data: bytearray, op: int) -> tuple[int, int]:
 
 
 @pytest.mark.parametrize("compression", ["none", "bz2", "lz4"])
-def test_what_was_written_is_sound(tmp_path: Path, compression: str) -> None:
+def test_written_bags_have_no_faults(tmp_path: Path, compression: str) -> None:
     write_bag(tmp_path / "a.bag", compression=compression)
     assert faults_of((tmp_path / "a.bag").read_bytes()) == []
 
@@ -41,21 +41,21 @@ def test_what_was_written_is_sound(tmp_path: Path, compression: str) -> None:
         (8, "the index after it is wrong"),
     ],
 )
-def test_an_index_that_names_another_time_or_place(data: bytearray, place: int, reported: str) -> None:
+def test_an_index_with_a_wrong_time_or_offset_is_reported(data: bytearray, place: int, reported: str) -> None:
     _, start = _first(data, Op.INDEX)
     data[start + place] ^= 0x11
     (fault,) = faults_of(bytes(data))
     assert reported in fault
 
 
-def test_an_index_of_another_connection(data: bytearray) -> None:
+def test_an_index_of_another_connection_is_reported(data: bytearray) -> None:
     before, _ = _first(data, Op.INDEX)
     data[data.index(b"conn=", before) + 5] ^= 1
     (fault,) = faults_of(bytes(data))
     assert "the index after it is wrong" in fault
 
 
-def test_counts_and_times_of_the_bags_own_index(data: bytearray) -> None:
+def test_wrong_counts_and_times_in_the_bags_index_are_reported(data: bytearray) -> None:
     before, start = _first(data, Op.CHUNK_INFO)
     data[start + 4] ^= 1
     data[data.index(b"end_time=", before) + 9] ^= 1
@@ -74,7 +74,7 @@ def test_a_broken_chunk_is_reported(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("chunk_bytes", [300, 100_000])
-def test_a_time_that_goes_back_is_reported_and_mended(tmp_path: Path, chunk_bytes: int) -> None:
+def test_a_time_that_goes_back_is_reported_and_can_be_repaired(tmp_path: Path, chunk_bytes: int) -> None:
     path = tmp_path / "a.bag"
     write_reset(BagWriter(path, chunk_bytes=chunk_bytes))
     (fault,) = faults_of(path.read_bytes())

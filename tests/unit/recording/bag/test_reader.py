@@ -21,7 +21,7 @@ from unit.recording.bags import START_NS, connection, text, write_bag
 
 
 @pytest.mark.parametrize("compression", ["none", "bz2", "lz4"])
-def test_what_was_written_is_read(tmp_path: Path, compression: str) -> None:
+def test_written_messages_are_read(tmp_path: Path, compression: str) -> None:
     written = write_bag(tmp_path / "a.bag", compression=compression)
     reader = BagReader(tmp_path / "a.bag")
     assert [(each.connection.topic, each.time_ns, each.payload) for each in reader.messages()] == written
@@ -31,14 +31,14 @@ def test_what_was_written_is_read(tmp_path: Path, compression: str) -> None:
     assert reader.damage == ""
 
 
-def test_topics_and_times_are_chosen(tmp_path: Path) -> None:
+def test_reading_selects_topics_and_times(tmp_path: Path) -> None:
     written = write_bag(tmp_path / "a.bag")
     reader = BagReader(tmp_path / "a.bag")
     found = reader.messages(lambda each: each.topic == "/b", start_ns=written[5][1], end_ns=written[11][1])
     assert [each.payload for each in found] == [written[index][2] for index in (5, 7, 9, 11)]
 
 
-def test_chunks_that_overlap_are_put_in_order(tmp_path: Path) -> None:
+def test_messages_of_overlapping_chunks_are_sorted_by_time(tmp_path: Path) -> None:
     writer = BagWriter(tmp_path / "a.bag", chunk_bytes=1)
     number = writer.add_connection(connection())
     for offset in (0, 50, 20, 10, 60, 55):
@@ -54,7 +54,7 @@ def test_chunks_that_overlap_are_put_in_order(tmp_path: Path) -> None:
     ]
 
 
-def test_a_bag_cut_anywhere_gives_a_prefix(tmp_path: Path) -> None:
+def test_a_bag_truncated_anywhere_yields_its_first_messages(tmp_path: Path) -> None:
     path = tmp_path / "a.bag"
     written = write_bag(path, 12)
     data = path.read_bytes()
@@ -70,7 +70,7 @@ def test_a_bag_cut_anywhere_gives_a_prefix(tmp_path: Path) -> None:
     assert longest == 12
 
 
-def test_a_flipped_byte_never_raises_anything_else(tmp_path: Path) -> None:
+def test_a_flipped_byte_raises_only_recording_errors(tmp_path: Path) -> None:
     path = tmp_path / "a.bag"
     write_bag(path, 8)
     data = path.read_bytes()
@@ -90,7 +90,7 @@ def test_a_flipped_byte_never_raises_anything_else(tmp_path: Path) -> None:
 
 
 def test_a_chunk_that_roscpp_left_open_is_read_to_its_last_message(tmp_path: Path) -> None:
-    # roscpp writes messages behind a chunk header that says 0 bytes until the chunk is full.
+    # Until the chunk is full, roscpp writes messages after a chunk header with the size 0.
     one = connection()
     fields = encode_fields({key.encode(): value.encode() for key, value in one.fields().items()})
     known = encode_record(Op.CONNECTION, {b"conn": U32.pack(3), b"topic": b"/chatter"}, fields)
@@ -116,14 +116,14 @@ def test_a_chunk_that_roscpp_left_open_is_read_to_its_last_message(tmp_path: Pat
         (b"{}" * 50, "is not a bag"),
     ],
 )
-def test_what_is_not_a_bag_is_reported(tmp_path: Path, content: bytes, reported: str) -> None:
+def test_files_that_are_not_bags_are_reported(tmp_path: Path, content: bytes, reported: str) -> None:
     path = tmp_path / "a.bag"
     path.write_bytes(content)
     with pytest.raises(RecordingError, match=reported):
         BagReader(path)
 
 
-def test_a_chunk_that_lies_about_its_size_is_refused(tmp_path: Path) -> None:
+def test_a_chunk_with_a_wrong_size_is_refused(tmp_path: Path) -> None:
     path = tmp_path / "a.bag"
     write_bag(path, compression="bz2")
     data = path.read_bytes()

@@ -19,7 +19,7 @@ from rostether.rostime import NS_PER_S
 from unit.recording.bags import START_NS, STRING, connection, text, write_bag, write_reset
 
 
-def test_batches_of_one_size_and_of_many_read_back(tmp_path: Path) -> None:
+def test_batches_with_one_size_or_several_are_read_back(tmp_path: Path) -> None:
     path = tmp_path / "a.bag"
     writer = BagWriter(path)
     number = writer.add_connection(connection())
@@ -38,7 +38,7 @@ def test_equal_connections_share_a_number(tmp_path: Path) -> None:
     writer.close()
 
 
-def test_what_was_flushed_is_whole_without_closing(tmp_path: Path) -> None:
+def test_flushed_messages_are_complete_in_a_bag_that_was_not_closed(tmp_path: Path) -> None:
     written = write_bag(tmp_path / "a.bag", closes=False)
     reader = BagReader(tmp_path / "a.bag")
     assert "not closed" in reader.damage
@@ -51,7 +51,7 @@ def test_an_empty_bag_can_be_read(tmp_path: Path) -> None:
     assert (reader.span_ns, list(reader.messages()), reader.damage) == (None, [], "")
 
 
-def test_a_full_disk_keeps_the_chunks_before(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_full_disk_keeps_the_earlier_chunks(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     path = tmp_path / "a.bag"
     limit = 8000
     real_write = os.write
@@ -71,7 +71,7 @@ def test_a_full_disk_keeps_the_chunks_before(tmp_path: Path, monkeypatch: pytest
             writer.write(number, START_NS + taken, [text("x" * 100)])
             taken += 1
     kept = writer.message_count
-    # The cut chunk has left room for the index, or the file stays without one.
+    # The truncated chunk has left room for the index, or the file has none.
     try:
         writer.close()
     except RecordingError:
@@ -82,7 +82,7 @@ def test_a_full_disk_keeps_the_chunks_before(tmp_path: Path, monkeypatch: pytest
     assert 0 < kept <= taken
 
 
-def test_a_folder_that_is_not_there_is_reported(tmp_path: Path) -> None:
+def test_a_missing_folder_is_reported(tmp_path: Path) -> None:
     with pytest.raises(RecordingError, match="No such file"):
         BagWriter(tmp_path / "none" / "a.bag")
 
@@ -92,14 +92,14 @@ def test_a_device_that_is_full_from_the_start_is_reported() -> None:
         BagWriter(Path("/dev/full"))
 
 
-def test_the_first_chunk_is_where_rosbag_writes_it(tmp_path: Path) -> None:
-    # rosbag's reindex writes its own header over ours: what is shorter would lose the chunk behind it.
+def test_the_first_chunk_has_the_position_that_rosbag_expects(tmp_path: Path) -> None:
+    # rosbag's reindex overwrites the header: if it were shorter, the next chunk would be lost.
     write_bag(tmp_path / "a.bag")
     data = (tmp_path / "a.bag").read_bytes()
     assert data.index(b"compression=none") == 4117 + 8
 
 
-def test_connection_headers_survive_both_formats(tmp_path: Path) -> None:
+def test_connection_headers_are_the_same_in_both_formats(tmp_path: Path) -> None:
     output = {
         "callerid": "/talker",
         "latching": "0",
@@ -122,8 +122,8 @@ def test_connection_headers_survive_both_formats(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("chunk_bytes", [300, 100_000])
-def test_indexes_are_in_the_order_of_time_whatever_came_first(tmp_path: Path, chunk_bytes: int) -> None:
-    # Debian's rosbag takes the first chunk's start and the last one's end for those of the bag, and bisects.
+def test_indexes_are_sorted_by_time(tmp_path: Path, chunk_bytes: int) -> None:
+    # Debian's rosbag uses the start of the first chunk and the end of the last one for the bag, and bisects.
     write_reset(BagWriter(tmp_path / "a.bag", chunk_bytes=chunk_bytes))
     data = (tmp_path / "a.bag").read_bytes()
     starts, position = [], 13

@@ -73,7 +73,7 @@ def _parquet(bag: Path, folder: Path, topic: str, *fields: str) -> list[dict[str
     return rows
 
 
-def test_nested_fields_times_and_fixed_arrays_are_columns(bag: Path, tmp_path: Path) -> None:
+def test_nested_fields_times_and_fixed_arrays_have_columns(bag: Path, tmp_path: Path) -> None:
     (row,) = _csv(bag, "/imu")
     assert (row["time_s"], row["time_ns"]) == ("1700000000.123456789", str(START_NS))
     assert (row["header.seq"], row["header.frame_id"]) == ("7", 'a "b",c')
@@ -119,7 +119,7 @@ def test_arrays_of_messages_are_lists_of_records(bag: Path, tmp_path: Path) -> N
         ("/imu", "linear_acceleration.x", {"linear_acceleration.x": ["0.1"]}),
     ],
 )
-def test_fields_are_chosen_by_path_and_pattern(
+def test_fields_are_selected_by_path_and_pattern(
     bag: Path, tmp_path: Path, topic: str, field: str, columns: dict[str, list[str]]
 ) -> None:
     if not columns:
@@ -131,7 +131,7 @@ def test_fields_are_chosen_by_path_and_pattern(
     assert set(_parquet(bag, tmp_path, topic, field)[0]) == {"time_s", "time_ns", *columns}
 
 
-def test_a_nested_message_brings_all_below_it() -> None:
+def test_a_path_of_a_nested_message_selects_all_its_fields() -> None:
     names = [
         each.name for each in columns_of(STORE.codec("nav_msgs/Odometry"), ["pose.pose", "child_frame_id"])
     ]
@@ -142,7 +142,7 @@ def test_a_nested_message_brings_all_below_it() -> None:
     ]
 
 
-def test_what_is_not_there_is_reported(bag: Path) -> None:
+def test_missing_topics_and_fields_are_reported(bag: Path) -> None:
     with pytest.raises(ConfigError, match="no topic /nothing; the recording has /diagnostics, /image"):
         _csv(bag, "/nothing")
     with pytest.raises(ConfigError, match="has no field 'colour'"):
@@ -173,7 +173,7 @@ def test_messages_that_do_not_fit_are_skipped_and_counted(tmp_path: Path) -> Non
     assert "/broken" in reported[0]
 
 
-def test_topics_of_two_types_have_a_table_each(tmp_path: Path) -> None:
+def test_a_topic_with_two_types_has_two_tables(tmp_path: Path) -> None:
     path = tmp_path / "a.bag"
     writer = BagWriter(path)
     for name, value in (("std_msgs/Bool", {"data": True}), ("std_msgs/Int32", {"data": 5})):
@@ -192,7 +192,7 @@ def test_a_type_that_parquet_does_not_support_is_reported_and_leaves_no_file(tmp
     assert not (tmp_path / "t.parquet").exists()
 
 
-def test_a_spreadsheet_runs_no_text_of_a_board(tmp_path: Path) -> None:
+def test_texts_of_boards_are_no_formulas_in_spreadsheets(tmp_path: Path) -> None:
     path = tmp_path / "a.bag"
     texts = ("=1+1", "+1", "-1", "@SUM(A1)", "\t=1", "fine", "'quoted", "")
     codec = STORE.codec("std_msgs/String")
@@ -204,7 +204,7 @@ def test_a_spreadsheet_runs_no_text_of_a_board(tmp_path: Path) -> None:
     assert shown == ["'=1+1", "'+1", "'-1", "'@SUM(A1)", "'\t=1", "fine", "'quoted", ""]
 
 
-def test_pictures_of_one_time_are_all_kept(tmp_path: Path) -> None:
+def test_pictures_with_the_same_time_are_all_kept(tmp_path: Path) -> None:
     codec = STORE.codec(PICTURE_TYPE)
     folder = PictureTable(tmp_path / "pictures")
     for data in (b"1", b"2", b"3"):

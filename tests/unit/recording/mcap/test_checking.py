@@ -1,4 +1,4 @@
-"""Sound files of several writers have no fault; the fault of a file damaged in one place is reported."""
+"""Files of several writers have no faults; the fault of a file damaged in one place is reported."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def ours(tmp_path: Path) -> bytearray:
 
 
 def _records(data: bytes | bytearray, wanted: int) -> list[tuple[int, int, int]]:
-    """Where records of a kind begin, and where their content begins and ends."""
+    """Return the positions of records of a kind, and start and end of their content."""
     found = []
     position = len(MAGIC)
     while position < len(data) - len(MAGIC):
@@ -41,14 +41,14 @@ def _records(data: bytes | bytearray, wanted: int) -> list[tuple[int, int, int]]
 
 
 def _unsummed(data: bytearray) -> bytearray:
-    """Take the sums of data and summary out, so that only what is damaged speaks."""
+    """Remove the checksums of data and summary, so that only the damage is reported."""
     _, start, end = _records(data, Op.DATA_END)[0]
     data[start:end] = bytes(4)
     data[-12:-8] = bytes(4)
     return data
 
 
-def test_ours_are_sound(ours: bytearray, tmp_path: Path) -> None:
+def test_own_files_have_no_faults(ours: bytearray, tmp_path: Path) -> None:
     assert faults_of(bytes(ours)) == []
     McapWriter(tmp_path / "empty.mcap").close()
     assert faults_of((tmp_path / "empty.mcap").read_bytes()) == []
@@ -57,7 +57,7 @@ def test_ours_are_sound(ours: bytearray, tmp_path: Path) -> None:
 @pytest.mark.parametrize("compression", list(CompressionType))
 @pytest.mark.parametrize("use_chunking", [True, False])
 @pytest.mark.parametrize("repeats", [True, False])
-def test_those_of_the_package_are_sound(
+def test_files_of_the_mcap_package_have_no_faults(
     compression: CompressionType, use_chunking: bool, repeats: bool
 ) -> None:
     file = io.BytesIO()
@@ -85,7 +85,7 @@ def test_those_of_the_package_are_sound(
         assert all("summary does not list the chunk" in fault for fault in faults)
 
 
-def test_a_sum_that_is_wrong(ours: bytearray) -> None:
+def test_a_wrong_checksum_is_reported(ours: bytearray) -> None:
     _, start, end = _records(ours, Op.CHUNK)[1]
     ours[end - 5] ^= 1
     reported = faults_of(bytes(ours))
@@ -94,7 +94,7 @@ def test_a_sum_that_is_wrong(ours: bytearray) -> None:
     assert start < end
 
 
-def test_a_summary_whose_sum_is_wrong(ours: bytearray) -> None:
+def test_a_wrong_checksum_of_the_summary_is_reported(ours: bytearray) -> None:
     _, start, _ = _records(ours, Op.STATISTICS)[0]
     ours[start] ^= 1
     reported = faults_of(bytes(ours))
@@ -121,7 +121,7 @@ def test_a_summary_whose_sum_is_wrong(ours: bytearray) -> None:
         (Op.CHANNEL, 0, -1, "its summary lists channel"),
     ],
 )
-def test_one_byte_that_lies(ours: bytearray, op: int, place: int, which: int, reported: str) -> None:
+def test_one_wrong_byte_is_reported(ours: bytearray, op: int, place: int, which: int, reported: str) -> None:
     _, start, _ = _records(ours, op)[which]
     data = _unsummed(ours)
     data[start + place] ^= 0x40
@@ -130,7 +130,7 @@ def test_one_byte_that_lies(ours: bytearray, op: int, place: int, which: int, re
     assert all("\n" not in fault for fault in faults)
 
 
-def test_a_channel_without_its_schema_and_a_message_without_its_channel(ours: bytearray) -> None:
+def test_undefined_schemas_and_channels_are_reported(ours: bytearray) -> None:
     data = MAGIC + encode_record(0x01, bytes(8))
     data += encode_record(Op.CHANNEL, struct.pack("<HHIII", 1, 5, 0, 0, 0))
     data += encode_record(0x05, struct.pack("<HIQQ", 9, 0, 1, 1))
@@ -143,13 +143,13 @@ def test_a_channel_without_its_schema_and_a_message_without_its_channel(ours: by
     ]
 
 
-def test_cut_files_are_not_sound(ours: bytearray) -> None:
+def test_truncated_files_have_faults(ours: bytearray) -> None:
     for size in range(0, len(ours), 37):
         (*_, last) = faults_of(bytes(ours[:size]))
         assert last
 
 
-def test_no_flipped_byte_of_the_data_is_missed(ours: bytearray) -> None:
+def test_every_flipped_byte_of_the_data_is_reported(ours: bytearray) -> None:
     for place in range(0, len(ours), 5):
         broken = bytearray(ours)
         broken[place] ^= 0x15

@@ -1,4 +1,4 @@
-"""Other nodes' parameters where those nodes are not ours: what contract tests do not reach."""
+"""Parameters of nodes of other programs, which the contract tests do not test."""
 
 from __future__ import annotations
 
@@ -33,8 +33,8 @@ async def answer_with(graph: MemoryGraph, verb: str, name: str, response: Mappin
     await graph.advertise_service(f"{graph.node_name}/{verb}", rcl_interfaces().service(name), handle)
 
 
-async def test_a_node_that_answers_nothing_for_several_is_asked_one_by_one() -> None:
-    # rclpy and rclcpp: one declared parameter without a value, and all values are missing.
+async def test_parameters_are_requested_one_by_one_if_a_node_returns_nothing_for_several() -> None:
+    # In rclpy and rclcpp, all values are missing if one declared parameter has no value.
     network = MemoryNetwork()
     picky, me = await network.join("/picky"), await network.join("/me")
     codec = rcl_interfaces().codec
@@ -80,7 +80,7 @@ async def test_whole_numbers_and_empty_lists_get_the_type_of_the_parameter(
     assert now.type is typed_value("", after or before).type
 
 
-async def test_refusals_carry_the_nodes_reason() -> None:
+async def test_refusals_have_the_reason_of_the_node() -> None:
     network = MemoryNetwork()
     fixed, me = await network.join("/fixed"), await network.join("/me")
     refusal = {"results": [{"successful": False, "reason": "read only,\nreally"}]}
@@ -122,7 +122,7 @@ async def test_names_with_slashes_are_found() -> None:
     assert await parameters.get("/other/qos_overrides") == {"tf": {"depth": 7}}
 
 
-async def test_a_value_may_have_others_below_it() -> None:
+async def test_a_parameter_may_have_others_below_it() -> None:
     network = MemoryNetwork()
     parameters = GraphParameters(ParameterStore({"a": 1, "a.b": 2, "c.d": 3}), await network.join("/me"))
     assert await parameters.get("/me/a") == 1
@@ -130,7 +130,7 @@ async def test_a_value_may_have_others_below_it() -> None:
     assert await parameters.get("/me") == {"a": 1, "c": {"d": 3}, "use_sim_time": False}
 
 
-async def test_what_a_board_asks_for_is_declared() -> None:
+async def test_requested_parameters_are_declared() -> None:
     network = MemoryNetwork()
     store = ParameterStore()
     parameters = GraphParameters(store, await network.join("/me"))
@@ -150,7 +150,7 @@ async def test_a_node_cannot_be_set_to_a_value() -> None:
         await parameters.set("/me", 7)
 
 
-async def test_watches_survive_noise_and_nodes_that_leave() -> None:
+async def test_watches_continue_after_noise_and_after_nodes_have_left() -> None:
     network = MemoryNetwork()
     me, noise = await network.join("/me"), await network.join("/noise")
     store = ParameterStore({"a": 1})
@@ -164,7 +164,7 @@ async def test_watches_survive_noise_and_nodes_that_leave() -> None:
     store.apply({"a": typed_value("", 2)})
     await until(lambda: seen == [1, 2])
     assert (await me.snapshot()).topics[PARAMETER_EVENTS].subscribers == ("/me",)
-    # An event of a node whose services are gone says nothing new.
+    # An event of a node without services changes nothing.
     event = rcl_interfaces().codec("ParameterEvent").encode({"node": "/other"})
     await other.close()
     publisher.publish_raw([event])

@@ -1,4 +1,4 @@
-"""Parameter files: whom an entry is for, what values mean, and what is refused."""
+"""Parameter files: the nodes of an entry, the values, and invalid files."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ def entry(node: str) -> str:
         ("/**/arm/*", ["/arm/x", "/a/arm/x"], ["/arm", "/a/arm/x/y"]),
     ],
 )
-def test_the_owner_of_an_entry(pattern: str, matching: list[str], others: list[str]) -> None:
+def test_entries_apply_to_matching_nodes(pattern: str, matching: list[str], others: list[str]) -> None:
     rules = parse_parameters(entry(pattern), "file")
     for node in matching:
         assert rules.for_node(node) == {"a": 1}
@@ -97,14 +97,14 @@ def test_values(text: str, value: object) -> None:
         ("[" * 20000, "is too large as YAML"),
     ],
 )
-def test_what_is_refused(text: str, fault: str) -> None:
+def test_invalid_files_are_refused(text: str, fault: str) -> None:
     with pytest.raises(ConfigError, match=fault) as caught:
         parse_parameters(text, "board.yaml")
     assert "board.yaml" in str(caught.value)
     assert "\n" not in str(caught.value)
 
 
-def test_a_long_file_is_refused_for_its_length(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_file_that_is_too_long_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("rostether.ros2.parameters.parameter_file.MAX_FILE_BYTES", 2)
     path = tmp_path / "long.yaml"
     path.write_text("abé", encoding="utf-8")

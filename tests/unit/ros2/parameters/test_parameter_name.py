@@ -20,14 +20,14 @@ NODES = ("/board", "/lab/arm", "/lab/arm/wrist")
         ("/lab/arm/wrist/p", "/lab/arm/wrist", "p"),
         ("/lab/arm/wrists/p", "/lab/arm", "wrists.p"),
         ("/lab/me/p", "/lab/me", "p"),
-        # Below no node: our own, without our namespace.
+        # Below no node: a parameter of this node, without its namespace.
         ("/gain", "/lab/me", "gain"),
         ("/lab/gain", "/lab/me", "gain"),
         ("/labs/gain", "/lab/me", "labs.gain"),
         ("/", "/lab/me", ""),
     ],
 )
-def test_whose_parameter_a_name_is(name: str, node: str, path: str) -> None:
+def test_the_owner_of_a_parameter(name: str, node: str, path: str) -> None:
     assert locate(name, NODES, "/lab/me") == (node, path)
 
 
@@ -43,14 +43,14 @@ def test_the_root_namespace() -> None:
         ("a", "ab", False),
         ("a.b", "a", False),
         ("", "a", True),
-        # Names of other nodes may have slashes of their own.
+        # Names of parameters of other nodes may have slashes.
         ("qos.parameter_events.depth", "qos./parameter_events.depth", True),
     ],
 )
-def test_what_a_path_holds(path: str, name: str, *, holds: bool) -> None:
+def test_a_path_holds_the_parameters_below_it(path: str, name: str, *, holds: bool) -> None:
     assert ParameterPath("/n", path).holds(name) is holds
 
 
-def test_full_names_are_clean() -> None:
+def test_full_names_have_single_slashes() -> None:
     assert full_name("/lab/arm", "gains.p") == "/lab/arm/gains/p"
     assert full_name("/arm", "qos./parameter_events.depth") == "/arm/qos/parameter_events/depth"

@@ -1,4 +1,4 @@
-"""A node's parameters on the graph: what its services answer, and which events it publishes."""
+"""A node's parameters on the graph: the answers of its services, and its events."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ async def asker() -> AsyncIterator[Asker]:
     await other.close()
 
 
-async def test_values_and_types(asker: Asker) -> None:
+async def test_values_and_types_are_returned(asker: Asker) -> None:
     names = ["gains.p", "gains.arm.i", "nothing", "use_sim_time"]
     answer = await asker.ask("get_parameters", "GetParameters", {"names": names})
     assert [each.type for each in answer.values] == [3, 7, 0, 1]
@@ -73,7 +73,7 @@ async def test_values_and_types(asker: Asker) -> None:
         (["port", "gains.arm"], 1, ["gains.arm.i", "port"], ["gains.arm"]),
     ],
 )
-async def test_lists(
+async def test_lists_have_the_requested_prefixes_and_depth(
     asker: Asker, prefixes: list[str], depth: int, names: list[str], below: list[str]
 ) -> None:
     answer = await asker.ask("list_parameters", "ListParameters", {"prefixes": prefixes, "depth": depth})
@@ -85,7 +85,7 @@ def parameter(name: str, value: Any) -> dict[str, Any]:
     return {"name": name, "value": typed_value(name, value).to_fields()}
 
 
-async def test_each_parameter_is_set_by_itself(asker: Asker) -> None:
+async def test_each_parameter_is_set_separately(asker: Asker) -> None:
     request = {"parameters": [parameter("a", 1), parameter("use_sim_time", 7), parameter("port", None)]}
     answer = await asker.ask("set_parameters", "SetParameters", request)
     assert [each.successful for each in answer.results] == [True, False, True]
@@ -127,7 +127,7 @@ async def test_events_are_published(asker: Asker) -> None:
     assert deleted.name == "port"
 
 
-async def test_closing_takes_everything_back(asker: Asker) -> None:
+async def test_closing_removes_the_services(asker: Asker) -> None:
     await asker.services.close()
     await asker.services.close()
     asker.store.apply({"a": typed_value("", 1)})

@@ -1,4 +1,4 @@
-"""A node's own parameters: settings applied as a whole, announced changes, limits."""
+"""The parameters of one node: changes of several at once, listeners, limits."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ def test_all_values_are_set_or_none() -> None:
     assert store.get("a") is NOT_SET
 
 
-def test_what_was_asked_for_can_be_found() -> None:
+def test_requested_parameters_are_declared() -> None:
     store = ParameterStore()
     store.declare("gain")
     store.declare("")

@@ -1,4 +1,4 @@
-"""Values of parameters: their types, what ROS 2 cannot hold, and their way through messages."""
+"""Values of parameters: their types, unsupported values, and their form in messages."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ TYPED: list[tuple[ParamValue, ParameterType]] = [
 
 
 @pytest.mark.parametrize(("value", "kind"), TYPED)
-def test_a_value_has_a_type_and_goes_through_a_message(value: ParamValue, kind: ParameterType) -> None:
+def test_a_value_has_a_type_and_is_the_same_after_a_message(value: ParamValue, kind: ParameterType) -> None:
     typed = typed_value("a", value)
     assert typed == TypedValue(kind, value)
     codec = rcl_interfaces().codec("ParameterValue")
@@ -59,7 +59,7 @@ def test_integers_among_floats_become_floats() -> None:
 @pytest.mark.parametrize(
     "value", [2**63, [1, "a"], [True, 1], [[1]], [None], [{}], [2**63], [b""], ["x" * 1000, 1]]
 )
-def test_what_ros2_cannot_hold(value: ParamValue) -> None:
+def test_values_that_ros2_does_not_support_are_refused(value: ParamValue) -> None:
     with pytest.raises(SerializationError, match="parameter a cannot be") as caught:
         typed_value("a", value)
     assert len(str(caught.value)) < 250

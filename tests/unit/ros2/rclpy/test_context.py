@@ -1,4 +1,4 @@
-"""Joining and leaving, and what is refused."""
+"""Joining, leaving and refused requests."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ pytestmark = pytest.mark.rclpy
 
 
 class OddTypes(Ros2Types):
-    """Believes that a String is something else than what is installed."""
+    """Has a definition of String that differs from the installed one."""
 
     def message(self, message_type: MessageType) -> MessageSupport:
         support = super().message(message_type)
@@ -44,7 +44,7 @@ async def context() -> AsyncIterator[RclpyContext]:
 
 
 @pytest.mark.parametrize("name", ["/a/b__c/4", "/9lives"])
-async def test_a_name_that_ros_2_does_not_take(context: RclpyContext, name: str) -> None:
+async def test_an_invalid_name_is_refused(context: RclpyContext, name: str) -> None:
     with pytest.raises(InvalidNameError) as caught:
         await context.join(name)
     assert "\n" not in str(caught.value)
@@ -62,7 +62,7 @@ async def test_closing_leaves_with_all_nodes() -> None:
         await context.join("/third")
 
 
-async def test_nodes_of_the_same_name_both_stay(context: RclpyContext) -> None:
+async def test_two_nodes_may_have_the_same_name(context: RclpyContext) -> None:
     one, other, inbox = await context.join("/node"), await context.join("/node"), Inbox()
     await other.subscribe("/chat", STRING, inbox.take)
     publisher = await one.advertise("/chat", STRING)
@@ -78,7 +78,7 @@ async def test_a_topic_has_one_type_in_a_process(context: RclpyContext) -> None:
         await other.subscribe("/chat", BOOL, Inbox().take)
 
 
-async def test_a_definition_that_is_not_the_installed_one_is_refused() -> None:
+async def test_a_definition_that_differs_from_the_installed_one_is_refused() -> None:
     context = await open_context(OddTypes)
     node = await context.join("/node")
     for attempt in (node.advertise("/chat", STRING), node.subscribe("/chat", STRING, Inbox().take)):

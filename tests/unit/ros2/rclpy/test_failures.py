@@ -1,4 +1,4 @@
-"""What rclpy raises, in our words."""
+"""Exceptions of rclpy as errors of this package."""
 
 from __future__ import annotations
 
@@ -11,15 +11,15 @@ from rostether.ros2.rclpy.failures import attempt
 
 
 class InvalidNodeNameException(Exception):
-    """As rclpy's."""
+    """Has the name of an exception of rclpy."""
 
 
 class NameValidationException(Exception):
-    """As rclpy's."""
+    """Has the name of an exception of rclpy."""
 
 
 class InvalidTopicNameException(NameValidationException):
-    """As rclpy's."""
+    """Has the name of an exception of rclpy."""
 
 
 @pytest.mark.parametrize(
@@ -39,7 +39,9 @@ class InvalidTopicNameException(NameValidationException):
         (UnknownTypeError("no such type"), UnknownTypeError, "no such type"),
     ],
 )
-def test_errors(raised: Exception, error: type[RostetherError], text: str) -> None:
+def test_exceptions_become_errors_of_this_package(
+    raised: Exception, error: type[RostetherError], text: str
+) -> None:
     def fail() -> NoReturn:
         raise raised
 
@@ -49,5 +51,5 @@ def test_errors(raised: Exception, error: type[RostetherError], text: str) -> No
     assert "\n" not in str(caught.value)
 
 
-def test_what_succeeds_is_returned() -> None:
+def test_the_result_is_returned() -> None:
     assert attempt("add", lambda: 2) == 2

@@ -1,4 +1,4 @@
-"""What is said where rclpy or a package of types is missing."""
+"""The errors if rclpy or a package of types is missing."""
 
 from __future__ import annotations
 
@@ -17,7 +17,9 @@ def _forget() -> None:
         function.cache_clear()
 
 
-def test_a_missing_rclpy_names_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_error_about_a_missing_rclpy_has_the_command_that_installs_it(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     monkeypatch.setitem(sys.modules, "rosidl_generator_py", None)
     monkeypatch.setitem(sys.modules, "rclpy.context", None)
     with pytest.raises(ConfigError, match=r"pip install 'rostether\[rclpy\]'; or source") as caught:
@@ -43,7 +45,7 @@ def test_a_type_that_is_missing_in_its_package_is_named(
         interface_class("thin_msgs/msg/Thick")
 
 
-def test_a_package_that_does_not_load_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_package_that_cannot_be_imported_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     package = tmp_path / "broken_msgs" / "msg"
     package.mkdir(parents=True)
     (package / "__init__.py").write_text("raise ImportError('libbroken.so:\\n cannot open')\n")

@@ -1,4 +1,4 @@
-"""What a subscriber asks for, by what the publishers that are there offer."""
+"""The quality of service that a subscriber requests, depending on the publishers."""
 
 from __future__ import annotations
 
@@ -34,10 +34,12 @@ def offers(*words: str) -> list[SimpleNamespace]:
         (("rl", "bv"), SubscriberQuality(is_reliable=False, is_latched=False)),
     ],
 )
-def test_the_most_that_all_offer(publishers: tuple[str, ...], quality: SubscriberQuality) -> None:
+def test_subscribers_request_what_all_publishers_offer(
+    publishers: tuple[str, ...], quality: SubscriberQuality
+) -> None:
     assert subscriber_quality(offers(*publishers)) == quality
 
 
-def test_policies_have_names() -> None:
+def test_policies_are_named() -> None:
     kind = SimpleNamespace(name="RMW_QOS_POLICY_LIVELINESS_LEASE_DURATION")
     assert name_policy(SimpleNamespace(last_policy_kind=kind)) == "liveliness lease duration"

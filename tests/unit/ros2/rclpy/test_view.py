@@ -1,4 +1,4 @@
-"""The whole graph, out of what rclpy says of each node."""
+"""The whole graph from the answers of rclpy about each node."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ Endpoints = list[tuple[str, list[str]]]
 
 
 class FakeNode:
-    """Says what rclpy's node says of two nodes, and of one that has just left."""
+    """Answers like rclpy's node about two nodes, and one that has just left."""
 
     def get_node_names_and_namespaces(self) -> list[tuple[str, str]]:
         return [

@@ -1,4 +1,4 @@
-"""Golden texts: what rosidl_runtime_py and ROS 2's Python print for the same messages."""
+"""Expected texts: those that rosidl_runtime_py and rclpy print for the same messages."""
 
 from __future__ import annotations
 
@@ -40,11 +40,11 @@ def test_yaml() -> None:
     assert text("std_msgs/Empty", {}) == "{}\n"
     assert text("std_msgs/String", {"data": "yes"}) == "data: 'yes'\n"
     assert text("std_msgs/String", {"data": "grüße\n"}) == "data: 'grüße\n\n  '\n"
-    # Beyond 16 bits too, which libyaml escapes.
+    # Also characters beyond 16 bits, which libyaml escapes.
     assert text("std_msgs/String", {"data": "😀 grüße"}) == "data: 😀 grüße\n"
     assert text("std_msgs/String", {"data": "\\U0001F600"}) == "data: \\U0001F600\n"
     assert text("std_msgs/String", {"data": "a " * 100}, truncate_length=None) == f"data: '{'a ' * 100}'\n"
-    # A byte is a text of one character in ROS 2's Python, and shown so.
+    # rclpy shows a byte as a text of one character.
     assert text("diagnostic_msgs/DiagnosticStatus", {"level": 2, "name": "arm"}) == (
         "level: \"\\x02\"\nname: arm\nmessage: ''\nhardware_id: ''\nvalues: []\n"
     )
@@ -52,7 +52,7 @@ def test_yaml() -> None:
     assert text("builtin_interfaces/Time", {"sec": 1}, flow_style=True) == "{sec: 1, nanosec: 0}\n"
 
 
-def test_yaml_without_arrays_and_cut() -> None:
+def test_yaml_without_arrays_and_with_cut_texts() -> None:
     joints = {"name": ["a", "b"], "position": [0.5, 1.5]}
     assert "name: '<sequence type: string, length: 2>'\n" in text(
         "sensor_msgs/JointState", joints, no_arrays=True

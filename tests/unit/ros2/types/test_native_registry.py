@@ -17,7 +17,7 @@ from rostether.serde.store import TypeStore
 REGISTRY = NativeRegistry(Ros2Definitions(), Registry())
 
 
-def test_names() -> None:
+def test_short_names() -> None:
     assert short_name("std_msgs/msg/String") == short_name("std_msgs/String") == "std_msgs/String"
     assert short_name("std_srvs/srv/SetBool_Request") == "std_srvs/SetBoolRequest"
     assert REGISTRY.message_type("std_msgs/msg/String") is REGISTRY.message_type("std_msgs/String")
@@ -71,7 +71,9 @@ def test_a_type_that_only_ros1_defines(tmp_path: Path) -> None:
     assert registry.service_type("own_msgs/srv/Take").response.name == "own_msgs/TakeResponse"
 
 
-def test_packages_of_ros2_around_the_current_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_packages_of_ros2_near_the_current_folder_are_found(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     folder = tmp_path / "ws/src/my_msgs/msg"
     folder.mkdir(parents=True)
     (folder.parent / "package.xml").write_text(
@@ -81,13 +83,13 @@ def test_packages_of_ros2_around_the_current_folder(tmp_path: Path, monkeypatch:
     monkeypatch.chdir(tmp_path / "ws")
     registry = NativeRegistry.from_environment(environ={})
     assert registry.ros2_message("my_msgs/msg/Foo").fields[0].type.string_bound == 5
-    # Farther up it is not searched for ROS 2, and is no error of ROS 1 either.
+    # Folders farther up are not searched for ROS 2, and cause no error of ROS 1.
     monkeypatch.chdir(tmp_path)
     with pytest.raises(UnknownTypeError, match="no ROS 2 package 'my_msgs' is known"):
         NativeRegistry.from_environment(environ={}).ros2_message("my_msgs/msg/Foo")
 
 
-def test_tools_and_boards_have_one_hash_of_a_type_of_one_s_own(tmp_path: Path) -> None:
+def test_tools_and_boards_have_the_same_hash_of_a_users_type(tmp_path: Path) -> None:
     (tmp_path / "own_msgs" / "msg").mkdir(parents=True)
     (tmp_path / "own_msgs" / "srv").mkdir()
     (tmp_path / "own_msgs" / "msg" / "Inner.msg").write_text("byte a\nchar b\nfloat64[3] D\nint8 BIG=5\n")
@@ -122,7 +124,7 @@ def installed(folder: Path) -> Path:
     return folder
 
 
-async def test_a_search_lists_no_folder_on_the_event_loop(tmp_path: Path) -> None:
+async def test_folders_are_not_searched_on_the_event_loop(tmp_path: Path) -> None:
     registry = NativeRegistry(Ros2Definitions(prefixes=[installed(tmp_path)]), Registry())
     watch = FolderWatch()
     await wait_for_definitions(registry, lambda: registry.message_type("my_msgs/Mine"))
@@ -130,7 +132,7 @@ async def test_a_search_lists_no_folder_on_the_event_loop(tmp_path: Path) -> Non
     assert [each for each in watch.listed if str(tmp_path) in each] == []
 
 
-async def test_types_are_searched_in_both_ros(tmp_path: Path) -> None:
+async def test_types_are_searched_in_both_ros_versions(tmp_path: Path) -> None:
     types = Ros2Types(Registry(), Ros2Definitions(prefixes=[installed(tmp_path)]))
     watch = FolderWatch()
     await types.searched()

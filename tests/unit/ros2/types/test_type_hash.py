@@ -1,4 +1,4 @@
-"""RIHS01 hashes against those that rosidl itself wrote, and those published."""
+"""RIHS01 hashes, compared with those that rosidl wrote, and with published ones."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from rostether.msgdef.ros2.definitions import Ros2Definitions
 from rostether.msgdef.ros2.parse import parse_message
 from rostether.ros2.types.type_hash import event_message, message_hash, rihs01, service_hash
 
-# Where the rosidl wheels put what they were built from.
+# The folder in which the rosidl wheels have the sources of their types.
 INSTALLED = Path(sys.prefix)
 PUBLISHED = {
     "std_msgs/msg/String": "RIHS01_df668c740482bbd48fb39d76a70dfd4bd59db1288021743503259e948f6b1a18",
@@ -48,12 +48,12 @@ def hash_of(name: str, definitions: Ros2Definitions) -> str:
 
 
 @pytest.mark.parametrize("name", PUBLISHED)
-def test_gives_the_published_hashes(name: str) -> None:
+def test_hashes_are_the_published_ones(name: str) -> None:
     assert hash_of(name, Ros2Definitions()) == PUBLISHED[name]
 
 
 @pytest.mark.parametrize("installed", [True, False], ids=["installed", "bundled"])
-def test_gives_the_hashes_of_every_installed_type(installed: bool) -> None:
+def test_hashes_are_those_of_every_installed_type(installed: bool) -> None:
     files = sorted((INSTALLED / "share").glob("*/*/*.json"))
     definitions = Ros2Definitions(prefixes=[INSTALLED], bundled=False) if installed else Ros2Definitions()
     checked = 0
@@ -63,7 +63,7 @@ def test_gives_the_hashes_of_every_installed_type(installed: bool) -> None:
             if not installed and name.partition("/")[0] not in definitions.packages():
                 continue
             if name.startswith("test_msgs/"):
-                # Some of its types are .idl files, which are not read; actions themselves are on no graph.
+                # Some of its types are .idl files, which are not read; actions are not on the graph as such.
                 continue
             assert hash_of(name, definitions) == entry["hash_string"], name
             checked += 1
@@ -78,7 +78,7 @@ def test_humble_has_no_hashes() -> None:
     assert hash_of("std_srvs/srv/SetBool", definitions) == "TypeHashNotSupported"
 
 
-def test_only_names_and_types_count() -> None:
+def test_only_names_and_types_change_the_hash() -> None:
     definitions = Ros2Definitions()
 
     def hashed(text: str) -> str:

@@ -1,4 +1,4 @@
-"""What a graph asks for a type: by its ROS 1 definition or its ROS 2 name, derived where there is none."""
+"""The support of types, by their ROS 1 definition or ROS 2 name, with and without a ROS 2 definition."""
 
 from __future__ import annotations
 
@@ -24,13 +24,13 @@ def types() -> Ros2Types:
 
 
 def learned(name: str, text: str) -> MessageType:
-    """Return a type as a connection header brings it, which no folder has."""
+    """Return a type as in a connection header; no folder has it."""
     registry = Registry()
     registry.add_full_text(name, text)
     return registry.message_type(name)
 
 
-def test_message_that_both_have(types: Ros2Types) -> None:
+def test_a_message_that_both_ros_versions_have(types: Ros2Types) -> None:
     imu = types.registry.message_type("sensor_msgs/Imu")
     support = types.message(imu)
     assert (support.name, support.type_hash) == ("sensor_msgs/msg/Imu", IMU_HASH)
@@ -40,7 +40,7 @@ def test_message_that_both_have(types: Ros2Types) -> None:
     assert support.converter.from_cdr(support.converter.to_cdr(payload)) == payload
 
 
-def test_service_that_both_have(types: Ros2Types) -> None:
+def test_a_service_that_both_ros_versions_have(types: Ros2Types) -> None:
     set_bool = types.registry.service_type("std_srvs/SetBool")
     support = types.service(set_bool)
     assert support.name == "std_srvs/srv/SetBool"
@@ -53,7 +53,7 @@ def test_service_that_both_have(types: Ros2Types) -> None:
     assert support.response.from_cdr(response) == b"\1\2\0\0\0ok"
 
 
-def test_every_bundled_type_has_its_form(types: Ros2Types) -> None:
+def test_every_bundled_ros1_type_can_be_converted(types: Ros2Types) -> None:
     registry = types.registry
     for name in registry.messages():
         assert types.message(registry.message_type(name)).type_hash.startswith("RIHS01_"), name
@@ -61,7 +61,7 @@ def test_every_bundled_type_has_its_form(types: Ros2Types) -> None:
         assert types.service(registry.service_type(name)).type_hash.startswith("RIHS01_"), name
 
 
-def test_every_ros2_type_has_its_form(types: Ros2Types) -> None:
+def test_every_bundled_ros2_type_can_be_converted(types: Ros2Types) -> None:
     for name in types.definitions.messages():
         assert types.by_name(name).name == name
         assert native_message(types.definitions.message(name), types.definitions).type_hash
@@ -70,7 +70,7 @@ def test_every_ros2_type_has_its_form(types: Ros2Types) -> None:
         assert types.native_service(name).md5sum
 
 
-def test_a_type_that_only_the_text_shows(types: Ros2Types) -> None:
+def test_a_message_that_only_a_connection_header_defines(types: Ros2Types) -> None:
     text = (
         "time stamp\nstd_msgs/Header header\nmy_robot/Wheel[] wheels\nfloat32 maxSpeed\n"
         + "=" * 80
@@ -88,14 +88,14 @@ def test_a_type_that_only_the_text_shows(types: Ros2Types) -> None:
     assert support.converter.from_cdr(cdr) == payload
 
 
-def test_its_own_definition_counts_and_not_ours(types: Ros2Types) -> None:
+def test_a_types_own_definition_has_priority(types: Ros2Types) -> None:
     changed = learned("my_robot/State", "uint8 a\n")
     other = learned("my_robot/State", "uint8 a\nuint8 b\n")
     assert types.message(changed).converter.to_cdr(b"\1") == HEAD + b"\1"
     assert types.message(other).converter.to_cdr(b"\1\2") == HEAD + b"\1\2"
 
 
-def test_a_service_that_only_the_text_shows(types: Ros2Types) -> None:
+def test_a_service_that_only_a_connection_header_defines(types: Ros2Types) -> None:
     request = learned("my_robot/MoveRequest", "float64 distance\nduration limit\n")
     nothing = MessageType("my_robot/MoveResponse", "d41d8cd98f00b204e9800998ecf8427e", "")
     support = types.service(ServiceType("my_robot/Move", "0" * 32, request, nothing))
@@ -113,7 +113,7 @@ def _nothing(name: str) -> MessageType:
     return MessageType(name, "d41d8cd98f00b204e9800998ecf8427e", "")
 
 
-def test_ros2_text_on_this_machine_wins(tmp_path: Path) -> None:
+def test_a_ros2_definition_on_this_machine_has_priority(tmp_path: Path) -> None:
     folder = tmp_path / "my_robot" / "msg"
     folder.mkdir(parents=True)
     (tmp_path / "my_robot" / "package.xml").write_text(
@@ -130,11 +130,11 @@ def test_ros2_text_on_this_machine_wins(tmp_path: Path) -> None:
     assert support.converter.to_cdr(b"abcd") == HEAD + b"\3\0\0\0abcd"
     with pytest.raises(TypeMismatchError, match="only ROS 1 has 'speed' and only ROS 2 has 'velocity'"):
         types.message(learned("my_robot/Other", "float32 speed\n"))
-    # For listeners there is always the ROS 2 form itself.
+    # Subscribers always have the native form.
     assert types.by_name("my_robot/msg/Other").ros1_type.definition.strip() == "float32 velocity"
 
 
-def test_names_of_ros2(types: Ros2Types) -> None:
+def test_types_are_found_by_ros2_names(types: Ros2Types) -> None:
     assert types.by_name("sensor_msgs/msg/Imu").ros1_type == types.registry.message_type("sensor_msgs/Imu")
     assert types.by_name("rcl_interfaces/msg/Log").ros1_type.name == "rosgraph_msgs/Log"
     assert types.by_name("builtin_interfaces/msg/Time").ros1_type.name == "std_msgs/Time"
@@ -160,7 +160,7 @@ def test_native_types_drop_and_add_nothing(types: Ros2Types) -> None:
             assert own_fields(converter) == ((), ()), name
 
 
-def test_native_service_is_a_service_as_others(types: Ros2Types) -> None:
+def test_a_native_service_is_supported_like_others(types: Ros2Types) -> None:
     native = types.native_service("rcl_interfaces/srv/GetParameters")
     support = types.service(native)
     assert support.name == "rcl_interfaces/srv/GetParameters"

@@ -32,7 +32,7 @@ RULES = {
 }
 
 
-async def test_what_a_router_denies_is_reported(
+async def test_topics_that_a_router_denies_are_reported(
     monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
     monkeypatch.setattr(session_module, "ACCESS_CHECK_AFTER_S", 0.2)
@@ -59,7 +59,7 @@ async def test_what_a_router_denies_is_reported(
     assert f"the router at {endpoint} does not forward /robot1/cmd_vel for this program" in caplog.text
 
     configuration = peer_configuration(Ros2Environment(), Reach())
-    # Of the whole graph, as `doctor` asks.
+    # For the whole graph, as in `doctor`.
     denied = await find_denied_topics(configuration, endpoint, 0)
     assert denied is not None
     assert "/robot1/cmd_vel" in denied

@@ -11,7 +11,7 @@ def test_the_33_bytes() -> None:
     assert parse_attachment(data) == Attachment(1, 0x0102030405060708, GID)
 
 
-def test_what_is_not_an_attachment_is_none() -> None:
+def test_invalid_attachments_are_none() -> None:
     good = Attachment(7, 8, GID).encode()
     assert parse_attachment(b"") is None
     assert parse_attachment(good[:-1]) is None

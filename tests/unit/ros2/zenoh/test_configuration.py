@@ -79,7 +79,7 @@ def test_a_file_replaces_all_defaults(tmp_path: Path) -> None:
         assert endpoints(configuration, "connect/endpoints") == ["tcp/10.0.0.9:7447"]
 
 
-def test_what_zenoh_does_not_accept_is_refused_in_one_line(tmp_path: Path) -> None:
+def test_settings_that_zenoh_does_not_accept_are_refused_in_one_line(tmp_path: Path) -> None:
     path = tmp_path / "zenoh.json5"
     path.write_text("{mode: ")
     with pytest.raises(ConfigError, match=r"zenoh\.json5 is not a zenoh configuration") as caught:
@@ -91,7 +91,7 @@ def test_what_zenoh_does_not_accept_is_refused_in_one_line(tmp_path: Path) -> No
         peer_configuration(Ros2Environment(), Reach(connect=("nowhere",)))
 
 
-def test_a_users_own_place_is_known() -> None:
+def test_endpoints_of_the_user_are_detected() -> None:
     assert not configures_endpoints(Ros2Environment())
     assert not configures_endpoints(Ros2Environment(zenoh_overrides=(("scouting/delay", "1"),)))
     assert configures_endpoints(Ros2Environment(zenoh_overrides=(("connect/endpoints", "[]"),)))
@@ -99,7 +99,7 @@ def test_a_users_own_place_is_known() -> None:
     assert configures_endpoints(Ros2Environment(zenoh_session_config=Path("x")))
 
 
-async def test_a_router_is_looked_for() -> None:
+async def test_a_router_is_found_by_a_connection() -> None:
     server = await asyncio.start_server(lambda _, writer: writer.close(), "127.0.0.1", 0)
     port = server.sockets[0].getsockname()[1]
     assert await is_router_there(f"tcp/127.0.0.1:{port}")

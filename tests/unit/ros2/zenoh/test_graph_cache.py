@@ -30,7 +30,7 @@ def test_a_snapshot_matches_the_tokens() -> None:
     assert snapshot.topics == {
         "/chat": TopicEntry("/chat", "std_msgs/msg/String", ("/talker",), ("/listener",))
     }
-    # A client alone makes no service.
+    # A client without a server is not a service.
     assert snapshot.services == {"/switch": ServiceEntry("/switch", ("/server",), "std_srvs/srv/SetBool")}
     assert graph.snapshot() is snapshot
 
@@ -44,7 +44,7 @@ def test_removed_entries_are_forgotten() -> None:
     assert graph.endpoints(TokenKind.PUBLISHER, "/chat") == []
 
 
-def test_a_change_makes_only_its_own_entries_again() -> None:
+def test_a_change_creates_only_the_changed_entries_again() -> None:
     graph = GraphCache()
     graph.apply_tokens(
         [(TALKER, True), (SERVER, True), (token(TokenKind.PUBLISHER, "b", "/other", STRING), True)]
@@ -61,7 +61,7 @@ def test_a_change_makes_only_its_own_entries_again() -> None:
     assert last.services["/switch"].providers == ("/server", "/twin")
 
 
-def test_what_is_not_a_token_is_skipped() -> None:
+def test_invalid_tokens_are_skipped() -> None:
     graph = GraphCache()
     graph.apply_tokens([("", True), ("@ros2_lv/0/nonsense", True), ("x" * 100_000, True)])
     assert graph.snapshot().nodes == ()

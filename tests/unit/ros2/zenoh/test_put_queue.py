@@ -14,7 +14,7 @@ from waiting import until
 
 
 class Link:
-    """A link that has room when the test says so."""
+    """A link that has room when the test allows it."""
 
     def __init__(self) -> None:
         self.room = threading.Event()
@@ -63,7 +63,7 @@ async def test_a_thread_waits_for_room_and_the_loop_continues(threads: ThreadPoo
     assert sum(puts.done for puts in link.noted) == 200
 
 
-async def test_what_is_added_while_a_thread_puts_comes_behind_it(threads: ThreadPoolExecutor) -> None:
+async def test_messages_added_while_a_thread_puts_are_put_afterwards(threads: ThreadPoolExecutor) -> None:
     link = Link()
     link.room.set()
     queue = PutQueue(link.take, link.note, threads, 1 << 20)
@@ -75,7 +75,7 @@ async def test_what_is_added_while_a_thread_puts_comes_behind_it(threads: Thread
     assert link.put == sent
 
 
-async def test_when_too_much_waits_the_oldest_go(threads: ThreadPoolExecutor) -> None:
+async def test_the_oldest_messages_are_dropped_beyond_the_limit(threads: ThreadPoolExecutor) -> None:
     link = Link()
     queue = PutQueue(link.take, link.note, threads, 100_000)
     sent = payloads(400)
@@ -91,7 +91,7 @@ async def test_when_too_much_waits_the_oldest_go(threads: ThreadPoolExecutor) ->
     assert link.put == [*sent[:1], *sent[-100:]]
 
 
-async def test_after_a_long_put_a_thread_does_them_for_a_while(
+async def test_after_a_long_put_a_thread_is_used_for_some_time(
     threads: ThreadPoolExecutor, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     link = Link()
@@ -107,7 +107,7 @@ async def test_after_a_long_put_a_thread_does_them_for_a_while(
     await until(lambda: queue.is_idle)
 
 
-async def test_one_put_that_is_rather_long_is_an_accident_and_two_are_not(
+async def test_a_thread_is_used_after_two_rather_long_puts_but_not_after_one(
     threads: ThreadPoolExecutor,
 ) -> None:
     queue = PutQueue(Link().take, Link().note, threads, 1 << 20)
@@ -119,7 +119,7 @@ async def test_one_put_that_is_rather_long_is_an_accident_and_two_are_not(
     await queue.finish()
 
 
-async def test_what_waits_is_put_at_the_end(threads: ThreadPoolExecutor) -> None:
+async def test_waiting_messages_are_put_at_the_end(threads: ThreadPoolExecutor) -> None:
     link = Link()
     link.room.set()
     queue = PutQueue(link.take, link.note, threads, 1 << 20)
@@ -129,7 +129,7 @@ async def test_what_waits_is_put_at_the_end(threads: ThreadPoolExecutor) -> None
     assert link.put == sent
 
 
-async def test_the_end_waits_for_no_link_that_hangs(
+async def test_the_end_does_not_wait_for_a_link_that_hangs(
     threads: ThreadPoolExecutor, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("rostether.ros2.zenoh.put_queue.FINISH_LIMIT_S", 0.01)
@@ -141,7 +141,7 @@ async def test_the_end_waits_for_no_link_that_hangs(
     link.room.set()
 
 
-async def test_a_publisher_that_ended_meanwhile_ends_nothing_else(threads: ThreadPoolExecutor) -> None:
+async def test_a_publisher_that_has_ended_does_not_stop_the_queue(threads: ThreadPoolExecutor) -> None:
     link = Link()
     link.room.set()
     link.error = SerializationError("undeclared")

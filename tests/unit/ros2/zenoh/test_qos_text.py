@@ -22,7 +22,7 @@ TEXTS = [
 
 
 @pytest.mark.parametrize(("qos", "text"), TEXTS)
-def test_what_is_default_is_left_empty(qos: Qos, text: str) -> None:
+def test_defaults_are_empty(qos: Qos, text: str) -> None:
     assert format_qos(qos) == text
     assert parse_qos(text) == qos
 
@@ -42,7 +42,7 @@ def test_what_is_default_is_left_empty(qos: Qos, text: str) -> None:
         ("::,-3:", Qos(depth=42)),
     ],
 )
-def test_anything_a_peer_writes_is_read(text: str, qos: Qos) -> None:
+def test_every_text_of_a_peer_is_read(text: str, qos: Qos) -> None:
     assert parse_qos(text) == qos
 
 

@@ -1,4 +1,4 @@
-"""Services beside peers that are not ours, and calls that end badly."""
+"""Services with peers of other programs, and calls that fail."""
 
 from __future__ import annotations
 
@@ -44,13 +44,13 @@ async def agree(request: bytes) -> bytes:
 
 
 async def ask(session: ZenohSession, payload: bytes | None, attachment: bytes | None) -> list[zenoh.Reply]:
-    """Call as a peer that keeps to no convention."""
+    """Call like a peer that follows no convention."""
     return await asyncio.to_thread(
         lambda: list(session.zenoh.get(KEY, payload=payload, attachment=attachment, timeout=60.0))
     )
 
 
-async def test_a_reply_echoes_sequence_and_gid(session: ZenohSession) -> None:
+async def test_a_reply_repeats_sequence_and_gid(session: ZenohSession) -> None:
     node = await session.join("server")
     await node.advertise_service("/switch", SET_BOOL, agree)
     (reply,) = await ask(session, REQUEST, Attachment(77, 5, GID).encode())
@@ -63,7 +63,7 @@ async def test_a_reply_echoes_sequence_and_gid(session: ZenohSession) -> None:
     assert SUPPORT.response.from_cdr(reply.ok.payload.to_bytes()) == b"\x01" + string("agreed")
 
 
-async def test_calls_that_make_no_sense_are_refused(session: ZenohSession) -> None:
+async def test_invalid_calls_are_refused(session: ZenohSession) -> None:
     node = await session.join("server")
     await node.advertise_service("/switch", SET_BOOL, agree)
     good = Attachment(1, 5, GID).encode()
@@ -80,7 +80,7 @@ async def test_calls_that_make_no_sense_are_refused(session: ZenohSession) -> No
     assert reply.ok is not None
 
 
-async def test_a_server_that_ends_during_the_call(session: ZenohSession) -> None:
+async def test_a_call_fails_when_its_server_ends(session: ZenohSession) -> None:
     server, client = await session.join("server"), await session.join("client")
     called = asyncio.Event()
 
@@ -97,7 +97,7 @@ async def test_a_server_that_ends_during_the_call(session: ZenohSession) -> None
         await asyncio.wait_for(call, 60)
 
 
-async def test_a_server_whose_machine_has_ended(session: ZenohSession) -> None:
+async def test_a_call_fails_when_the_machine_of_its_server_has_ended(session: ZenohSession) -> None:
     near, port = await open_router()
     far = await open_session(port, is_router=False)
     server, client = await far.join("server"), await near.join("client")
@@ -118,7 +118,7 @@ async def test_a_server_whose_machine_has_ended(session: ZenohSession) -> None:
     await far.close()
 
 
-async def test_a_listed_service_without_a_way_to_it(
+async def test_a_listed_service_without_a_route_is_reported(
     session: ZenohSession, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("rostether.ros2.zenoh.service_client.REACH_S", 0.05)
@@ -134,7 +134,7 @@ async def test_a_listed_service_without_a_way_to_it(
     declared.undeclare()
 
 
-async def test_types_and_requests_that_do_not_fit(session: ZenohSession) -> None:
+async def test_wrong_types_and_requests_are_refused(session: ZenohSession) -> None:
     node = await session.join("node")
     await node.advertise_service("/switch", SET_BOOL, agree)
     with pytest.raises(TypeMismatchError, match="has type std_srvs/srv/SetBool, not std_srvs/srv/Trigger"):

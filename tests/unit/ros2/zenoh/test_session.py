@@ -1,4 +1,4 @@
-"""Sessions among themselves: routers that come, go and come back, domains, and processes of other ways."""
+"""Several sessions: routers that start, end and start again, and domains."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from rostether.ros2.zenoh.session import ZenohSession
 from waiting import until
 
 
-async def test_domains_do_not_meet() -> None:
+async def test_domains_are_separate() -> None:
     here, port = await open_router(1)
     there = await open_session(port, is_router=False, domain_id=2)
     one, other, inbox = await here.join("one"), await there.join("other"), Inbox()
@@ -33,9 +33,9 @@ async def test_domains_do_not_meet() -> None:
     await here.close()
 
 
-async def test_a_routers_restart_heals_and_doubles_nothing() -> None:
+async def test_after_a_routers_restart_messages_arrive_once() -> None:
     router, port = await open_router()
-    # Peers that do not listen can only meet through the router.
+    # Peers that do not listen can connect only through the router.
     left, right = await _client(port), await _client(port)
     talker, listener = await left.join("talker"), await right.join("listener")
     inbox = Inbox()
@@ -72,7 +72,7 @@ async def test_a_routers_restart_heals_and_doubles_nothing() -> None:
         await session.close()
 
 
-async def test_a_routers_restart_brings_latched_messages_once() -> None:
+async def test_after_a_routers_restart_latched_messages_arrive_once() -> None:
     router, port = await open_router()
     left, right = await _client(port), await _client(port)
     talker, listener = await left.join("talker"), await right.join("listener")
@@ -84,7 +84,7 @@ async def test_a_routers_restart_brings_latched_messages_once() -> None:
     for text in ("second", "third"):
         await router.close()
         await until(lambda: subscriber.publisher_count == 0)
-        # Said while nobody can hear it: the latch keeps it.
+        # Published while there is no router: the latched message is kept.
         publisher.publish_raw([string(text)])
         router = await open_session(port, is_router=True)
         await until(lambda: inbox.payloads[-1] == string(text))  # noqa: B023 - awaited at once
@@ -96,7 +96,7 @@ async def test_a_routers_restart_brings_latched_messages_once() -> None:
         await session.close()
 
 
-async def test_who_starts_before_the_router_finds_it() -> None:
+async def test_a_session_that_starts_before_the_router_finds_it() -> None:
     port = free_port()
     early = await open_session(port, is_router=False)
     talker, inbox = await early.join("talker"), Inbox()
@@ -111,7 +111,7 @@ async def test_who_starts_before_the_router_finds_it() -> None:
     await router.close()
 
 
-async def test_a_session_is_the_router_where_there_is_none(monkeypatch: pytest.MonkeyPatch) -> None:
+async def test_a_session_becomes_the_router_if_there_is_none(monkeypatch: pytest.MonkeyPatch) -> None:
     endpoint = f"tcp/127.0.0.1:{free_port()}"
     monkeypatch.setattr(configuration, "ROUTER_ENDPOINT", endpoint)
     monkeypatch.setattr(session_module, "ROUTER_ENDPOINT", endpoint)
@@ -146,7 +146,7 @@ async def test_initial_parameters_are_the_nodes() -> None:
 
 async def test_a_named_router_that_does_not_answer_is_reported(caplog: pytest.LogCaptureFixture) -> None:
     endpoint = f"tcp/127.0.0.1:{free_port()}"
-    # Not the usual place too, where a router of this machine may run.
+    # Without the default endpoint, where a router of this machine may run.
     overrides = (("listen/endpoints", "[]"), ("connect/endpoints", f'["{endpoint}"]'))
     environment = Ros2Environment(zenoh_overrides=overrides)
     reach = Reach(RouterChoice.NEVER, connect=(endpoint,))
@@ -170,7 +170,7 @@ async def test_a_router_reports_unreachable_routers(caplog: pytest.LogCaptureFix
     await other.close()
 
 
-async def test_a_router_beside_another_has_a_place_of_its_own(monkeypatch: pytest.MonkeyPatch) -> None:
+async def test_a_second_router_has_another_endpoint(monkeypatch: pytest.MonkeyPatch) -> None:
     other, port = await open_router()
     monkeypatch.setattr(configuration, "ROUTER_ENDPOINT", f"tcp/127.0.0.1:{port}")
     place = f"tcp/127.0.0.1:{free_port()}"

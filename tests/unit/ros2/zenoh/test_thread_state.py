@@ -11,7 +11,7 @@ from rostether.ros2.zenoh.thread_state import keep_thread_state
 from waiting import until
 
 
-async def test_a_thread_of_zenohs_keeps_its_state_between_callbacks() -> None:
+async def test_a_thread_of_zenoh_keeps_its_state_between_callbacks() -> None:
     receiving, port = await open_router()
     sending = await open_session(port, is_router=False)
     seen: list[tuple[int, bool]] = []
@@ -28,7 +28,7 @@ async def test_a_thread_of_zenohs_keeps_its_state_between_callbacks() -> None:
     for count in range(1, 21):
         publisher.put(b"x")
         await until(lambda: len(seen) == count)  # noqa: B023 - awaited at once
-    # The first callback in each thread finds nothing, every later one what the one before left.
+    # The first callback in each thread finds no data, every later one the data of the previous one.
     known: set[int] = set()
     for thread, was_here in seen:
         assert was_here is (thread in known)
@@ -38,7 +38,7 @@ async def test_a_thread_of_zenohs_keeps_its_state_between_callbacks() -> None:
     await receiving.close()
 
 
-def test_it_harms_no_thread_of_pythons_own() -> None:
+def test_threads_of_python_are_not_affected() -> None:
     def run() -> None:
         for _ in range(3):
             keep_thread_state()

@@ -46,7 +46,7 @@ def test_a_publishers_token() -> None:
     assert token.node_name == "/talker"
 
 
-def test_what_newer_distributions_append_is_ignored() -> None:
+def test_parts_of_newer_distributions_are_ignored() -> None:
     assert parse_token(f"{PUBLISHER}/cpp%shm") == parse_token(PUBLISHER)
 
 
@@ -73,11 +73,11 @@ def test_an_enclave_is_kept() -> None:
         NODE + "x" * MAX_TOKEN_CHARACTERS,
     ],
 )
-def test_what_is_not_a_token_is_none(text: str) -> None:
+def test_invalid_tokens_are_none(text: str) -> None:
     assert parse_token(text) is None
 
 
-def test_keys() -> None:
+def test_data_keys() -> None:
     assert data_key(7, "/chat/raw", "std_msgs::msg::dds_::String_", HASH) == (
         f"7/chat/raw/std_msgs::msg::dds_::String_/{HASH}"
     )

@@ -1,4 +1,4 @@
-"""Topics beside peers that are not ours: plain zenoh, other types, broken bytes."""
+"""Topics with peers of other programs: plain zenoh, other types, invalid bytes."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ def key_of(topic: str, message_type: MessageType = STRING, type_hash: str = "") 
     return data_key(0, topic, f"{package}::msg::dds_::{name}_", type_hash or support.type_hash)
 
 
-async def test_samples_carry_cdr_and_a_growing_sequence(session: ZenohSession) -> None:
+async def test_samples_have_cdr_and_an_increasing_sequence(session: ZenohSession) -> None:
     samples: list[tuple[bytes, bytes]] = []
 
     def take(sample: zenoh.Sample) -> None:
@@ -49,7 +49,7 @@ async def test_samples_carry_cdr_and_a_growing_sequence(session: ZenohSession) -
     session.zenoh.declare_subscriber(key_of("/chat"), take)
     node = await session.join("talker")
     publisher = await node.advertise("/chat", STRING)
-    # Nobody has a token, and zenoh alone knows of the subscriber.
+    # There are no tokens; only zenoh knows the subscriber.
     publisher.publish_raw([string("hello"), string("hello")])
     await until(lambda: len(samples) == 2)
     assert [payload for payload, _ in samples] == [CDR_HELLO] * 2
@@ -65,14 +65,12 @@ async def test_messages_of_a_publisher_without_a_token_are_received(session: Zen
     session.zenoh.put(key_of("/chat"), CDR_HELLO)
     await until(lambda: typed.payloads and anything.payloads)
     assert typed.payloads == anything.payloads == [string("hello")]
-    # A subscriber to any type learns which type the topic has.
+    # A subscriber of any type learns the type of the topic.
     assert typed.headers == []
     assert anything.headers[0]["type"] == "std_msgs/String"
 
 
-async def test_bytes_that_fit_no_string_are_reported_once(
-    session: ZenohSession, caplog: pytest.LogCaptureFixture
-) -> None:
+async def test_invalid_cdr_is_reported_once(session: ZenohSession, caplog: pytest.LogCaptureFixture) -> None:
     node, inbox = await session.join("listener"), Inbox()
     await node.subscribe("/chat", STRING, inbox.take)
     for payload in (b"", b"\0\1\0\0\xff\xff\xff\x7f", b"x" * 1000, CDR_HELLO):
@@ -100,7 +98,7 @@ async def test_lost_messages_are_reported_once(
     assert caplog.text.count("messages of /chat arrive faster than this node handles them") == 1
 
 
-async def test_large_messages_are_converted_outside_of_the_event_loop(
+async def test_large_messages_are_converted_outside_the_event_loop(
     session: ZenohSession, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
     node, inbox, any_inbox = await session.join("node"), Inbox(), Inbox()
@@ -177,7 +175,7 @@ async def test_an_unknown_type_is_reported_once(
     assert caplog.text.count("cannot receive /chat") == 2
 
 
-async def test_skipping_ones_own(session: ZenohSession) -> None:
+async def test_a_node_can_skip_its_own_messages(session: ZenohSession) -> None:
     node, other, inbox = await session.join("node"), await session.join("other"), Inbox()
     own, foreign = await node.advertise("/chat", STRING), await other.advertise("/chat", STRING)
     await node.subscribe("/chat", STRING, inbox.take, skip_own=True)
@@ -199,7 +197,7 @@ async def test_a_handle_that_latches_makes_its_topic_latch(session: ZenohSession
     assert plain.subscriber_count == 1
 
 
-async def test_a_header_loses_its_sequence_only(session: ZenohSession) -> None:
+async def test_a_header_loses_only_its_sequence(session: ZenohSession) -> None:
     node, inbox = await session.join("node"), Inbox()
     publisher = await node.advertise("/imu", IMU)
     await node.subscribe("/imu", IMU, inbox.take)
@@ -211,7 +209,7 @@ async def test_a_header_loses_its_sequence_only(session: ZenohSession) -> None:
     assert inbox.payloads == [bytes(4) + payload[4:]]
 
 
-async def test_a_free_link_pauses_no_sender(session: ZenohSession) -> None:
+async def test_a_link_with_room_pauses_no_publisher(session: ZenohSession) -> None:
     node = await session.join("node")
     publisher = await node.advertise("/chat", STRING)
     assert publisher.publish_raw([string("nobody hears it")] * 10_000)
@@ -219,7 +217,7 @@ async def test_a_free_link_pauses_no_sender(session: ZenohSession) -> None:
     assert publisher.dropped_count == 0
 
 
-async def test_a_link_that_is_full_pauses_and_then_drops(monkeypatch: pytest.MonkeyPatch) -> None:
+async def test_a_full_link_pauses_the_publisher_and_then_drops(monkeypatch: pytest.MonkeyPatch) -> None:
     here, port = await open_router()
     there = await open_session(port, is_router=False)
     talker, listener, inbox = await here.join("talker"), await there.join("listener"), Inbox()
@@ -240,13 +238,13 @@ async def test_a_link_that_is_full_pauses_and_then_drops(monkeypatch: pytest.Mon
     assert publisher.dropped_count > 700
     monkeypatch.undo()
     await publisher.close()
-    # Its last words go at its end.
+    # Its waiting messages are put at its end.
     await until(lambda: inbox.payloads[-1] == sent[-1] and len(inbox.payloads) > 300)
     await there.close()
     await here.close()
 
 
-async def test_nodes_without_hashes_are_of_humble(session: ZenohSession) -> None:
+async def test_nodes_without_hashes_are_from_humble(session: ZenohSession) -> None:
     node = await session.join("/watcher")
     await node.advertise("/chat", STRING)
     assert await find_distribution(node, {"ROS_DISTRO": "noetic"}) == "jazzy"
