@@ -6,7 +6,7 @@ import asyncio
 import sys
 import time
 from collections.abc import AsyncIterator, Callable
-from contextlib import AbstractAsyncContextManager
+from contextlib import AbstractAsyncContextManager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -40,7 +40,7 @@ ONCE_S = 3.0
 FILE_RATE_HZ = 10.0
 # Every graph has these topics, so a similar name is not a typing error.
 LOG_TOPICS = ("/rosout", "/rosout_agg")
-# Messages from files and pipes are not latched, so they wait this long for a subscriber.
+# Messages from files and pipes wait this long for a subscriber: latching keeps only the last one.
 SUBSCRIBER_TIMEOUT_S = 5.0
 
 
@@ -130,12 +130,10 @@ async def _check_type(graph: TypedGraph, topic: str, codec: Codec) -> None:
     if known is None or known.type in (ANY_TYPE, codec.type_name):
         return
     registry = graph.store.registry
-    try:
+    with suppress(DefinitionError):
         # tf/tfMessage and tf2_msgs/TFMessage are one type under two names.
         if registry.message_type(known.type).md5sum == registry.message_type(codec.type_name).md5sum:
             return
-    except DefinitionError:
-        pass
     raise TypeMismatchError(
         f"{topic} has the type {known.type}, not {codec.type_name}; publish this type, or use another topic"
     )
@@ -181,21 +179,24 @@ class _Output:
         if rate_hz is None:
             await self.publish_latched(first)
             return
-        second = await anext(messages, None)
-        if second is None and options.file is not None:
-            write_line("Got one message and a rate, publishing repeatedly")
-            await self.repeat(lambda: first, rate_hz)
-            return
-        self._publish(first)
-        await self._sleep(1 / rate_hz)
-        if second is not None:
-            self._publish(second)
-            await self._sleep(1 / rate_hz)
+        begin = [first]
+        if options.file is not None:
+            second = await anext(messages, None)
+            if second is None:
+                write_line("Got one message and a rate, publishing repeatedly")
+                await self.repeat(lambda: first, rate_hz)
+                return
+            begin.append(second)
+        for message in begin:
+            await self._publish_and_sleep(message, 1 / rate_hz)
         async for message in messages:
-            self._publish(message)
-            await self._sleep(1 / rate_hz)
             if self._leaving.done():
-                break
+                return
+            await self._publish_and_sleep(message, 1 / rate_hz)
+
+    async def _publish_and_sleep(self, message: Message, duration_s: float) -> None:
+        self._publish(message)
+        await self._sleep(duration_s)
 
     def _publish(self, message: Message) -> None:
         if self._options.verbose:

@@ -1,12 +1,14 @@
 from __future__ import annotations
 
 import re
+import subprocess
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any, TypeAlias
 
 import pytest
 
+from programs import running
 from rostether.cli.topic import ros1_topics
 from rostether.serde.values import Message
 from unit.cli.command_shell import STORE, LiveGraph, Shell
@@ -128,6 +130,18 @@ def test_from_a_pipe(graph: LiveGraph, shell: Shell) -> None:
         "topic", "pub", "-r", "100", "/name", "std_msgs/String", stdin="data: a\n---\ndata: b\n---\ndata: c\n"
     )
     graph.wait_until(lambda: len(listener.messages) >= 3)
+    assert listener.values == ["a", "b", "c"]
+
+
+def test_messages_of_a_pipe_are_published_as_they_come(graph: LiveGraph) -> None:
+    listener = Listener(graph, "/name", "std_msgs/String")
+    words = ("topic", "pub", "-r", "100", "/name", "std_msgs/String")
+    with running(*words, stdin=subprocess.PIPE, ROS_MASTER_URI=graph.uri) as process:
+        assert process.stdin is not None
+        for count, text in enumerate("abc", 1):
+            process.stdin.write(f"data: {text}\n---\n")
+            process.stdin.flush()
+            graph.wait_until(lambda count=count: len(listener.messages) == count)  # type: ignore[misc]
     assert listener.values == ["a", "b", "c"]
 
 
