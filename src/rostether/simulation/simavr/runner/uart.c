@@ -124,7 +124,7 @@ static void receive_next(cycles_t from) {
     avr_cycle_timer_register(board.avr, due - board.avr->cycle, on_received, NULL);
 }
 
-/* Between slices. */
+/* Reports bytes that were lost because the program did not read them; called between slices. */
 void uart_report_overruns(void) {
     /* One event every tenth of a second shows as much as a hundred. */
     if (!overruns || board.avr->cycle < overrun_report_due) return;

@@ -29,7 +29,7 @@
 #define RECEIVED 0x6000
 #define SPACE 0x8000
 
-/* Of a socket. */
+/* The registers of a socket. */
 #define SOCKET_BYTES 0x100
 #define COMMAND 0x01
 #define FLAGS 0x02

@@ -21,7 +21,7 @@ bool w5100_deliver(int s, const struct w5100_place *from, const uint8_t *bytes, 
 /* w5100_network.c: returns NULL, or the error; `group` is NULL for a socket without a group. */
 const char *network_udp_open(int s, uint16_t port, const uint8_t *group);
 void network_udp_close(int s);
-/* False if no machine has the address. */
+/* Sends a datagram; returns false if no machine has the address. */
 bool network_udp_send(int s, const uint8_t *bytes, size_t count, const struct w5100_place *to);
 
 #endif

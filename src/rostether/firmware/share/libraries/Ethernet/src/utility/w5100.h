@@ -45,7 +45,7 @@ class W5100Class {
   static void setSubnetMask(const uint8_t* mask) { write(0x0005, mask, 4); }
   static void setMACAddress(const uint8_t* mac) { write(0x0009, mac, 6); }
   static void setIPAddress(const uint8_t* ip) { write(0x000f, ip, 4); }
-  // In units of 100 microseconds.
+  // Sets the time between retransmissions, in units of 100 microseconds.
   static void setRetransmissionTime(uint16_t timeout) { write16(0x0017, timeout); }
   static void setRetransmissionCount(uint8_t count) { write(0x0019, count); }
 
