@@ -21,18 +21,18 @@ _FACES = "DejaVu Sans Mono, Menlo, Consolas, monospace"
 _FORBIDDEN = re.compile("[\\x00-\\x08\\x0b-\\x1f\\x7f-\\x9f\\ud800-\\udfff\\ufffe\\uffff]")
 
 
-def png(scene: Scene, *, scale: int = _SCALE) -> bytes:
-    """Return the picture as a PNG file with `scale` pixels per unit of the scene, or one if it is large.
+def png(scene: Scene) -> bytes:
+    """Return the picture as a PNG file with two pixels per unit of the scene, or one if it is large.
 
     Raises ConfigError if the picture is too large, resvg_py is not installed, or the system has no font.
     """
-    if scene.width * scene.height * scale * scale > MAX_PIXELS:
-        scale = 1
-    width, height = scene.width * scale, scene.height * scale
-    if width * height > MAX_PIXELS:
+    area = scene.width * scene.height
+    if area > MAX_PIXELS:
         raise ConfigError(
-            f"a PNG of {width} x {height} pixels is too large; save as .svg, or show less of the graph"
+            f"a PNG of {scene.width} x {scene.height} pixels is too large; save as .svg, or show less of the"
+            " graph"
         )
+    scale = _SCALE if area * _SCALE**2 <= MAX_PIXELS else 1
     resvg = _resvg_package()
     _check_fonts(resvg)
     return bytes(resvg.svg_to_bytes(svg_string=svg(scene), zoom=scale))

@@ -22,13 +22,13 @@ SVG = "{http://www.w3.org/2000/svg}"
 BLACK = (0, 0, 0)
 
 
-def drawn(scene: Scene, scale: int = 1) -> Image.Image:
-    return Image.open(io.BytesIO(png(scene, scale=scale))).convert("RGB")
+def drawn(scene: Scene) -> Image.Image:
+    return Image.open(io.BytesIO(png(scene))).convert("RGB")
 
 
 @pytest.mark.font
 def test_a_picture_has_its_size_and_background() -> None:
-    picture = drawn(Scene(4, 3, RED), 2)
+    picture = drawn(Scene(4, 3, RED))
     assert picture.size == (8, 6)
     assert picture.getcolors() == [(48, RED)]
 
@@ -38,7 +38,7 @@ def test_lines_and_areas_are_where_they_should_be() -> None:
     scene = Scene(40, 30)
     scene.area(rectangle(5, 5, 30, 20), RED, BLUE, 2)
     scene.line([(0, 28), (40, 28)], BLUE, 2)
-    picture = drawn(scene)
+    picture = drawn(scene).reduce(2)
     assert picture.getpixel((20, 15)) == RED
     assert picture.getpixel((20, 5)) == picture.getpixel((20, 28)) == BLUE
     assert picture.getpixel((2, 2)) == WHITE
@@ -49,8 +49,7 @@ def test_lines_and_areas_are_where_they_should_be() -> None:
 def test_text_is_at_its_anchor(anchor: Anchor, left: int) -> None:
     scene = Scene(100, 20)
     scene.text(50, 15, "mmmmmm", 10, RED, anchor)
-    picture = drawn(scene)
-    gray = picture.convert("L").point(lambda value: 255 if value < 250 else 0)
+    gray = drawn(scene).reduce(2).convert("L").point(lambda value: 255 if value < 250 else 0)
     box = gray.getbbox()
     assert box is not None
     assert left - 1 <= box[0] < left + 3
