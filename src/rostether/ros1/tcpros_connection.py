@@ -13,6 +13,7 @@ from rostether.mechanisms.text import show_endpoint
 from rostether.ros1.environment import connect_host
 from rostether.ros1.graph_limits import DEFAULT_GRAPH_LIMITS, GraphLimits
 from rostether.tcpros.header import HeaderDecoder, encode_header
+from rostether.transports.sockets import explain_reason
 
 # A healthy peer answers in milliseconds; over a bad radio link, TCP retransmits a lost packet within 3 s.
 CONNECT_TIMEOUT_S = 10.0
@@ -154,7 +155,7 @@ async def connect(host: str, port: int, request: Mapping[str, str], accept: Acce
             f"{show_endpoint(host, port)} gave no answer for {CONNECT_TIMEOUT_S:g} s"
         ) from None
     except (OSError, UnicodeError, OverflowError) as error:
-        reason = getattr(error, "strerror", None) or str(error)
+        reason = explain_reason(error)
         raise TransportOpenError(f"{show_endpoint(host, port)} cannot be reached ({reason})") from error
     finally:
         if handshake is not None and not handshake.outcome.done():

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import asyncio
-import os
 from collections.abc import Callable
 from typing import TypeAlias, cast
 
@@ -11,6 +10,7 @@ from rostether.errors import GraphError, ProtocolError, RemoteProtocolError
 from rostether.mechanisms.text import show_endpoint
 from rostether.ros1.environment import connect_host, parse_rpc_uri
 from rostether.ros1.long_work import run_in_slices
+from rostether.transports.sockets import explain_reason
 from rostether.xmlrpc.document_reader import DocumentReader
 from rostether.xmlrpc.document_writer import DocumentWriter, call_steps
 from rostether.xmlrpc.http_message import MAX_BODY_BYTES, HttpClientSide, HttpStatusError
@@ -81,7 +81,7 @@ class XmlRpcClient:
                 "does not hang"
             ) from None
         except (OSError, UnicodeError) as error:
-            reason = _reason(error)
+            reason = explain_reason(error)
             raise self._unreachable(
                 f"{self.peer} at {self.uri} cannot be reached ({reason}); check that it runs there"
             ) from error
@@ -227,12 +227,3 @@ class _Connection(asyncio.Protocol):
             return
         if body is not None:
             self._answer.set_result(body)
-
-
-def _reason(error: OSError | UnicodeError) -> str:
-    """Return the system's error text; that of asyncio repeats the address and names an internal call."""
-    number = error.errno if isinstance(error, OSError) else None
-    # Failed look-ups of names have negative numbers, which os.strerror does not know.
-    if number is not None and number > 0:
-        return os.strerror(number)
-    return getattr(error, "strerror", None) or str(error) or type(error).__name__

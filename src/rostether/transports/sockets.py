@@ -6,6 +6,7 @@ import asyncio
 import contextlib
 import errno
 import os
+import re
 import socket
 from collections.abc import AsyncIterator, Collection
 from weakref import WeakKeyDictionary
@@ -47,6 +48,9 @@ _STREAM_OPTIONS = (
     (socket.IPPROTO_TCP, "TCP_USER_TIMEOUT", _UNACKNOWLEDGED_LIMIT_MS),
     (socket.IPPROTO_TCP, "TCP_NOTSENT_LOWAT", _UNSENT_BYTES),
 )
+
+# asyncio's text of a failed connection, to one address or to several.
+_CONNECT_FAILED = re.compile(r"(?:Multiple exceptions: \[Errno (\d+)\] )?Connect call failed")
 
 
 def tune_stream(sock: socket.socket) -> None:
@@ -129,20 +133,23 @@ def explain_bind_error(scheme: str, host: str, port: int, error: OSError) -> Tra
 
 def explain_connect_error(sockaddr: str, error: OSError) -> TransportOpenError:
     """Return why a peer cannot be reached."""
-    if isinstance(error, ConnectionRefusedError):
+    reason = explain_reason(error)
+    if isinstance(error, ConnectionRefusedError) or reason == os.strerror(errno.ECONNREFUSED):
         return TransportOpenError(f"no program listens on {sockaddr}; start it, or correct the port")
     if isinstance(error, socket.gaierror):
         return TransportOpenError(f"the host of {sockaddr} is unknown; check its name, or write its address")
-    return TransportOpenError(
-        f"cannot reach {sockaddr}: {explain_reason(error)}; check the address and the network"
-    )
+    return TransportOpenError(f"cannot reach {sockaddr}: {reason}; check the address and the network")
 
 
 def explain_reason(error: Exception) -> str:
-    """Return the text of an error, without its number and file name."""
-    if isinstance(error, OSError) and error.strerror:
-        return error.strerror
-    return str(error) or type(error).__name__
+    """Return the text of an error, without its number and file name.
+
+    For failed connections it is the system's text, because asyncio's names an internal call.
+    """
+    text: str = getattr(error, "strerror", None) or str(error)
+    if found := _CONNECT_FAILED.match(text):
+        return os.strerror(int(found[1] or getattr(error, "errno", 0)))
+    return text or type(error).__name__
 
 
 async def close_servers(servers: Collection[asyncio.Server]) -> None:

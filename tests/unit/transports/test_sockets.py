@@ -83,6 +83,16 @@ def test_the_shortest_words_of_an_error() -> None:
     assert explain_reason(ValueError()) == "ValueError"
 
 
+async def test_a_failed_connection_has_the_text_of_the_system() -> None:
+    with pytest.raises(OSError) as caught:
+        await asyncio.get_running_loop().create_connection(asyncio.Protocol, "127.0.0.1", 1)
+    assert explain_reason(caught.value) == os.strerror(errno.ECONNREFUSED)
+    each = "[Errno 111] Connect call failed ('::1', 1, 0, 0)"
+    several = OSError(f"Multiple exceptions: {each}, [Errno 111] Connect call failed ('127.0.0.1', 1)")
+    assert explain_reason(several) == os.strerror(111)
+    assert "no program listens on host:1; start it" in str(explain_connect_error("host:1", several))
+
+
 @pytest.mark.skipif(not hasattr(socket, "TCP_KEEPIDLE"), reason="this system names its options otherwise")
 def test_a_vanished_peer_is_noticed_within_about_eleven_seconds() -> None:
     with socket.socket() as sock:
