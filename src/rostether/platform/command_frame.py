@@ -103,14 +103,17 @@ def decode_frame(datagram: bytes, key: bytes = NO_KEY) -> CommandFrame:
     if magic != _MAGIC:
         raise RemoteProtocolError("the datagram is not a framed command")
     if version != _VERSION:
-        raise RemoteProtocolError(f"the command has version {version}; this program knows version {_VERSION}")
+        raise RemoteProtocolError(
+            f"the command has version {version}, not {_VERSION}; update rostether on both sides"
+        )
     if length != size - HEADER_BYTES - TAG_BYTES:
         raise RemoteProtocolError(
             f"the command's length field is {length}, but its payload has a different length"
         )
     if not hmac.compare_digest(siphash_2_4(key, datagram[:-TAG_BYTES]), datagram[-TAG_BYTES:]):
         raise RemoteProtocolError(
-            "the command's tag is wrong: the frame is damaged, or the sender has a different key"
+            "the command's tag is wrong: the frame is damaged, or the sender has a different key; compare "
+            "the key files"
         )
     if not 0 < ttl_ms <= MAX_TTL_MS:
         raise RemoteProtocolError(f"a time to live of {ttl_ms} ms is not from 1 to {MAX_TTL_MS}")

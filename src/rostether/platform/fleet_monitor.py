@@ -74,7 +74,10 @@ class FleetMonitor:
         here = {robot.status.robot_id for robot in robots if robot.key not in lost}
         for robot_id, host in sorted(lost - self._lost):
             if robot_id not in here:
-                self._report(Level.WARN, f"robot {robot_id} ({host}) has not answered for {LOST_S:g} s")
+                self._report(
+                    Level.WARN,
+                    f"robot {robot_id} ({host}) has not answered for {LOST_S:g} s; check its network",
+                )
         for robot_id, host in sorted(self._lost - lost):
             self._report(Level.INFO, f"robot {robot_id} ({host}) answers again")
         self._lost = lost

@@ -37,7 +37,7 @@ def read_sensors_toml(path: Path) -> list[Sensor]:
     except FileNotFoundError as error:
         raise ConfigError(read_failure(path, error)) from None
     if len(content) > MAX_SENSORS:
-        raise ConfigError(f"{path}: {len(content)} sensors; at most {MAX_SENSORS} are allowed")
+        raise ConfigError(f"{path}: at most {MAX_SENSORS} sensors are allowed, not {len(content)}")
     return [_sensor(path, topic, entry) for topic, entry in content.items()]
 
 

@@ -55,7 +55,7 @@ async def test_robots_are_shown_stopped_and_missed(monkeypatch: pytest.MonkeyPat
         sender.close()
         robots[2].cancel()
         await until(lambda: states == {1: "stopped", 2: "lost"})
-        assert any(each.endswith("has not answered for 1.2 s") for each in lines.texts)
+        assert any(each.endswith("has not answered for 1.2 s; check its network") for each in lines.texts)
         robots[2] = robot(node, 2, address, Lines())
         await until(lambda: states == {1: "stopped", 2: "stopped"})
     for each in robots.values():

@@ -86,7 +86,9 @@ class Client:
             self.report_error(str(error))
             return
         if request.capability and request.capability not in self._context.settings.capabilities:
-            self.report_error(f"this gateway does not offer {request.capability}")
+            self.report_error(
+                f"this gateway does not offer {request.capability}; add it to its ~capabilities"
+            )
             return
         if self._rights is Rights.VIEW and isinstance(request, requests.Action):
             self._refuse(request)
@@ -136,7 +138,10 @@ class Client:
                 # The channel may have just ended, which is not an error of the client.
                 self.report_error(f"there is no channel {channel_id}")
             elif subscription_id in self._subscriptions or channel_id in self._by_channel:
-                self.report_error(f"channel {channel_id} or subscription {subscription_id} is already in use")
+                self.report_error(
+                    f"channel {channel_id} is already subscribed, or subscription {subscription_id} already "
+                    "exists; unsubscribe first"
+                )
             elif len(self._subscriptions) >= self._context.limits.subscriptions:
                 limit = self._context.limits.subscriptions
                 self.report_error(f"a client may have at most {limit} subscriptions; unsubscribe some")
@@ -157,14 +162,17 @@ class Client:
     def _advertise(self, request: requests.Advertise) -> None:
         for channel in request.channels:
             if channel.id in self._topics:
-                self.report_error(f"channel {channel.id} is already advertised")
+                self.report_error(f"channel {channel.id} is already advertised; choose another id")
             elif len(self._topics) >= self._context.limits.client_channels:
                 limit = self._context.limits.client_channels
                 self.report_error(f"a client may publish at most {limit} topics; unadvertise some")
             elif not channel.topic.strip("/"):
-                self.report_error(f"channel {channel.id} has no topic")
+                self.report_error(f"channel {channel.id} has no topic; give its name")
             elif not self._may_publish(channel.topic):
-                self.report_error(f"this gateway does not let clients publish {channel.topic[:200]}")
+                self.report_error(
+                    f"clients may not publish {channel.topic[:200]}; add it to the gateway's "
+                    "~client_topic_whitelist"
+                )
             else:
                 topic = self._topics[channel.id] = self._topic(channel)
                 topic.open(self._context.graph, self._context.store)
@@ -187,12 +195,12 @@ class Client:
             if topic := self._topics.pop(channel_id, None):
                 self._context.run(topic.close())
             else:
-                self.report_error(f"channel {channel_id} is not advertised")
+                self.report_error(f"channel {channel_id} is not advertised; advertise it first")
 
     def _publish(self, message: requests.MessageData) -> None:
         topic = self._topics.get(message.channel_id)
         if topic is None:
-            self.report_error(f"channel {message.channel_id} is not advertised")
+            self.report_error(f"channel {message.channel_id} is not advertised; advertise it first")
         elif (room := topic.publish(message.payload)) is not None:
             self._work.start(self._wait_for(room))
 
@@ -212,7 +220,7 @@ class Client:
 
         service = self._context.services.by_id.get(request.service_id)
         if service is None:
-            fail(f"there is no service {request.service_id}: it may have just ended")
+            fail(f"there is no service {request.service_id}; its server may have just ended")
             return
 
         async def call() -> None:

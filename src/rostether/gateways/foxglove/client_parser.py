@@ -50,7 +50,7 @@ def parse_text(text: str) -> requests.ClientMessage:
     except (ValueError, RecursionError) as error:
         raise RemoteProtocolError(f"a text message is not JSON: {error}") from None
     if not isinstance(message, dict):
-        raise RemoteProtocolError("a text message is not a JSON object with an op")
+        raise RemoteProtocolError("a text message must be a JSON object with an op")
     op = message.get("op")
     message_type = _MESSAGES.get(op) if isinstance(op, str) else None
     if message_type is None:

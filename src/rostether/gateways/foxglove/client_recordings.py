@@ -101,7 +101,7 @@ class ClientRecordings:
         self._context.run(work())
 
     def _refuse(self) -> None:
-        self._report_error("this gateway does not record")
+        self._report_error("this gateway does not record; use `rostether dashboard`")
 
     def _report(self, state: Mapping[str, Any]) -> None:
         self._send(replies.recordings(state))

@@ -43,7 +43,7 @@ class ClientWork:
             except RostetherError as error:
                 fail(str(error))
             except TimeoutError:
-                fail("no answer in time")
+                fail("no answer in time; check that the node is running")
 
         # Counted immediately: a client may send many requests at a time.
         self._requests[what] += 1

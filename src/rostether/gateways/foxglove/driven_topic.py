@@ -67,7 +67,8 @@ class DrivenTopic:
         """
         if len(payload) > _MAX_COMMAND_BYTES:
             self._warn_once(
-                f"a command on {self.channel.topic[:200]} has more than {_MAX_COMMAND_BYTES} bytes"
+                f"a command on {self.channel.topic[:200]} may have at most {_MAX_COMMAND_BYTES} bytes, not "
+                f"{len(payload)}"
             )
             return None
         if self._commands is None or self._encode is None:

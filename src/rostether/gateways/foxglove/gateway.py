@@ -118,7 +118,6 @@ class FoxgloveGateway(BlockClosable):
         self._following: asyncio.Task[None] | None = None
         self._leaving: asyncio.Task[None] | None = None
         self._ended = asyncio.Event()
-        self._is_closing = False
         self._session_id = str(time.time_ns())
 
     @property
@@ -145,7 +144,6 @@ class FoxgloveGateway(BlockClosable):
 
     async def close(self) -> None:
         """Close all connections, and end everything on the graph."""
-        self._is_closing = True
         await cancel_all(*(task for task in (self._following, self._leaving) if task is not None))
         await self._server.close()
         await self.context.close()
@@ -208,7 +206,7 @@ class FoxgloveGateway(BlockClosable):
 
     async def _follow(self) -> None:
         context = self.context
-        while not self._is_closing:
+        while True:
             try:
                 async for snapshot in context.graph.changes():
                     self._show_problem(snapshot.problem)
@@ -236,7 +234,8 @@ class FoxgloveGateway(BlockClosable):
     async def _end_with_node(self) -> None:
         reason = await self.context.graph.wait_closed()
         self._warn(f"its node was shut down ({reason}); start it again")
-        self._is_closing = True
+        if self._following is not None:
+            self._following.cancel()
         await self._server.close()
         self._ended.set()
 

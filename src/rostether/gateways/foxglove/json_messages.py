@@ -34,7 +34,7 @@ def decode_json(codec: Codec, data: bytes) -> dict[str, Any]:
     except (ValueError, RecursionError) as error:
         raise SerializationError(f"a JSON message for {codec.type_name} is not JSON: {error}") from None
     if not isinstance(value, dict):
-        raise SerializationError(f"a JSON message for {codec.type_name} is not a JSON object")
+        raise SerializationError(f"a JSON message for {codec.type_name} must be a JSON object")
     return _fields(codec.tree, value)
 
 

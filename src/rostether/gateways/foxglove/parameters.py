@@ -125,7 +125,7 @@ class Parameters:
 
     def _check(self, name: str) -> None:
         if not self._offers(name):
-            raise AccessDeniedError("this gateway does not offer it")
+            raise AccessDeniedError("clients may not use it; add it to the gateway's ~param_whitelist")
 
     async def _get_each(self, names: Sequence[str]) -> list[dict[str, Any]]:
         at_once = asyncio.Semaphore(_ASKED_AT_ONCE)
@@ -214,7 +214,7 @@ def given_value(given: GivenParameter, before: ParamValue) -> ParamValue:
         try:
             return base64.b64decode(value, validate=True)
         except (ValueError, TypeError):
-            raise ConfigError(f"parameter {given.name} is not a byte_array: it is not base64") from None
+            raise ConfigError(f"parameter {given.name} of type byte_array must be base64") from None
     return _native(given.name, value)
 
 
@@ -226,7 +226,7 @@ def _float(name: str, value: Any) -> float:
     try:
         return float(value)
     except OverflowError:
-        raise ConfigError(f"parameter {name} is too large for a float") from None
+        raise ConfigError(f"parameter {name} must be a smaller number: it is too large for a float") from None
 
 
 def _is_float_list(value: ParamValue) -> bool:
@@ -235,7 +235,7 @@ def _is_float_list(value: ParamValue) -> bool:
 
 def _native(name: str, value: Any, depth: int = 0) -> ParamValue:
     if depth > MAX_DEPTH:
-        raise ConfigError(f"parameter {name} is nested more than {MAX_DEPTH} levels deep")
+        raise ConfigError(f"parameter {name} must be nested at most {MAX_DEPTH} levels deep")
     if isinstance(value, dict):
         return {str(key): _native(name, each, depth + 1) for key, each in value.items()}
     if isinstance(value, list):

@@ -82,7 +82,7 @@ class SimClock:
             try:
                 self._share = await self._shared.subscribe(CLOCK_TOPIC, self._handle_clock)
             except RostetherError as error:
-                _log.warning("cannot subscribe to %s: %s", CLOCK_TOPIC, error)
+                _log.warning("cannot subscribe to %s, so clients get no time: %s", CLOCK_TOPIC, error)
         elif not self.is_simulated and self._share is not None:
             share, self._share = self._share, None
             await share.close()

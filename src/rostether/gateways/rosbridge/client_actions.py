@@ -45,7 +45,9 @@ class ClientActions:
                 f"send_action_goal: at most {MAX_GOALS} goals at once are allowed; wait for results"
             )
         if goal_id in self._by_id:
-            raise RemoteProtocolError(f"send_action_goal: the goal {show(goal_id)} is already active")
+            raise RemoteProtocolError(
+                f"send_action_goal: the goal {show(goal_id)} is already active; choose another id"
+            )
         forms, feedback = self._context.forms, request.flag("feedback")
         payload = await forms.payload(types.goal, request.fields.get("args") or {}, request)
         answer = {"action": request.word("action"), **({} if goal_id is None else {"id": goal_id})}
@@ -144,7 +146,9 @@ class ClientActions:
     def _own(self, request: Request) -> _OfferedAction:
         offered = self._offered.get(self._resolve(request))
         if offered is None:
-            raise UnknownNameError(f"{request.op}: this client does not offer {request.word('action')}")
+            raise UnknownNameError(
+                f"{request.op}: this client does not offer {request.word('action')}; advertise it first"
+            )
         return offered
 
 

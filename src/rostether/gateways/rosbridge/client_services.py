@@ -130,7 +130,7 @@ class ClientServices:
         name = self._context.graph.resolve(request.word("service"))
         service = self._context.offered.find(name, self)
         if service is None:
-            raise UnknownNameError(f"{request.op}: this client does not offer {name}")
+            raise UnknownNameError(f"{request.op}: this client does not offer {name}; advertise it first")
         return service
 
 

@@ -46,7 +46,7 @@ class ClientTopics:
         topic = request.word("topic")
         publication = self._publications.pop(topic, None)
         if publication is None:
-            raise UnknownNameError(f"unadvertise: this client does not advertise {topic}")
+            raise UnknownNameError(f"unadvertise: this client does not advertise {topic}; check the name")
         self._context.linger(publication)
 
     async def publish(self, request: Request) -> None:
@@ -89,7 +89,7 @@ class ClientTopics:
         topic = request.word("topic")
         subscription = self._subscriptions.get(topic)
         if subscription is None:
-            raise UnknownNameError(f"unsubscribe: this client is not subscribed to {topic}")
+            raise UnknownNameError(f"unsubscribe: this client is not subscribed to {topic}; check the name")
         if not subscription.remove_request(request.id):
             del self._subscriptions[topic]
             await subscription.close()
@@ -146,7 +146,7 @@ class ClientTopics:
             return
         # Several types on one ROS 2 topic are separated by spaces.
         if short_type(message_type.name) not in map(short_type, known.type.split()):
-            raise TypeMismatchError(f"advertise: {topic} is {known.type}, not {message_type.name}")
+            raise TypeMismatchError(f"advertise: {topic} has the type {known.type}; use it")
 
     def _check_allowed(self, topic: str) -> None:
         name = self._context.graph.resolve(topic)

@@ -54,7 +54,7 @@ class Defragmenter:
         message_id, data = fields.get("id"), fields.get("data")
         number, total = fields.get("num"), fields.get("total")
         if not isinstance(message_id, str | int) or not isinstance(data, str):
-            raise RemoteProtocolError("fragment: an id and data (a string) are required")
+            raise RemoteProtocolError("fragment: give an id, and data (a string)")
         if type(number) is not int or type(total) is not int or not 0 <= number < total <= MAX_FRAGMENTS:
             raise RemoteProtocolError(
                 f"fragment: num counts from 0 and stays below total, which is {MAX_FRAGMENTS} at most"
@@ -79,7 +79,7 @@ class Defragmenter:
             oldest = next(iter(self._unfinished))
             self._forget(oldest)
             if oldest == message_id:
-                raise RemoteProtocolError(f"fragment: the message has more than {self._max_bytes} bytes")
+                raise RemoteProtocolError(f"fragment: a message may have at most {self._max_bytes} bytes")
         if len(whole.pieces) < total:
             return None
         self._forget(message_id)

@@ -135,7 +135,7 @@ class Session:
 
     async def _execute_inner(self, text: str) -> None:
         if self._depth >= MAX_DEPTH:
-            raise RemoteProtocolError("this message is packed into too many others")
+            raise RemoteProtocolError(f"a message may be packed at most {MAX_DEPTH} times")
         self._depth += 1
         try:
             await self._execute(text)
@@ -157,7 +157,8 @@ class Session:
         await self._connection.send(status_message(StatusLevel.ERROR, reason))
         self._connection.close(CLOSE_POLICY, reason)
         self._context.report(
-            Level.WARN, f"rosbridge: {self.name} did not send the token; its connection was closed"
+            Level.WARN,
+            f"rosbridge: {self.name} was disconnected without the token; give it the token",
         )
         return False
 
@@ -187,7 +188,8 @@ class Session:
             self._report_error(str(error), request_id)
         except TimeoutError:
             self._report_error(
-                f"{request.op}: the graph did not answer within {OPERATION_LIMIT_S:g} s", request_id
+                f"{request.op}: the graph did not answer within {OPERATION_LIMIT_S:g} s; try again",
+                request_id,
             )
         except Exception as error:  # noqa: BLE001 - a client's message must not end its connection
             self._report_error(f"{type(error).__name__}: {error}; please report it", request_id)
@@ -224,7 +226,7 @@ class Session:
             await self._connection.send(*await self._next_frames())
             await asyncio.sleep(0)
         self._context.report(
-            Level.WARN, f"rosbridge: {self.name} does not read its responses; its connection was closed"
+            Level.WARN, f"rosbridge: {self.name} does not read its responses, and was disconnected"
         )
         # An orderly close would wait until the client reads the queued data.
         self._connection.abort()

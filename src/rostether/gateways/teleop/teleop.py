@@ -167,7 +167,7 @@ class Teleop:
                 found = self._topics[topic] = CommandTopic(publisher, codec, commands)
             elif found.type.md5sum != message_type.md5sum:
                 raise TypeMismatchError(
-                    f"{topic[:80]} is driven as {found.type.name}, not as {message_type.name}"
+                    f"{topic[:80]} is driven as {found.type.name}, not as {message_type.name}; use its type"
                 )
             else:
                 assert self._graph is not None

@@ -62,7 +62,7 @@ class PlainAnswer:
     def refuse_malformed(self, site: Site, method: bytes, limit_s: float) -> None:
         """Refuse a request that the library cannot parse, such as one with a body."""
         if method in (b"GET", b"HEAD"):
-            reply = refusal(HTTPStatus.BAD_REQUEST, "the request is malformed, or has a body")
+            reply = refusal(HTTPStatus.BAD_REQUEST, "send a GET request without a body")
         else:
             reply = site.reply(method.decode(), "/", Headers())
         self.send(_response(reply), limit_s)

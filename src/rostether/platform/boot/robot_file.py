@@ -94,7 +94,7 @@ def _robot(content: Mapping[str, Any], commands: Collection[str]) -> RobotFile:
     if not parts:
         raise ConfigError('no parts; add a table [parts] with a line such as boards = "serve"')
     if len(parts) > MAX_PARTS:
-        raise ConfigError(f"{len(parts)} parts; at most {MAX_PARTS} are allowed")
+        raise ConfigError(f"at most {MAX_PARTS} parts are allowed, not {len(parts)}")
     return RobotFile(name, environment, parts)
 
 
@@ -112,7 +112,7 @@ def _part(name: str, words: Any, commands: Collection[str]) -> Part:
     try:
         split = shlex.split(_text(f"parts.{name}", words))
     except ValueError as error:
-        raise ConfigError(f"parts.{name}: {error}") from None
+        raise ConfigError(f"parts.{name} must be a command line: {error}") from None
     if split[:1] == ["rostether"]:
         split = split[1:]
     if not split or split[0] not in commands:

@@ -36,7 +36,7 @@ async def test_what_goes_wrong_is_reported_in_a_line() -> None:
     work.ask(fail, failed.append, 2)
     work.ask(hang, failed.append, 2)
     await asyncio.gather(*work._tasks)
-    assert failed == ["not today", "no answer in time"]
+    assert failed == ["not today", "no answer in time; check that the node is running"]
 
 
 async def test_everything_ends_with_the_client() -> None:

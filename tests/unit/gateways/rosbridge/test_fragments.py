@@ -53,7 +53,7 @@ def test_memory_is_bounded_and_the_newest_is_kept() -> None:
     for number in range(100):
         joiner.add({"id": f"left {number}", "data": "x" * 10, "num": 0, "total": 2})
     assert [joiner.add(each) for each in pieces("abcdef", 3)] == [None, "abcdef"]
-    with pytest.raises(RemoteProtocolError, match="more than 20 bytes"):
+    with pytest.raises(RemoteProtocolError, match="at most 20 bytes"):
         joiner.add({"id": "large", "data": "x" * 21, "num": 0, "total": 2})
 
 

@@ -67,7 +67,7 @@ async def test_messages_packed_into_each_other_without_end_are_refused(there: Wo
         for _ in range(6):
             text = pack_png(text)
         await client.connection.send(text)
-        assert "packed into too many others" in (await client.receive("status"))["msg"]
+        assert "may be packed at most 3 times" in (await client.receive("status"))["msg"]
 
 
 async def test_statuses_follow_the_level_that_was_set(there: World) -> None:
@@ -111,4 +111,4 @@ async def test_messages_that_are_too_large_end_that_client_alone() -> None:
         assert caught.value.rcvd.code == 1009
         for number in range(3):
             await other.say("fragment", id="f", num=number, total=9, data="x" * 500)
-        assert "the message has more than 1000 bytes" in (await other.settled())[0]["msg"]
+        assert "a message may have at most 1000 bytes" in (await other.settled())[0]["msg"]

@@ -141,7 +141,7 @@ async def test_a_topic_of_others_keeps_its_type(there: World) -> None:
     async with there.client() as client:
         await client.say("advertise", topic="/chatter", type="std_msgs/Int32", id="wrong")
         status = await client.receive("status")
-        assert status["msg"] == "advertise: /chatter is std_msgs/String, not std_msgs/Int32"
+        assert status["msg"] == "advertise: /chatter has the type std_msgs/String; use it"
         assert status["id"] == "wrong"
         await client.say("advertise", topic="/chatter", type="std_msgs/msg/String")
         assert await client.settled() == []

@@ -51,8 +51,11 @@ def test_a_robot() -> None:
         ("[parts]\na = ''", "parts.a must be a rostether command"),
         ("[parts]\n\"a\\u001b[31m\" = 'core'", "parts: a name has 1 to 64 printable characters"),
         ("[environment]\n\"A=B\" = '1'\n[parts]\na = 'core'", "'A=B' is not the name of a variable"),
-        ('[parts]\na = "serve \'"', "parts.a: No closing quotation"),
-        ("[parts]\n" + "".join(f"p{n} = 'core'\n" for n in range(65)), "65 parts; at most 64"),
+        ('[parts]\na = "serve \'"', "parts.a must be a command line: No closing quotation"),
+        (
+            "[parts]\n" + "".join(f"p{n} = 'core'\n" for n in range(65)),
+            "at most 64 parts are allowed",
+        ),
     ],
 )
 def test_what_is_wrong_is_named_in_one_line(text: str, reason: str) -> None:
