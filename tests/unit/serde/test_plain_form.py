@@ -10,7 +10,7 @@ import pytest
 
 from rostether.msgdef.registry import Registry
 from rostether.rostime import Duration, Time
-from rostether.serde.plain_form import plain_value, to_plain
+from rostether.serde.plain_form import base64_text, plain_value, to_plain
 from rostether.serde.store import TypeStore
 from rostether.serde.yaml_form import parse_values
 from unit.serde.random_messages import RandomMessages
@@ -47,3 +47,8 @@ def test_json_can_be_published_again(name: str) -> None:
     message = RandomMessages(seed=5).message(codec)
     text = json.dumps(to_plain(message), allow_nan=False)
     assert parse_values(codec, text, now=Time) == message
+
+
+def test_a_parameter_with_bytes() -> None:
+    value = {"key": b"\0\1", "limits": [1.5, math.inf]}
+    assert plain_value(value, base64_text) == {"key": "AAE=", "limits": [1.5, "Infinity"]}
