@@ -1,4 +1,4 @@
-"""What the bridge meets, made of values: reporters, wires, lines and clocks that tests can look into."""
+"""Test doubles of the bridge's environment: reporters, transports, lines and clocks that show their use."""
 
 from __future__ import annotations
 

@@ -10,7 +10,7 @@ _TICK_S = 0.01
 
 
 class Lateness:
-    """Adds up by how much waits of ours ended too late."""
+    """Sums the delays of the test's own waits."""
 
     def __init__(self) -> None:
         self.total_s = 0.0

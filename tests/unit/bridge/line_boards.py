@@ -241,7 +241,7 @@ class SerialBoard(PtyBoard):
 async def line(
     kind: str, folder: Path, *announcements: tuple[int, TopicInfo]
 ) -> AsyncIterator[tuple[Bridge, Board]]:
-    """Serve one link: "tcp", "pty" (a terminal of ours) or "serial" (a port); its board is not connected."""
+    """Serve one link: "tcp", "pty" (of the bridge) or "serial" (a port); its board is not connected."""
     if kind == "tcp":
         async with Bridge() as bridge:
             yield bridge, TcpBoard(bridge.port, *announcements)

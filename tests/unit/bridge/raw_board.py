@@ -62,7 +62,7 @@ class RawBoard:
         self.is_lost = True
 
     def pause_writing(self) -> None:
-        """A test that floods looks at the transport itself."""
+        """A test that floods watches the transport itself."""
 
     def resume_writing(self) -> None:
         """As above."""

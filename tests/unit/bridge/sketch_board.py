@@ -150,7 +150,7 @@ def announce_raw(kind: int, payload: bytes) -> bytes:
 
 
 def overwritten_info() -> bytes:
-    """What the announcement of a board looks like whose strings were overwritten by the stack."""
+    """The announcement of a board whose strings were overwritten by the stack."""
     return encode_frame(
         ids.PUBLISHER,
         struct.pack("<H", 101)

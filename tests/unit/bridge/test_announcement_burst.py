@@ -28,7 +28,7 @@ async def test_the_largest_board_is_bridged_within_two_seconds() -> None:
         await until(lambda: session.link.is_settled, "the negotiation")
         while sum(name.startswith("/l") for name in (await world.peer.snapshot()).topics) < ENDPOINTS:
             await asyncio.sleep(0.001)
-        # Nobody waits for anybody here: what it takes is this process's time.
+        # Nothing waits here: the measured time is the CPU time of this process.
         assert time.process_time() - used_s < 2.0
         assert not world.reporter.having("too many announcements")
     finally:

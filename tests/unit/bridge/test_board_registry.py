@@ -66,7 +66,7 @@ async def test_each_node_that_has_left_is_reported() -> None:
     await boards.close()
 
 
-async def test_a_node_that_takes_long_to_leave_leaves_completely(monkeypatch: pytest.MonkeyPatch) -> None:
+async def test_a_node_that_leaves_slowly_leaves_completely(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("rostether.bridge.board_registry.NODE_CLOSE_LIMIT_S", 0.0)
     boards = BoardRegistry(0.0, lambda: 0.0)
     board, node = await served(boards, "/arm")

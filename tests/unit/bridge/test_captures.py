@@ -36,7 +36,7 @@ class Frame(NamedTuple):
 
 
 def frames(data: bytes, version: int) -> Iterator[Frame]:
-    """Yield every valid frame; where none begins, look one byte further."""
+    """Yield every valid frame; if none begins at a byte, try the next byte."""
     at = 0
     while at + 7 < len(data):
         frame = _frame_at(data, at, version)

@@ -1,4 +1,4 @@
-"""Each finding, brought about by what brings it about: a board with that fault, at the doctor's line.
+"""Each finding, with its real cause: a board with that fault, at the doctor's line.
 
 The clock is virtual, so that a minute of watching passes at once. What needs a real port is in the tests of
 the command.
@@ -324,7 +324,7 @@ def long_text(size: int) -> Callable[[SketchBoard], None]:
 @pytest.mark.parametrize("size", [300, 511, 2000])
 @pytest.mark.parametrize("baud", [9600, 57600])
 def test_messages_longer_than_the_board_announced(size: int, baud: int) -> None:
-    """What a board does whose library does not look at its own buffer, a few bytes at a time."""
+    """The output, a few bytes at a time, of a board whose library does not check its own buffer."""
     config = DeviceLinkConfig(output_buffer_bytes=280)
 
     def board(transport: Transport) -> SketchBoard:

@@ -97,7 +97,7 @@ async def test_a_disconnect_of_two_seconds(kind: str, speaks_first: bool, tmp_pa
             await until(lambda: received[-1] > since + 20, "more messages")  # noqa: B023
             later = [number for number in received if number >= first]
             assert later == list(range(since, since + len(later)))
-    # A terminal of ours stays when its opener goes: a board there that waits to be asked is found by a probe.
+    # The test's terminal stays when its opener leaves: a board that waits for a request is found by a probe.
     waits = kind == "pty" and not speaks_first
     assert min(took_s) < (2 * AT_ONCE_S if waits else AT_ONCE_S)
 
@@ -238,7 +238,7 @@ async def test_seconds_of_garbage_at_ten_megabytes_a_second(name: str) -> None:
         assert ended_used_s - back_used_s < 2 * AT_ONCE_S * slow
         assert ended_s - back_s - late.total_s < 4 * AT_ONCE_S * slow
         # One second, and twice as much again for a busy machine: judged header by header it took four.
-        # Where the test takes longer, more headers are judged: some in each second.
+        # If the test is slower, more headers are checked: some in each second.
         assert ended_used_s - used_s < max(3.0 * slow, 0.5 * (ended_s - began_s))
         await asyncio.sleep(0.2)
         assert sorted(set(others)) == list(range(max(others) + 1))

@@ -75,7 +75,7 @@ async def test_udp(site: Site) -> None:
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="Windows has no pseudo-terminals")
-async def test_a_pseudo_terminal_of_ours(site: Site, tmp_path: Path) -> None:
+async def test_a_pseudo_terminal_of_the_bridge(site: Site, tmp_path: Path) -> None:
     link = tmp_path / "board"
     await site.supervisor.start([parse_address(f"pty:{link}")])
     await until(link.exists, "the link")
@@ -84,7 +84,7 @@ async def test_a_pseudo_terminal_of_ours(site: Site, tmp_path: Path) -> None:
 
 @pytest.mark.skipif(sys.platform == "win32", reason="Windows has no pseudo-terminals")
 async def test_a_serial_port_that_goes_and_comes_back(site: Site, tmp_path: Path) -> None:
-    """A simulator's terminal stands in for a USB port: its link goes away, and later leads elsewhere."""
+    """A simulator's terminal replaces a USB port: its link disappears, and later has another target."""
     port = tmp_path / "ttyACM0"
     await site.supervisor.start([parse_address(str(port))])
     await until(lambda: site.reporter.having("does not exist"), "the line")

@@ -17,7 +17,7 @@ from waiting import until
 
 
 class Answers:
-    """The link's half: keeps what the board would get."""
+    """Replaces the link: keeps the answers that the board would get."""
 
     def __init__(self) -> None:
         self.given: list[ParameterResponse] = []

@@ -107,7 +107,7 @@ def test_what_boards_send_first_is_a_frame(name: str) -> None:
 
 
 @pytest.mark.parametrize("data", [b"", b"x", b"\xff", b"\xff\xfe", BOARD_ENTRY.request, b"hello\r\n" * 200])
-def test_what_is_not_a_frame_of_a_board(data: bytes) -> None:
+def test_bytes_that_are_no_frame_of_a_board(data: bytes) -> None:
     assert not holds_frame(data)
 
 
@@ -126,7 +126,7 @@ async def test_a_board_that_only_asks_for_the_time_connects(site: Site) -> None:
         await until(site.has_chatter, "the board's topic")
 
 
-async def test_forged_senders_take_no_place_and_are_sent_nothing(site: Site) -> None:
+async def test_forged_senders_use_no_connection_and_receive_nothing(site: Site) -> None:
     with senders(64, site.place) as forged:
         for each in forged:
             each.send(b"x")

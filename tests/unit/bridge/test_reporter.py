@@ -97,7 +97,7 @@ def test_a_peers_text_cannot_steer_a_terminal(text: str, shown: str) -> None:
     assert shown_line(text) == shown
 
 
-def test_strangers_bring_about_few_lines(reporter: RecordingReporter, clock: Clock) -> None:
+def test_remote_peers_cause_few_lines(reporter: RecordingReporter, clock: Clock) -> None:
     limited = LimitedReporter(reporter, clock)
     for number in range(100):
         limited.report(Level.INFO, f"connection {number}")
@@ -114,7 +114,7 @@ def test_silence(capfd: pytest.CaptureFixture[str], caplog: pytest.LogCaptureFix
     assert not caplog.records
 
 
-def test_the_graph_gets_the_text_as_it_is_and_people_one_line() -> None:
+def test_the_graph_gets_the_whole_text_and_users_one_line() -> None:
     reporter = RecordingReporter()
     logged: list[str] = []
     notices = Notices(reporter, "/board", lambda: 0.0)

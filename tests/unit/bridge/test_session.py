@@ -32,7 +32,7 @@ LONG_CHATTER = (ids.PUBLISHER, topic_info("chatter", topic_id=125, buffer_size=2
 def service_announcements(
     first_kind: int, name: str, publish_id: int, receive_id: int
 ) -> list[tuple[int, TopicInfo]]:
-    """Both halves of a SetBool service; kinds 2, 3 are a server's, 4, 5 a client's."""
+    """Request and response of a SetBool service; kinds 2, 3 are a server's, 4, 5 a client's."""
     halves = [SET_BOOL.response, SET_BOOL.request]
     if first_kind == ids.SERVICE_CLIENT_REQUEST:
         halves.reverse()
@@ -120,7 +120,7 @@ async def test_messages_flow_to_the_board(bridge: Bridge) -> None:
     assert board.received[100] == [text(str(number)) for number in range(1000)]
 
 
-async def test_time_is_answered_at_once(bridge: Bridge) -> None:
+async def test_time_is_answered_immediately(bridge: Bridge) -> None:
     board = await bridge.connect(CHATTER)
     await bridge.settled()
     answered = len(board.received[ids.TIME])

@@ -342,7 +342,7 @@ async def test_a_board_of_a_node_whose_name_was_taken_is_sent_away(site: Site) -
     assert len(site.reporter.lines) <= lines + 1
 
 
-async def test_a_node_to_keep_is_there_before_its_board_and_its_end_is_ours(site: Site) -> None:
+async def test_a_kept_node_exists_before_its_board_and_ends_the_bridge(site: Site) -> None:
     supervisor = Supervisor(
         site.join,
         STORE,

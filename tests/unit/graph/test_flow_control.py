@@ -106,7 +106,7 @@ def test_who_reads_again_is_waited_for_again(taken: int) -> None:
     subscriber = Subscriber(PublicationFlow())
     subscriber.flood(2000, 0)
     lost = subscriber.lost
-    # It takes its first bytes while the flood goes on: its backlog is never small again.
+    # It reads its first bytes during the flood: its backlog is never small again.
     subscriber.take(2 * CHUNK)
     subscriber.flood(2000, taken)
     assert subscriber.lost == lost

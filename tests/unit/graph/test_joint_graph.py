@@ -147,7 +147,7 @@ async def test_the_first_graph_that_has_a_service_is_called() -> None:
     async def refuse(_: bytes) -> bytes:
         raise GraphError("not today")
 
-    # A failure is an answer: nobody asks again elsewhere.
+    # A failure is an answer: no other graph is asked.
     await world.others[0].advertise_service("/refuse", SET_BOOL, refuse)
     await world.others[1].advertise_service("/refuse", SET_BOOL, answering("second"))
     with pytest.raises(ServiceCallError, match="not today"):
@@ -226,7 +226,7 @@ async def test_it_leaves_when_the_graph_shuts_it_down() -> None:
 
 
 class ConnectionLimiter:
-    """A `JoinGraph` that lets nobody in until it is open."""
+    """A `JoinGraph` that refuses every node until it is open."""
 
     def __init__(self, network: MemoryNetwork) -> None:
         self._network = network
@@ -348,7 +348,7 @@ async def test_a_refusal_for_now_is_tried_again(
     await joint.close()
 
 
-async def test_a_refusal_for_good_is_reported_once(
+async def test_a_permanent_refusal_is_reported_once(
     caplog: pytest.LogCaptureFixture, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(joint_handle, "FIRST_RETRY_S", 0.001)
@@ -435,7 +435,7 @@ async def test_what_relays_and_boards_of_other_programs_publish_comes_once() -> 
     await until(lambda: len(inbox.payloads) >= 2)
     await asyncio.sleep(0.02)
     assert sorted(inbox.payloads) == [string("hello"), string("me too")]
-    # Another node of the program looks on when one leaves, and notices that the relay does.
+    # Another node of the program continues to search when one leaves, and detects that the relay leaves.
     third = await joins[0]("/third")
     await board.close()
     for relay in relays:

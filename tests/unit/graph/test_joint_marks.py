@@ -1,4 +1,4 @@
-"""Marks of nodes that are in two graphs: what they tell, and what names alone do not."""
+"""Marks of nodes that are in two graphs: what they show, and names alone do not."""
 
 from __future__ import annotations
 

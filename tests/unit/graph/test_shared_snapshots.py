@@ -10,7 +10,7 @@ from rostether.graph.shared_snapshots import SharedSnapshots
 
 
 class SlowGraph:
-    """A graph whose snapshots are numbered, and wait until they may be taken."""
+    """A graph whose snapshots are numbered, and wait until the test permits them."""
 
     def __init__(self) -> None:
         self.count = 0

@@ -53,7 +53,7 @@ def test_logging_is_shown_on_request() -> None:
         ("/arm", ["/arm/controller", "/board", "/viewer"], ["/arm/goal", "/scan", "/servo"]),
     ],
 )
-def test_names_choose_what_is_connected(name: str, nodes: list[str], topics: list[str]) -> None:
+def test_names_choose_connected_nodes_and_topics(name: str, nodes: list[str], topics: list[str]) -> None:
     shown = choose(SNAPSHOT, [name])
     assert (list(shown.nodes), [topic.name for topic in shown.topics]) == (nodes, topics)
 

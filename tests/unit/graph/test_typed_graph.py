@@ -306,7 +306,7 @@ async def test_a_subscriber_with_an_illegal_name(listener: TypedGraph) -> None:
         await listener.subscriber("/left-wheel", "std_msgs/String", print)
 
 
-async def test_anext_takes_one_message_after_the_other(talker: TypedGraph, listener: TypedGraph) -> None:
+async def test_anext_returns_one_message_after_the_other(talker: TypedGraph, listener: TypedGraph) -> None:
     publisher = await talker.publisher("/chatter", "std_msgs/String")
     stream = listener.messages("/chatter")
     first = asyncio.create_task(anext(stream))

@@ -177,7 +177,7 @@ class Line:
 
 
 def declare_many(device: DeviceLink, publishers: int, subscribers: int, services: int) -> None:
-    """Declare this many of each; `services` of both kinds, with their halves on top."""
+    """Declare this many of each; `services` of both kinds, whose requests and responses are additional."""
     for number in range(publishers):
         device.add_publisher(f"sensor_{number}/state", STRING, STRING_MD5)
     for number in range(subscribers):

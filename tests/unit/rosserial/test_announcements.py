@@ -39,7 +39,7 @@ def announcements(max_endpoints: int = 256) -> tuple[Announcements, TopicTable]:
     return Announcements(table, ControlRate()), table
 
 
-def test_what_is_new_is_reported_once() -> None:
+def test_a_new_topic_is_reported_once() -> None:
     known, table = announcements()
     new = [TopicAnnounced(TopicRole.PUBLISHER, CHATTER)]
     assert known.handle_packet(ids.PUBLISHER, CHATTER.encode(), 0.0) == (CHATTER, new)
@@ -56,7 +56,7 @@ def test_damage_reveals_nothing_about_the_device() -> None:
     assert len(table.keys()) == 0
 
 
-def test_what_is_refused_is_there_all_the_same_and_not_bridged() -> None:
+def test_a_refused_announcement_counts_but_is_not_bridged() -> None:
     known, _ = announcements()
     bad = replace(CHATTER, message_type="no type")
     info, _ = known.handle_packet(ids.PUBLISHER, bad.encode(), 0.0)
@@ -89,7 +89,7 @@ def test_a_negotiation_leaves_what_it_found() -> None:
     assert len(table.keys()) == 0
 
 
-def test_asks_at_once_then_ever_more_rarely() -> None:
+def test_asks_immediately_then_less_and_less_often() -> None:
     unknown = UnknownIds()
     asked = [second for second in range(1000) if unknown.should_ask(130, float(second))]
     assert asked[:5] == [0, 1, 3, 7, 15]
@@ -140,7 +140,7 @@ def test_each_direction_is_reported() -> None:
         assert refusals.refuse(kind, WHEEL, "why") == REFUSED
 
 
-def test_an_endpoint_that_is_announced_well_is_refused_no_longer() -> None:
+def test_an_endpoint_that_is_announced_correctly_is_no_longer_refused() -> None:
     refusals = Refusals()
     for _ in range(2):
         refusals.refuse(ids.PUBLISHER, WHEEL, "why")
@@ -150,7 +150,7 @@ def test_an_endpoint_that_is_announced_well_is_refused_no_longer() -> None:
     assert refusals.is_sender(125)
 
 
-def test_the_half_of_a_service_is_reported_once_with_what_is_missing() -> None:
+def test_an_incomplete_service_is_reported_once_with_the_missing_part() -> None:
     refusals = Refusals()
     (event,) = refusals.refuse_incomplete_services([(ids.SERVICE_SERVER_RESPONSE, RESPONSE)])
     assert (event.topic_name, event.message_type) == ("ask", TEST_SRV)

@@ -98,7 +98,7 @@ def test_every_usual_speed_is_found(baud: int, listens_first: bool) -> None:
     assert took_s < 7.0 + listens_first * 1.2
 
 
-def test_the_likely_speeds_are_found_at_once() -> None:
+def test_the_likely_rates_are_found_immediately() -> None:
     for baud, limit_s in ((57600, 0.02), (115200, 0.52)):
         assert probe_it(BaudProbe(), Device(baud)) < limit_s
     assert probe_it(BaudProbe(known_baud=38400), Device(38400)) < 0.02
@@ -164,7 +164,7 @@ def test_no_pair_of_speeds_makes_a_board_of_noise() -> None:
         assert probe.result is None, (sent_at, received_at)
 
 
-def test_a_noisy_line_at_a_rate_with_a_near_one_is_found_all_the_same() -> None:
+def test_a_noisy_line_at_a_rate_with_a_near_one_is_still_found() -> None:
     device = Device(250000, talks=lambda _number: bytes(range(100)), period_s=0.05)
     probe = BaudProbe()
     probe_it(probe, device)

@@ -128,7 +128,7 @@ def test_less_than_before_needs_more() -> None:
     assert completeness.endpoints == {EndpointKey(True, 125)}
 
 
-def test_unconfirmed_rounds_take_nothing_away() -> None:
+def test_unconfirmed_rounds_remove_nothing() -> None:
     completeness = Completeness()
     play(completeness, [ONE, TWO], [ONE, TWO])
     completeness.accept(is_confirmed=True)

@@ -26,13 +26,13 @@ def announcement(number: int) -> bytes:
 
 
 class TestControlRate:
-    def test_saves_up_so_many_and_no_more(self) -> None:
+    def test_saves_no_more_than_a_burst(self) -> None:
         rate = ControlRate()
         assert rate.admit(ids.LOG, 10_000, 1e9) == LOGS.burst
         assert rate.admit(ids.LOG, 10_000, 1e9) == 0
         assert rate.admit(ids.LOG, 10_000, 1e9 + 0.5) == LOGS.per_s / 2
 
-    def test_one_kind_does_not_take_from_another(self) -> None:
+    def test_the_kinds_have_separate_limits(self) -> None:
         rate = ControlRate()
         rate.admit(ids.LOG, 10_000, 0.0)
         assert rate.admit(ids.TIME, 1, 0.0) == 1
@@ -61,7 +61,7 @@ class TestFloods:
             asked += len(only(link.receive_data(TIME * 50, now_s), TimeRequested))
         assert TIME_REQUESTS.per_s <= asked <= TIME_REQUESTS.burst + 2 * TIME_REQUESTS.per_s
 
-    def test_an_announcement_that_changes_all_the_time_is_left_as_it_is(self) -> None:
+    def test_an_announcement_that_changes_repeatedly_is_dropped(self) -> None:
         link, now_s = settled_link()
         events = link.receive_data(b"".join(map(announcement, range(CHANGES.burst + 50))), now_s)
         assert len(only(events, TopicAnnounced)) == CHANGES.burst

@@ -97,7 +97,7 @@ def test_requests_that_come_together_are_answered_once() -> None:
     assert link.receive_data(REQUEST * 4, 100.0) == [TopicsRequested()]
 
 
-def test_what_is_declared_while_configured_is_announced_at_once() -> None:
+def test_endpoints_declared_while_configured_are_announced_immediately() -> None:
     link, _, _ = configured()
     topic_id = link.add_subscriber("late", EMPTY, EMPTY_MD5)
     service_ids = link.add_service_server("late_ask", TEST_SRV, TEST_REQUEST_MD5, TEST_RESPONSE_MD5)

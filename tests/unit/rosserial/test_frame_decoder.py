@@ -192,7 +192,7 @@ class TestUnfinishedFrames:
         assert by_topic(found) == {125: [(b"x" + A) * 200]}
         assert not discards(found)
 
-    def test_a_slow_network_may_still_bring_the_rest(self) -> None:
+    def test_a_slow_network_may_still_deliver_the_rest(self) -> None:
         decoder = FrameDecoder(limits=PayloadLimits({125: 1000}))
         whole = frame(125, bytes(500))
         assert decoder.feed(whole[:300], 0.0) == []
@@ -260,7 +260,7 @@ HOSTILE = {
 
 @pytest.mark.parametrize("name", HOSTILE)
 def test_hostile_bytes_take_linear_time(name: str) -> None:
-    # A quadratic rescan of these takes many seconds; the bound leaves a busy machine room.
+    # A quadratic rescan of these needs many seconds; the limit is sufficient on a busy machine.
     data = HOSTILE[name]
     decoder = FrameDecoder()
     began_s = time.process_time()

@@ -1,4 +1,4 @@
-"""Hostile bytes cost a bounded amount of work, and the next good frame is found all the same."""
+"""Hostile bytes cost a bounded amount of work, and the next good frame is still found."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ HOSTILE: list[Callable[[random.Random], bytes]] = [_dense, _varied, _lengths, _d
 
 
 @pytest.mark.parametrize("make", HOSTILE)
-def test_looks_are_bounded_over_time(
+def test_the_cost_of_searches_is_limited_over_time(
     make: Callable[[random.Random], bytes], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     false_starts = 0
@@ -73,7 +73,7 @@ def test_looks_are_bounded_over_time(
         now_s += seconds / chunks
         decoded = decoder.feed(noise, now_s)
         discarded += sum(len(item.data) for item in decoded if isinstance(item, FrameDiscarded))
-    # The ends are looked at beside what may be spent.
+    # The ends of the chunks are searched in addition to the limit.
     assert false_starts < MAX_SAVED_FALSE_STARTS + 2 * FALSE_STARTS_PER_S * seconds + chunks * 300
     assert discarded > chunks * CHUNK_BYTES * 0.9
     found = decoder.feed(GOOD * 2, now_s + 0.01)
@@ -96,7 +96,7 @@ def test_a_frame_at_the_end_of_a_hostile_chunk_is_found(make: Callable[[random.R
 
 
 @pytest.mark.parametrize("make", [_dense, _varied, _damaged])
-def test_a_line_that_was_quiet_is_looked_at_whole(make: Callable[[random.Random], bytes]) -> None:
+def test_a_line_that_was_quiet_is_searched_completely(make: Callable[[random.Random], bytes]) -> None:
     decoder = FrameDecoder(limits=PayloadLimits(LIMITS, REFUSED_ABOVE))
     noise = make(random.Random(5))[: MAX_SAVED_FALSE_STARTS * 6] + bytes(600)
     found = decoder.feed(noise[:30_000] + bytes(600) + GOOD + noise[30_000:], 0.0)
@@ -104,7 +104,7 @@ def test_a_line_that_was_quiet_is_looked_at_whole(make: Callable[[random.Random]
     assert any(isinstance(item, Frames) and b"good" in item.payloads for item in found)
 
 
-def test_every_byte_is_accounted_for_when_the_middle_is_not_looked_at() -> None:
+def test_every_byte_is_reported_if_the_middle_is_not_searched() -> None:
     noise = _varied(random.Random(6)) + GOOD
     scan = FrameScanner(2, 65535, REFUSED_ABOVE).scan(noise, Patience.NONE, 10)
     assert sum(len(item.data) for item in scan.discarded) + len(GOOD) == len(noise)

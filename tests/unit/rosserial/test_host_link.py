@@ -125,7 +125,7 @@ class TestServices:
             link.answer_parameter(ints=[1] * 50)
         link.answer_parameter(ints=[1] * 30)
 
-    def test_time_is_answered_at_once(self) -> None:
+    def test_time_is_answered_immediately(self) -> None:
         link, now_s = settled_link()
         assert TimeRequested() in link.receive_data(TIME, now_s)
         link.answer_time(Time(1700000000, 5), now_s)

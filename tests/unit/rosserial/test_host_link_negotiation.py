@@ -154,7 +154,7 @@ class TestNegotiation:
         line.run(0.1)
         assert line.events_of(MessagesReceived) == [MessagesReceived(publisher, [b"\x02\0\0\0hi"])]
 
-    def test_both_versions_requests_survive_in_a_sketch_that_reads_them_at_once(self) -> None:
+    def test_a_sketch_that_reads_requests_of_both_versions_together_answers(self) -> None:
         link = HostLink()
         link.start(0.0)
         data = link.data_to_send()
@@ -168,7 +168,7 @@ class TestNegotiation:
             device.receive_data(data, 0.0)
             assert device.is_configured
 
-    def test_unknown_ids_lead_to_a_new_request_at_once_but_not_to_a_flood(self) -> None:
+    def test_unknown_ids_cause_one_request_immediately_and_few_later(self) -> None:
         link, now_s = settled_link()
         events = link.receive_data(frame(126, b"\0\0\0\0") * 3, now_s)
         assert events == [UnknownTopicId(126, 3)]
@@ -238,7 +238,7 @@ class TestNegotiation:
         assert [event.info for event in events if isinstance(event, TopicWithdrawn)] == [LED]
         assert not can_send(link, 100)
 
-    def test_half_a_service_is_reported_when_its_other_half_is_certain_not_to_come(self) -> None:
+    def test_an_incomplete_service_is_reported_when_the_topics_are_confirmed(self) -> None:
         half = TopicInfo(126, "ask", TEST_SRV, TEST_RESPONSE_MD5, 280)
         burst = BURST + frame(ids.SERVICE_SERVER_RESPONSE, half.encode())
         link, now_s, events = settle_on(burst)

@@ -35,7 +35,7 @@ from unit.rosserial.sessions import (
 
 
 class TestResetAndSilence:
-    def test_a_reset_board_talks_again_well_within_two_seconds(self) -> None:
+    def test_a_reset_board_sends_messages_again_within_two_seconds(self) -> None:
         for delay_s in (0.1, 0.9, 1.7, 2.6, 3.3):
             device, publisher, subscriber = small_device()
             line = line_to(device)

@@ -33,7 +33,7 @@ def test_probes_are_for_version_2() -> None:
         assert one.pop_ready() == expected
 
 
-def test_a_time_answer_that_is_not_taken_is_replaced_while_held() -> None:
+def test_a_time_answer_that_waits_is_replaced_by_the_next() -> None:
     one = output()
     one.call_started()
     one.queue_time(Time(1, 0), 0.0)

@@ -1,4 +1,4 @@
-"""Every recorded session, as people read it."""
+"""Every recorded session, as text for users."""
 
 from __future__ import annotations
 

@@ -158,7 +158,7 @@ def test_a_device_that_never_answers_is_asked_for_ever() -> None:
         assert not done
 
 
-def test_learning_the_version_asks_in_it_at_once() -> None:
+def test_a_detected_version_is_used_for_a_request_immediately() -> None:
     negotiation = Negotiation()
     negotiation.ask(0.0)
     assert negotiation.pop_request() == 2
@@ -182,7 +182,7 @@ def test_unrequested_announcements_with_news_are_confirmed() -> None:
     assert len(negotiation.endpoints) == 2
 
 
-def test_damage_on_a_line_that_looked_clean_leads_to_one_question() -> None:
+def test_damage_on_a_clean_line_causes_one_request() -> None:
     negotiation, now_s = settled()
     negotiation.note_damage(now_s + 1)
     assert negotiation.pop_request() == 2

@@ -100,7 +100,7 @@ def test_a_name_that_is_not_utf_8_is_read_and_faulty() -> None:
     assert "write t_r_auf in the sketch" in (info.fault() or "")
 
 
-def test_a_sound_announcement_has_no_fault() -> None:
+def test_a_valid_announcement_has_no_fault() -> None:
     assert CHATTER.fault() is None
 
 

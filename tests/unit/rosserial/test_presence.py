@@ -66,7 +66,7 @@ def test_an_answer_to_the_probe_means_reset() -> None:
     assert presence.time_request_received(2.52) is Verdict.RESET
 
 
-def test_an_answer_much_too_early_means_reset_at_once() -> None:
+def test_a_much_too_early_answer_shows_a_reset_immediately() -> None:
     presence = present()
     assert presence.handle_timer(PROBE_AFTER_S, probes=True) is Verdict.PROBE
     assert presence.time_request_received(PROBE_AFTER_S + 0.01) is Verdict.RESET

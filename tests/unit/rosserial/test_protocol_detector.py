@@ -88,7 +88,7 @@ def test_noise_that_looks_like_version_1_hides_no_version_2_frame() -> None:
     assert one.decoder.version == 2
 
 
-def test_abandon_gives_what_is_left() -> None:
+def test_abandon_returns_the_remaining_events() -> None:
     one = detector()
     one.feed(b"text" + frame(ids.TIME, bytes(8))[:9], 0.0)
     assert [item.data for item in one.abandon(1.0) if isinstance(item, FrameDiscarded)] == [

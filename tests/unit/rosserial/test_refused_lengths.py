@@ -55,7 +55,7 @@ def test_a_header_seen_before_the_announcement_is_judged_again() -> None:
     assert MessagesReceived(CHATTER.topic_id, [b"\x02\0\0\0hi"]) in events
 
 
-def test_a_board_that_streams_is_held_to_the_size_of_its_type() -> None:
+def test_a_board_that_streams_is_limited_to_the_size_of_its_type() -> None:
     streaming = TopicInfo(125, "count", "std_msgs/Int32", "da5909fbe378aeaf85e547e830cc1bb7", 65535)
     burst = TIME + frame(ids.PUBLISHER, streaming.encode())
     good = frame(125, bytes(4))

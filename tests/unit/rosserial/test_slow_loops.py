@@ -1,4 +1,4 @@
-"""A sketch that sleeps in its loop() is not taken for reset, and one that is reset is seen."""
+"""A sketch that sleeps in its loop() does not count as reset, and a real reset is detected."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def test_a_late_answer_is_not_a_reset(library: Library, loop_s: float) -> None:
 
 @pytest.mark.parametrize("library", [Library.ONE_PER_SPIN, Library.EACH_AT_ONCE, Library.ONCE_FOR_ALL])
 @pytest.mark.parametrize("loop_s", [0.01, 0.2, 1.0, 2.0])
-def test_an_introduction_after_a_reset_is_seen_at_once(library: Library, loop_s: float) -> None:
+def test_an_introduction_after_a_reset_is_detected_immediately(library: Library, loop_s: float) -> None:
     for booted_s in BOOTED_S:
         # Later than the first negotiation, in which there is nothing to lose yet.
         for after_s in (7.45, 8.3, 11.15, 17.4):

@@ -10,7 +10,7 @@ class TestDeviceClock:
     def test_counts_from_boot(self) -> None:
         assert DeviceClock(50.0).time(51.25) == Time(1, 250_000_000)
 
-    def test_takes_the_hosts_time_plus_half_the_round_trip(self) -> None:
+    def test_the_clock_is_the_hosts_time_plus_half_the_round_trip(self) -> None:
         clock = DeviceClock(0.0)
         clock.requested(10.0)
         assert clock.answered(Time(1000, 0), 10.5) == pytest.approx(0.5)
@@ -81,5 +81,5 @@ class TestAnswerGate:
         gate.forget_calls()
         assert not gate.is_closed(0.0)
 
-    def test_held_answers_come_before_a_board_gives_up(self) -> None:
+    def test_held_answers_are_sent_before_a_board_gives_up(self) -> None:
         assert REQUEST_PERIOD_S + HOLD_LIMIT_S < SYNC_LOST_S - 2

@@ -63,7 +63,7 @@ def test_one_name_for_both_directions_is_two_topics() -> None:
     assert table.announce(ids.SUBSCRIBER, replace(CHATTER, topic_id=100)) != []
 
 
-def test_services_are_reported_when_both_halves_are_known() -> None:
+def test_services_are_reported_when_request_and_response_are_known() -> None:
     for first, second in (
         ((ids.SERVICE_SERVER_RESPONSE, RESPONSE), (ids.SERVICE_SERVER_REQUEST, REQUEST)),
         ((ids.SERVICE_SERVER_REQUEST, REQUEST), (ids.SERVICE_SERVER_RESPONSE, RESPONSE)),
@@ -95,7 +95,7 @@ def test_a_service_loses_a_half() -> None:
     assert table.withdraw_all_but([EndpointKey(True, 126)]) == [withdrawn]
 
 
-def test_halves_that_lack_the_other_one() -> None:
+def test_services_without_request_or_response() -> None:
     table = TopicTable(10)
     table.announce(ids.PUBLISHER, CHATTER)
     table.announce(ids.SERVICE_SERVER_RESPONSE, RESPONSE)
@@ -116,7 +116,7 @@ def test_two_clients_of_one_service_pair_in_order() -> None:
     assert [(each.request.topic_id, each.response.topic_id) for each in announced] == [(125, 100), (126, 101)]
 
 
-def test_what_is_left_of_a_service_is_announced_before_its_other_ids_go() -> None:
+def test_remaining_ids_of_a_service_are_announced_before_the_others_are_withdrawn() -> None:
     table = TopicTable(10)
     for number in (1, 0):
         table.announce(ids.SERVICE_CLIENT_REQUEST, replace(REQUEST, topic_id=125 + number))

@@ -38,7 +38,7 @@ def test_a_board_that_has_answered_all_requests_has_room_for_anything() -> None:
     assert unread.room_bytes is None
 
 
-def test_each_answer_takes_one_request_and_all_before_it() -> None:
+def test_each_answer_ends_one_request_and_all_bytes_before_it() -> None:
     unread = asked(0.0)
     unread.requested(1, 9, 0.2)
     unread.requested(2, REQUEST_BYTES, 0.4)

@@ -38,7 +38,7 @@ from vectors.captures import Capture, frame_counts, load, names
 COUNTS = frame_counts()
 DAMAGE = {DiscardReason.LENGTH_CHECKSUM, DiscardReason.PAYLOAD_CHECKSUM, DiscardReason.UNFINISHED}
 LOST_ANNOUNCEMENTS = {"damaged_announce": {100}}
-"""What the host never learned in the recording, because nobody asked again."""
+"""What the host never learned in the recording, because the topics were not requested again."""
 
 KINDS = {
     "publisher": ids.PUBLISHER,

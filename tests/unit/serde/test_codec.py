@@ -351,7 +351,7 @@ def test_times_as_numbers_where_now_is_known(field: str, value: object, stamp: o
 
 
 @pytest.mark.parametrize("value", [-1.0, math.inf, True, "later"])
-def test_what_is_not_a_time(value: object) -> None:
+def test_values_that_are_no_time(value: object) -> None:
     codec = store_of(Kind="time stamp").codec("test/Kind")
     with pytest.raises(SerializationError, match="stamp"):
         codec.encode({"stamp": value}, now=lambda: Time(7, 8))

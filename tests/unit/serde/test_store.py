@@ -24,7 +24,7 @@ def test_nested_messages_are_of_the_nested_types_class() -> None:
     assert type(twist.linear) is store.codec("geometry_msgs/Vector3").message_class
 
 
-def test_halves_of_a_service() -> None:
+def test_request_and_response_of_a_service() -> None:
     store = TypeStore(Registry())
     assert store.layout("std_srvs/SetBoolRequest").fixed_size_bytes == 1
     assert store.codec("std_srvs/SetBoolResponse").message_class(success=True).message == ""

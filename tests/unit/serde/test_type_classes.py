@@ -19,6 +19,6 @@ def test_a_type_is_given_by_name_or_class() -> None:
     assert list(map(name_of_type, given)) == ["std_msgs/Bool", "std_msgs/Bool", "std_srvs/SetBool"]
 
 
-def test_what_is_not_a_type_is_refused() -> None:
+def test_a_value_that_is_no_type_is_refused() -> None:
     with pytest.raises(UnknownTypeError, match="42 is not a type; write its name"):
         name_of_type(42)

@@ -1,4 +1,4 @@
-"""Arguments as people type them; test_yaml_against_rostopic compares with genpy."""
+"""Arguments as users type them; test_yaml_against_rostopic compares with genpy."""
 
 from __future__ import annotations
 
@@ -88,7 +88,7 @@ def test_negative_duration() -> None:
         ("-Infinity", -math.inf),
     ],
 )
-def test_floats_that_yaml_takes_for_texts(text: str, value: float) -> None:
+def test_floats_that_yaml_reads_as_texts(text: str, value: float) -> None:
     assert parsed("std_msgs/Float64", text).data == value
 
 

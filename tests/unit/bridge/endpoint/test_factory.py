@@ -37,7 +37,7 @@ async def test_a_type_of_no_known_package(factory: EndpointFactory) -> None:
         factory.service(replace(service(ServiceRole.SERVER), type="my_robot/Grip"))
 
 
-async def test_the_difference_of_a_definition_is_looked_for_once(
+async def test_the_difference_of_a_definition_is_searched_once(
     factory: EndpointFactory, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     asked: list[str] = []

@@ -111,7 +111,7 @@ async def test_a_defect_of_one_endpoint_is_a_line_and_the_next_opens(world: Worl
     ]
 
 
-async def test_finishing_takes_a_limited_time(world: World, monkeypatch: pytest.MonkeyPatch) -> None:
+async def test_finishing_has_a_time_limit(world: World, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("rostether.bridge.endpoint.openings.CLOSE_LIMIT_S", 0.02)
     openings = EndpointOpenings(world.notices)
     hanging: Any = Endpoint("level", [])
@@ -121,7 +121,7 @@ async def test_finishing_takes_a_limited_time(world: World, monkeypatch: pytest.
     await asyncio.wait_for(openings.finish(), 60.0)
 
 
-async def test_what_is_announced_at_once_comes_in_turn_by_turn(world: World) -> None:
+async def test_announcements_at_once_are_opened_turn_by_turn(world: World) -> None:
     done: list[str] = []
     openings = EndpointOpenings(world.notices)
     endpoints: list[Any] = [Endpoint(str(number), done) for number in range(50)]

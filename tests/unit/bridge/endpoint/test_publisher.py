@@ -163,14 +163,14 @@ async def test_a_detached_endpoint_receives_nothing_and_stays_advertised(world: 
     assert "/chatter" not in world.network.snapshot().topics
 
 
-async def test_attached_again_it_takes_the_new_id_only(world: World) -> None:
+async def test_attached_again_it_uses_only_the_new_id(world: World) -> None:
     old, new, chatter = FakeLine(), FakeLine(), endpoint(world)
     chatter.attach(old, topic_info(topic_id=125))
     chatter.attach(new, topic_info(topic_id=126))
     assert (list(old.receivers), list(new.receivers)) == ([], [126])
 
 
-async def test_a_board_brings_no_more_than_its_rate(world: World) -> None:
+async def test_messages_beyond_the_rate_of_a_board_are_dropped(world: World) -> None:
     now_s = 100.0
     bucket = TokenBucket(10.0, 10.0, now_s)
     chatter = endpoint(world, messages_hz=10.0, admit=lambda count: bucket.admit(count, now_s))
@@ -188,7 +188,7 @@ async def test_a_board_brings_no_more_than_its_rate(world: World) -> None:
     assert "sends more than 10 messages a second (its limit messages_hz), and" in world.reporter.texts[-1]
 
 
-async def test_what_does_not_fit_is_looked_into_where_it_stood(world: World) -> None:
+async def test_a_misfit_is_searched_for_frames_in_the_order_of_arrival(world: World) -> None:
     received, line, chatter = await world.listen("/chatter"), FakeLine(), endpoint(world)
     chatter.attach(line, chatter.info)
     await chatter.open()

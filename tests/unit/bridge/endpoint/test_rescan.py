@@ -25,7 +25,7 @@ def lucky_header(topic_id: int, following: bytes) -> bytes:
     return b""
 
 
-async def test_looks_end(monkeypatch: pytest.MonkeyPatch) -> None:
+async def test_nested_searches_are_limited(monkeypatch: pytest.MonkeyPatch) -> None:
     world = await World().open()
     node = BoardNode(world.board, STORE, world.reporter, asyncio.get_running_loop().time, BridgeSettings())
     ours, _ = memory_pair()

@@ -133,7 +133,7 @@ async def test_a_damaged_request_is_answered_because_the_board_may_wait(world: W
     assert client.misfit_count == 1
 
 
-async def test_a_response_that_the_board_cannot_take_is_replaced(world: World) -> None:
+async def test_a_response_that_does_not_fit_is_replaced(world: World) -> None:
     async def answer(request: bytes) -> bytes:
         return b"\x01\x04\x01\0\0" + b"x" * 260
 

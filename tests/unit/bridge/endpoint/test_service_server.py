@@ -66,7 +66,7 @@ async def test_one_call_is_in_flight_the_others_wait_their_turn(world: World) ->
     assert line.transport.written == b"110:\x01;110:\x00;110:\x01;"
 
 
-async def test_more_callers_than_may_wait_are_refused_at_once(world: World) -> None:
+async def test_more_callers_than_may_wait_are_refused_immediately(world: World) -> None:
     line, switch = FakeLine(), endpoint(world, queued_calls=2)
     switch.attach(line, switch.info)
     calls = [asyncio.ensure_future(switch.call(YES)) for _ in range(3)]
@@ -148,7 +148,7 @@ async def test_a_board_that_stays_silent_is_busy_for_the_next_caller(world: Worl
 
 
 @on_virtual_time
-async def test_silence_is_not_held_against_a_board_for_ever() -> None:
+async def test_a_silent_board_serves_calls_again_after_the_quarantine() -> None:
     world = await World().open()
     line, switch = FakeLine(), endpoint(world, timeout_s=2 * service_server_endpoint.QUARANTINE_S)
     switch.attach(line, switch.info)
@@ -196,7 +196,7 @@ async def test_a_malformed_request_never_reaches_the_board(world: World) -> None
     assert line.transport.written == b""
 
 
-async def test_a_board_that_is_lost_fails_the_call_at_once(world: World) -> None:
+async def test_a_board_that_is_lost_fails_the_call_immediately(world: World) -> None:
     line, switch = FakeLine(), endpoint(world)
     switch.attach(line, switch.info)
     call = asyncio.ensure_future(switch.call(YES))
@@ -220,7 +220,7 @@ async def test_after_it_came_back_the_board_is_called_again(world: World) -> Non
     assert await call == DONE
 
 
-async def test_a_board_that_was_reset_fails_the_call_at_once(world: World) -> None:
+async def test_a_board_that_was_reset_fails_the_call_immediately(world: World) -> None:
     line, switch = FakeLine(), endpoint(world)
     switch.attach(line, switch.info)
     call = asyncio.ensure_future(switch.call(YES))

@@ -47,7 +47,7 @@ async def test_what_does_not_fit_the_boards_buffer_is_not_sent(world: World) -> 
         assert part in reported
 
 
-async def test_a_type_that_never_fits_is_reported_at_once(world: World) -> None:
+async def test_a_type_that_never_fits_is_reported_immediately(world: World) -> None:
     led = endpoint(world, "std_msgs/Float64", buffer_size=4)
     led.attach(FakeLine(), led.info)
     assert "8 bytes" in world.reporter.texts[0]
@@ -62,7 +62,7 @@ async def test_a_publishers_malformed_message_never_reaches_the_board(world: Wor
     assert line.transport.written == b"100:" + text("good") + b";"
     assert led.misfit_count == 2
     assert len(world.reporter.texts) == 1
-    # Too long for the board, it is not even checked, which takes long for many MB.
+    # It is too long for the board, so it is not checked: that is slow for many MB.
     led.deliver([b"\xff\xff\xff\xff" + bytes(300)])
     assert led.misfit_count == 2
     assert "304 bytes" in world.reporter.texts[1]
@@ -98,7 +98,7 @@ async def test_an_overflowing_board_pauses_the_subscription(world: World) -> Non
     assert led.dropped_count == 0
 
 
-async def test_renewing_brings_latched_messages_again(world: World) -> None:
+async def test_renewing_delivers_latched_messages_again(world: World) -> None:
     publisher = await world.peer.advertise("/led", STRING, latch=True)
     publisher.publish_raw([text("latched")])
     line, led = FakeLine(), endpoint(world)

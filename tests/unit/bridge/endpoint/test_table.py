@@ -143,7 +143,7 @@ async def test_a_board_that_comes_back_finds_its_topics_as_they_were(world: Tabl
     assert [endpoint.info for _, endpoint in world.table] == [topic_info(topic_id=130)]
 
 
-async def test_what_is_not_announced_again_leaves_the_graph(world: Table) -> None:
+async def test_an_endpoint_that_is_not_announced_again_leaves_the_graph(world: Table) -> None:
     old, new = FakeLine(), FakeLine()
     world.table.announce_topic(publisher("kept"), old)
     world.table.announce_topic(publisher("gone", topic_id=126), old)
@@ -171,7 +171,7 @@ async def test_a_sketch_flashed_again_gives_a_name_another_type_under_another_id
     world.table.announce_topic(publisher("gone", topic_id=125), line)
     world.table.announce_topic(publisher("level", topic_id=126), line)
     await world.advertised("/level")
-    # As the link tells of a reset: the ids that changed, and, some time later, what was not announced again.
+    # The events of a reset: the changed ids, and later the endpoints that were not announced again.
     world.table.withdraw(TopicWithdrawn(TopicRole.PUBLISHER, topic_info("gone", topic_id=125)))
     world.table.announce_topic(publisher("level", "std_msgs/UInt16", topic_id=125), line)
     await asyncio.sleep(0.01)
@@ -207,7 +207,7 @@ async def test_one_name_with_two_types_is_one_line_and_the_last_is_served(world:
     assert "level with two types" in reported
 
 
-async def test_a_name_that_another_spelling_held_is_bridged_when_that_has_gone(world: Table) -> None:
+async def test_a_name_used_by_another_spelling_is_bridged_after_that_is_withdrawn(world: Table) -> None:
     received, line = await world.listen("/level", "std_msgs/UInt16"), FakeLine()
     world.table.announce_topic(publisher("/level", topic_id=126), line)
     await world.advertised("/level")
@@ -224,7 +224,7 @@ async def test_a_name_that_another_spelling_held_is_bridged_when_that_has_gone(w
     assert findings.find(0.0, -math.inf, Oversizes()) == []
 
 
-async def test_findings_keep_nothing_of_topics_that_are_gone(world: Table) -> None:
+async def test_findings_keep_nothing_of_withdrawn_topics(world: Table) -> None:
     findings, info = EndpointFindings(world.table, STORE), topic_info("/level")
     world.table.announce_topic(TopicAnnounced(TopicRole.SUBSCRIBER, info), FakeLine())
     findings.find(0.0, -math.inf, Oversizes())
@@ -335,7 +335,7 @@ async def test_a_topic_that_goes_while_the_graph_refuses_it_is_given_up(world: T
     assert refusing.refusals >= asked - 1
 
 
-async def test_closing_takes_everything_out_of_the_graph(world: Table) -> None:
+async def test_closing_removes_all_endpoints_from_the_graph(world: Table) -> None:
     line = FakeLine()
     world.table.announce_topic(publisher(), line)
     world.table.announce_topic(subscriber("led"), line)

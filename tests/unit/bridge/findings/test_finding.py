@@ -7,7 +7,7 @@ import pytest
 from rostether.bridge.findings.finding import Code, Severity, error, warning
 
 TESTS = Path(__file__).parents[3]
-# Where each finding is brought about by what brings it about in the field, and what is looked for there.
+# The test that causes each finding as in real use, and the text that it expects.
 FIRMWARE = TESTS / "firmware" / "findings" / "test_real_causes.py"
 PROCESS = TESTS / "unit" / "cli" / "bridge" / "test_doctor.py"
 ELSEWHERE = {

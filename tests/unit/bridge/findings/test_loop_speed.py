@@ -88,14 +88,14 @@ def test_our_own_library_asks_sooner() -> None:
     assert speed.find(is_listener=True) is not None
 
 
-def test_a_library_that_asks_sooner_is_regarded_as_ours() -> None:
+def test_a_library_that_asks_sooner_counts_as_rostethers() -> None:
     speed = LoopSpeed()
     for number in range(5):
         speed.request(number * 2.35, 0)
     assert speed.late_s == pytest.approx(0.15)
 
 
-def test_jitter_does_not_make_an_established_board_ours() -> None:
+def test_jitter_does_not_hide_an_established_library() -> None:
     speed = LoopSpeed()
     for moment_s in (0.0, 2.5, 5.05, 7.4, 10.0, 12.5):
         speed.request(moment_s, 0)

@@ -55,7 +55,7 @@ def test_before_the_first_frame_text_is_a_boot_message() -> None:
     assert watched.sample == b"ets Jun  8 2016 00:22:57"
 
 
-def test_a_sign_of_life_clears_what_is_shown() -> None:
+def test_a_sign_of_life_clears_the_shown_bytes() -> None:
     watched = Noise()
     watched.handle_discarded(noise(b"ets Jun  8 2016"), 0.0, is_alive=False)
     watched.note_board_frame()

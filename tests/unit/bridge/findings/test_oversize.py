@@ -50,7 +50,7 @@ def test_what_comes_much_later_is_not() -> None:
 
 
 def test_a_header_that_seems_to_hold_another() -> None:
-    """511 is ff 01: the length looks like the beginning of a frame."""
+    """511 is ff 01: the length could be the beginning of a frame."""
     frame = encode_frame(125, b"x" * 511)
     oversizes = Oversizes()
     for number in range(3):

@@ -24,7 +24,7 @@ def test_names_are_compared_in_full() -> None:
     assert required.find() == []
 
 
-def test_what_is_missing_is_named_with_what_is_there() -> None:
+def test_missing_topics_are_named_with_the_announced_ones() -> None:
     required = RequiredTopics(["imu", "/odom"], resolve)
     required.compare(["imu", "chatter"])
     (finding,) = required.find()

@@ -50,7 +50,7 @@ async def test_a_connection_is_shown_with_its_figures() -> None:
     await node.close()
 
 
-async def test_a_closed_node_logs_to_people_only() -> None:
+async def test_a_closed_node_logs_to_users_only() -> None:
     world = await World().open()
     node = BoardNode(world.board, STORE, world.reporter, asyncio.get_running_loop().time)
     await node.close()

@@ -143,7 +143,7 @@ def test_reconnects_are_counted() -> None:
         board = SketchBoard(await world.connect()).plug_in()
         status = (await world.statuses())[-1].status[0]
         assert values(status)["reconnects"] == "3"
-        # A board with USB of its own takes its port along when it resets.
+        # The port of a board with built-in USB disappears when the board resets.
         assert "finding reset-loop" in values(status)
         await board.unplug()
         await world.end()

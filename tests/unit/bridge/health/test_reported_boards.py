@@ -32,7 +32,7 @@ def test_a_board_that_falls_silent_disconnects_and_is_forgotten() -> None:
     assert seen.boards() == []
 
 
-def test_what_is_kept_is_bounded() -> None:
+def test_kept_boards_are_limited() -> None:
     seen = SeenBoards(Clock())
     for number in range(MAX_BOARDS + 100):
         seen.add_status(replace(ARM, name=f"/board_{number}"))

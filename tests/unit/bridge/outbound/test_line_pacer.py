@@ -5,11 +5,11 @@ import pytest
 from rostether.bridge.outbound.line_pacer import MAX_SPEED_FACTOR, MIN_WINDOW_BYTES, WINDOW_S, LinePacer
 
 
-def test_an_idle_line_takes_its_window() -> None:
+def test_an_idle_line_accepts_its_window() -> None:
     assert LinePacer(115200).room_bytes(0.0) == int(11520 * WINDOW_S)
 
 
-def test_a_slow_line_still_takes_a_small_frame() -> None:
+def test_a_slow_line_still_accepts_a_small_frame() -> None:
     assert LinePacer(300).room_bytes(0.0) == MIN_WINDOW_BYTES
 
 
@@ -29,7 +29,7 @@ def test_a_message_larger_than_the_window_is_paid_for_afterwards() -> None:
     assert abs(pacer.wait_s(0.0) - 0.090) < 1e-9
 
 
-def test_the_wait_ends_with_half_the_window_free() -> None:
+def test_the_wait_ends_when_half_of_the_window_is_free() -> None:
     pacer = LinePacer(100_000)
     pacer.written(200, 0.0)
     assert abs(pacer.wait_s(0.0) - 0.010) < 1e-9
@@ -37,7 +37,7 @@ def test_the_wait_ends_with_half_the_window_free() -> None:
 
 
 def line_rate(true_bytes_per_s: float, *, adapter_bytes: int = 0, seconds: float = 2.0) -> tuple[float, int]:
-    """Feed a 57600 baud port behind which a line of another speed, and an adapter's buffer, stand.
+    """Feed a 57600 baud port with a line of another speed, and an adapter's buffer, behind it.
 
     Returns bytes a second that left, and the most bytes that ever waited in port and adapter.
     """
@@ -63,7 +63,7 @@ def test_a_line_of_its_baud_rate_is_kept_busy_with_little_on_its_way() -> None:
     assert max_waiting < 300
 
 
-def test_a_board_with_usb_of_its_own_is_not_held_at_a_baud_rate_that_it_ignores() -> None:
+def test_a_board_with_built_in_usb_is_not_limited_to_a_baud_rate_that_it_ignores() -> None:
     rate, _ = line_rate(1_000_000)
     assert rate > 200_000
 

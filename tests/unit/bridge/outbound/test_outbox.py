@@ -78,7 +78,7 @@ def test_answers_and_control_traffic_go_first() -> None:
     assert bench.transport.writes == [b"110:response;time;101:1;"]
 
 
-def test_topics_take_turns() -> None:
+def test_topics_are_sent_in_turns() -> None:
     bench = Bench()
     flood, quiet = TopicQueue(101, "flood"), TopicQueue(102, "quiet")
     bench.outbox.put(flood, [b"x" * 992] * 100)
@@ -203,7 +203,7 @@ def test_without_a_source_to_pause_the_oldest_go() -> None:
     assert bench.dropped == [("flood", 20_000 - len(lane.payloads))]
 
 
-def test_a_resumed_source_that_brings_more_at_once_keeps_the_order() -> None:
+def test_a_resumed_source_that_sends_immediately_keeps_the_order() -> None:
     bench = Bench()
     lane = TopicQueue(101, "flood")
 

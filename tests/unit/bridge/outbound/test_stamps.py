@@ -33,7 +33,7 @@ def test_the_offset_is_that_of_the_codec() -> None:
     assert struct.unpack_from("<II", payload, 8) == (1_700_000_000, 5)
 
 
-def test_a_flood_is_looked_at_fifty_times_a_second() -> None:
+def test_a_flood_is_sampled_fifty_times_a_second() -> None:
     taken: list[int] = []
 
     class Spy(ClockEstimate):

@@ -45,7 +45,7 @@ def test_a_source_is_paused_and_released() -> None:
     assert lane.has_source
 
 
-def test_what_is_beyond_the_depth_goes_the_oldest_first() -> None:
+def test_messages_beyond_the_depth_are_dropped_oldest_first() -> None:
     lane = filled(b"a", b"bb", b"ccc")
     assert lane.drop_beyond_depth() == 0
     lane.depth = 1

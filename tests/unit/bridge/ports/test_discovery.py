@@ -36,7 +36,7 @@ GRACE_S = 0.6
 
 
 class Site:
-    """A supervisor that looks for boards on a machine of the test's."""
+    """A supervisor that searches for boards on the test's machine."""
 
     def __init__(self, folder: Path) -> None:
         self.machine = Machine(folder)
@@ -111,7 +111,7 @@ async def test_a_board_is_found_named_and_connected_when_it_is_plugged_in(site: 
     async with site.machine.board("ttyACM0", chatter, serial_number="7533", **UNO):
         async with lateness() as late:
             await until(lambda: site.settled("/board_7533"), "the board")
-        # Not by the next look at all ports, a minute later.
+        # Not by the next check of all ports, a minute later.
         assert now_s() - plugged_s - late.total_s < 5.0
         assert site.connected() == {"/board_7533": site.machine.path("ttyACM0")}
         assert len(site.reporter.having("Found a board at")) == 1
@@ -297,7 +297,7 @@ async def test_a_program_that_really_has_the_port_open_is_not_disturbed(site: Si
             program.communicate()
 
 
-async def test_what_is_not_a_board_is_asked_once_and_again_after_another_program_used_it(
+async def test_another_device_is_probed_once_and_again_after_another_program_used_it(
     site: Site, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("rostether.rosserial.baud_probe.BOOT_S", 0.1)

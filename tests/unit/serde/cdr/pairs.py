@@ -18,7 +18,7 @@ STAMPS = {
 
 
 class Pairs:
-    """Definitions of both sides by their short names in package `test`; a full name stays as it is."""
+    """Definitions of both sides by their short names in package `test`; a full name stays unchanged."""
 
     def __init__(self, ros1: dict[str, str], ros2: dict[str, str]) -> None:
         self.registry = TextRegistry({_full(name, "test/"): text for name, text in ros1.items()})

@@ -161,7 +161,7 @@ def test_wide_strings() -> None:
     )
     big = b"\0\0\0\0" + b"\1\0\0\0" + bytes([0, 0, 0, 1, 0, 0, 0, 0x71]) + bytes(4)
     assert wide.from_cdr(big) == b"\1" + text(b"q")
-    # What is no UTF-16: half a pair, a unit of more than 16 bits, more units than there are bytes for.
+    # Invalid UTF-16: one surrogate of a pair, a unit of more than 16 bits, more units than bytes.
     head = HEAD + b"\1\0\0\0"
     assert wide.from_cdr(head + u32(1) + u32(0xD83D) + u32(0)) == b"\1" + text("\ufffd".encode())
     for units in (u32(1) + u32(0x10000) + u32(0), u32(1 << 31) + u32(0x71)):
