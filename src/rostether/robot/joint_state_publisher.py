@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import itertools
 from collections.abc import Callable, Sequence
 from contextlib import aclosing
 
@@ -10,6 +11,8 @@ from rostether.errors import ConfigError
 from rostether.graph.node_parameters import NodeParameters, as_number
 from rostether.graph.ports import ParamValue
 from rostether.graph.typed_graph import TypedGraph
+from rostether.graph.typed_handles import TypedPublisher
+from rostether.mechanisms.run_until import run_until
 from rostether.robot.joint_states import JointStates, JointStateSettings
 from rostether.robot.robot_description import read_model
 from rostether.robot.robot_model import Mimic, RobotModel
@@ -67,36 +70,36 @@ async def publish_joint_states(
     if not isinstance(sources, list) or not all(isinstance(each, str) for each in sources):
         raise ConfigError(f"~source_list must be a list of topics, not {sources!r:.200}")
     publisher = await graph.publisher("joint_states", STATE_TYPE)
-    closed = asyncio.ensure_future(graph.raw.wait_closed())
-    async with asyncio.TaskGroup() as tasks:
-        listening = [
-            tasks.create_task(_listen(graph, str(source), states, on_source))
-            for source in (*sources, *more_sources)
-        ]
-        loop = asyncio.get_running_loop()
-        due_s = loop.time()
-        # The first message has the number 1, as in rospy.
-        sequence = 0
-        try:
-            while not closed.done():
-                states.step()
-                values = states.values()
-                if values.name:
-                    sequence = (sequence + 1) & 0xFFFFFFFF
-                    publisher.publish(
-                        header={"seq": sequence, "stamp": graph.now()},
-                        name=values.name,
-                        position=values.position,
-                        velocity=values.velocity,
-                        effort=values.effort,
-                    )
-                # After a delay, continue from now instead of catching up in a burst.
-                due_s = max(due_s + 1 / rate_hz, loop.time())
-                await asyncio.wait([closed], timeout=due_s - loop.time())
-        finally:
-            closed.cancel()
-            for task in listening:
-                task.cancel()
+
+    async def publish() -> None:
+        async with asyncio.TaskGroup() as tasks:
+            for source in (*sources, *more_sources):
+                tasks.create_task(_listen(graph, str(source), states, on_source))
+            await _publish_at_rate(graph, publisher, states, rate_hz)
+
+    await run_until(publish(), graph.raw.wait_closed())
+
+
+async def _publish_at_rate(
+    graph: TypedGraph, publisher: TypedPublisher[...], states: JointStates, rate_hz: float
+) -> None:
+    loop = asyncio.get_running_loop()
+    due_s = loop.time()
+    # The first message has the number 1, as in rospy.
+    for sequence in itertools.count(1):
+        states.step()
+        values = states.values()
+        if values.name:
+            publisher.publish(
+                header={"seq": sequence & 0xFFFFFFFF, "stamp": graph.now()},
+                name=values.name,
+                position=values.position,
+                velocity=values.velocity,
+                effort=values.effort,
+            )
+        # After a delay, continue from now instead of catching up in a burst.
+        due_s = max(due_s + 1 / rate_hz, loop.time())
+        await asyncio.sleep(due_s - loop.time())
 
 
 async def _listen(

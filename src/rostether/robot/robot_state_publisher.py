@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Callable
-from contextlib import aclosing
+from contextlib import AsyncExitStack, aclosing
 
 from rostether.graph.node_parameters import NodeParameters
 from rostether.graph.typed_graph import TypedGraph
+from rostether.mechanisms.block_end import task_beside
 from rostether.robot.robot_description import read_model
 from rostether.robot.robot_state import RobotState, RobotStateSettings
 from rostether.robot.tf_messages import tf_publisher, tf_static_publisher, to_message
@@ -30,28 +31,23 @@ async def publish_robot_state(graph: TypedGraph, warn: Callable[[str], None]) ->
     """
     state = RobotState(await read_model(graph), await read_settings(graph))
     publisher = await tf_publisher(graph)
-    fixed: asyncio.Task[None] | None = None
-    if state.settings.use_tf_static:
-        static = await tf_static_publisher(graph)
-        static.publish(to_message(state.fixed_transforms(graph.now().to_ns())))
-    else:
-        fixed = asyncio.create_task(_publish_fixed(graph, state))
     loop = asyncio.get_running_loop()
     warn_again_s = 0.0
     stream = graph.messages("joint_states", "sensor_msgs/JointState", queue_size=_QUEUE_MESSAGES)
-    try:
-        async with aclosing(aiter(stream)) as messages:
-            async for message in messages:
-                stamp_ns, now_ns = message.header.stamp.to_ns(), graph.now().to_ns()
-                transforms = state.moving_transforms(message.name, message.position, stamp_ns, now_ns)
-                if transforms:
-                    publisher.publish(to_message(transforms))
-                if state.problem and loop.time() >= warn_again_s:
-                    warn_again_s = loop.time() + WARNING_INTERVAL_S
-                    warn(state.problem)
-    finally:
-        if fixed is not None:
-            fixed.cancel()
+    async with AsyncExitStack() as stack:
+        if state.settings.use_tf_static:
+            static = await tf_static_publisher(graph)
+            static.publish(to_message(state.fixed_transforms(graph.now().to_ns())))
+        else:
+            await stack.enter_async_context(task_beside(_publish_fixed(graph, state)))
+        async for message in await stack.enter_async_context(aclosing(aiter(stream))):
+            stamp_ns, now_ns = message.header.stamp.to_ns(), graph.now().to_ns()
+            transforms = state.moving_transforms(message.name, message.position, stamp_ns, now_ns)
+            if transforms:
+                publisher.publish(to_message(transforms))
+            if state.problem and loop.time() >= warn_again_s:
+                warn_again_s = loop.time() + WARNING_INTERVAL_S
+                warn(state.problem)
 
 
 async def read_settings(graph: TypedGraph) -> RobotStateSettings:
