@@ -1,4 +1,4 @@
-"""A machine whose serial ports are pseudo-terminals with the USB marks that a test gives them."""
+"""A machine whose serial ports are pseudo-terminals with USB ids and other marks from a test."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ MODEM: dict[str, Any] = {"usb_vendor_id": 0x2C7C, "usb_product_id": 0x125, "desc
 
 
 class Machine:
-    """The ports; `opens` counts how often each was opened by us."""
+    """The ports; `opens` counts how often the bridge opened each port."""
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
@@ -35,20 +35,20 @@ class Machine:
         )
 
     def path(self, name: str) -> str:
-        """Where a port is."""
+        """Return the path of a port."""
         return str(self.folder / name)
 
     def list_ports(self) -> list[SerialPort]:
-        """What the system would say."""
+        """Return the ports, as the system would."""
         return [port for port in self._ports.values() if Path(port.path).exists()]
 
     def mark(self, name: str, **marks: Any) -> None:
-        """Say what will be plugged in at a port."""
+        """Set the marks of the device that will be plugged in at a port."""
         marks.setdefault("description", "serial port")
         self._ports[name] = replace(SerialPort(self.path(name), ""), **marks)
 
     def board(self, name: str, declare: Callable[[Device], object] | None = None, **marks: Any) -> Device:
-        """Return a board that is plugged in while its block lasts."""
+        """Return a board that is plugged in until its block ends."""
         self.mark(name, **marks)
         device = Device(f"pty:{self.path(name)}", store=STORE)
         if declare is not None:

@@ -1,4 +1,4 @@
-"""A small world for endpoints: types, a graph in memory, a reporter."""
+"""A world for tests of endpoints: types, a graph in memory, a reporter."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def topic_info(
     buffer_size: int = 280,
     md5sum: str | None = None,
 ) -> TopicInfo:
-    """Return what a board says of a topic."""
+    """Return a board's announcement of a topic."""
     if md5sum is None:
         md5sum = STORE.registry.message_type(type_name).md5sum
     return TopicInfo(topic_id, topic, type_name, md5sum, buffer_size)
@@ -54,7 +54,7 @@ def subscriber(
 def service(
     role: ServiceRole, name: str = "switch", type_name: str = "std_srvs/SetBool", *, first_id: int = 110
 ) -> ServiceAnnounced:
-    """Return what a board says of a service; requests have `first_id`, responses the next id."""
+    """Return a board's announcement of a service; requests have `first_id`, responses the next id."""
     types = STORE.registry.service_type(type_name)
     return ServiceAnnounced(
         role,
@@ -66,7 +66,7 @@ def service(
 
 
 class World:
-    """A network, the board's node in it, and another node that listens and talks."""
+    """A network with the board's node and another node that subscribes and publishes."""
 
     def __init__(self) -> None:
         self.network = MemoryNetwork()
@@ -81,7 +81,7 @@ class World:
         return self
 
     async def listen(self, topic: str, type_name: str = "std_msgs/String") -> list[bytes]:
-        """Subscribe as the other node; the list grows as messages come."""
+        """Subscribe with the other node; return the list of the received messages."""
         received: list[bytes] = []
 
         def take(payloads: Sequence[bytes]) -> None:

@@ -1,4 +1,4 @@
-"""What devices.toml says of a board holds for its node and its connections."""
+"""Settings of a board in devices.toml apply to its node and its connections."""
 
 from __future__ import annotations
 

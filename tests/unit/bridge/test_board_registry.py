@@ -11,7 +11,7 @@ from waiting import until
 
 
 class FakeNode:
-    """A node that leaves when the test lets it."""
+    """A node whose end the test controls."""
 
     def __init__(self) -> None:
         self.may_leave = asyncio.Event()

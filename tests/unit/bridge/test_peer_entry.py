@@ -1,4 +1,4 @@
-"""Boards over UDP, and senders of datagrams that are none."""
+"""Boards over UDP, and senders of datagrams that are not boards."""
 
 from __future__ import annotations
 
@@ -72,10 +72,12 @@ def received_bytes(sender: socket.socket) -> int:
 
 
 class Board(asyncio.DatagramProtocol):
-    """A board with the established firmware: asks for the time as it boots, then answers topic requests."""
+    """A board with the established firmware: it requests the time when it boots, then answers topic
+    requests.
+    """
 
     def __init__(self) -> None:
-        # What a board sent when it was asked for its topics.
+        # What a board sent after a topic request.
         self._answer = load("tcp_hello").of_device()[0].data
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:

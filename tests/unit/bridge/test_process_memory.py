@@ -109,7 +109,7 @@ async def test_what_nodes_leave_behind_is_collected_and_given_back_once(
     for _ in circles:
         objects.connected()
     await _turns()
-    # The boards go first, their nodes after the grace period.
+    # The boards leave first, their nodes after the grace period.
     for _ in circles:
         objects.disconnected()
     await _turns()

@@ -36,7 +36,9 @@ def _objects() -> Counter[type]:
 
 @pytest.fixture
 def _traced() -> Iterator[None]:
-    """Count the bytes that Python holds: the size of the process also depends on the tests before."""
+    """Count the bytes that Python has allocated, because the size of the process also depends on earlier
+    tests.
+    """
     tracemalloc.start()
     yield
     tracemalloc.stop()
@@ -77,6 +79,6 @@ async def test_reconnects_leave_nothing_behind() -> None:
         await asyncio.sleep(0.1)
         assert (_descriptors(), len(asyncio.all_tasks()), bridge.network.snapshot()) == before
         assert tracemalloc.get_traced_memory()[0] - held_bytes < MAX_GROWTH_BYTES
-        # A leak adds an object of some type each time.
+        # A leak adds at least one object each time.
         grown = {kind: count for kind, count in (_objects() - objects).items() if count >= RECONNECTS * 0.8}
         assert not grown

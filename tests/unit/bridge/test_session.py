@@ -43,7 +43,7 @@ def service_announcements(
 
 
 class Bridge(World):
-    """A world with a session in it, and a raw board at its other end."""
+    """A world with a session and a raw board at its other end."""
 
     session: Session
     board_end: RawBoard
@@ -277,7 +277,7 @@ async def test_a_reset_ends_the_call_in_flight(bridge: Bridge) -> None:
     call = asyncio.ensure_future(bridge.peer.call_service("/switch", SET_BOOL, b"\x01"))
     await until(lambda: board.received[100], "the request")
     asked = len(board.received[ids.TOPIC_REQUEST])
-    # A board that is up and configured asks for the time every 2.5 s; two at once are a board that boots.
+    # A configured board requests the time every 2.5 s; two requests in a row come from a board that boots.
     for _ in range(3):
         board.ask_time()
         await asyncio.sleep(0.01)

@@ -29,7 +29,7 @@ from unit.bridge.virtual_time import run
 from waiting import until
 
 CHATTER = (ids.PUBLISHER, topic_info("chatter", topic_id=125))
-PORT = "/dev/null"  # exists everywhere; the test's own `open` answers for it
+PORT = "/dev/null"  # exists everywhere; the test's `open` replaces it
 
 
 class FakeListener:
@@ -43,7 +43,7 @@ class FakeListener:
 
 
 class Site:
-    """A supervisor whose links and listeners are the test's."""
+    """A supervisor with links and listeners of the test."""
 
     def __init__(self, settings: BridgeSettings) -> None:
         self.network = MemoryNetwork()
@@ -89,7 +89,7 @@ class Site:
         await self.supervisor.start([parse_address(address) for address in addresses])
 
     def connect(self, peer: str = "tcp 127.0.0.1:5000") -> RawBoard:
-        """A board connects to the first listener."""
+        """Connect a board to the first listener."""
         ours, theirs = memory_pair()
         ours.peer = peer
         ours.remote = peer.partition(" ")[2].rpartition(":")[0].strip("[]") or None

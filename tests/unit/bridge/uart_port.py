@@ -1,4 +1,4 @@
-"""A serial port whose board sends at a speed of its own: what either sends, the other reads at its own."""
+"""A serial port whose board may have another baud rate: each side reads the other's bytes at its own rate."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ class UartPort:
         return True
 
     def set_board_baud(self, baud: int) -> None:
-        """The board gets another sketch."""
+        """Give the board a sketch with another rate."""
         self._board_baud = baud
 
     def release(self, unread: bytes = b"") -> None:

@@ -1,4 +1,4 @@
-"""An event loop whose clock jumps: where a real one would sleep until the next timer, it is there at once.
+"""An event loop with a virtual clock, which jumps to the next timer instead of sleeping.
 
 For tests without sockets or subprocesses: ten seconds of a recorded session pass in milliseconds.
 """
@@ -45,7 +45,9 @@ def run(main: Coroutine[Any, Any, _T]) -> _T:
 
 
 def on_virtual_time(test: Callable[[], Coroutine[Any, Any, None]]) -> Callable[[], None]:
-    """Run a test without fixtures on a virtual clock: no busy machine makes its short time limits expire."""
+    """Run a test without fixtures on a virtual clock, so that short time limits do not expire on a busy
+    machine.
+    """
 
     @wraps(test)
     def run_test() -> None:

@@ -1,4 +1,4 @@
-"""Nodes that talk to a command under test, as soon as the command listens."""
+"""Nodes that publish to a command under test as soon as it subscribes."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def call(graph: LiveGraph, action: Callable[[], object]) -> None:
 
 
 def in_background(action: Callable[[], object]) -> threading.Thread:
-    """Run a function beside the command."""
+    """Run a function while the command runs."""
     thread = threading.Thread(target=action, daemon=True)
     thread.start()
     return thread

@@ -13,7 +13,7 @@ from programs import started
 from rostether import Device
 from rostether.ros1.xmlrpc_client import XmlRpcClient
 
-# Without bounds each of these took from 2 to 50 s.
+# Without limits, each of these took 2 to 50 s.
 LIMIT_S = 1.0
 HEADER_BYTES = 1 << 20
 MANY_FIELDS = struct.pack("<I", HEADER_BYTES) + (b"\1\0\0\0=" * HEADER_BYTES)[:HEADER_BYTES]

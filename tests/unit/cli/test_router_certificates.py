@@ -105,7 +105,7 @@ def configured(folder: Path, name: str, tls: dict[str, object], **endpoints: lis
             }
         )
     )
-    # The tests of this folder keep sessions away from other routers by an override.
+    # An override keeps the sessions of these tests away from other routers.
     return {"ZENOH_ROUTER_CONFIG_URI": str(path), "ZENOH_CONFIG_OVERRIDE": ""}
 
 
@@ -221,7 +221,7 @@ async def test_the_wrong_protocol(folder: Path) -> None:
             f"PROBLEM: tls/localhost:{tcp_port} in {folder}/wrong.json5: it accepts connections, but" in text
         )
         await router.wait_for("refused a TLS connection: it does not speak TLS")
-        # The doctor's own test of the port is not a refusal.
+        # The doctor's test of the port is not a refusal.
         assert "handshake eof" not in router.text
     finally:
         await router.stop(signal.SIGTERM)

@@ -1,4 +1,6 @@
-"""The C++ compilers that the client library is for, with the flags that it must pass without a warning."""
+"""The C++ compilers that the client library supports, with the flags with which it must compile without a
+warning.
+"""
 
 from __future__ import annotations
 
@@ -13,7 +15,7 @@ ARDUINO_CORE = Path("/usr/share/arduino/hardware/arduino/avr")
 
 @dataclass(frozen=True, slots=True)
 class Compiler:
-    """A compiler; `prelude` are the system headers whose macros generated names must survive."""
+    """A compiler; `prelude` are the system headers whose macros must not break generated names."""
 
     program: str
     package: str
@@ -21,7 +23,9 @@ class Compiler:
     prelude: tuple[str, ...]
 
     def compile(self, source: Path, library: Path, output: Path | None = None) -> str:
-        """Compile one file against a library, to an object file or only to see; returns what it says."""
+        """Compile one file against a library, to an object file or as a check; return the compiler's
+        messages.
+        """
         includes = [part for header in self.prelude for part in ("-include", header)]
         target = ["-c", "-o", str(output)] if output is not None else ["-fsyntax-only"]
         done = subprocess.run(

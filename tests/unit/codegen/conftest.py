@@ -15,5 +15,5 @@ def hostile_registry(tmp_path_factory: pytest.TempPathFactory) -> Registry:
 
 @pytest.fixture(scope="session")
 def hostile_library(hostile_registry: Registry, tmp_path_factory: pytest.TempPathFactory) -> WrittenLibrary:
-    """The library with all of them."""
+    """The library with all these types."""
     return write_library(tmp_path_factory.mktemp("library"), hostile_registry)

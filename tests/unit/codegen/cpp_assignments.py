@@ -1,4 +1,4 @@
-"""C++ statements that give a message the values of one of ours, member by member, as a sketch would."""
+"""C++ statements that set the members of a message to the values of a Python message, like a sketch."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _NUMBERS = {"bool": "bool", "byte": "int8_t", "char": "uint8_t", "float32": "flo
 
 
 class Assignments:
-    """Writes statements; each array gets storage of its own."""
+    """Writes statements; each array gets separate storage."""
 
     def __init__(self, registry: Registry) -> None:
         self._registry = registry

@@ -1,4 +1,4 @@
-"""Definitions that a generator can stumble over: names, constants and types that C++ or a platform takes."""
+"""Difficult definitions for a generator: names, constants and types that C++ or a platform uses."""
 
 from __future__ import annotations
 

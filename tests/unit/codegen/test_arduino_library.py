@@ -1,4 +1,4 @@
-"""The library as a whole; its metadata by the rules that arduino-lint documents."""
+"""The whole library; its metadata follows the documented rules of arduino-lint."""
 
 from __future__ import annotations
 
@@ -109,7 +109,7 @@ def test_metadata_as_arduino_lint_has_it(library: RenderedLibrary) -> None:
     of = properties(library)
     assert re.fullmatch(r"[A-Za-z][A-Za-z0-9_.-]{0,15}", of["name"])
     assert not re.search("arduino|library", of["name"], re.IGNORECASE)
-    # The header that is called like the library decides whose it is when several have a header.
+    # If several libraries have a header, the Arduino IDE prefers the library with the header's name.
     assert f"src/{of['name']}.h" in library.files
     assert re.fullmatch(r"\d+\.\d+\.\d+", of["version"])
     assert of["author"] and of["maintainer"] and not of["maintainer"].lower().startswith("arduino")

@@ -79,7 +79,7 @@ def test_no_two_types_share_a_guard() -> None:
         ("getType", "getType_"),
         ("Foo", "Foo_"),
         ("uint8_t", "uint8_t_"),
-        # Macros with arguments do not touch them, and sketches have fields that only a PC knows as macros.
+        # Macros with arguments do not change them, and sketches have fields that are macros only on a PC.
         ("min", "min"),
         ("F", "F"),
         ("near", "near"),

@@ -1,4 +1,4 @@
-"""Every generated header is C++ without a warning, for all compilers and beside their platforms' macros."""
+"""Every generated header compiles without a warning, with all compilers and their platforms' macros."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from rostether.codegen.arduino_library import WrittenLibrary
 from unit.codegen.compilers import COMPILERS
 
 ALONE = ("hostile/Hostile", "hostile/Types", "hostile/Switch", "sensor_msgs/PointCloud2", "tf/tfMessage")
-# Constants by both names, also where only their address will do; fields by the names that sketches use.
+# Constants by both names, also if their address is needed; fields by the names that sketches use.
 USES = """
 static_assert(hostile::Hostile::HIGH__ == 1 && hostile::Hostile::DEFAULT_ == 0, "aliases");
 static_assert(hostile::Hostile::twice == 2, "the last of two counts");
@@ -63,7 +63,7 @@ def test_all_headers_together(compiler: str, hostile_library: WrittenLibrary, tm
 @pytest.mark.parametrize("compiler", [each for each in COMPILER_NAMES if each.values[0] in ("gcc", "avr")])
 def test_a_header_alone(compiler: str, name: str, hostile_library: WrittenLibrary, tmp_path: Path) -> None:
     source = tmp_path / "alone.cpp"
-    # Twice, for its guard; and a sketch may have macros of its own that are called like constants.
+    # Twice, to test the guard; a sketch may also have macros with the names of constants.
     source.write_text(f"#define DEBUG 1\n#define ON 2\n#include <{name}.h>\n#include <{name}.h>\n")
     assert not COMPILERS[compiler].compile(source, hostile_library.path)
 

@@ -11,7 +11,7 @@ from unit.codegen.hostile import write_definitions
 
 
 def includes(root: Path, sketch: str, files: dict[str, str], search: tuple[str, ...] = ()) -> dict[str, str]:
-    """Write files; return what the sketch includes of other places, with `file:line` of each."""
+    """Write files; return what the sketch includes from other folders, with the `file:line` of each."""
     write_definitions(root, files)
     library = root / "library"
     library.mkdir(exist_ok=True)

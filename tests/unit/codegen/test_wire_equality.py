@@ -1,4 +1,4 @@
-"""Messages of the generated classes are the same bytes as ours, in both directions, for every type."""
+"""The generated classes read and write the same bytes as the codec, for every type."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ DAMAGES_PER_TYPE = 8
 
 
 class _CStrings(RandomMessages):
-    """Without NULs, at which a string ends in C++."""
+    """Removes NULs, at which a string ends in C++."""
 
     def _text(self) -> str:
         return super()._text().replace("\0", "0")
@@ -31,7 +31,7 @@ class _CStrings(RandomMessages):
 
 @dataclass(frozen=True)
 class Bench:
-    """The program, all types, and for each one message with the values that the program fills in."""
+    """The program, all types, and for each type a message with the values that the program sets."""
 
     program: WireProgram
     store: TypeStore

@@ -1,4 +1,4 @@
-"""A C++ program, made for the test, that reads, writes and fills messages of many types by their headers."""
+"""A C++ program that reads, writes and fills messages of many types with their headers."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ from rostether.codegen.type_index import TypeIndex
 
 # A message for each kind of undefined behavior would double the time to compile.
 SANITIZERS = ("-fsanitize=address,undefined", "-fsanitize-undefined-trap-on-error")
-KEPT_S = 3600.0  # other test processes may be running an older program
-ARENA_BYTES = 1 << 20  # what arrays of strings and of messages may take besides the payload
+KEPT_S = 3600.0  # other test processes may still run an older program
+ARENA_BYTES = 1 << 20  # space for arrays of strings and of messages, in addition to the payload
 
 _PROGRAM = """
 #include <stdio.h>
@@ -92,7 +92,7 @@ class Answer:
 
 
 class WireProgram:
-    """Reads payloads of types by their headers and writes them back; fills messages as sketches do."""
+    """Reads payloads and writes them back; fills messages like sketches."""
 
     def __init__(
         self, index: TypeIndex, library: Path, types: Sequence[str], assignments: Sequence[tuple[str, str]]
@@ -118,7 +118,7 @@ class WireProgram:
         self._program = _built(source, library)
 
     def round_trips(self, payloads: Iterable[tuple[str, bytes]]) -> list[Answer]:
-        """Read each payload as a message of a type and write that again."""
+        """Read each payload as a message of a type, and write it back."""
         return self._ask((self._numbers[name], payload) for name, payload in payloads)
 
     def filled(self, count: int) -> list[Answer]:

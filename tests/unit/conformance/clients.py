@@ -1,4 +1,4 @@
-"""Clients under test in memory: the conformance program on a Python Device, with what spoils its bytes."""
+"""Clients under test in memory: the conformance program on a Python Device, with faults in its bytes."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ from rostether.serde.store import TypeStore
 from rostether.transports.memory import Manipulator, MemoryTransport, memory_pair
 
 STORE = TypeStore(Registry())
-# A board's buffers, so that the limits are tested with short messages.
+# The buffer size of a board, so that short messages reach the limits.
 CONFIG = DeviceLinkConfig(input_buffer_bytes=280, output_buffer_bytes=300)
 
 
 @asynccontextmanager
 async def a_client(plant: Callable[[], Manipulator] | None = None) -> AsyncIterator[CheckedClient]:
-    """Yield a client to check; each connection starts the program and its fault again, as a reset does."""
+    """Yield a client to check; each connection starts the program and its fault again, like a reset."""
     devices: list[Device] = []
 
     async def connect() -> MemoryTransport:

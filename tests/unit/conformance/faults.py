@@ -1,4 +1,4 @@
-"""Faults of clients, planted between a correct client and its line: each is a mistake seen in real ones."""
+"""Faults of clients, planted between a correct client and its line; each is a mistake of a real client."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from rostether.rosserial.packets import ParameterResponse, TopicInfo, decode_tim
 from rostether.rostime import Time
 from rostether.transports.memory import Direction, Manipulator
 
-# What becomes of one frame: the bytes that go on instead.
+# Returns the bytes that replace a frame.
 Change = Callable[[int, bytes], bytes]
 STOP, PROBE = encode_frame(ids.TX_STOP, b""), b"\xff\x00"
 
@@ -48,7 +48,7 @@ def sent(change: Change) -> Callable[[], Manipulator]:
 
 
 def received(change: Callable[[bytes], bytes]) -> Callable[[], Manipulator]:
-    """Plant a mistake in how the client takes the bytes that arrive."""
+    """Plant a mistake in the bytes that the client receives."""
 
     def manipulate(data: bytes, direction: Direction) -> bytes:
         return change(data) if direction is Direction.FIRST_TO_SECOND else data
@@ -57,7 +57,7 @@ def received(change: Callable[[bytes], bytes]) -> Callable[[], Manipulator]:
 
 
 def received_frames(change: Change) -> Callable[[], Manipulator]:
-    """Plant a mistake in how the client takes a frame that arrives alone."""
+    """Plant a mistake in a frame that the client receives alone."""
 
     def take(data: bytes) -> bytes:
         if len(data) < 8 or data[:2] != b"\xff\xfe" or len(data) != 8 + int.from_bytes(data[2:4], "little"):
@@ -134,7 +134,7 @@ def _without_nanoseconds(topic_id: int, payload: bytes) -> bytes:
 
 
 def _cut_first(data: bytes) -> bytes:
-    # The first of two frames is a string with a byte too many.
+    # The first of two frames is a string with one byte too many.
     size = int.from_bytes(data[2:4], "little")
     if (
         data.startswith(b"\xff\xfe")

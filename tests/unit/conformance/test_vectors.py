@@ -1,4 +1,4 @@
-"""The published vectors: our codecs agree with them, and the page of the protocol shows them."""
+"""The published vectors: the codecs agree with them, and the page of the protocol shows them."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ VECTORS = {each["name"]: each for each in read_vectors()}
 
 
 def frames_in(version: int, data: bytes, piece_bytes: int) -> list[list[Any]]:
-    """Decode a stream that arrives in pieces; what is unfinished at its end is given up."""
+    """Decode a stream that arrives in pieces; an incomplete frame at its end is dropped."""
     decoder = FrameDecoder(version)
     pieces = [data[at : at + piece_bytes] for at in range(0, len(data), piece_bytes)]
     found = [each for piece in pieces for each in decoder.feed(piece, 0.0)]
@@ -29,7 +29,7 @@ def frames_in(version: int, data: bytes, piece_bytes: int) -> list[list[Any]]:
 
 
 def read_fields(vector: dict[str, Any], payload: bytes) -> dict[str, Any]:
-    """Decode the packet of a frame by its topic id and its sender."""
+    """Decode the packet of a frame, by its topic id and its sender."""
     topic_id = vector["topic_id"]
     packet: Any
     if topic_id in ids.ANNOUNCEMENTS:

@@ -86,7 +86,7 @@ async def test_it_is_paused_and_ended(stage: Stage) -> None:
     assert (state["name"], state["rate"], state["paused"], state["seconds"]) == (name, 0.5, True, 0)
     stage.playback.pause(is_paused=True)
     assert stage.recordings.is_playing
-    # Another start replaces it, as a tap on the time line does.
+    # Another start replaces it, like a tap on the time line.
     await stage.playback.start(name, PlaySettings(starts_paused=True, prefix="/again"))
     await until_async(lambda: "/again/chatter" in stage.network.snapshot().topics)
     assert "/chatter" not in stage.network.snapshot().topics

@@ -46,7 +46,7 @@ class Robot:
         publisher.publish(data=text)
 
     async def messages(self, count: int) -> None:
-        """Wait until so many messages were recorded."""
+        """Wait until `count` messages were recorded."""
         async with asyncio.timeout(LIMIT_S):
             while (await self.recordings.state())["active"]["messages"] < count:
                 await asyncio.sleep(0.01)

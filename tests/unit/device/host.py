@@ -170,7 +170,7 @@ class Host:
 
 
 class Hosts:
-    """Makes a host of each transport that a listener announces."""
+    """Creates a host for each transport that a listener accepts."""
 
     def __init__(self) -> None:
         self._queue: asyncio.Queue[Host] = asyncio.Queue()

@@ -155,7 +155,7 @@ async def test_types_as_classes(pair: tuple[Device, Any]) -> None:
     def enable(request: SetBoolRequest) -> SetBoolResponse:
         return SetBoolResponse(success=not request.data)
 
-    # Awaited as on a graph, or not.
+    # With `await`, as on a graph, and without.
     count = await device.publisher("count", UInt32)
     device.service_server("enable", SetBool, enable)
     lookup = device.service_client("lookup", Trigger)

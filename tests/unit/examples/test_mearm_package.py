@@ -1,4 +1,4 @@
-"""The package examples/mearm as it lies there: found, described, loaded, with nothing built."""
+"""The package examples/mearm can be found, described and loaded without a build."""
 
 from __future__ import annotations
 

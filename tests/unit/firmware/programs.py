@@ -1,4 +1,4 @@
-"""Programs on PATH that only note how they were called: no board is flashed in a test."""
+"""Programs on PATH that only record their arguments, because no board is flashed in a test."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import pytest
 
 
 class FakeProgram:
-    """A program that writes its arguments down, prints something and ends with a code."""
+    """A program that records its arguments, prints a text and ends with an exit code."""
 
     def __init__(self, folder: Path, name: str, monkeypatch: pytest.MonkeyPatch) -> None:
         self._calls = folder / f"{name}.calls"
@@ -20,7 +20,7 @@ class FakeProgram:
         self.behave()
 
     def behave(self, *, code: int = 0, prints: str = "", then: str = "") -> None:
-        """Say what it does from now on; `then` is Python that may use `arguments`."""
+        """Set its behavior from now on; `then` is Python code that may use `arguments`."""
         self._path.write_text(
             f"#!{sys.executable}\nimport json, pathlib, sys\narguments = sys.argv[1:]\n"
             f"open({str(self._calls)!r}, 'a').write(json.dumps(arguments) + '\\n')\n"

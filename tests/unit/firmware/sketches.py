@@ -13,7 +13,7 @@ EMPTY = "void setup() {}\nvoid loop() {}\n"
 
 
 def write_sketch(folder: Path, name: str, text: str, others: Mapping[str, str] | None = None) -> Path:
-    """Write folder/name/name.ino and other files of the sketch; returns the sketch's folder."""
+    """Write folder/name/name.ino and other files of the sketch; return the sketch's folder."""
     sketch = folder / name
     for file, content in {f"{name}.ino": text, **(others or {})}.items():
         path = sketch / file
@@ -25,8 +25,8 @@ def write_sketch(folder: Path, name: str, text: str, others: Mapping[str, str] |
 def users_cache() -> str:
     """Return this user's cache folder, for tests whose home is a folder of the test.
 
-    Its entries are named by their content's hash. Without it each test would compile the simulator and the
-    Arduino core.
+    Its entries are named after the hash of their content. Without it, each test would compile the simulator
+    and the Arduino core.
     """
     return os.environ.get("XDG_CACHE_HOME") or str(Path.home() / ".cache")
 

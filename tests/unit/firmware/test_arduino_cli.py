@@ -1,4 +1,4 @@
-"""Building with arduino-cli: a program in its place records its arguments."""
+"""Building with arduino-cli: a fake program records its arguments."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Which functions get a prototype, what it says, and before which line it stands."""
+"""Which functions get a prototype, its text, and its position."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ USE = "void setup() { use(); }\n"
 
 
 def prototypes(text: str) -> list[tuple[int, str]]:
-    """Return the line each prototype stands before, and its text without spaces that do not matter."""
+    """Return the line before which each prototype is, and its text without insignificant spaces."""
     return [
         (text.count("\n", 0, each.offset) + 1, each.text.replace(" ", "")) for each in find_prototypes(text)
     ]

@@ -1,4 +1,6 @@
-"""Our Servo and Ethernet on simulated boards: pulses as wide as the angle says, bytes over the network."""
+"""The bundled libraries Servo and Ethernet on simulated boards: the width of pulses, and bytes over the
+network.
+"""
 
 from __future__ import annotations
 
@@ -65,7 +67,7 @@ def test_ours_compile_without_a_warning(tmp_path: Path, library: str, board: str
     }
     command = [part for each in toolchain.recipe("cpp.o", chosen, "all") for part in filled.get(each, [each])]
     result = subprocess.run(command, capture_output=True, text=True, check=True)
-    # The core's own headers are not free of them.
+    # The headers of the core have some.
     assert [line for line in result.stderr.splitlines() if line.startswith(str(source.parent))] == []
 
 

@@ -52,7 +52,7 @@ async def endpoints(tmp_path: Path) -> tuple[dict[str, Endpoint], int]:
     built = await build_sketch(write_sketch(tmp_path, "S", SKETCH), uno())
     elf = ElfFile.read(built.elf)
     readable = await demangle(each.name for each in elf.symbols)
-    # The address of a topic's name is by chance also that of another endpoint's function.
+    # The address of a topic's name is, by chance, also that of another endpoint's function.
     (out,) = (each for each in elf.symbols if each.name == "out")
     topic = int.from_bytes(elf.read_at(out.address, 2), "little")
     elf.symbols.append(Symbol("decoy", topic * 2, 2, 2, ".text"))

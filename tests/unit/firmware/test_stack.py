@@ -1,4 +1,4 @@
-"""Estimates against programs whose stack is known from how they are written."""
+"""Estimates for programs whose stack is known from their source."""
 
 from __future__ import annotations
 

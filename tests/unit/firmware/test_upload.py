@@ -1,4 +1,4 @@
-"""Flashing, with a program in avrdude's place and pseudo-terminals in that of boards: none is here."""
+"""Flashing, with a fake avrdude and with pseudo-terminals instead of boards."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def avrdude(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> FakeProgram:
 
 @pytest.fixture
 def terminal() -> Iterator[tuple[int, str]]:
-    """A pseudo-terminal: our end, and the path of the board's port."""
+    """A pseudo-terminal: the test's end, and the path of the board's port."""
     ours, theirs = pty.openpty()
     path = os.ttyname(theirs)
     os.close(theirs)

@@ -1,4 +1,4 @@
-"""rosgraph_msgs/Log written by hand is what everybody else reads."""
+"""The handwritten serialization of rosgraph_msgs/Log is correct."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the graph in memory has beyond the contract: logs kept for tests, and time that can be set."""
+"""Additional features of the graph in memory: stored logs, and a time that tests set."""
 
 from __future__ import annotations
 

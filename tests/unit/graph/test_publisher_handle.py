@@ -46,7 +46,7 @@ async def test_the_last_handle_ends_the_publication() -> None:
 
     await first.close()
     await first.close()
-    # A closed handle publishes nothing and asks for no pause.
+    # A closed handle publishes nothing and requests no pause.
     assert first.publish_raw([b"2"])
     assert publication.published == [b"1"]
     assert ended == []

@@ -91,7 +91,7 @@ async def test_a_type_that_is_another_one_there_is_read_as_its_publisher_means_i
     publisher = await talker.publisher("/chatter", "std_msgs/String", latch=True)
     publisher.publish(not_data=7)
     assert (await listener.wait_for_message("/chatter", timeout_s=60)).not_data == 7
-    # and here the name still means what it meant
+    # in this graph, the name still has its earlier definition
     assert listener.store.codec("std_msgs/String").message_class(data="x").data == "x"
 
 

@@ -9,7 +9,7 @@ from rostether.msgdef.parse_srv import parse_service
 from rostether.msgdef.registry import Registry
 from rostether.msgdef.spec import MessageSpec
 
-# What boards in the field announce (generated headers of the established library).
+# The md5sums that existing boards announce (from generated headers of the established library).
 WELL_KNOWN = {
     "std_msgs/String": "992ce8a1687cec8c8bd883ec73ca41d1",
     "std_msgs/Empty": "d41d8cd98f00b204e9800998ecf8427e",
@@ -80,7 +80,7 @@ def test_a_message_counts_by_its_md5sum_and_an_array_of_it_too() -> None:
 
 def test_a_service_is_both_texts_in_a_row() -> None:
     both = parse_service("int8 a\n---\nint8 b", package="p", name="S")
-    # Nothing stands between the halves, not even a line end.
+    # There is nothing between request and response, not even a line end.
     assert service_md5sum(both, nothing) == digest("int8 aint8 b")
 
 

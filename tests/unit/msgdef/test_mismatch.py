@@ -73,7 +73,7 @@ def test_a_small_change_is_found_and_reported_in_one_line(old: str, new: str, re
 
 
 def test_two_fields_in_different_places_are_found() -> None:
-    # sensor_msgs/BatteryState before temperature came to it.
+    # sensor_msgs/BatteryState before the field `temperature` was added.
     line = explain_mismatch(Registry(), "sensor_msgs/BatteryState", "476f837fa6771f6e16e3bf4ef96f8770")
     assert "lacks 'float32 temperature', lacks 'float32[] cell_temperature'" in line
 

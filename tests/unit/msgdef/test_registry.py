@@ -214,7 +214,7 @@ def test_a_type_is_learned_from_a_full_text() -> None:
     assert registry.message("far/Part").text == "int8 x"
     assert registry.messages("far") == ["far/Part", "far/Thing"]
     assert "far" in registry.packages()
-    # What was known stays what it was.
+    # Known types are unchanged.
     assert len(registry.message("std_msgs/Header").fields) == 3
 
 
@@ -268,7 +268,7 @@ def test_a_package_of_the_workspace_replaces_the_bundled_one_whole(
     assert registry.services("std_srvs") == ["std_srvs/Trigger"]
     with pytest.raises(UnknownTypeError, match=r"std_srvs has no srv/SetBool\.srv, and replaces the bundled"):
         registry.service("std_srvs/SetBool")
-    # A package without definitions replaces none.
+    # A package without definitions does not replace another package.
     assert registry.message("std_msgs/String").fields[0].name == "data"
 
 

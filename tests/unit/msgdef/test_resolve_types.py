@@ -9,7 +9,7 @@ from rostether.msgdef.spec import MessageSpec
 
 
 class Texts:
-    """A lookup over texts of package `p`, counting how often each is asked for."""
+    """Looks up texts of the package `p`, and counts the lookups of each."""
 
     def __init__(self, **texts: str) -> None:
         self.texts = texts

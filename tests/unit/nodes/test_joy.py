@@ -26,14 +26,14 @@ STORE = TypeStore(Registry())
 
 
 class Stage:
-    """A joy node at a pipe that stands for the device."""
+    """A joy node that reads a pipe instead of the device."""
 
     def __init__(self, device: Path) -> None:
         self.device = device
         self.lines: list[str] = []
         self.messages: list[Message] = []
         os.mkfifo(device)
-        # Open for both: neither side waits for the other, and the end comes when we close it.
+        # Opened for reading and writing: neither side waits for the other, and the test's close ends it.
         self.writer = os.open(device, os.O_RDWR)
 
     @asynccontextmanager

@@ -1,4 +1,4 @@
-"""Multicast on loopback: groups and ports of a test's own, and a plain socket as the other end."""
+"""Multicast on loopback: a group and a port for each test, and a plain socket as the receiver."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ LINK_GROUP = "ff02::5253"
 
 
 def _ipv6_interface() -> str:
-    """Return an interface with IPv6 multicast, "" where there is none: loopback has no route for it."""
+    """Return an interface with IPv6 multicast, or "" without one: loopback has no route for it."""
     for _, name in socket.if_nameindex():
         with contextlib.suppress(OSError), open_sender(GroupAddress(GROUP_IPV6, ttl=0), name) as sock:
             sock.sendto(b"", (GROUP_IPV6, 9))
@@ -39,7 +39,7 @@ def loopback_group(group: str = GROUP) -> GroupAddress:
 
 
 class PlainReceiver:
-    """A program that receives a group with nothing of ours but the socket."""
+    """Receives the datagrams of a group with a plain socket."""
 
     def __init__(self, address: GroupAddress) -> None:
         self.datagrams: list[bytes] = []

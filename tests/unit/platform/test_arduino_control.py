@@ -21,7 +21,7 @@ from rostether.platform.arduino_control import (
 from unit.platform.typed_nodes import STORE, Lines, typed_nodes
 from waiting import until
 
-# What the platform's first node computes, as a C++ program over the same 32-bit axes.
+# The computation of the platform's original node, as a C++ program with the same 32-bit axes.
 ORACLE = r"""
 #include <math.h>
 #include <stdio.h>

@@ -27,7 +27,7 @@ def test_a_command_is_repeated_until_it_stops(robot: CommandReceiver) -> None:
     assert [robot.receive(each, 0.0) is not None for each in first] == [True, True, True]
     assert (robot.is_moving, sender.due_s) == (True, 0.05)
     assert len(sender.command(b"go", 0.02)) == 1
-    # Commands that change all the time are their own copies.
+    # Commands that change continuously need no repetitions.
     assert len(sender.command(b"left", 0.03)) == 1
     assert len(sender.command(b"turn", 0.06)) == 3
     (again,) = sender.repeat(0.11)
@@ -65,7 +65,7 @@ def test_old_recorded_and_forged_commands_have_no_effect(robot: CommandReceiver)
         assert "not newer" in robot.last_refusal
     assert robot.receive(CommandSender(replace(TO_ROBOT, key=bytes(16)), 2_000).stop(0.0)[0], 0.0) is None
     assert "a different key" in robot.last_refusal
-    # After a later sender, all that an earlier one has sent is refused, stops too.
+    # After a later sender, all frames of an earlier one are refused, also stops.
     robot.receive(CommandSender(TO_ROBOT, 2_000).stop(0.1)[0], 0.1)
     assert robot.receive(sender.stop(0.1)[0], 99.0) is None
     assert "started before the last one" in robot.last_refusal
@@ -78,13 +78,13 @@ def test_one_sender_at_a_time(robot: CommandReceiver) -> None:
     assert robot.receive(second.command(b"go", 0.0)[0], 0.2) is None
     assert robot.last_refusal == "another sender commands this robot"
     assert robot.is_moving
-    # The first one is silent for its time to live; a record of what was refused moves nothing.
+    # The first sender is silent for its time to live; a replay of refused frames moves nothing.
     recorded = second.command(b"go", 0.2)[0]
     assert robot.receive(recorded, 0.21) is None
     assert robot.receive(recorded, 0.3) is None
     assert robot.last_refusal == "the command is not newer than the last one"
     assert robot.receive(second.repeat(0.3)[0], 0.3) is not None
-    # A release hands over at once.
+    # After a release, another sender is accepted immediately.
     robot.receive(second.release(), 0.31)
     assert not robot.is_moving
     assert robot.receive(CommandSender(TO_ROBOT, 3_000).command(b"go", 0.0)[0], 0.32) is not None

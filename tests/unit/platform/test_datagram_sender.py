@@ -14,7 +14,9 @@ from waiting import until
 
 
 class GoneInterface(socket.socket):
-    """A socket whose network interface was unplugged; one of the same name is another for the system."""
+    """A socket whose network interface was unplugged; a new interface with the same name is another one for
+    the system.
+    """
 
     def sendto(self, *_: object) -> int:
         raise OSError(errno.ENODEV, "No such device")

@@ -25,7 +25,7 @@ KEY = b"0123456789abcdef"
 
 
 class Air:
-    """What is on its way, by the time of its arrival."""
+    """The datagrams in transit, by the times of their arrival."""
 
     def __init__(self) -> None:
         self._random = random.Random(1)
@@ -47,7 +47,7 @@ class Air:
 
 
 class Robot:
-    """One receiver that keeps when it accepted commands and when it stopped."""
+    """A receiver that records when it accepted commands and when it stopped."""
 
     def __init__(self, robot_id: int) -> None:
         self.robot_id = robot_id

@@ -75,7 +75,7 @@ async def test_a_thousand_messages_a_second_are_a_limit_and_no_busy_loop() -> No
             await asyncio.sleep(0)
         spent_s = time.monotonic() - began_s
         assert len(receiver.datagrams) <= 1000 * spent_s + 10
-        # Silence costs nothing.
+        # During silence, nothing is sent.
         await asyncio.sleep(0.01)
         cpu_s = time.thread_time()
         await asyncio.sleep(0.5)

@@ -26,7 +26,7 @@ KIND = bytes.fromhex("7528cb4c")
 
 
 class Robot:
-    """What is published on a robot's topic."""
+    """Collects the messages of a robot's topic."""
 
     def __init__(self) -> None:
         self.speeds: list[float] = []
@@ -60,7 +60,7 @@ async def test_bare_datagrams_are_published_if_they_fit(group: str) -> None:
 
 @pytest.mark.skipif(not IPV6_INTERFACE, reason="this machine has no IPv6")
 def test_a_group_of_one_link_binds_no_interface() -> None:
-    # It may be unplugged, and another one has its name later.
+    # The interface may be unplugged, and another one may have its name later.
     with open_receiver(loopback_group(LINK_GROUP)) as sock:
         assert sock.getsockname()[3] == 0
 
@@ -68,7 +68,7 @@ def test_a_group_of_one_link_binds_no_interface() -> None:
 async def test_other_machines_are_ignored_until_they_are_allowed(monkeypatch: pytest.MonkeyPatch) -> None:
     _, (node, other) = await typed_nodes("/multicast_topic_receiver", "/robot")
     address, lines, robot = loopback_group(), Lines(), Robot()
-    # What comes from this machine is from another one for the list.
+    # Datagrams of this machine have an address that the list does not contain.
     monkeypatch.setattr("rostether.transports.allow_list.ALWAYS_ALLOWED", ())
     monkeypatch.setattr(multicast_receiver, "is_own_address", lambda *_: False)
     settings = ReceiverNodeSettings(CONTROL, address=address, sources=("10.0.0.0/8",))
@@ -105,7 +105,7 @@ async def test_a_framed_robot_stops_on_request_and_when_its_sender_disappears() 
         await until(lambda: robot.speeds == [1.0, 0.0])
         sock.send(first)
         sock.send(sender.command(EXAMPLE, 0.0)[0])
-        # Nothing more comes: the time to live of 300 ms ends it.
+        # After the last command, the time to live of 300 ms stops the robot.
         await until(lambda: robot.speeds == [1.0, 0.0, 1.0, 0.0])
     assert "is not a framed command" in lines.texts[1]
     assert lines.texts[2:] == ["no command within the time to live; stopping /multicast_topic"]
@@ -115,7 +115,7 @@ async def test_a_robot_stops_if_a_query_is_read_before_the_watchdog_runs() -> No
     async with framed_robot() as (robot, lines, sender, sock):
         sock.send(sender.command(EXAMPLE, 0.0)[0])
         await until(lambda: robot.speeds == [1.0])
-        # The loop stands still until the time to live has passed, and then reads first.
+        # The event loop is blocked until the time to live has passed, and then reads first.
         sock.send(sender.query())
         time.sleep(0.4)
         await until(lambda: robot.speeds == [1.0, 0.0])

@@ -20,7 +20,7 @@ REGISTER = "sensors/RegistrationService"
 
 
 class Screen:
-    """The latest list of sensors, as a program that shows it has it."""
+    """The latest list of sensors, as received by another program."""
 
     def __init__(self) -> None:
         self.states: dict[str, str] = {}

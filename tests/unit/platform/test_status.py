@@ -63,7 +63,7 @@ def test_a_robot_answers_each_sender_once_a_second_and_names_who_commands_it() -
     refused = robot.answer(second.command(b"go", 1.1)[0], "b:1", 1.1)
     assert refused is not None
     assert (refused.refusal, refused.holder, refused.is_moving) == (Refusal.HELD, "a:1", True)
-    # A copy from elsewhere gets no answer, and damaged frames get none.
+    # A copy from another address and damaged frames get no answer.
     assert robot.answer(copied, "thief:1", 9.0) is None
     assert robot.answer(copied[:-1], "thief:1", 9.0) is None
     observed = robot.answer(CommandSender(SETTINGS, 3_000).query(), "c:1", 9.0)
@@ -95,7 +95,7 @@ def test_a_robot_that_loses_more_than_a_tenth_gets_unicast_while_it_answers() ->
     assert table.unicast_addresses(1.0) == []
     assert receive(30, 5, 35, 2.0)
     assert table.unicast_addresses(2.0) == [("10.0.0.3", 5)]
-    # It stays so: the loss is now that of both ways.
+    # The loss now includes both directions.
     assert receive(60, 5, 65, 3.0)
     assert table.unicast_addresses(3.0) == [("10.0.0.3", 5)]
     assert table.unicast_addresses(13.1) == []

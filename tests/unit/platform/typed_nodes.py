@@ -1,4 +1,4 @@
-"""Nodes on a graph in memory, and what the platform's tests collect from them."""
+"""Nodes on a graph in memory, and a collector of their reports."""
 
 from __future__ import annotations
 
@@ -18,11 +18,11 @@ async def typed_nodes(*names: str) -> tuple[MemoryNetwork, list[TypedGraph]]:
 
 
 class Lines:
-    """Keeps what a node reports."""
+    """Collects the reports of a node."""
 
     def __init__(self) -> None:
         self.texts: list[str] = []
 
     def __call__(self, level: Level, text: str) -> None:
-        """Be a `report`."""
+        """Store a line, as `report`."""
         self.texts.append(text)

@@ -49,7 +49,7 @@ def test_a_board_in_the_users_file_is_allowed() -> None:
     assert port_use(MODEM, DeviceSettings(match=match), DiscoverySettings()) is PortUse.EXPECT
     assert port_use(MODEM, DeviceSettings(match=match, baud=9600), DiscoverySettings()) is PortUse.SERVE
     assert port_use(MODEM, DeviceSettings(match=match), DiscoverySettings(ignore=("all",))) is PortUse.EXPECT
-    # A speed for all boards does not say which ports have one.
+    # A baud rate for all boards does not select ports.
     assert port_use(MODEM, DeviceSettings(baud=9600), DiscoverySettings()) is PortUse.OFFER
 
 
@@ -59,7 +59,7 @@ def test_marks() -> None:
 
 
 class Desk:
-    """Ports as files; the clock stands unless the test turns it."""
+    """Ports as files; only the test advances the clock."""
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder

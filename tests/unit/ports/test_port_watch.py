@@ -170,7 +170,7 @@ async def test_descriptors_are_released(tmp_path: Path) -> None:
 
 
 async def test_marks_that_come_late_are_seen(tmp_path: Path) -> None:
-    """udev fills in a serial number a moment after the port has appeared."""
+    """udev adds a serial number shortly after the port has appeared."""
     numbers = [None, None, "7533"]
     seen: list[str | None] = []
 
@@ -227,5 +227,5 @@ def test_a_look_is_cheap() -> None:
     began = time.process_time()
     for _ in range(1000):
         port_watch.folder_mark("/")
-    # Four looks a second: 0.1 % of a CPU would be 0.25 ms for each.
+    # Four checks a second: 0.1 % of a CPU is 0.25 ms for each.
     assert (time.process_time() - began) / 1000 < 0.000_25

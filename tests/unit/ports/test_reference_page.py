@@ -1,4 +1,4 @@
-"""The reference page of devices.toml has every key, and its example is one."""
+"""The reference page of devices.toml has every key, and its example is valid."""
 
 from __future__ import annotations
 

@@ -37,7 +37,7 @@ def write_reset(writer: RecordingWriter) -> None:
 def write_bag(
     path: Path, count: int = 30, *, compression: str = "none", chunk_bytes: int = 300, closes: bool = True
 ) -> list[tuple[str, int, bytes]]:
-    """Write messages of two topics in small chunks; returns (topic, time, payload) in their order."""
+    """Write messages of two topics in small chunks; return (topic, time, payload) in their order."""
     writer = BagWriter(path, compression=compression, chunk_bytes=chunk_bytes)
     numbers = [writer.add_connection(connection(topic)) for topic in ("/a", "/b")]
     written = []

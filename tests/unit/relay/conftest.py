@@ -13,7 +13,7 @@ from unit.relay.relay_world import World
 
 @pytest_asyncio.fixture
 async def world(monkeypatch: pytest.MonkeyPatch) -> AsyncIterator[World]:
-    # Graphs in memory show everything at once.
+    # Graphs in memory show changes immediately.
     monkeypatch.setattr(relay_module, "DISCOVERY_S", 0.01)
     monkeypatch.setattr(relay_module, "CHECK_S", 0.05)
     world = World()

@@ -1,4 +1,4 @@
-"""What devices.toml does not let a board do is not set up, and one line names the entry."""
+"""Endpoints that devices.toml does not allow are not set up, and one line names the entry."""
 
 from __future__ import annotations
 

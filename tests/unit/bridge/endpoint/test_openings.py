@@ -15,7 +15,7 @@ SLOT = (TopicRole.PUBLISHER, "level")
 
 
 class Endpoint:
-    """Notes what is done with it in a list it shares with others."""
+    """Records its calls in a list that it shares with others."""
 
     def __init__(self, name: str, done: list[str]) -> None:
         self.info = topic_info(name)

@@ -17,7 +17,9 @@ from waiting import until
 
 
 def lucky_header(topic_id: int, following: bytes) -> bytes:
-    """A header whose frame swallows what follows and passes its checksum by chance, if there is one."""
+    """A header whose frame contains the following bytes and by chance has a correct checksum, if there is
+    one.
+    """
     for size in range(200, len(following)):
         candidate = encode_frame(topic_id, following[:size])
         if candidate[-1] == following[size]:

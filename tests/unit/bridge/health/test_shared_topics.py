@@ -15,7 +15,9 @@ from unit.bridge.virtual_time import on_virtual_time
 
 
 async def connected(network: MemoryNetwork, name: str, namespace: str = "/") -> Board:
-    """Return a board that has announced two topics of its own kind, and one that many nodes publish."""
+    """Return a board with two topics that only this kind of board publishes, and one that many nodes
+    publish.
+    """
     graph = await network.join(name, namespace=namespace)
     node = BoardNode(graph, STORE, RecordingReporter(), asyncio.get_running_loop().time)
     ours, theirs = memory_pair(can_pause=False)

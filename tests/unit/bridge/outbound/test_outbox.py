@@ -15,7 +15,7 @@ from unit.bridge.doubles import FakeLink, FakeSerialPort, FakeSource, FakeTransp
 
 
 class Bench:
-    """An outbox with everything around it in the test's hands."""
+    """An outbox whose surroundings the test controls."""
 
     def __init__(
         self, *, can_pause: bool = True, baud: int | None = None, bytes_per_s: float | None = None

@@ -21,7 +21,7 @@ from waiting import until
 
 
 class Bench:
-    """A keeper whose opening and serving are the test's."""
+    """A keeper whose functions for opening and serving are the test's."""
 
     def __init__(self, address: str, devices: DeviceBook | None = None) -> None:
         self.reporter = RecordingReporter()
@@ -163,7 +163,7 @@ async def test_a_terminal_whose_number_another_program_got_stays_closed() -> Non
     made_ns = path.stat().st_ctime_ns
 
     def is_another() -> bool:
-        # As a terminal that was made later, this one now has a later time.
+        # Like a terminal that was created later, this one now has a later time.
         path.chmod(0o600)
         return path.stat().st_ctime_ns != made_ns
 

@@ -1,4 +1,4 @@
-"""A line of real speed, made of a UART model; what the probe decides is tested with it, sans I/O."""
+"""Tests the decisions of the probe without I/O, on a line with the real speed of a UART model."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ ANSWER = encode_frame(ids.TIME, bytes(8))
 
 
 class Line(FakeTransport):
-    """A board at one speed behind a port that can be set to any but `refused`."""
+    """A board at one baud rate, and a port that can be set to any rate except `refused`."""
 
     def __init__(self, baud: int, *, has_baud: bool = True, refused: tuple[int, ...] = ()) -> None:
         super().__init__(can_pause=False)

@@ -1,4 +1,4 @@
-"""`board run` as a process: what it prints, what it takes, how it ends."""
+"""`board run` as a process: its output, its input and its end."""
 
 from __future__ import annotations
 
@@ -98,7 +98,7 @@ def test_words_typed_in_a_terminal() -> None:
             read_until(process, "reset cause=power")
             os.write(ours, b"cycles\n")
             assert "cycles=" in read_until(process, "cycles ")[-1]
-            # The terminal's mode is left as it was: a program that shares it must not find it non-blocking.
+            # The terminal's mode is unchanged: for a program that shares it, it must not be non-blocking.
             assert os.get_blocking(theirs)
     finally:
         os.close(ours)

@@ -64,7 +64,7 @@ def test_a_port_that_may_not_be_used_names_the_group(
     path = tmp_path / "ttyACM0"
     path.touch(0o660)
     plugged.append(SerialPort(str(path), "serial port"))
-    # Root may use everything, so permissions cannot be tried out.
+    # Root has all permissions, so they cannot be tested.
     monkeypatch.setattr("os.access", lambda path, mode: False)
     result = shell("ports")
     assert result.out == f"{path}  serial port  no permission\n"

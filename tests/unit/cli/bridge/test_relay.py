@@ -1,4 +1,4 @@
-"""`rostether relay`: what is typed, and a relay between a real ROS 1 graph and another one."""
+"""`rostether relay`: its arguments, and a relay between a real ROS 1 graph and another one."""
 
 from __future__ import annotations
 

@@ -22,7 +22,7 @@ def play(terminal: Terminal, shell: Shell) -> None:
     terminal.wait_for("Keys: l LED, arrows obstacle, q quit")
     terminal.type(b"l")
     terminal.wait_for("LED on")
-    # From wherever it is to the nearest place, and one step back.
+    # From any position to the nearest one, and one step back.
     terminal.type(b"\033[D" * 60 + b"\033[A")
     terminal.wait_for("0.12 m")
     assert "data: True" in shell("topic", "echo", "-n", "1", "/led").out

@@ -19,7 +19,7 @@ from rostether.serde.store import TypeStore
 
 
 class Refusing:
-    """Joins in memory, but for the node /rosapi; raises the given errors first."""
+    """Joins in memory, except the node /rosapi; first raises the given errors."""
 
     def __init__(self, *faults: Exception, name: str = "/rosapi") -> None:
         self.network = MemoryNetwork()

@@ -1,4 +1,4 @@
-"""`rostether launch`: which files it means, what it lists, and whole launches in processes of their own."""
+"""`rostether launch`: how it finds files, what it lists, and complete launches with processes."""
 
 from __future__ import annotations
 

@@ -132,7 +132,7 @@ def test_windows_that_are_not_installed_have_a_line(
     ]
     assert view_command("rqt_console", [])[4:] == ["dashboard", "--panel", "console"]
     assert view_command("rqt_gui", [])[4:] == ["dashboard"]
-    # It becomes our view, which finds no master here.
+    # rostether's view replaces it, and finds no master here.
     done = run(
         "rqt_graph", "rqt_graph", cwd=tmp_path, PATH=str(tmp_path), ROS_MASTER_URI="http://127.0.0.1:1"
     )
@@ -179,7 +179,7 @@ def test_a_real_rospy_runs_scripts_whose_packages_are_built_for_it(tmp_path: Pat
     for package in ("rospy", "built"):
         (tmp_path / "real" / package).mkdir(parents=True)
         (tmp_path / "real" / package / "__init__.py").touch()
-    # A folder of a package is no module.
+    # A folder of a package is not a module.
     (tmp_path / "real" / "arm").mkdir()
     built = write(tmp_path / "a.py", f"#!{named}\nimport rospy, sys\nfrom built.msg import Wheels\n")
     assert python_for(built, {}, ["built", "arm"]) == [str(named)]
@@ -191,6 +191,6 @@ def test_a_script_for_python_2_is_refused_with_what_to_type(arm: Path) -> None:
     script = write(arm / "old.py", "#!/usr/bin/env python\nprint 'hello'\n")
     with pytest.raises(ConfigError, match=r"old\.py:2: written for Python 2; convert it with `2to3 -w"):
         node_command("arm", "old.py", packages={"arm": arm}, environ={})
-    # Where Python 2 itself is chosen, it runs.
+    # If Python 2 is chosen, it runs.
     environ = {PYTHON_VARIABLE: "/usr/bin/python2.7"}
     assert node_command("arm", "old.py", packages={"arm": arm}, environ=environ)[-1] == str(script)

@@ -24,7 +24,7 @@ async def checked(*arguments: str) -> asyncio.subprocess.Process:
 
 
 async def announce_forever(port: int) -> None:
-    """Be a client that answers all bytes with one announcement, whose md5sum is wrong."""
+    """Run a client that answers all bytes with one announcement, whose md5sum is wrong."""
     info = TopicInfo(125, "chatter", "std_msgs/String", "0" * 32, 280)
     while True:
         try:
@@ -32,7 +32,7 @@ async def announce_forever(port: int) -> None:
         except OSError:
             await asyncio.sleep(0.02)
             continue
-        # The command closes a connection while an announcement is on its way.
+        # The command closes a connection while an announcement is in transit.
         with contextlib.suppress(ConnectionError):
             while await reader.read(1024):
                 writer.write(encode_frame(ids.PUBLISHER, info.encode()))

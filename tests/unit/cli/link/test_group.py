@@ -28,7 +28,7 @@ VECTORS = Path(__file__).parents[3] / "vectors"
 
 @asynccontextmanager
 async def board_at(path: Path, period_s: float = 0.1) -> AsyncIterator[None]:
-    """A board that says hello, ten times a second if nothing else is said."""
+    """A board that sends hello, by default ten times a second."""
     wire = await open_transport(f"pty:{path}")
     board = SketchBoard(wire, turn=every(period_s, publish("chatter", hello))).publisher("chatter").plug_in()
     try:
@@ -48,7 +48,7 @@ async def master() -> AsyncIterator[dict[str, str]]:
 
 
 def recorded_hellos(file: Path) -> int:
-    """Return how many hellos of the board a capture holds."""
+    """Return the number of the board's hellos in a capture."""
     chunks = (each for each in Capture(file).entries() if isinstance(each, Chunk) and each.from_device)
     return b"".join(each.data for each in chunks).count(b"\5\0\0\0hello")
 
@@ -70,14 +70,14 @@ async def test_recorded_killed_and_played_again(tmp_path: Path) -> None:
     ):
         await record.wait_for(f"Recording the lines to {file}")
         await receive(environ, "/chatter", 5)
-        # What came is written a few times a second.
+        # The recorder writes a few times a second.
         await until(lambda: recorded_hellos(file) >= 5, "the messages in the file")
         await record.stop(signal.SIGKILL)
     chunks = [each for each in Capture(file).entries() if isinstance(each, Chunk)]
     assert {each.from_device for each in chunks} == {True, False}
     assert recorded_hellos(file) >= 5
     async with master() as environ, join("looker", environ=environ) as graph:
-        # A replay does not wait for who comes late.
+        # A replay does not wait for late subscribers.
         receiving = asyncio.create_task(receive(environ, "/chatter", 3))
         await snapshot_when(graph.raw, lambda found: "/chatter" in found.topics)
         async with started("link", "replay", str(file), "--name", "ghost", **environ) as play:
@@ -128,7 +128,7 @@ async def test_no_file_is_overwritten(tmp_path: Path) -> None:
 
 
 async def received_of(file: Path, *options: str) -> int:
-    """Replay a capture to a subscriber that waits; returns how many messages it got."""
+    """Replay a capture to a waiting subscriber; return the number of messages that it got."""
     received = 0
     async with master() as environ, join("listener", environ=environ) as graph:
 
@@ -146,7 +146,7 @@ async def received_of(file: Path, *options: str) -> int:
         assert "1 topic or service, 1429 messages" in text
         seen = -1
         while seen < received:
-            # What the ended command has sent may still be in the socket.
+            # Messages of the ended command may still be in the socket.
             seen = received
             await asyncio.sleep(0.05)
         counting.cancel()
@@ -163,7 +163,7 @@ async def test_a_recorded_session_without_pauses(options: tuple[str, ...]) -> No
         received = max(received, await received_of(VECTORS / "adc.jsonl", *options))
         if received >= 1400:
             break
-    # The first of them come in one chunk with the announcement, before a subscriber can have connected.
+    # The first messages are in one chunk with the announcement, before a subscriber can connect.
     assert 1400 <= received <= 1429
 
 

@@ -202,7 +202,7 @@ async def test_the_line_of_the_unit_runs_the_parts(root: Path, shell: Shell, tmp
     robot = tmp_path / "robot.toml"
     robot.write_text(
         f'name = "r1"\nmaster = "http://127.0.0.1:{port}"\n[parts]\n'
-        # A board that is away at boot is no failure.
+        # A board that is missing at boot is not a failure.
         f'boards = "serve /dev/serial/by-id/usb-away"\ncore = "core --port {port}"\n'
     )
     assert shell.output("up", str(robot), "--check") == f"{robot}: boards, core\n"

@@ -16,7 +16,7 @@ from unit.cli.command_shell import STORE, LiveGraph, Shell
 
 @pytest.fixture
 def laser(graph: LiveGraph) -> None:
-    """A node that says where the laser stands on the base, and one that moves the base."""
+    """A node that publishes the pose of the laser on the base, and one that moves the base."""
     stands = StaticTransform("base", "laser", Transform((0.5, 0.0, 0.25), quaternion_from_rpy(0, 0, 1)))
     moves = StaticTransform("world", "base", Transform((1.0, 2.0, 0.0)), period_s=0.02)
     for name, static in (("stands", stands), ("moves", moves)):
@@ -108,7 +108,7 @@ def test_static_publishes_until_interrupted(
 ) -> None:
     words = ["1", "-2", "-0.5", str(math.pi / 2), "0", "0", "world", "laser", "__name:=here"]
     with running(*verb, *words, ROS_MASTER_URI=graph.uri) as process:
-        # Where the process is slow to start, echo says on stderr that it waits.
+        # If the process is slow to start, echo reports on stderr that it waits.
         result = shell("tf", "echo", "-n", "1", "world", "laser")
         assert result.code == 0
         assert "[1.000, -2.000, -0.500]" in result.out

@@ -24,7 +24,7 @@ def test_the_demo_is_in_both_ros(graph: LiveGraph, world: ZenohWorld, shell: She
         text = shell("topic", "echo", "--once", "/ultrasound").out
         assert "  frame_id: ultrasound\nradiation_type: 0\n" in text
         while "/set_led" not in shell.output("service", "list").splitlines():
-            # Nodes hear of a service a moment after it is there.
+            # Nodes discover a service shortly after its start.
             assert process.poll() is None
         call = shell.output("service", "call", "/set_led", "std_srvs/srv/SetBool", "{data: true}")
         assert "success=True" in call

@@ -105,7 +105,7 @@ def test_echo(world: ZenohWorld, shell: Shell) -> None:
     assert lines[:5] == ["header:", "  stamp:", "    sec: 5", "    nanosec: 7", "  frame_id: base"]
     assert "orientation_covariance: '<array type: double[9]>'" in lines
     assert lines[-1] == "---"
-    # A latched message reaches a late comer.
+    # A latched message reaches a late subscriber.
     assert shell.output("topic", "echo", "--once", "/name", "std_msgs/msg/String") == "data: arm\n---\n"
 
 
@@ -152,13 +152,13 @@ def test_echo_of_nothing_ends_in_time(world: ZenohWorld, shell: Shell) -> None:
 
 def test_pub(world: ZenohWorld, shell: Shell) -> None:
     out = shell.output("topic", "pub", "-1", "/cmd_vel", "geometry_msgs/msg/Twist", "{linear: {x: 2}}")
-    # Whom it waits for is known at once, or a moment later.
+    # The command knows immediately, or shortly afterwards, for which nodes it waits.
     assert out.removeprefix("Waiting for at least 1 matching subscription(s)...\n") == (
         "publisher: beginning loop\n"
         "publishing #1: geometry_msgs.msg.Twist(linear=geometry_msgs.msg.Vector3(x=2.0, y=0.0, z=0.0), "
         "angular=geometry_msgs.msg.Vector3(x=0.0, y=0.0, z=0.0))\n\n"
     )
-    # What the command has sent may still be on its way.
+    # The command's messages may still be in transit.
     world.wait_until(lambda: bool(world.received))
     (payload,) = world.received
     assert STORE.codec("geometry_msgs/Twist").decode(payload).linear.x == 2.0

@@ -1,4 +1,4 @@
-"""Nodes of a ROS 2 graph over zenoh, in a thread with an event loop of its own."""
+"""Nodes of a ROS 2 graph over zenoh, in a thread with its own event loop."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ REPEAT_S = 0.05
 
 
 class ZenohWorld:
-    """A router with a node `/far/board`, which has one of everything."""
+    """A router with a node `/far/board`, which has a publisher, a subscriber, a service and parameters."""
 
     def __init__(self) -> None:
         self.received: list[bytes] = []

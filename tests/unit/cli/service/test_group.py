@@ -39,8 +39,8 @@ def board(graph: LiveGraph) -> Ros1Graph:
 
 @pytest.fixture
 def gone(graph: LiveGraph, monkeypatch: pytest.MonkeyPatch) -> str:
-    """The name of a service whose node ended without a word."""
-    # The master's own look at its nodes would remove it in the middle of a test.
+    """The name of a service whose node ended without unregistering."""
+    # The master's check of its nodes would remove it during a test.
     monkeypatch.setattr("rostether.ros1.master.node_calls._REFUSALS_UNTIL_GONE", 10**9)
 
     async def register() -> None:

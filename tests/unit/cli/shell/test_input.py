@@ -56,7 +56,7 @@ async def test_input_without_end_leaves_the_loop_free(monkeypatch: pytest.Monkey
     with Path("/dev/zero").open() as opened:
         monkeypatch.setattr(sys, "stdin", opened)
         reading = asyncio.ensure_future(anext(aiter(input_lines())))
-        # Each turn of the loop comes only if reading gave way in the one before.
+        # The loop runs again only if reading yielded to it before.
         for _ in range(100):
             await asyncio.sleep(0)
         assert not reading.done()

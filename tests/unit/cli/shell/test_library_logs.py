@@ -1,4 +1,4 @@
-"""Log records reach people as one line, and never as a traceback."""
+"""Log records are shown as one line, never as a traceback."""
 
 from __future__ import annotations
 
@@ -93,7 +93,7 @@ def test_repeated_records_do_not_fill_the_log(monkeypatch: pytest.MonkeyPatch) -
         ASYNCIO.error("socket.accept() out of system resource\nsocket: %s", number)
         ROOM.warning("node %s is gone", number)
     assert len([text for text in shown if "accept" in text]) == 1
-    # One line of asyncio, and twenty of each of our own.
+    # One line of asyncio, and twenty of each of rostether's loggers.
     assert len(shown) == 21
     monkeypatch.setattr(repeat_limiter, "PERIOD_S", 0.0)
     ASYNCIO.error("socket.accept() out of system resource\nsocket: %s", 1000)

@@ -1,4 +1,4 @@
-"""What peers say is printed, and steers no terminal."""
+"""Text from peers is printed without control characters."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ def test_colors_are_for_terminals_only(
     assert capsys.readouterr().out == "x: 1\n"
     monkeypatch.setattr(sys.stdout, "isatty", lambda: True)
     assert has_colors()
-    # What a peer sends is escaped before.
+    # Text from peers is escaped before.
     write_line("x: \x1b[31m", paint_keys)
     assert capsys.readouterr().out == f"{click.style('x:', fg='cyan')} \\u001b[31m\n"
     for name, value in (("NO_COLOR", "1"), ("TERM", "dumb")):

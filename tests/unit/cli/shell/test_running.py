@@ -312,7 +312,7 @@ async def test_a_service_is_ready_alive_and_stops(
     received: list[bytes] = []
 
     async def main() -> str:
-        # Children must not report in its place.
+        # Children must not report instead of it.
         assert "NOTIFY_SOCKET" not in os.environ
         while received.count(b"WATCHDOG=1") < 2:
             received.append(await asyncio.to_thread(manager.recv, 100))

@@ -121,7 +121,7 @@ def test_without_a_master_the_next_step_is_named(shell: Shell) -> None:
         ("/scan/ranges", "/scan", "ranges"),
         ("/scan/ranges[3]", "/scan", "ranges[3]"),
         ("/scan/header/stamp", "/scan/header", "stamp"),
-        # A topic that is called like a field of another one is the topic.
+        # A topic with the name of a field of another topic is the topic.
         ("/scan/header", "/scan/header", ""),
         # A type that is not known here may have any field.
         ("/odd/x/y", "/odd", "x/y"),

@@ -24,7 +24,7 @@ Play: TypeAlias = Callable[..., None]
 
 @pytest.fixture
 def play(graph: LiveGraph) -> Iterator[Play]:
-    """Publishes at 100 Hz, as long as the test lasts."""
+    """Publishes at 100 Hz until the test ends."""
     playing = []
 
     def begin(topic: str, type_name: str, *messages: dict[str, Any]) -> None:

@@ -1,4 +1,4 @@
-"""`topic echo -b` and `topic list -b`, beside Debian's rostopic."""
+"""`topic echo -b` and `topic list -b`, compared with Debian's rostopic."""
 
 from __future__ import annotations
 

@@ -34,7 +34,7 @@ BINARY_OPS = {1: "messageData", 2: "time", 3: "serviceCallResponse", 4: "fetchAs
 
 
 class ProtocolClient:
-    """Collects what the server says, as dicts with an `op`."""
+    """Collects the server's messages, as dicts with an `op`."""
 
     def __init__(self, connection: ClientConnection) -> None:
         self.connection = connection
@@ -64,7 +64,7 @@ class ProtocolClient:
     async def wait(
         self, op: str, suits: Callable[[dict[str, Any]], object] = lambda _: True
     ) -> dict[str, Any]:
-        """Return the first message of the op that suits, as soon as it has come."""
+        """Wait for a message with this op that meets a condition, and return it."""
 
         def find() -> dict[str, Any] | None:
             return next((each for each in self.of(op) if suits(each)), None)
@@ -78,7 +78,7 @@ class ProtocolClient:
         return found
 
     async def channel(self, topic: str, *, after: int = 0) -> dict[str, Any]:
-        """Return a topic's first channel with a larger id, as soon as there is one."""
+        """Wait for a topic's first channel with a larger id, and return it."""
 
         def find(message: dict[str, Any]) -> list[dict[str, Any]]:
             return [each for each in message["channels"] if each["topic"] == topic and each["id"] > after]
@@ -110,7 +110,7 @@ class ProtocolClient:
 
 @dataclass
 class Stage:
-    """A gateway, its graph, and a robot's node beside it."""
+    """A gateway, its graph, and a robot's node."""
 
     gateway: FoxgloveGateway
     store: TypeStore

@@ -1,4 +1,4 @@
-"""Driving over real sockets: a robot stops when its driver is gone, frozen or cut off."""
+"""Driving over real sockets: a robot stops when its driver ends, freezes or loses its connection."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ TOPIC = "/cmd_vel"
 TWIST = "geometry_msgs/Twist"
 STOP = bytes(48)
 
-# Another program that drives, as a page does; it can be killed or frozen.
+# Another program that drives like a page; it can be killed or frozen.
 DRIVER = f"""
 import json, struct, sys, time
 from websockets.sync.client import connect
@@ -41,7 +41,7 @@ with connect(sys.argv[1], subprotocols=["foxglove.sdk.v1"], proxy=None) as page:
 
 
 class Robot:
-    """What drives the wheels: collects commands with the time of their arrival."""
+    """The robot's node: collects commands with the times of their arrival."""
 
     def __init__(self) -> None:
         self.commands: list[tuple[float, tuple[float, ...]]] = []
@@ -59,7 +59,7 @@ class Robot:
         return [speed for speed in self.speeds if speed == 0.0]
 
     def stop_delay_s(self) -> float:
-        """How long the robot went on after the last command that moved it."""
+        """Return how long the robot moved after the last command that moved it."""
         moved_s = max(at_s for at_s, values in self.commands if any(values))
         return next(at_s for at_s, values in self.commands if at_s >= moved_s and not any(values)) - moved_s
 
@@ -103,7 +103,7 @@ async def test_a_command_is_published_and_followed_by_one_stop() -> None:
         await until(lambda: robot.stops)
         assert robot.speeds == [0.1, 0.0]
         assert there.network.snapshot().topics[TOPIC].publishers == ("/web_teleop",)
-        # Silent for a second: anybody may drive.
+        # After a second of silence, any client may drive.
         await client.wait("drive", lambda message: message["state"] == "free" and client.of("drive")[2:])
         assert robot.speeds == [0.1, 0.0]
 
@@ -228,13 +228,13 @@ async def test_a_gateway_that_ends_stops_the_robot() -> None:
         assert "/web_teleop" not in there.network.snapshot().nodes
 
 
-# How long the robot may go on, as the best of a few trials: this machine may be busy.
+# How long the robot may move, as the best of a few trials, because this machine may be busy.
 STOP_LIMIT_S = 0.25
 TRIALS = 5
 
 
 async def stops_in_time(lose: Callable[[asyncio.subprocess.Process, Relay], None]) -> None:
-    """Let another program drive, lose it, and look how long the robot goes on."""
+    """Let another program drive, lose it, and measure how long the robot moves."""
     delays = []
     async with driven() as (there, robot):
         for _ in range(TRIALS):
@@ -258,7 +258,7 @@ async def stops_in_time(lose: Callable[[asyncio.subprocess.Process, Relay], None
 
 
 class Relay:
-    """A network between a page and the gateway that can fail without a word."""
+    """A network between a page and the gateway that can fail without closing connections."""
 
     def __init__(self, port: int) -> None:
         self._target = port

@@ -43,7 +43,7 @@ async def test_parameters_are_got_set_and_watched() -> None:
         await client.say("setParameters", parameters=[{"name": "/speed", "value": 3}], id="set")
         answer = await client.wait("parameterValues", lambda each: each.get("id") == "set")
         assert answer["parameters"] == [{"name": "/speed", "value": 3.0, "type": "float64"}]
-        # What was a float is one still: on ROS 2 its type is fixed.
+        # A float stays a float, because the type of a parameter is fixed on ROS 2.
         assert isinstance(await there.robot.get_param("/speed"), float)
         await client.wait(
             "parameterValues", lambda each: "id" not in each and each["parameters"][0]["value"] == 3.0
@@ -130,7 +130,7 @@ async def test_a_client_that_does_not_read_loses_messages_and_does_not_delay_oth
         publisher = await there.robot.advertise("/flood", string_type(there))
         async with there.client(max_queue=1) as slow, there.client() as quick:
             channel = await quick.channel("/flood")
-            # What nobody reads fills the library's queue of one message and then the sockets.
+            # Unread messages fill the library's queue of one message and then the sockets.
             slow._reading.cancel()
             for client in (slow, quick):
                 await client.say("subscribe", subscriptions=[{"id": 1, "channelId": channel["id"]}])

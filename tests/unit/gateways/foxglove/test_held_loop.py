@@ -1,4 +1,4 @@
-"""Messages of clients that take long: none may hold the event loop, where boards are served."""
+"""Messages of clients that take long: none may block the event loop, which also serves boards."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ async def test_json_with_many_messages(monkeypatch: pytest.MonkeyPatch) -> None:
         await advertise(client, "json", "visualization_msgs/MarkerArray")
         many = b'{"markers": [' + b"{}," * 20_000 + b"{}]}"
         watch = CallbackWatch(monkeypatch)
-        # The first one waits for the topic, the others for the one before.
+        # The first one waits for the topic, the others for the previous one.
         for payload in (many, many, b'{"markers": [{}]}', many):
             await client.publish(1, payload)
         await until(lambda: len(received) == 4)

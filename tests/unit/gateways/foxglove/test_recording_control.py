@@ -1,4 +1,4 @@
-"""Recording on a client's demand, over real sockets."""
+"""Recordings that clients start and stop, over real sockets."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ FREE = FoxgloveSettings(port=0)
 
 
 class FakeRecordings:
-    """Records nothing, and says what was asked."""
+    """Records nothing, and stores the requests."""
 
     def __init__(self) -> None:
         self.is_active = False

@@ -31,7 +31,7 @@ SETTINGS = FoxgloveSettings(port=0)
 
 
 class Page:
-    """What the page does: its port is the other end of a device's line."""
+    """A client that acts like the page: its port is the other end of a device's line."""
 
     def __init__(self, socket: ClientConnection, port: MemoryTransport) -> None:
         self._socket = socket
@@ -129,7 +129,7 @@ async def test_only_own_pages_with_the_full_token_connect_boards(token: str) -> 
         assert await refused(there, query, own) == 101
         assert await refused(there, query, None) == 101
         assert await refused(there, query, "https://evil.example") == 403
-        # It may see the graph, but has no boards.
+        # It may view the graph, but not connect boards.
         assert await refused(there, query, "https://app.foxglove.dev") == 403
         if token:
             assert await refused(there, "?token=view", own) == 403

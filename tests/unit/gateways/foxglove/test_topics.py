@@ -83,7 +83,7 @@ async def test_a_publisher_with_another_definition_gets_a_channel_of_its_definit
         await client.say("subscribe", subscriptions=[{"id": 2, "channelId": again["id"]}])
 
         def is_received() -> bool:
-            # The subscription of the channel that has ended may still be there.
+            # The subscription of the ended channel may still exist.
             publisher.publish_raw([b"\1\0\0\0"])
             return bool(client.of("messageData"))
 
@@ -100,7 +100,7 @@ async def test_a_client_publishes_raw_and_json() -> None:
             {"id": 2, "topic": "/cmd", "encoding": "json", "schemaName": "std_msgs/msg/String"},
         ]
         await client.say("advertise", channels=channels)
-        # At once: what comes before the graph has taken the topic is kept.
+        # Immediately: messages are kept until the graph has the topic.
         await client.publish(1, text(there, "raw"))
         await client.publish(2, b'{"data": "json"}')
         await until(lambda: len(arrived) == 2)

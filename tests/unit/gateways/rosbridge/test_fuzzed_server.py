@@ -1,4 +1,4 @@
-"""Whatever pages say over real sockets, a page that says sensible things is served as before."""
+"""After any input over real sockets, the server still serves other pages."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a client gets for messages that are wrong, and who else notices."""
+"""The server's answers to wrong messages, and their effects on others."""
 
 from __future__ import annotations
 

@@ -118,7 +118,7 @@ def test_what_nests_deeply_is_shown_too() -> None:
         deep = [deep]
     with pytest.raises(RemoteProtocolError, match=r"got \[\[\[\[\.\.\.\]\]\]\]"):
         request(topic=deep).text("topic")
-    # Ended here, piece by piece: Python's own way would nest as deeply.
+    # The nested value is freed here step by step, because Python would free it recursively.
     while deep:
         deep = deep.pop()  # type: ignore[assignment]
 
@@ -128,7 +128,7 @@ async def test_no_garbage_collection_while_a_large_message_is_read(end: str) -> 
     looked = []
 
     def look(phase: str, _: object) -> None:
-        # What is created around the reading may fill the youngest generation once.
+        # Other objects may fill the youngest generation once.
         looked.append(phase)
 
     gc.callbacks.append(look)

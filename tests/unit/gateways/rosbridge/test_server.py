@@ -146,7 +146,7 @@ async def test_many_clients_come_and_go_and_nothing_stays(there: World) -> None:
 
 async def test_the_node_that_is_shut_down_ends_the_server(there: World) -> None:
     async with there.client() as client:
-        graph = there.server._context.graph  # the node is the server's alone
+        graph = there.server._context.graph  # only the server uses the node
         await graph.close()
         await there.server.wait_ended()
         with pytest.raises(ConnectionClosed):

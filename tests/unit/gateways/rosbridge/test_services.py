@@ -66,7 +66,7 @@ async def test_a_long_call_delays_nothing_and_ends_at_its_time_limit(there: Worl
         assert answer["id"] == "short"
         assert answer["values"] == "service /hang did not answer within 0.05 s"
         await called.wait()
-    # Hanging up while a call is under way leaves nothing behind.
+    # A client that closes its connection during a call leaves nothing behind.
     await there.wait_until_all_left()
 
 

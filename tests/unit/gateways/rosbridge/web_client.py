@@ -23,7 +23,7 @@ LIMIT_S = 60.0
 
 
 class WebClient:
-    """One client: says operations, and hears messages of one op at a time."""
+    """A client that sends operations, and receives messages of one op at a time."""
 
     def __init__(self, connection: ClientConnection) -> None:
         self.connection = connection
@@ -39,7 +39,7 @@ class WebClient:
         return message
 
     async def settled(self) -> list[dict[str, Any]]:
-        """Wait until all that was said is carried out; returns what was heard meanwhile."""
+        """Wait until all sent operations are handled; return the messages received meanwhile."""
         await self.say("call_service", service="/settled", id="settled")
         received = []
         while (message := await self.receive()).get("id") != "settled":
@@ -48,7 +48,7 @@ class WebClient:
 
 
 class World:
-    """A graph with a node of the test's, and a server with its log."""
+    """A graph with a node of the test, and a server with its log."""
 
     def __init__(self, network: MemoryNetwork, node: MemoryGraph, server: RosbridgeServer) -> None:
         self.network = network

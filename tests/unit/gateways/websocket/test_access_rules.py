@@ -60,7 +60,7 @@ def test_viewers_may_connect(origin: str | None) -> None:
         "http://app.foxglove.dev",
         "https://foxglove.dev.evil.example",
         "https://evilfoxglove.dev",
-        # Its name leads here, but the page is a stranger's.
+        # The name of the page's host leads here, but the page is from another server.
         "http://rebound.example:8765",
         "http://10.0.0.8",
         "http://[broken",

@@ -1,4 +1,4 @@
-"""One connection, byte by byte: what a WebSocket library would not send."""
+"""One connection, byte by byte, with data that a WebSocket library would not send."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ async def shaken(port: int) -> Connection:
 
 
 async def ended(reader: asyncio.StreamReader) -> bytes:
-    """Return what still comes until the connection has ended."""
+    """Return the remaining data until the end of the connection."""
     data = bytearray()
     try:
         async with asyncio.timeout(LIMIT_S):
@@ -316,7 +316,7 @@ async def test_reads_stay_so_short_that_small_frames_do_not_hold_the_loop() -> N
     async with stage() as there:
         _, writer = await shaken(there.gateway.port)
         (connection,) = there.gateway._server._connections
-        # Reads grow as long as they cost little.
+        # Reads grow while they take little time.
         for _ in range(1000):
             connection._turn.note_cost(len(connection.get_buffer(-1)), 0.0)
         # A frame takes up to 10 µs.

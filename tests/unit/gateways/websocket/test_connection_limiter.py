@@ -7,7 +7,7 @@ from rostether.gateways.websocket.connection_limiter import ConnectionLimiter
 
 
 class Accepted(asyncio.BaseTransport):
-    """A connection of which only the two ends are known."""
+    """A connection with only its two addresses."""
 
     def __init__(self, peer: str = "127.0.0.1", own: str = "127.0.0.1") -> None:
         super().__init__({"peername": (peer, 5000), "sockname": (own, 9090)})

@@ -19,7 +19,7 @@ from rostether.transports.tls import TlsFiles, listener_context
 
 
 async def greeted(made: OwnCertificate, name: str) -> None:
-    """Connect by TLS as a device that trusts the authority, under a name."""
+    """Connect by TLS to a name, like a device that trusts the authority."""
     server = await asyncio.start_server(
         lambda _, writer: writer.close(),
         "127.0.0.1",
@@ -111,7 +111,7 @@ def test_it_stays_until_something_changes(tmp_path: Path) -> None:
     second = contents()
     assert second[0] == first[0]
     assert second[1] != first[1]
-    # A name that the authority may not sign for yet needs another authority.
+    # If the authority may not sign for a name, a new authority is necessary.
     names.append("robot.lan")
     third = contents()
     assert third[0] != second[0]

@@ -20,7 +20,7 @@ AT_ONCE = 20
 
 
 async def asked(there: Stage, request: bytes) -> bytes:
-    """Send a request, and return all that comes until the server hangs up."""
+    """Send a request, and return the answer until the server closes the connection."""
     reader, writer = await asyncio.open_connection("127.0.0.1", there.gateway.port)
     writer.write(request)
     try:
@@ -129,7 +129,7 @@ async def test_requests_for_files_take_no_place_of_a_client() -> None:
 
 @pytest.mark.slow
 async def test_thousands_of_requests_leave_nothing_behind() -> None:
-    """A viewer beside them is served all the time; connections, tasks and memory are as before."""
+    """A viewer is served during the requests; connections, tasks and memory are as before."""
     async with stage(FREE, site=SITE) as there, there.client() as viewer:
         await asked(there, get("/"))
         tasks, memory_kb = len(asyncio.all_tasks()), 0

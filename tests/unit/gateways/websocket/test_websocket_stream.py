@@ -8,7 +8,7 @@ from rostether.gateways.websocket.websocket_stream import MAX_WAITING, WebSocket
 
 
 class FakeConnection:
-    """Records what a stream asks of its connection."""
+    """Records a stream's calls of its connection."""
 
     def __init__(self) -> None:
         self.calls: list[object] = []

@@ -1,4 +1,4 @@
-"""Where ROS 2 definitions come from, and which one wins."""
+"""Sources of ROS 2 definitions, and their order."""
 
 from __future__ import annotations
 
@@ -117,7 +117,7 @@ def test_bundled_can_be_omitted() -> None:
 
 
 def test_reads_installed_packages(tmp_path: Path) -> None:
-    # Merged below one prefix, and each below one of its own as colcon builds them.
+    # Merged below one prefix, and each below its own prefix, as colcon builds them.
     package(tmp_path / "ros/share/my_msgs", Foo="int8 first\n", Set="bool on\n---\n")
     package(tmp_path / "ws/your_msgs/share/your_msgs", Bar="my_msgs/Foo foo\n")
     package(tmp_path / "ws/your_msgs/share/std_msgs", String="string<=5 data\n")
@@ -197,7 +197,7 @@ def test_distinguishes_ros2_definitions_from_ros1(tmp_path: Path) -> None:
     assert not definitions.has("loose_msgs/msg/Old")
     assert definitions.has("own_msgs/msg/Uses")
     assert names(definitions, "new_msgs/msg/Good") == ["header"]
-    # The package says that it is ROS 2's: its mistake is reported, not ignored.
+    # The package declares that it is for ROS 2: its mistake is reported, not ignored.
     with pytest.raises(DefinitionError, match=r"Broken\.msg:1:1: 'time' is a type of ROS 1"):
         definitions.message("new_msgs/msg/Broken")
 

@@ -1,4 +1,4 @@
-"""ROS 1 types in ROS 2's words."""
+"""Converting ROS 1 types to ROS 2."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from rostether.msgdef.ros2.parse import parse_message as parse_ros2
 from rostether.msgdef.ros2.spec import Ros2Constant, Ros2Message
 
 REGISTRY = Registry()
-# Types of one name whose fields or defaults ROS 2 has changed.
+# Types whose fields or defaults differ in ROS 2.
 CHANGED = {
     "geometry_msgs/Quaternion",
     "sensor_msgs/NavSatStatus",

@@ -1,4 +1,4 @@
-"""ROS 2 texts: what rosidl reads, and where a mistake is."""
+"""Definitions of ROS 2: parsed as by rosidl, with positions in errors."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""ROS 2 types in ROS 1's words."""
+"""Converting ROS 2 types to ROS 1."""
 
 from __future__ import annotations
 

@@ -29,7 +29,7 @@ from rostether.serde.store import TypeStore
 NOW = Time(1_700_000_000, 7)
 STORE = TypeStore(Registry())
 
-# Of the package rosapi of ROS Noetic, as its generated code has them.
+# The md5sums of the package rosapi of ROS Noetic, from its generated code.
 MD5SUMS = {
     "DeleteParam": "c1f3d28f1b044c871e6eff2e9fc3c667",
     "GetActionServers": "46807ba271844ac5ba4730a47556b236",
@@ -93,7 +93,7 @@ async def known_types(service: str) -> str:
 
 
 class ForgetfulGraph(MemoryGraph):
-    """A graph that knows no types of services, as ROS 1's."""
+    """A graph that does not know the types of services, like that of ROS 1."""
 
     async def snapshot(self) -> Snapshot:
         found = await super().snapshot()
