@@ -24,7 +24,7 @@ _ENTRY_BYTES = 220
 # Time in ns, start and end of the payload in the uncompressed chunk, and the connection's number.
 Entry = tuple[int, int, int, int]
 
-# A chunk's data, and an iterator over its messages in file order.
+# A chunk's data, and a function that returns an iterator over its messages in file order.
 Unpacked = tuple[bytes | memoryview, Callable[[], Iterator[Entry]]]
 
 

@@ -15,7 +15,7 @@ from rostether.recording.packed_chunks import StoredChunk, compression_shares
 from rostether.recording.recorded import CompressionShare, Connection, RecordedMessage
 from rostether.recording.regular_file import MappedFile
 
-# The length of the reasons at which no more are added: every chunk may be damaged in a different way.
+# A text with this length gets no more reasons: every chunk may be damaged in a different way.
 MAX_DAMAGE_CHARS = 500
 
 
@@ -107,7 +107,7 @@ class Tally(NamedTuple):
 
 
 def tally(entries: Iterable[Entry], defined: Container[int], note: Callable[[str], None], noun: str) -> Tally:
-    """Count messages; messages of a connection or channel (`noun`) that is not defined are only noted."""
+    """Count messages; messages of a connection or channel (`noun`) that is not defined are only reported."""
     counts: dict[int, int] = {}
     first_ns, last_ns = 1 << 64, -1
     for time_ns, _, _, number in entries:

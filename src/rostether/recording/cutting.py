@@ -57,7 +57,7 @@ def _is_recording(path: Path) -> bool:
 def moment_ns(text: str, last_ns: int) -> int:
     """Return a local time such as 14:02, 14:02:30 or 2026-11-23 14:02 in nanoseconds since the epoch.
 
-    Without a date it is the last such time before `last_ns`; with an offset such as +01:00 or Z, the time is
+    Without a date, it is the last such time before `last_ns`. With an offset such as +01:00 or Z, the time is
     not local. Raises ConfigError.
     """
     found = _CLOCK.fullmatch(text.strip())

@@ -39,7 +39,7 @@ class FileLock:
         os.close(file)
 
     def __enter__(self) -> FileLock:
-        """Return the lock, which ends with the block."""
+        """Return the lock, which is released at the end of the block."""
         return self
 
     def __exit__(

@@ -97,7 +97,7 @@ def _rewrite(
 
 @contextmanager
 def _unfinished(path: Path, output: Path) -> Iterator[Path]:
-    """Provide the path to write to before it is renamed to `output`."""
+    """Yield the path of the unfinished recording, which is renamed to `output` afterwards."""
     name = output.name.removesuffix(ACTIVE_SUFFIX)
     if path.is_dir():
         # The files in a ROS 2 bag's folder have its name.

@@ -33,7 +33,7 @@ MAX_PROFILES = 1000
 
 
 def offered(*, is_latching: bool, is_best_effort: bool = False) -> str:
-    """Return the QoS text for a ROS 1 publisher, or for one with no other known settings."""
+    """Return the QoS text for a ROS 1 publisher, or for a publisher whose other settings are unknown."""
     return profiles_text(
         [
             {

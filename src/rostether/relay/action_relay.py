@@ -63,8 +63,7 @@ def _of_ros2(snapshot: Snapshot) -> Iterator[tuple[str, ActionEntry]]:
 class ActionRelay:
     """Offers an action of one graph in the other one, from `open` to `close`.
 
-    `type_name` is `package/Name`, and `ros1` the relay's node in ROS 1. With `to_ros2`, the server is in ROS
-    1.
+    `type_name` is `package/Name`, and `ros1` the relay's node in ROS 1, where the server is with `to_ros2`.
     """
 
     def __init__(self, name: str, type_name: str, ros1: Graph, join: BoardJoin, *, to_ros2: bool) -> None:

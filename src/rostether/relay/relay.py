@@ -5,8 +5,8 @@ are active at the same time. No message comes back, because the relay's subscrib
 relay itself publishes. A service is offered in the graph that does not have it, while the other has it.
 
 Nodes that are in both graphs themselves (`graph.joint_marks`) are skipped: boards, which need no relay, and
-other relays, whose messages come from the other graph. If there are several relays, the first one that relays
-a topic or service keeps it. If two start at the same time, the older one gets it: the younger one waits.
+other relays, whose messages are those of the other graph. If there are several relays, the first one that
+relays a topic or service continues to do so. If two start at the same time, the younger one waits.
 """
 
 from __future__ import annotations

@@ -37,8 +37,8 @@ _AFTER_BYTES = 56
 class TopicRelay:
     """Relays a topic from `open` to `close`; messages of `skip_nodes` are omitted.
 
-    Messages that arrive before the subscribers on the other side are connected wait here, and then, because
-    the subscription pauses, in the source graph's queues.
+    Messages that arrive before the subscribers on the other side are connected wait here. Then the
+    subscription pauses, so that further messages wait in the source graph's queues.
     """
 
     def __init__(self, topic: str, source: Side, target: Side, skip_nodes: Container[str]) -> None:

@@ -35,7 +35,7 @@ def convert_if_large(from_cdr: FromCdr, cdr: bytes) -> Received:
 
 
 def payload_of(from_cdr: FromCdr, received: Received) -> bytes:
-    """Return the payload, in the event loop. Raises SerializationError."""
+    """Return the payload of a received message, in the event loop. Raises SerializationError."""
     if isinstance(received, bytes):
         return from_cdr(received)
     if received.error is not None:
@@ -44,7 +44,10 @@ def payload_of(from_cdr: FromCdr, received: Received) -> bytes:
 
 
 async def convert(from_cdr: FromCdr, cdr: bytes) -> bytes:
-    """Return the payload of a request or response. Raises SerializationError."""
+    """Return the payload of a request or response; convert a large one in a thread.
+
+    Raises SerializationError.
+    """
     if len(cdr) < LARGE_BYTES:
         return from_cdr(cdr)
     return await asyncio.to_thread(from_cdr, cdr)

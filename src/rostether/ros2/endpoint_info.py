@@ -25,7 +25,7 @@ class EndpointKind(Enum):
 
 
 class QosReport(Struct, frozen=True):
-    """Quality of service in rclpy's terms; UNKNOWN if the middleware does not report it."""
+    """Quality of service in rclpy's terms; a policy that the middleware does not report is UNKNOWN."""
 
     reliability: str
     durability: str

@@ -44,7 +44,7 @@ class Handover(Generic[_Item]):
         self._is_closed = False
 
     def put(self, item: _Item, size: int = 1) -> None:
-        """Queue an item."""
+        """Queue an item, whose `size` counts against the limit."""
         with self._lock:
             if self._is_closed:
                 return

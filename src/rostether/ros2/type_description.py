@@ -25,7 +25,7 @@ TIMEOUT_S: Final = 3.0
 
 
 async def learn_type(graph: Graph, types: Ros2Types, node_name: str, name: str, type_hash: str) -> None:
-    """Add the definitions of a type and of its nested types from a node.
+    """Ask a node for the definitions of a type and its nested types, and add them to `types`.
 
     Raises UnknownTypeError with the reason.
     """

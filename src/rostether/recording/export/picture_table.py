@@ -15,7 +15,7 @@ PICTURE_TYPE = "sensor_msgs/CompressedImage"
 
 
 class PictureTable:
-    """Writes sensor_msgs/CompressedImage as .jpg and .png files, as they were recorded."""
+    """Writes the pictures of sensor_msgs/CompressedImage unchanged as .jpg and .png files."""
 
     def __init__(self, folder: Path) -> None:
         """Create the folder. Raises RecordingError."""

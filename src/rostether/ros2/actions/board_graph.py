@@ -34,7 +34,7 @@ OpenSession: TypeAlias = Callable[[], AbstractAsyncContextManager[NativeSession]
 
 
 class BoardJoin:
-    """Joins boards to a ROS 2 graph; a `JoinGraph`. The session for actions is opened with the first one."""
+    """Joins boards to a ROS 2 graph; a `JoinGraph`. The first action opens the session for actions."""
 
     def __init__(self, join: JoinGraph, types: Ros2Types, open_session: OpenSession) -> None:
         self.types = types
@@ -203,7 +203,7 @@ class _ActionSubscriber:
         """Do nothing, like `pause`."""
 
     async def close(self) -> None:
-        """End the action with its goals."""
+        """End the action with its goals, or stop passing on cancel requests."""
         if self._is_goal:
             await self._topics.close()
         else:

@@ -72,7 +72,7 @@ class ActionServer:
         self._status: Publisher | None = None
 
     async def open(self, graph: Graph) -> None:
-        """Offer the action. Raises GraphError, UnknownTypeError; then nothing stays open."""
+        """Offer the action. Raises GraphError, UnknownTypeError; then nothing remains open."""
         self._graph = graph
         types = self._types
         try:
@@ -135,7 +135,7 @@ class ActionServer:
         if is_accepted:
             self._goals[goal_id] = _Goal(stamp)
             self._publish_status()
-            # Called after the answer, because feedback must not come before it.
+            # Called after the answer, because feedback must not precede it.
             asyncio.get_running_loop().call_soon(self._on_goal, goal_id, request[ID_BYTES:])
         return bytes([is_accepted]) + STAMP.pack(*stamp)
 

@@ -19,7 +19,7 @@ LIST_SERVICE = "list_parameters"
 
 
 class ParameterClient:
-    """Asks other nodes.
+    """Reads and sets the parameters of other nodes.
 
     All methods raise GraphError if a node does not answer or refuses, and SerializationError if its answer is
     invalid.

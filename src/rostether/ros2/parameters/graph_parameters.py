@@ -138,7 +138,7 @@ def _tree(parameter: ParameterPath, values: Mapping[str, TypedValue]) -> ParamVa
     for name, value in _deepest_last(values.items()):
         parts = name_parts(name)[depth:]
         if not parts:
-            # ROS 2 may have both `a` and `a.b`; a request for `a` means that one.
+            # ROS 2 may have both `a` and `a.b`; a request for `a` returns only that parameter.
             return value.value
         tree = root
         for part in parts[:-1]:

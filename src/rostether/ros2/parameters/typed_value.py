@@ -14,7 +14,7 @@ from rostether.serde.values import Message
 
 _INT64 = range(-(2**63), 2**63)
 
-# Keeps an error to one readable line.
+# The length of a value in an error, so that the error is one readable line.
 _MAX_SHOWN_CHARACTERS = 60
 
 
@@ -51,7 +51,7 @@ class TypedValue(Struct, frozen=True):
         return is_whole or (self.type is ParameterType.STRING_ARRAY and not self.value)
 
     def as_type(self, wanted: int | None) -> TypedValue:
-        """Return the value converted to this type if that loses nothing, else unchanged."""
+        """Return the value as the wanted type if it may be meant as that type, else unchanged."""
         value: Any = self.value
         if self.type is ParameterType.INTEGER and wanted == ParameterType.DOUBLE:
             return TypedValue(ParameterType.DOUBLE, float(value))
@@ -80,7 +80,7 @@ NOT_SET = TypedValue(ParameterType.NOT_SET, None)
 
 
 def typed_value(name: str, value: ParamValue) -> TypedValue:
-    """Return a value with its type: None gives NOT_SET, and a list of integers and floats a list of floats.
+    """Return a value with its type: None becomes NOT_SET, and integers in a list with floats become floats.
 
     Raises SerializationError naming the parameter if ROS 2 does not support the value.
     """

@@ -140,5 +140,8 @@ class ParameterWatch:
 
 
 def _concerns(node: str, name: str) -> bool:
-    """Return whether a node's event may concern a name: its parameter, or a namespace that contains it."""
+    """Return whether an event of a node may concern a name.
+
+    The name is that of a parameter of the node, of the node, or of a namespace above it.
+    """
     return name == node or name.startswith(f"{node}/") or node.startswith(name.rstrip("/") + "/")

@@ -23,7 +23,7 @@ PUBLISHER_POLL_INTERVAL_S = 0.2
 
 
 class Endpoints:
-    """Makes and ends the endpoints of a node; names are fully resolved.
+    """Creates and ends the endpoints of a node; names are fully resolved.
 
     The methods raise the same errors as those of `RclpyGraph`.
     """

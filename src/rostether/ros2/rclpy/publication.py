@@ -23,8 +23,8 @@ ACKNOWLEDGE_S = 0.1
 # The polling interval for acknowledgements: local subscribers acknowledge within 5 ms.
 ACKNOWLEDGE_POLL_S = 0.002
 
-# The latched messages that wait for acknowledgements. A subscriber that was killed delays them by
-# `ACKNOWLEDGE_S` each until its lease ends, 20 s later; beyond this, the oldest is sent immediately.
+# The limit of latched messages that wait for acknowledgements; beyond it, the oldest is sent immediately. A
+# subscriber that was killed delays each message by `ACKNOWLEDGE_S` until its lease ends, 20 s later.
 MAX_BACKLOG = 1000
 
 
@@ -107,7 +107,7 @@ class RclpyPublication:
         return True
 
     async def drained(self, timeout_s: float) -> None:
-        """Wait until reliable subscribers have received everything, `timeout_s` at most.
+        """Wait until reliable subscribers have received everything, at most `timeout_s`.
 
         A publisher may have discovered a subscriber before the subscriber discovers the publisher. Until then
         the subscriber drops messages, and the middleware sends them again.

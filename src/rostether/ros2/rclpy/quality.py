@@ -48,7 +48,7 @@ def publisher_profile(*, latch: bool) -> Any:
 
 
 def subscriber_quality(publishers: Sequence[Any]) -> SubscriberQuality:
-    """Return the strictest quality that all publishers (rclpy endpoint infos) offer; with none, reliable."""
+    """Return the strictest quality that all publishers (rclpy endpoint infos) offer, reliable for none."""
     return SubscriberQuality(
         is_reliable=all(each.qos_profile.reliability.name != "BEST_EFFORT" for each in publishers),
         is_latched=bool(publishers) and all(map(is_latching, publishers)),

@@ -82,7 +82,7 @@ class RclpyServiceClient:
         deadline_s = loop.time() + limit_s
         while not self._is_ready():
             absence = await self._own.thread.run(self._explain_absence)
-            # A different type is known immediately.
+            # A service of another type is reported immediately.
             if isinstance(absence, TypeMismatchError) or loop.time() >= deadline_s:
                 raise absence
             await asyncio.sleep(SERVICE_POLL_INTERVAL_S)

@@ -35,10 +35,10 @@ from rostether.ros2.rclpy.quality import (
 from rostether.ros2.rclpy.view import node_name_of
 from rostether.ros2.types.type_support import ANY_HASH, MessageSupport
 
-# Messages received before the executor serves the other subscriptions again, which takes a few milliseconds.
+# The messages received before the executor serves the other subscriptions: a few milliseconds of work.
 MAX_BATCH = 1000
 
-# The number of different reports of one subscription, so that invalid messages cannot fill the log.
+# The maximum number of different reports of one subscription, so that invalid messages cannot fill the log.
 MAX_REPORTS = 16
 
 _GID_BYTES = 16

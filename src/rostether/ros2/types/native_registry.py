@@ -61,7 +61,10 @@ class NativeRegistry(Registry):
         self._ros1.search()
 
     def ros2_message(self, name: str) -> Ros2Message:
-        """Return a ROS 2 message, request or response. Raises UnknownTypeError, DefinitionError."""
+        """Return a message, request or response as ROS 2 defines it.
+
+        Raises UnknownTypeError, DefinitionError.
+        """
         package, _, rest = short_name(name).partition("/")
         full_name = f"{package}/msg/{rest}"
         if self._is_of_action(package, rest):
@@ -87,11 +90,11 @@ class NativeRegistry(Registry):
         return self.definitions.service(full_name)
 
     def message_type(self, name: str) -> MessageType:
-        """Return a message's type in ROS 1's form. Raises the same errors as `message`."""
+        """Return a message's type in ROS 1's form. Raises the same errors as `ros2_message`."""
         return super().message_type(short_name(name))
 
     def service_type(self, name: str) -> ServiceType:
-        """Return a service's type in ROS 1's form. Raises the same errors as `service`."""
+        """Return a service's type in ROS 1's form. Raises the same errors as `ros2_service`."""
         return super().service_type(short_name(name))
 
     def packages(self) -> list[str]:
@@ -99,11 +102,11 @@ class NativeRegistry(Registry):
         return self.definitions.packages()
 
     def messages(self, package: str | None = None) -> list[str]:
-        """Return all messages by ROS 2's names, sorted."""
+        """Return all messages, or those of a package, by ROS 2's names, sorted."""
         return self.definitions.messages(package)
 
     def services(self, package: str | None = None) -> list[str]:
-        """Return all services by ROS 2's names, sorted."""
+        """Return all services, or those of a package, by ROS 2's names, sorted."""
         return self.definitions.services(package)
 
     def _load_message(self, name: str) -> MessageSpec:

@@ -102,7 +102,7 @@ class NativeClasses(MessageClasses):
 
 
 def _maker(node: Node, default: Any) -> Any:
-    """Return an immutable value, or a function that makes a mutable one."""
+    """Return an immutable default value, or a function that creates a mutable one."""
     if not isinstance(node, Array):
         return default
     values = tuple(default)

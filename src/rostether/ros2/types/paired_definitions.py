@@ -1,4 +1,4 @@
-"""The ROS 2 definitions for ROS 1 definitions, found or derived, and the reverse."""
+"""The ROS 2 definitions of ROS 1 types, found or derived, and ROS 1 definitions of ROS 2 types."""
 
 from __future__ import annotations
 

@@ -77,7 +77,7 @@ def service_hash(service: Ros2Service, definitions: HashSource) -> str:
 
 
 def service_messages(service: Ros2Service) -> tuple[Ros2Message, ...]:
-    """Return the message that represents a service, and the three messages in it."""
+    """Return the message that represents a service, then its request, response and event message."""
     event = event_message(service)
     members = {
         "request_message": service.request,
@@ -106,7 +106,7 @@ def rihs01(message: Ros2Message, definitions: MessageSource) -> str:
 def described_message(name: str, fields: Iterable[Any]) -> Ros2Message:
     """Return a message of a type description: `fields` are type_description_interfaces/Field.
 
-    Raises DefinitionError for types that .msg files do not support.
+    Raises DefinitionError for an invalid name, and for types that .msg files do not support.
     """
     parts = name.split("/")
     if len(parts) != _NAME_PARTS:

@@ -191,7 +191,7 @@ class Ros2Types:
         return support
 
     def _source(self, message_type: MessageType) -> Registry:
-        """Return the registry with the type's own definition: this one, or one with the text of the type."""
+        """Return a registry with the type's own definition: `registry`, or one with the text of the type."""
         try:
             if self.registry.message_type(message_type.name).md5sum == message_type.md5sum:
                 return self.registry

@@ -21,10 +21,10 @@ from rostether.ros2.zenoh.tokens import Token, TokenKind, all_tokens, data_key, 
 # The maximum number of topics to probe; rules usually cover groups of topics.
 MAX_TOPICS = 64
 
-# The time limit of a probe: about 1 s on busy Wi-Fi, a few seconds on a busy machine.
+# The time limit of probes, which need about 1 s on busy Wi-Fi, and a few seconds on a busy machine.
 PROBE_LIMIT_S = 10.0
 
-# The time for a subscription to become known before the next probe.
+# The interval between probes: until a subscription is known, they are lost.
 _REPEAT_S = 0.2
 
 _CONNECT_LIMIT_MS = 5000
@@ -45,7 +45,7 @@ async def find_denied_topics(
     try:
         return await asyncio.to_thread(_find, configuration, endpoint, domain_id, ends, ended)
     finally:
-        # The program's exit must not wait for the thread.
+        # The thread ends early, because the program waits for it when it exits.
         ended.set()
 
 

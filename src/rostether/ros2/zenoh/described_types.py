@@ -13,7 +13,8 @@ from rostether.ros2.types.type_support import ANY_HASH, MessageSupport, Ros2Type
 # The limit of types that a subscriber of any type learns; a topic has one type, but a peer may invent more.
 MAX_DESCRIBED_TYPES = 64
 
-# Asks a node to describe a type, by its name and hash. Raises UnknownTypeError.
+# Asks a node to describe a type; the arguments are the names of node and type, and the hash. Raises
+# UnknownTypeError.
 Describe = Callable[[str, str, str], Awaitable[None]]
 
 

@@ -52,7 +52,7 @@ class Endpoints:
         self._rosout = ZenohPublication(
             ROSOUT, LOG_TYPE, support, node=self._node, report=self._report, latch=True, qos=ROSOUT_QOS
         )
-        # This publisher stays: closing a handle does not end it.
+        # Closing a handle to /rosout must not end this publisher.
         self._rosout.handle_count = 1
         self._publications[ROSOUT] = self._rosout
 

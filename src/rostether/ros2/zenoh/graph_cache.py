@@ -31,7 +31,7 @@ class GraphCache:
         self._listeners: dict[EndpointKey, list[Callable[[], None]]] = {}
         self._change_events: set[asyncio.Event] = set()
         self._snapshot: Snapshot | None = None
-        # The parts of the last snapshot that are still valid; a change affects few of thousands.
+        # The parts of the last snapshot that are still valid; a change affects only a few of thousands.
         self._node_names: Counter[str] = Counter()
         self._topic_entries: dict[str, TopicEntry] = {}
         self._service_entries: dict[str, ServiceEntry] = {}

@@ -85,7 +85,10 @@ class ZenohGraph(Ros2Membership):
         on_messages: OnMessages,
         **options: Unpack[SubscribeOptions],
     ) -> ZenohSubscriber:
-        """Subscribe. `ANY_MESSAGE` accepts every type; `on_connection` is called for each publisher."""
+        """Subscribe. `ANY_MESSAGE` accepts every type; `on_connection` is called for each publisher.
+
+        Raises TypeMismatchError, UnknownTypeError, InvalidNameError.
+        """
         self._check_open()
         return self._endpoints.subscribe(
             self._resolve_ros2(topic),
@@ -98,7 +101,10 @@ class ZenohGraph(Ros2Membership):
     async def advertise_service(
         self, service: str, service_type: ServiceType, handler: ServiceHandler
     ) -> ZenohServiceServer:
-        """Offer a service. A handler that raises RostetherError fails the call with that error's text."""
+        """Offer a service. A handler that raises RostetherError fails the call with that error's text.
+
+        Raises GraphError if this node already offers the service, UnknownTypeError, InvalidNameError.
+        """
         self._check_open()
         return self._endpoints.advertise_service(self._resolve_ros2(service), service_type, handler)
 

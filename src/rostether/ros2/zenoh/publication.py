@@ -192,8 +192,8 @@ class ZenohPublication:
                 reliability=zenoh.Reliability.RELIABLE,
             )
             self._publisher = publisher
-            # It is called immediately if there is a subscriber. Reading the status here would be a race: a
-            # thread may report a newer status before it is stored.
+            # The listener is called immediately if there is a subscriber. Reading the status here would be a
+            # race: a thread may report a newer status before the read one is stored.
             self._matching = publisher.declare_matching_listener(
                 zenoh.handlers.Callback(self._match, indirect=False)
             )

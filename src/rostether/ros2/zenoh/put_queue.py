@@ -1,4 +1,4 @@
-"""The puts of one publication while links are full: a thread does them, so that nothing else is delayed.
+"""The puts of one publication while links are full, in a thread, so that nothing else is delayed.
 
 States and transitions:
 
@@ -39,7 +39,7 @@ LONG_NS = 10_000_000
 # Two such puts within this time are not a coincidence.
 LONG_AGAIN_S = 2.0
 
-# How long the thread stays in use after a put that would have blocked the loop.
+# How long the thread is used after a put that would have blocked the loop.
 THREAD_IN_USE_S = 60.0
 
 # How long a closing publication waits for its remaining puts.

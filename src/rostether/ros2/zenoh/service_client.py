@@ -21,7 +21,7 @@ from rostether.ros2.zenoh.tokens import TokenKind, data_key
 # A query must have a time limit; a call without a limit ends when its server ends.
 ENDLESS_S = 7 * 24 * 3600.0
 
-# The delay between a server's token and its queryable; about 1 ms on one machine.
+# The maximum delay between a server's token and its queryable; it is about 1 ms on one machine.
 REACH_S = 2.0
 REACH_POLL_S = 0.001
 
@@ -107,7 +107,7 @@ class ZenohServiceClient:
         return await convert(self.support.response.from_cdr, reply.ok.payload.to_bytes())
 
     def close(self) -> None:
-        """Withdraw the client's token."""
+        """Withdraw the client's token, and end its querier. Call it once."""
         self._token.withdraw()
         self._querier.undeclare()
 

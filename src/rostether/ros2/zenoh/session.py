@@ -65,7 +65,7 @@ _log = logging.getLogger("rostether.ros2")
 
 
 class ZenohSession(SharedSession):
-    """A session; `join` is a `JoinGraph`. Make it with `ZenohSession.open`."""
+    """A session; `join` is a `JoinGraph`. Create it with `ZenohSession.open`."""
 
     def __init__(self, session: zenoh.Session, environment: Ros2Environment, types: Ros2Types) -> None:
         super().__init__(session, environment.domain_id, types)

@@ -73,7 +73,7 @@ class LiveToken:
         self.text = token.format()
         self._session = session
         self._declared = session.liveliness.declare_token(self.text)
-        # Directly, not through zenoh: this session ignores its own tokens there.
+        # The session ignores its own tokens from zenoh.
         session.graph.apply_tokens([(self.text, True)])
 
     def withdraw(self) -> None:
