@@ -1,8 +1,8 @@
 """The limits of an expression: how many steps it takes and how large its values get.
 
 Short expressions can compute for days or fill memory: `9**9**9`, `sum([[0] * 9999] * 9999, [])`,
-`'%999999999d' % 1`. So an operation costs a step, and each element, character and key of its values costs
-one. A value that can be much larger than its operands is charged before it is computed. The budget counts
+`'%999999999d' % 1`. So each call and pass of a loop costs steps, and each element, character and key of a
+value. A value that can be much larger than its operands is charged before it is computed. The budget counts
 steps instead of time, so a busy machine accepts the same expressions as an idle one.
 """
 
@@ -25,7 +25,8 @@ MAX_INTEGER_BITS: Final = 1024
 # 170! has 1,020 bits, 171! has 1,027.
 _MAX_FACTORIAL: Final = 170
 
-# The limit of a format's width and precision, and of the digits of round(): no double has more digits.
+# The limit of the width and precision of a format, and of the digits of round(). A double has fewer
+# significant digits.
 MAX_DIGITS: Final = 1000
 
 _ATOMS: Final = frozenset((float, int, bool, type(None)))

@@ -17,7 +17,7 @@ from rostether.errors import ConfigError
 from rostether.expression.budget import Budget
 from rostether.rostime import Duration, Time
 
-# More than users type; longer expressions could nest so deeply that they exhaust the stack.
+# Users type less. The limit also bounds the nesting of brackets and operators.
 MAX_EXPRESSION_CHARS = 2000
 
 Scope: TypeAlias = Mapping[str, Any]
@@ -72,7 +72,7 @@ _COMPARE: dict[type[ast.cmpop], Callable[[Any, Any], Any]] = {
     ast.IsNot: operator.is_not,
 }
 
-# RecursionError: an expression of the maximum length can nest its brackets deeper than the stack.
+# RecursionError: an expression of the maximum length can be nested deeper than the stack.
 _FAILURES = (TypeError, ValueError, ArithmeticError, LookupError, AttributeError, RecursionError, MemoryError)
 
 _SEQUENCES: dict[type[ast.expr], Callable[..., Any]] = {ast.List: list, ast.Tuple: tuple, ast.Set: set}

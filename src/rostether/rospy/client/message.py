@@ -32,7 +32,8 @@ class DeserializationError(MessageException):
 class Message(_SerdeMessage):
     """Base of all message classes: each has `_type`, `_md5sum`, `_full_text`, `_slot_types`, `_has_header`.
 
-    `_connection_header` is set on messages that came from the graph.
+    `_connection_header` is set on messages that came from the graph. Raises TypeError or AttributeError for
+    arguments that are not the fields.
     """
 
     __slots__ = ("_connection_header",)

@@ -32,7 +32,8 @@ _ANY_SERVICE = ServiceType(ANY_TYPE, ANY_MD5SUM, ANY_MESSAGE, ANY_MESSAGE)
 class Service:
     """Offers a service; `handler` gets a request, and returns a response or its fields.
 
-    `buff_size` has no effect. Raises ServiceException if the node already offers the service.
+    `buff_size` has no effect. Raises ValueError for an empty name, ServiceException if the node already
+    offers the service.
     """
 
     def __init__(

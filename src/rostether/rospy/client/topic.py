@@ -112,7 +112,10 @@ topics = Topics()
 
 
 class Topic(Generic[_S]):
-    """Base of the handles to a topic; `resolved_name` is its full name, `impl` the state that they share."""
+    """Base of the handles to a topic; `resolved_name` is its full name, `impl` the state that they share.
+
+    Raises ValueError for a name or a message class that is not valid.
+    """
 
     impl: _S | None
     _key: Hashable
