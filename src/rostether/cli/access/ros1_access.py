@@ -49,7 +49,7 @@ def read_environment(graph: GraphOptions, listen: str | None = None) -> RosEnvir
 
 
 def type_store(msg_paths: Iterable[Path] = ()) -> TypeStore:
-    """Return the message types; definitions in the folders `msg_paths` take precedence."""
+    """Return the message types; definitions in `msg_paths` take precedence. Raises ConfigError."""
     from rostether.msgdef.registry import Registry
     from rostether.serde.store import TypeStore
 

@@ -45,8 +45,8 @@ async def ros2_access(
 ) -> AsyncIterator[Ros2Access]:
     """Join the ROS 2 graph until the end of the block.
 
-    `types` replace those from `msg_paths` and the environment. Raises ConfigError, which names a missing
-    package, and GraphError if the middleware cannot open a session.
+    `types` replace those from `msg_paths` and the environment. Raises ConfigError for a missing package or
+    folder, and GraphError if the middleware cannot open a session.
     """
     from rostether.msgdef.registry import Registry
     from rostether.msgdef.ros2.definitions import Ros2Definitions

@@ -30,6 +30,8 @@ if TYPE_CHECKING:
 # A master on loopback answers within milliseconds; a starting one gets this long before its port counts as
 # used by another program.
 _ANSWER_LIMIT_S = 2.0
+# A user does not notice this delay after the master's start.
+_POLL_S = 0.1
 
 
 class ServedGraphs(Struct, frozen=True):
@@ -137,17 +139,15 @@ async def used_master(
         return
     if port is not None:
         environment = replace(environment, master_uri=format_uri("localhost", port))
-    if await master_answers(environment):
-        yield UsedMaster(environment, f"Joining the ROS master at {environment.master_uri}")
-        return
+    used = UsedMaster(environment, f"Joining the ROS master at {environment.master_uri}")
     async with AsyncExitStack() as stack:
-        try:
-            used = await stack.enter_async_context(own_master(environment))
-        except GraphError:
-            # Another program took the port in the meantime; join it if it is a master.
-            if not await master_answers(environment):
-                raise
-            used = UsedMaster(environment, f"Joining the ROS master at {environment.master_uri}")
+        if not await master_answers(environment):
+            try:
+                used = await stack.enter_async_context(own_master(environment))
+            except GraphError:
+                # Another program took the port in the meantime; join it if it is a master.
+                if not await master_answers(environment):
+                    raise
         yield used
 
 
@@ -161,12 +161,13 @@ async def own_master(environment: RosEnvironment) -> AsyncIterator[UsedMaster]:
         yield UsedMaster(environment, line, is_started_here=True)
 
 
-async def wait_for_answer(environment: RosEnvironment, poll_s: float) -> None:
-    """Wait until a ROS master answers at the environment's URI. No event reports one, so it is polled."""
+async def wait_for_answer(environment: RosEnvironment) -> None:
+    """Wait until a ROS master answers at the environment's URI."""
+    # No event announces a master, so it is asked repeatedly.
     while True:
         if await master_answers(environment):
             return
-        await asyncio.sleep(poll_s)
+        await asyncio.sleep(_POLL_S)
 
 
 async def master_answers(environment: RosEnvironment) -> bool:

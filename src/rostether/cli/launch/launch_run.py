@@ -21,9 +21,6 @@ from rostether.graph.ports import Level
 from rostether.launch.runner import RunOptions, run_plan
 from rostether.ros1.environment import RosEnvironment
 
-# The interval of checks while waiting for a master.
-_WAIT_S = 0.2
-
 
 class MasterSettings(Struct, frozen=True):
     """The master of the nodes; `is_chosen` if an option named it, `waits` if none may be started."""
@@ -40,7 +37,7 @@ async def run_launch(
     """Run the nodes until all have ended. Raises click's Exit if a required one failed."""
     if master.waits and not await master_answers(master.environment):
         write_line(f"Waiting for the ROS master at {master.environment.master_uri}")
-        await wait_for_answer(master.environment, _WAIT_S)
+        await wait_for_answer(master.environment)
     async with used_master(master.environment, is_chosen=master.is_chosen, port=master.port) as used:
         write_line(used.line)
         graphs = ServedGraphs(ros1_join(used.environment), used.environment, ())

@@ -142,4 +142,4 @@ async def _wait_for_master(environ: Mapping[str, str]) -> None:
 
     with suppress(TimeoutError):
         async with asyncio.timeout(MASTER_LIMIT_S):
-            await wait_for_answer(RosEnvironment.read(environ), 0.05)
+            await wait_for_answer(RosEnvironment.read(environ))
