@@ -5,7 +5,7 @@ from __future__ import annotations
 import errno
 import json
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
 # Control characters except line ends and tabs, invisible characters, and those that change the direction of
 # writing. Also lone surrogates (from invalid UTF-8), which the encoding of a terminal rejects.
@@ -71,6 +71,12 @@ def read_failure(path: object, error: Exception) -> str:
 def counted(number: int, noun: str) -> str:
     """Return the number with its noun, such as `1 byte` and `2 bytes`."""
     return f"{number} {noun}{'' if number == 1 else 's'}"
+
+
+def listed(texts: Sequence[str], limit: int) -> str:
+    """Return texts with commas, at most `limit` of them, such as `a, b and 3 more`."""
+    more = len(texts) - limit
+    return ", ".join(texts[:limit]) + (f" and {more} more" if more > 0 else "")
 
 
 def show_endpoint(host: str, port: int) -> str:

@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 
 from msgspec import Struct
 
+from rostether.mechanisms.text import listed
 from rostether.platform.command_channel import duplicate_text
 from rostether.platform.fleet_examination import Examination
 from rostether.platform.fleet_survey import ClockOffset
@@ -101,8 +102,8 @@ def _pair_findings(pairs: Sequence[tuple[RobotKey, RobotKey, bool]]) -> list[Fle
     if not unreachable:
         return [FleetFinding(True, "robot to robot", "each robot reaches the next one")]
     text = (
-        f"{_listed(unreachable)}; turn off client isolation (AP isolation) in the access point, or the "
-        "robots cannot share topics without the base station"
+        f"{listed(unreachable, _MAX_LISTED)}; turn off client isolation (AP isolation) in the access point, "
+        "or the robots cannot share topics without the base station"
     )
     return [FleetFinding(False, "robot to robot", text)]
 
@@ -150,8 +151,3 @@ def _querier_finding(found: Examination) -> FleetFinding:
         f"none in {found.listened_s:g} s; switches with IGMP snooping forget robots after 2 to 4 minutes. "
         "Turn on the querier of the access point or a switch, or turn off snooping",
     )
-
-
-def _listed(texts: Sequence[str]) -> str:
-    more = len(texts) - _MAX_LISTED
-    return ", ".join(texts[:_MAX_LISTED]) + (f" and {more} more" if more > 0 else "")

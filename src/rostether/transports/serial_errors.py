@@ -8,6 +8,7 @@ import re
 import sys
 
 from rostether.errors import ConfigError, RostetherError, TransportOpenError
+from rostether.mechanisms.text import listed
 from rostether.transports.address import SerialAddress
 from rostether.transports.port_facts import LISTED_PORTS, group_of
 from rostether.transports.port_holders import find_holders, is_open_here
@@ -87,6 +88,4 @@ def _describe_ports(list_ports: ListPorts) -> str:
     ports = list_ports()
     if not ports:
         return "no serial port found; plug in the board"
-    shown = ", ".join(f"{port.path} ({port.description})" for port in ports[:LISTED_PORTS])
-    more = f" and {len(ports) - LISTED_PORTS} more" if len(ports) > LISTED_PORTS else ""
-    return f"available: {shown}{more}"
+    return f"available: {listed([f'{port.path} ({port.description})' for port in ports], LISTED_PORTS)}"

@@ -14,6 +14,7 @@ from rostether.mechanisms.text import (
     escape_line,
     escape_text,
     fold_line,
+    listed,
     misfit_text,
     read_failure,
     write_failure,
@@ -93,3 +94,11 @@ def test_a_noun_has_its_number(number: int, text: str) -> None:
 def test_misfits_agree_with_their_number() -> None:
     assert misfit_text(1) == "1 message does not fit its type"
     assert misfit_text(2) == "2 messages do not fit their type"
+
+
+@pytest.mark.parametrize(
+    ("texts", "text"),
+    [([], ""), (["a"], "a"), (["a", "b"], "a, b"), (["a", "b", "c"], "a, b and 1 more")],
+)
+def test_a_list_is_limited(texts: list[str], text: str) -> None:
+    assert listed(texts, 2) == text

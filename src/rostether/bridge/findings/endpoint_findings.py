@@ -11,6 +11,7 @@ from rostether.bridge.endpoint.table import EndpointTable
 from rostether.bridge.findings.finding import Code, Finding, error, split_step, warning
 from rostether.bridge.findings.oversize import Oversizes
 from rostether.errors import DefinitionError, RostetherError, TypeMismatchError, UnknownTypeError
+from rostether.mechanisms.text import listed
 from rostether.rosserial.device_link import PUBLISHER_OVERHEAD_BYTES
 from rostether.rosserial.events import ServiceRole
 from rostether.rosserial.packets import TopicInfo
@@ -22,6 +23,9 @@ RECENT_S = 30.0
 # One damaged frame in 256 passes the checksum; more misfits than this mean another definition.
 MIN_MISFITS = 3
 MISFIT_SHARE = 0.05
+
+# More would not fit on a line.
+_LISTED_TOPICS = 6
 
 _LARGER = "enlarge it in the sketch: ros::NodeHandle_<ArduinoHardware, 25, 25, INPUT, OUTPUT>, in bytes"
 
@@ -154,11 +158,11 @@ def _refusals(refused: dict[str, RostetherError]) -> list[Finding]:
 
 
 def _refusal(kind: type[RostetherError], text: str, topics: list[str]) -> Finding:
-    listed = ", ".join(topics[:6]) + (f" and {len(topics) - 6} more" if len(topics) > 6 else "")
-    unbridged = f"{listed} {'is' if len(topics) == 1 else 'are'} not bridged"
+    names = listed(topics, _LISTED_TOPICS)
+    unbridged = f"{names} {'is' if len(topics) == 1 else 'are'} not bridged"
     if issubclass(kind, TypeMismatchError):
         reason, step = split_step(text, "rebuild its message headers")
-        seen = f"the sketch's message headers for {listed} are stale: {reason}"
+        seen = f"the sketch's message headers for {names} are stale: {reason}"
         return error(Code.STALE_HEADERS, seen, step, text.partition(":")[0], is_reported=True)
     code, default = Code.NOT_BRIDGED, "correct it in the sketch"
     if issubclass(kind, UnknownTypeError):

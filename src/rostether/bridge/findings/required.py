@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterable, Sequence
 
 from rostether.bridge.findings.finding import Code, Finding, error
 from rostether.errors import InvalidNameError
+from rostether.mechanisms.text import listed
 
 # More topics would not fit on a line.
 _SHOWN = 8
@@ -35,13 +36,12 @@ class RequiredTopics:
         """Return the findings."""
         if not self._missing:
             return []
-        shown = ", ".join(self._announced[:_SHOWN]) or "no topic"
-        more = f" and {len(self._announced) - _SHOWN} more" if len(self._announced) > _SHOWN else ""
+        shown = listed(self._announced, _SHOWN) or "no topic"
         return [
             error(
                 Code.MISSING_TOPIC,
                 f"the board does not announce {', '.join(self._missing)}, which devices.toml requires; it "
-                f"announces {shown}{more}",
+                f"announces {shown}",
                 "flash the right sketch, add the topic to it, or correct required_topics",
             )
         ]

@@ -13,7 +13,7 @@ from rostether.cli.shell.option_group import PATH, add_option
 from rostether.cli.shell.output import warn, write_line
 from rostether.cli.shell.verbs import verb
 from rostether.errors import ConfigError
-from rostether.mechanisms.text import counted
+from rostether.mechanisms.text import counted, listed
 from rostether.rostime import NS_PER_S
 
 # An error that lists more topics is hard to read.
@@ -65,11 +65,8 @@ def bag_cut(
         return not topics or any(fnmatchcase(topic, each) for each in topics)
 
     if not any(map(is_chosen, cutting.topics)):
-        known = sorted(cutting.topics)
-        more = f" and {len(known) - _SHOWN_TOPICS} more" if len(known) > _SHOWN_TOPICS else ""
-        raise ConfigError(
-            f"no recorded topic is {' or '.join(topics)}; recorded: {', '.join(known[:_SHOWN_TOPICS])}{more}"
-        )
+        known = listed(sorted(cutting.topics), _SHOWN_TOPICS)
+        raise ConfigError(f"no recorded topic is {' or '.join(topics)}; recorded: {known}")
     count, recordings = cutting.write(
         target, lambda each: is_chosen(each.topic), start_ns, start_ns + int(duration * NS_PER_S)
     )
