@@ -82,7 +82,7 @@ async def test_foxglove_client_uses_the_graph(
     reported: list[str] = []
     async with IMPLEMENTATIONS[ros].open() as join, robot(join, reported):
         graph = await join("/foxglove_bridge")
-        find = partial(probe, join.keywords["master_uri"]) if isinstance(join, partial) else None
+        find = partial(probe, join.keywords["environment"].master_uri) if isinstance(join, partial) else None
         gateway = FoxgloveGateway(
             graph,
             STORE,
