@@ -114,11 +114,13 @@ def ros1_join(environment: RosEnvironment) -> JoinGraph:
 
 def no_master(environment: RosEnvironment, error: MasterUnreachableError) -> MasterUnreachableError:
     """Return the error for a master that does not answer, with advice."""
+    from rostether.transports.sockets import explain_reason
+
     cause = error.__cause__
     if isinstance(cause, ConnectionRefusedError) or not isinstance(cause, OSError):
         reason = f"no ROS master answers at {environment.master_uri}"
     else:
-        reason = f"no ROS master answers at {environment.master_uri} ({cause.strerror or cause})"
+        reason = f"no ROS master answers at {environment.master_uri} ({explain_reason(cause)})"
     return MasterUnreachableError(
         f"{reason}; start one with `rostether core` or `rostether serve`, or set ROS_MASTER_URI"
     )
