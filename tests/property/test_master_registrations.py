@@ -12,7 +12,7 @@ from hypothesis.stateful import RuleBasedStateMachine, invariant, rule
 
 from effort import effort
 from rostether.ros1.master.master_api import MasterApi
-from rostether.ros1.master.registrations import Kind
+from rostether.ros1.master.registrations import EntryKind
 from rostether.xmlrpc.document_writer import dump_response
 from rostether.xmlrpc.values import XmlRpcValue
 from xmlrpc_documents import load_response
@@ -58,7 +58,7 @@ class MasterUnderRegistrations(RuleBasedStateMachine):
         self.api = MasterApi(self.nodes, print)
         self.methods = self.api.dispatch()
         # {(kind, key): {node: api}}, updated in the simplest way.
-        self.model: dict[tuple[Kind, str], dict[str, str]] = {}
+        self.model: dict[tuple[EntryKind, str], dict[str, str]] = {}
 
     def call(self, method: str, *args: Any) -> Any:
         answer = self.methods[method](*args)
@@ -66,7 +66,7 @@ class MasterUnderRegistrations(RuleBasedStateMachine):
         assert isinstance(sent, list)
         return sent[2]
 
-    def expect(self, kind: Kind, key: str, node: str, api: str, *, alone: bool = False) -> None:
+    def expect(self, kind: EntryKind, key: str, node: str, api: str, *, alone: bool = False) -> None:
         for members in self.model.values():
             if members.get(node, api) != api:
                 del members[node]
@@ -75,7 +75,7 @@ class MasterUnderRegistrations(RuleBasedStateMachine):
             members.clear()
         members[node] = api
 
-    def expect_gone(self, kind: Kind, key: str, node: str, api: str) -> int:
+    def expect_gone(self, kind: EntryKind, key: str, node: str, api: str) -> int:
         members = self.model.get((kind, key), {})
         if members.get(node) != api:
             return 0
@@ -92,38 +92,38 @@ class MasterUnderRegistrations(RuleBasedStateMachine):
     def register_publisher(self, node: str, life: int, topic: str, type_name: str) -> None:
         api = api_of(node, life)
         answer = self.call("registerPublisher", node, topic, type_name, api)
-        self.expect(Kind.PUBLISHER, self.resolve(topic, node), node, api)
-        subscribers = self.model.get((Kind.SUBSCRIBER, self.resolve(topic, node)), {})
+        self.expect(EntryKind.PUBLISHER, self.resolve(topic, node), node, api)
+        subscribers = self.model.get((EntryKind.SUBSCRIBER, self.resolve(topic, node)), {})
         assert answer == list(subscribers.values())
 
     @rule(node=NODES, life=LIVES, topic=TOPICS, type_name=TYPES)
     def register_subscriber(self, node: str, life: int, topic: str, type_name: str) -> None:
         api, name = api_of(node, life), self.resolve(topic, node)
         self.nodes.publishers[api, name] = self.call("registerSubscriber", node, topic, type_name, api)
-        self.expect(Kind.SUBSCRIBER, name, node, api)
+        self.expect(EntryKind.SUBSCRIBER, name, node, api)
 
     @rule(node=NODES, life=LIVES, service=SERVICES)
     def register_service(self, node: str, life: int, service: str) -> None:
         api = api_of(node, life)
         self.call("registerService", node, service, f"rosrpc://{node}:{life}", api)
-        self.expect(Kind.SERVICE, self.resolve(service, node), node, api, alone=True)
+        self.expect(EntryKind.SERVICE, self.resolve(service, node), node, api, alone=True)
 
     @rule(node=NODES, life=LIVES, topic=TOPICS)
     def unregister_publisher(self, node: str, life: int, topic: str) -> None:
         api = api_of(node, life)
-        gone = self.expect_gone(Kind.PUBLISHER, self.resolve(topic, node), node, api)
+        gone = self.expect_gone(EntryKind.PUBLISHER, self.resolve(topic, node), node, api)
         assert self.call("unregisterPublisher", node, topic, api) == gone
 
     @rule(node=NODES, life=LIVES, topic=TOPICS)
     def unregister_subscriber(self, node: str, life: int, topic: str) -> None:
         api = api_of(node, life)
-        gone = self.expect_gone(Kind.SUBSCRIBER, self.resolve(topic, node), node, api)
+        gone = self.expect_gone(EntryKind.SUBSCRIBER, self.resolve(topic, node), node, api)
         assert self.call("unregisterSubscriber", node, topic, api) == gone
 
     @rule(node=NODES, life=LIVES, service=SERVICES)
     def unregister_service(self, node: str, life: int, service: str) -> None:
         name = self.resolve(service, node)
-        gone = self.expect_gone(Kind.SERVICE, name, node, api_of(node, life))
+        gone = self.expect_gone(EntryKind.SERVICE, name, node, api_of(node, life))
         assert self.call("unregisterService", node, service, f"rosrpc://{node}:{life}") == gone
 
     @rule(node=NODES)
@@ -144,7 +144,11 @@ class MasterUnderRegistrations(RuleBasedStateMachine):
     @invariant()
     def the_state_is_the_model(self) -> None:
         state = self.call("getSystemState", "/x")
-        for kind, table in zip((Kind.PUBLISHER, Kind.SUBSCRIBER, Kind.SERVICE), state, strict=True):
+        for kind, table in zip(
+            (EntryKind.PUBLISHER, EntryKind.SUBSCRIBER, EntryKind.SERVICE),
+            state,
+            strict=True,
+        ):
             expected = {
                 key: sorted(members)
                 for (each, key), members in self.model.items()
@@ -155,7 +159,7 @@ class MasterUnderRegistrations(RuleBasedStateMachine):
     @invariant()
     def tables_agree(self) -> None:
         tables = self.api.registrations
-        keys = {(kind, key) for kind in Kind for key in tables.keys(kind)}
+        keys = {(kind, key) for kind in EntryKind for key in tables.keys(kind)}
         assert tables._count == sum(len(tables.members(*each)) for each in keys)
         for kind, key in keys:
             for name, api in tables.members(kind, key).items():
@@ -164,20 +168,20 @@ class MasterUnderRegistrations(RuleBasedStateMachine):
                 assert api not in self.nodes.stopped
         for name, node in tables.nodes.items():
             assert not node.is_empty
-            for kind in (Kind.PUBLISHER, Kind.SUBSCRIBER, Kind.PARAM):
+            for kind in (EntryKind.PUBLISHER, EntryKind.SUBSCRIBER, EntryKind.PARAM):
                 assert all(name in tables.members(kind, key) for key in node.keys[kind])
-        for service in tables.keys(Kind.SERVICE):
-            (name,) = tables.members(Kind.SERVICE, service)
+        for service in tables.keys(EntryKind.SERVICE):
+            (name,) = tables.members(EntryKind.SERVICE, service)
             assert str(tables.service_api(service)).startswith(f"rosrpc://{name}:")
-        assert set(tables._service_apis) == set(tables.keys(Kind.SERVICE))
-        assert set(tables.keys(Kind.PUBLISHER)) <= set(tables.topic_types)
+        assert set(tables._service_apis) == set(tables.keys(EntryKind.SERVICE))
+        assert set(tables.keys(EntryKind.PUBLISHER)) <= set(tables.topic_types)
 
     @invariant()
     def no_subscriber_is_misinformed(self) -> None:
         tables = self.api.registrations
-        for topic in tables.keys(Kind.SUBSCRIBER):
-            for api in tables.apis(Kind.SUBSCRIBER, topic):
-                assert self.nodes.publishers[api, topic] == tables.apis(Kind.PUBLISHER, topic)
+        for topic in tables.keys(EntryKind.SUBSCRIBER):
+            for api in tables.apis(EntryKind.SUBSCRIBER, topic):
+                assert self.nodes.publishers[api, topic] == tables.apis(EntryKind.PUBLISHER, topic)
 
 
 TestMasterUnderRegistrations = MasterUnderRegistrations.TestCase

@@ -19,7 +19,7 @@ from pathlib import Path
 from typing import Any
 
 from rostether.errors import FirmwareError
-from rostether.mechanisms.user_folders import Kind, user_folder
+from rostether.mechanisms.user_folders import FolderKind, user_folder
 
 # The objects of a core need 1 MB for each board, those of a sketch about 300 KB.
 MAX_CACHE_BYTES = 256 * 1024 * 1024
@@ -36,7 +36,7 @@ _SOURCE_SUFFIXES = frozenset(["ino", "pde", "h", "hh", "hpp", "c", "cc", "cpp", 
 
 def cache_folder() -> Path:
     """Return the cache folder; its content can be rebuilt."""
-    return user_folder(Kind.CACHE) / "firmware"
+    return user_folder(FolderKind.CACHE) / "firmware"
 
 
 def digest(*parts: object) -> str:

@@ -8,7 +8,7 @@ from enum import Enum
 from pathlib import Path
 
 
-class Kind(Enum):
+class FolderKind(Enum):
     """The purpose of a folder: XDG variable, paths below HOME on Linux and macOS, variable of Windows."""
 
     CONFIG = ("XDG_CONFIG_HOME", ".config", ".config", "APPDATA")
@@ -17,7 +17,7 @@ class Kind(Enum):
     CACHE = ("XDG_CACHE_HOME", ".cache", "Library/Caches", "LOCALAPPDATA")
 
 
-def user_folder(kind: Kind) -> Path:
+def user_folder(kind: FolderKind) -> Path:
     """Return rostether's folder of a kind; it may not exist yet."""
     variable, below_home, on_mac, on_windows = kind.value
     given = os.environ.get(variable, "")

@@ -30,7 +30,7 @@ def is_reachable(host: str) -> bool:
         return host not in ("", "localhost")
 
 
-class Announcement:
+class ListenerAnnouncement:
     """One listener, announced until `close`; made by `start`."""
 
     def __init__(self, zeroconf: AsyncZeroconf, info: AsyncServiceInfo) -> None:
@@ -40,7 +40,7 @@ class Announcement:
     @classmethod
     async def start(
         cls, host: str, port: int, *, interfaces: Sequence[str] | None = None, machine: str | None = None
-    ) -> Announcement:
+    ) -> ListenerAnnouncement:
         """Announce a listener of `machine` on the local addresses `interfaces` (None: those of `host`).
 
         Raises TransportOpenError if the network does not permit it.

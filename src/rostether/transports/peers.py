@@ -49,7 +49,7 @@ class _Candidate(Struct):
     sent_bytes: int = 0
 
 
-class Medium(Struct, Generic[PeerKey], frozen=True):
+class SharedMedium(Struct, Generic[PeerKey], frozen=True):
     """The medium that peers share: how to send to a peer, and how to describe it.
 
     `show` returns its name for users, `host_of` its host, `write_buffer_bytes` the bytes that wait for it.
@@ -200,7 +200,7 @@ class PeerTable(Generic[PeerKey]):
 
     def __init__(
         self,
-        medium: Medium[PeerKey],
+        medium: SharedMedium[PeerKey],
         on_transport: Callable[[Transport], None],
         *,
         max_peers: int = MAX_PEERS,

@@ -17,7 +17,7 @@ from rostether.errors import TransportTimeoutError
 from rostether.mechanisms.text import show_endpoint
 from rostether.transports.address import UdpAddress
 from rostether.transports.allow_list import AllowList
-from rostether.transports.peers import MAX_PEERS, Medium, PeerEntry, PeerTable, PeerTransport
+from rostether.transports.peers import MAX_PEERS, PeerEntry, PeerTable, PeerTransport, SharedMedium
 from rostether.transports.sockets import RESOLVE_LIMIT_S, explain_bind_error, explain_connect_error
 from rostether.transports.transport import Transport
 
@@ -85,8 +85,8 @@ class _DatagramSocket(asyncio.DatagramProtocol):
 
     def _medium(
         self, name: str, send: Callable[[_Peer, bytes | bytearray | memoryview], None]
-    ) -> Medium[_Peer]:
-        return Medium(
+    ) -> SharedMedium[_Peer]:
+        return SharedMedium(
             name,
             send=send,
             show=_show_peer,

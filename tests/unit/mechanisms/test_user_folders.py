@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from rostether.mechanisms.user_folders import Kind, user_folder
+from rostether.mechanisms.user_folders import FolderKind, user_folder
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="Windows has folders of its own")
@@ -14,7 +14,7 @@ def test_folders_of_the_xdg_specification(monkeypatch: pytest.MonkeyPatch) -> No
     monkeypatch.delenv("XDG_DATA_HOME", raising=False)
     monkeypatch.setenv("XDG_CONFIG_HOME", "/x")
     monkeypatch.setenv("XDG_STATE_HOME", "relative")
-    found = [user_folder(kind) for kind in (Kind.DATA, Kind.CONFIG, Kind.STATE)]
+    found = [user_folder(kind) for kind in (FolderKind.DATA, FolderKind.CONFIG, FolderKind.STATE)]
     assert found == [
         Path("/home/me/.local/share/rostether"),
         Path("/x/rostether"),
@@ -26,7 +26,7 @@ def test_folders_of_other_systems(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("HOME", "/Users/me")
     monkeypatch.delenv("XDG_CACHE_HOME", raising=False)
     monkeypatch.setattr(sys, "platform", "darwin")
-    assert user_folder(Kind.CACHE) == Path("/Users/me/Library/Caches/rostether")
+    assert user_folder(FolderKind.CACHE) == Path("/Users/me/Library/Caches/rostether")
     monkeypatch.setattr(sys, "platform", "win32")
     monkeypatch.setenv("LOCALAPPDATA", "/local")
-    assert user_folder(Kind.CACHE) == Path("/local/rostether")
+    assert user_folder(FolderKind.CACHE) == Path("/local/rostether")

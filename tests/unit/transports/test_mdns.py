@@ -14,7 +14,7 @@ async def test_a_listener_is_found_by_its_service_type() -> None:
     from zeroconf.asyncio import AsyncServiceInfo, AsyncZeroconf
 
     try:
-        announcement = await mdns.Announcement.start(
+        announcement = await mdns.ListenerAnnouncement.start(
             "0.0.0.0", 11411, interfaces=["127.0.0.1"], machine="lab.x"
         )
     except TransportOpenError as error:
@@ -45,4 +45,4 @@ def test_what_the_network_reaches(host: str, reachable: bool) -> None:
 
 async def test_a_machine_without_a_network_is_reported() -> None:
     with pytest.raises(TransportOpenError, match="no network address"):
-        await mdns.Announcement.start("127.0.0.1", 11411)
+        await mdns.ListenerAnnouncement.start("127.0.0.1", 11411)

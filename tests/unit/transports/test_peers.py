@@ -4,7 +4,7 @@ import asyncio
 
 import pytest
 
-from rostether.transports.peers import Medium, PeerEntry, PeerTable
+from rostether.transports.peers import PeerEntry, PeerTable, SharedMedium
 from rostether.transports.transport import Transport
 from unit.transports.recorder import Arrivals, Recorder
 
@@ -18,7 +18,7 @@ class FakeMedium:
         self.sent: list[tuple[str, bytes]] = []
         self.arrivals = Arrivals()
         self.table: PeerTable[str] = PeerTable(
-            Medium(
+            SharedMedium(
                 "medium",
                 send=lambda key, data: self.sent.append((key, bytes(data))),
                 show=lambda key: f"peer {key}",

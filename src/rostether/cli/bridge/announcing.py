@@ -18,7 +18,7 @@ from rostether.transports.address_parser import parse_address
 
 if TYPE_CHECKING:
     from rostether.bridge.reporter import Reporter
-    from rostether.transports.mdns import Announcement
+    from rostether.transports.mdns import ListenerAnnouncement
 
 
 def check_mdns(*, is_wanted: bool | None) -> bool:
@@ -67,7 +67,7 @@ async def announced(
     if not is_on or not listeners:
         yield
         return
-    announcements: list[Announcement] = []
+    announcements: list[ListenerAnnouncement] = []
     # Checking that the name is free takes a second; boards are served in the meantime.
     try:
         async with task_beside(_start(listeners, announcements, reporter)):
@@ -77,13 +77,13 @@ async def announced(
 
 
 async def _start(
-    listeners: Sequence[TcpAddress], announcements: list[Announcement], reporter: Reporter
+    listeners: Sequence[TcpAddress], announcements: list[ListenerAnnouncement], reporter: Reporter
 ) -> None:
-    from rostether.transports.mdns import Announcement
+    from rostether.transports.mdns import ListenerAnnouncement
 
     for listener in listeners:
         try:
-            announcement = await Announcement.start(listener.host, listener.port)
+            announcement = await ListenerAnnouncement.start(listener.host, listener.port)
         except TransportOpenError as error:
             reporter.report(Level.WARN, f"{error}; configure this machine's address on the boards instead")
             continue

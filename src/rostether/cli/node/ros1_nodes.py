@@ -23,7 +23,7 @@ from rostether.names.graph_name import is_in_namespace
 from rostether.ros1.environment import RosEnvironment, parse_rpc_uri
 from rostether.ros1.machines import hosts_of_machine
 from rostether.ros1.node.node_queries import (
-    Connection,
+    NodeConnection,
     NodeRegistrations,
     ask,
     connections,
@@ -149,7 +149,7 @@ def _format_registrations(name: str, registered: NodeRegistrations) -> str:
     return f"{_RULE}\nNode [{name}]\n" + "\n".join(_section(title, lines) for title, lines in sections)
 
 
-def _format_connections(pid: int, connected: Iterable[Connection]) -> str:
+def _format_connections(pid: int, connected: Iterable[NodeConnection]) -> str:
     """Return the part that the node itself reported."""
     lines = [f"Pid: {pid}"]
     for index, each in enumerate(connected):
@@ -171,7 +171,7 @@ def _to_record(
     uri: str,
     registered: NodeRegistrations,
     pid: int | None = None,
-    connected: Iterable[Connection] = (),
+    connected: Iterable[NodeConnection] = (),
 ) -> dict[str, Any]:
     """Return the record for `--json`; `pid` is null when the node was not asked."""
     return {
@@ -185,7 +185,7 @@ def _to_record(
     }
 
 
-def _connection_record(connection: Connection) -> dict[str, Any]:
+def _connection_record(connection: NodeConnection) -> dict[str, Any]:
     record = asdict(connection)
     port, remote, descriptor = record.pop("sockets") or (None, None, None)
     return {

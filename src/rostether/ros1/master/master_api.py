@@ -31,7 +31,7 @@ from rostether.ros1.master.argument_checks import (
 from rostether.ros1.master.notices import NodeCalls, TopicNotices
 from rostether.ros1.master.parameter_api import Answer, ParameterApi, refusal
 from rostether.ros1.master.parameter_tree import ParameterTree
-from rostether.ros1.master.registrations import ANY_TYPE, Kind, Registrations
+from rostether.ros1.master.registrations import ANY_TYPE, EntryKind, Registrations
 from rostether.xmlrpc.values import XmlRpcValue
 
 _log = logging.getLogger("rostether.ros1.master")
@@ -127,9 +127,11 @@ class MasterApi:
         self._on_shutdown(f"shutdown request from {caller_id}: {reason!r:.200}")
         return 1, "shutdown", 0
 
-    def _register(self, kind: Kind, key: str, caller_id: str, caller_api: str, service_api: str = "") -> None:
+    def _register(
+        self, kind: EntryKind, key: str, caller_id: str, caller_api: str, service_api: str = ""
+    ) -> None:
         node = self.registrations.nodes.get(caller_id)
-        if kind is Kind.SERVICE:
+        if kind is EntryKind.SERVICE:
             replaced = self.registrations.register_service(key, caller_id, caller_api, service_api)
         else:
             replaced = self.registrations.register(kind, key, caller_id, caller_api)
@@ -144,7 +146,7 @@ class MasterApi:
     # Services
 
     def _register_service(self, caller_id: str, service: str, service_api: str, caller_api: str) -> Answer:
-        self._register(Kind.SERVICE, service, caller_id, caller_api, service_api)
+        self._register(EntryKind.SERVICE, service, caller_id, caller_api, service_api)
         _log.debug("+SERVICE [%s] %s %s", service, caller_id, caller_api)
         return 1, f"Registered [{caller_id}] as provider of [{service}]", 1
 
@@ -163,29 +165,29 @@ class MasterApi:
     # Topics
 
     def _register_publisher(self, caller_id: str, topic: str, type_name: str, caller_api: str) -> Answer:
-        self._register(Kind.PUBLISHER, topic, caller_id, caller_api)
+        self._register(EntryKind.PUBLISHER, topic, caller_id, caller_api)
         self.registrations.learn_type(topic, type_name, from_publisher=True)
         self._topic_notices.send(topic)
         _log.debug("+PUB [%s] %s %s", topic, caller_id, caller_api)
-        subscribers = self.registrations.apis(Kind.SUBSCRIBER, topic)
+        subscribers = self.registrations.apis(EntryKind.SUBSCRIBER, topic)
         return 1, f"Registered [{caller_id}] as publisher of [{topic}]", subscribers
 
     def _unregister_publisher(self, caller_id: str, topic: str, caller_api: str) -> Answer:
-        answer = self._unregister(Kind.PUBLISHER, caller_id, topic, caller_api)
+        answer = self._unregister(EntryKind.PUBLISHER, caller_id, topic, caller_api)
         if answer[2]:
             self._topic_notices.send(topic)
         return answer
 
     def _register_subscriber(self, caller_id: str, topic: str, type_name: str, caller_api: str) -> Answer:
-        self._register(Kind.SUBSCRIBER, topic, caller_id, caller_api)
+        self._register(EntryKind.SUBSCRIBER, topic, caller_id, caller_api)
         self.registrations.learn_type(topic, type_name, from_publisher=False)
         _log.debug("+SUB [%s] %s %s", topic, caller_id, caller_api)
-        return 1, f"Subscribed to [{topic}]", self.registrations.apis(Kind.PUBLISHER, topic)
+        return 1, f"Subscribed to [{topic}]", self.registrations.apis(EntryKind.PUBLISHER, topic)
 
     def _unregister_subscriber(self, caller_id: str, topic: str, caller_api: str) -> Answer:
-        return self._unregister(Kind.SUBSCRIBER, caller_id, topic, caller_api)
+        return self._unregister(EntryKind.SUBSCRIBER, caller_id, topic, caller_api)
 
-    def _unregister(self, kind: Kind, caller_id: str, topic: str, caller_api: str) -> Answer:
+    def _unregister(self, kind: EntryKind, caller_id: str, topic: str, caller_api: str) -> Answer:
         if caller_id not in self.registrations.nodes:
             return 1, f"[{caller_id}] is not a registered node", 0
         if not self.registrations.unregister(kind, topic, caller_id, caller_api):
@@ -202,7 +204,7 @@ class MasterApi:
     def _get_published_topics(self, _caller_id: str, space: str) -> Answer:
         prefix = space if not space or space.endswith("/") else f"{space}/"
         types = self.registrations.topic_types
-        topics = self.registrations.keys(Kind.PUBLISHER)
+        topics = self.registrations.keys(EntryKind.PUBLISHER)
         # None for a topic that is omitted, so that long tables are written in slices.
         found = ((each, types.get(each, ANY_TYPE)) if each.startswith(prefix) else None for each in topics)
         return 1, "current topics", found
@@ -212,5 +214,5 @@ class MasterApi:
         return 1, "current system state", list(types.items())
 
     def _get_system_state(self, _caller_id: str) -> Answer:
-        kinds = (Kind.PUBLISHER, Kind.SUBSCRIBER, Kind.SERVICE)
+        kinds = (EntryKind.PUBLISHER, EntryKind.SUBSCRIBER, EntryKind.SERVICE)
         return 1, "current system state", [self.registrations.state(kind) for kind in kinds]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator
 from typing import Protocol
 
-from rostether.ros1.master.registrations import Kind, Registrations
+from rostether.ros1.master.registrations import EntryKind, Registrations
 from rostether.xmlrpc.values import XmlRpcValue
 
 
@@ -41,15 +41,17 @@ class TopicNotices:
 
     def send(self, topic: str) -> None:
         """Notify a topic's subscribers now."""
-        publishers = self._registrations.apis(Kind.PUBLISHER, topic)
-        for api in self._registrations.apis(Kind.SUBSCRIBER, topic):
+        publishers = self._registrations.apis(EntryKind.PUBLISHER, topic)
+        for api in self._registrations.apis(EntryKind.SUBSCRIBER, topic):
             self._node_calls.publisher_update(api, topic, publishers)
 
     def send_later(self, topics: Iterable[str]) -> None:
         """Notify the subscribers of many topics in slices: each receives the current publishers."""
         is_working = bool(self._changed)
         self._changed.update(
-            dict.fromkeys(topic for topic in topics if self._registrations.members(Kind.SUBSCRIBER, topic))
+            dict.fromkeys(
+                topic for topic in topics if self._registrations.members(EntryKind.SUBSCRIBER, topic)
+            )
         )
         if self._changed and not is_working:
             self._work_later(self._steps())

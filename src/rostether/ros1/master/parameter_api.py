@@ -11,7 +11,7 @@ from rostether.ros1.long_work import run_in_slices
 from rostether.ros1.master.argument_checks import resolve
 from rostether.ros1.master.notices import NodeCalls
 from rostether.ros1.master.parameter_tree import ParameterTree, updates, watch_key
-from rostether.ros1.master.registrations import Kind, Registrations
+from rostether.ros1.master.registrations import EntryKind, Registrations
 from rostether.xmlrpc.values import XmlRpcValue
 
 Answer: TypeAlias = tuple[int, str, Any]
@@ -27,7 +27,7 @@ class ParameterApi:
         parameters: ParameterTree,
         registrations: Registrations,
         node_calls: NodeCalls,
-        register: Callable[[Kind, str, str, str], None],
+        register: Callable[[EntryKind, str, str, str], None],
     ) -> None:
         self._parameters = parameters
         self._registrations = registrations
@@ -113,18 +113,18 @@ class ParameterApi:
         """Register a watcher of a parameter, and return the value."""
         name = resolve(key, caller_id)
         value = self._parameters.get(name) if self._parameters.has(name) else {}
-        self._register(Kind.PARAM, watch_key(name), caller_id, caller_api)
+        self._register(EntryKind.PARAM, watch_key(name), caller_id, caller_api)
         return 1, f"Subscribed to parameter [{name}]", value
 
     def unsubscribe_param(self, caller_id: str, caller_api: str, key: str) -> Answer:
         """Unregister a watcher of a parameter."""
         name = resolve(key, caller_id)
-        self._registrations.unregister(Kind.PARAM, watch_key(name), caller_id, caller_api)
+        self._registrations.unregister(EntryKind.PARAM, watch_key(name), caller_id, caller_api)
         return 1, f"Unsubscribe to parameter [{name}]", 1
 
     def _notify_watchers(self, name: str, value: XmlRpcValue, changed_by: str | None) -> None:
-        for update in updates(self._registrations.keys(Kind.PARAM), name, value):
-            for watcher, api in self._registrations.members(Kind.PARAM, update.watched).items():
+        for update in updates(self._registrations.keys(EntryKind.PARAM), name, value):
+            for watcher, api in self._registrations.members(EntryKind.PARAM, update.watched).items():
                 # The node that sets a parameter already knows its value.
                 if not (update.is_own_change and watcher == changed_by):
                     self._node_calls.param_update(api, update.key, update.value)

@@ -16,7 +16,7 @@ from rostether.graph.ports import Level, OnMessages, ServiceHandler, SubscribeOp
 from rostether.msgdef.interface import ANY_TYPE, MessageType, ServiceType
 from rostether.ros1.environment import RosEnvironment, format_uri
 from rostether.ros1.node.master_client import MasterClient
-from rostether.ros1.node.own_registrations import UNREGISTER_TIMEOUT_S, EndpointKind, OwnRegistrations
+from rostether.ros1.node.own_registrations import UNREGISTER_TIMEOUT_S, OwnKind, OwnRegistrations
 from rostether.ros1.node.parameters import ParameterWatches
 from rostether.ros1.node.publication import Publication, Publisher
 from rostether.ros1.node.service_server import ServiceConnection, ServiceServer
@@ -131,7 +131,7 @@ class Endpoints:
         self._publications[publication.topic] = publication
         publisher = Publisher(publication, self._release_publication)
         try:
-            await self._registrations.add(EndpointKind.PUBLISHER, publication.topic, publication.type.name)
+            await self._registrations.add(OwnKind.PUBLISHER, publication.topic, publication.type.name)
         except GraphError:
             await publisher.close()
             raise
@@ -161,7 +161,7 @@ class Endpoints:
         # The master stores one type per topic: the known one is better than `*`.
         known = next((each.type.name for each in together if each.type.name != ANY_TYPE), ANY_TYPE)
         try:
-            await self._registrations.add(EndpointKind.SUBSCRIBER, topic, known)
+            await self._registrations.add(OwnKind.SUBSCRIBER, topic, known)
         except GraphError:
             await subscription.close()
             raise
@@ -183,7 +183,7 @@ class Endpoints:
         )
         self._services[service] = server
         try:
-            await self._registrations.add(EndpointKind.SERVICE, service)
+            await self._registrations.add(OwnKind.SERVICE, service)
         except GraphError:
             await server.close()
             raise
@@ -243,7 +243,7 @@ class Endpoints:
     async def _release_publication(self, publication: Publication) -> None:
         del self._publications[publication.topic]
         await asyncio.gather(
-            self._registrations.remove(EndpointKind.PUBLISHER, publication.topic), publication.close()
+            self._registrations.remove(OwnKind.PUBLISHER, publication.topic), publication.close()
         )
 
     async def _release_subscription(self, subscription: Subscription) -> None:
@@ -251,8 +251,8 @@ class Endpoints:
         together.remove(subscription)
         if not together:
             del self._subscriptions[subscription.topic]
-            await self._registrations.remove(EndpointKind.SUBSCRIBER, subscription.topic)
+            await self._registrations.remove(OwnKind.SUBSCRIBER, subscription.topic)
 
     async def _release_service(self, server: ServiceServer) -> None:
         del self._services[server.service]
-        await self._registrations.remove(EndpointKind.SERVICE, server.service)
+        await self._registrations.remove(OwnKind.SERVICE, server.service)

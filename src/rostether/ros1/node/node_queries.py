@@ -34,7 +34,7 @@ class NodeRegistrations(Struct, frozen=True):
     services: list[str]
 
 
-class Connection(Struct, frozen=True):
+class NodeConnection(Struct, frozen=True):
     """One connection of a node. `peer` is a node's name, `peer_uri` its address if the node reports that.
 
     `sockets` is (local port, remote address, descriptor), or None if the node does not report it.
@@ -111,7 +111,7 @@ async def ping(name: str, uri: str, clock: Callable[[], float] = time.perf_count
         return clock() - start_s
 
 
-async def connections(master: MasterClient, client: XmlRpcClient) -> list[Connection]:
+async def connections(master: MasterClient, client: XmlRpcClient) -> list[NodeConnection]:
     """Return the connections that a node reports, with the names of its peers. Raises GraphError."""
     publishers, subscribers, _ = await master.system_state()
     names: dict[str, str] = {}
@@ -127,7 +127,9 @@ async def connections(master: MasterClient, client: XmlRpcClient) -> list[Connec
         match = _CONNECTION.match(str(entry[6])) if len(entry) > 6 else None
         sockets = (match[1], match[2], match[3]) if match else None
         direction = {"i": "inbound", "o": "outbound"}.get(str(entry[2]), "unknown")
-        found.append(Connection(topic, name, peer if name != peer else "", direction, str(entry[3]), sockets))
+        found.append(
+            NodeConnection(topic, name, peer if name != peer else "", direction, str(entry[3]), sockets)
+        )
     return found
 
 

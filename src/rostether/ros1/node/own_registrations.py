@@ -32,7 +32,7 @@ MAX_CHECKS_HZ = 200
 _log = logging.getLogger("rostether.ros1")
 
 
-class EndpointKind(Enum):
+class OwnKind(Enum):
     """The kinds of endpoints that a node registers."""
 
     PUBLISHER = "publisher"
@@ -69,10 +69,10 @@ class OwnRegistrations:
         self._register_more = register_more
         self._on_replaced = on_replaced
         # The type name of each registration; empty for services, whose types the master does not store.
-        self._wanted: dict[tuple[EndpointKind, str], str] = {}
+        self._wanted: dict[tuple[OwnKind, str], str] = {}
         # No longer wanted, but perhaps still in the master: a removal was cancelled, or is in progress.
-        self._left_over: set[tuple[EndpointKind, str]] = set()
-        self._locks: WeakValueDictionary[tuple[EndpointKind, str], asyncio.Lock] = WeakValueDictionary()
+        self._left_over: set[tuple[OwnKind, str]] = set()
+        self._locks: WeakValueDictionary[tuple[OwnKind, str], asyncio.Lock] = WeakValueDictionary()
         self._is_behind = False
         self._watch: asyncio.Task[None] | None = None
 
@@ -80,7 +80,7 @@ class OwnRegistrations:
         """Start to check the registrations."""
         self._watch = asyncio.ensure_future(self._watch_master(interval_s))
 
-    async def add(self, kind: EndpointKind, name: str, type_name: str = "") -> None:
+    async def add(self, kind: OwnKind, name: str, type_name: str = "") -> None:
         """Register, later if the master is unreachable now. Raises GraphError if the master refuses."""
         self._wanted[kind, name] = type_name
         try:
@@ -90,7 +90,7 @@ class OwnRegistrations:
                 self._is_behind = True
                 _log.warning("%s will register when the master is back: %s", self._master.caller_id, error)
 
-    async def remove(self, kind: EndpointKind, name: str) -> None:
+    async def remove(self, kind: OwnKind, name: str) -> None:
         """Unregister. If cancelled, `close` unregisters instead."""
         if self._wanted.pop((kind, name), None) is not None:
             self._left_over.add((kind, name))
@@ -107,13 +107,13 @@ class OwnRegistrations:
         remaining = iter(list(self._left_over))
         await asyncio.gather(*(self._unregister_all(remaining) for _ in range(UNREGISTERED_AT_ONCE)))
 
-    async def _unregister_all(self, remaining: Iterator[tuple[EndpointKind, str]]) -> None:
+    async def _unregister_all(self, remaining: Iterator[tuple[OwnKind, str]]) -> None:
         with suppress(TimeoutError):
             for kind, name in remaining:
                 async with asyncio.timeout(UNREGISTER_TIMEOUT_S):
                     await self._unregister(kind, name)
 
-    async def _unregister(self, kind: EndpointKind, name: str) -> None:
+    async def _unregister(self, kind: OwnKind, name: str) -> None:
         try:
             await self._settle(kind, name)
         except GraphError as error:
@@ -121,17 +121,17 @@ class OwnRegistrations:
             _log.debug("%s", error)
         self._left_over.discard((kind, name))
 
-    async def _settle(self, kind: EndpointKind, name: str) -> None:
+    async def _settle(self, kind: OwnKind, name: str) -> None:
         """Update the master's entry to the current table; one call at a time, so that the last one counts."""
         lock = self._locks.setdefault((kind, name), asyncio.Lock())
         async with lock:
             type_name = self._wanted.get((kind, name))
-            if kind is EndpointKind.PUBLISHER:
+            if kind is OwnKind.PUBLISHER:
                 if type_name is None:
                     await self._master.unregister_publisher(name, self._node_uri)
                 else:
                     await self._master.register_publisher(name, type_name, self._node_uri)
-            elif kind is EndpointKind.SUBSCRIBER:
+            elif kind is OwnKind.SUBSCRIBER:
                 if type_name is None:
                     await self._master.unregister_subscriber(name, self._node_uri)
                 else:

@@ -15,7 +15,7 @@ from pathlib import Path
 
 from rostether.errors import BoardError, first_error
 from rostether.mechanisms.program import run_program
-from rostether.mechanisms.user_folders import Kind, user_folder
+from rostether.mechanisms.user_folders import FolderKind, user_folder
 
 SOURCES = Path(__file__).parent / "runner"
 PACKAGES = "gcc libsimavr-dev libelf-dev"
@@ -38,7 +38,7 @@ async def build_runner() -> Path:
     """
     compiler = _find_compiler()
     sources = sorted(SOURCES.glob("*.c"))
-    program = user_folder(Kind.CACHE) / "simavr" / f"{_NAME}-{_key(compiler)}"
+    program = user_folder(FolderKind.CACHE) / "simavr" / f"{_NAME}-{_key(compiler)}"
     if program.exists():
         return program
     try:

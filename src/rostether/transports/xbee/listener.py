@@ -21,7 +21,7 @@ from rostether.mechanisms.backoff import Backoff
 from rostether.mechanisms.tasks import cancel_all
 from rostether.transports.address import SerialAddress, XbeeAddress
 from rostether.transports.link_quality import LinkQuality
-from rostether.transports.peers import Medium, PeerTable
+from rostether.transports.peers import PeerTable, SharedMedium
 from rostether.transports.transport import SmallWriter, Transport
 from rostether.transports.xbee.frame import XbeeFrameDecoder
 from rostether.transports.xbee.host_radio import HostRadio
@@ -69,7 +69,7 @@ class XbeeListener(SmallWriter):
         self._drained = asyncio.Event()
         self._is_closed = False
         self._forget_radio()
-        medium = Medium(
+        medium = SharedMedium(
             str(address),
             send=self._send,
             show=lambda source: f"xbee {show_radio_address(source)}",

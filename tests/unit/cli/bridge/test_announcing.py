@@ -51,7 +51,7 @@ class FakeAnnouncement:
 
 
 async def test_listeners_are_announced_while_boards_are_served(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(mdns, "Announcement", FakeAnnouncement)
+    monkeypatch.setattr(mdns, "ListenerAnnouncement", FakeAnnouncement)
     reporter = RecordingReporter()
     async with announced(["tcp://0.0.0.0:1", "tcp://192.0.2.5:11411"], reporter, is_on=True, is_wanted=False):
         await until(lambda: reporter.having("Announced by mDNS"), "the announcement")

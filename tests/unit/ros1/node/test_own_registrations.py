@@ -9,7 +9,7 @@ import pytest
 from rostether.ros1.master.server import MasterServer
 from rostether.ros1.node import own_registrations
 from rostether.ros1.node.master_client import MasterClient
-from rostether.ros1.node.own_registrations import EndpointKind, OwnRegistrations
+from rostether.ros1.node.own_registrations import OwnKind, OwnRegistrations
 
 NODE_URI, SERVICE_URI = "http://127.0.0.1:9/", "rosrpc://127.0.0.1:9"
 
@@ -18,11 +18,9 @@ async def nothing() -> None:
     return
 
 
-@pytest.mark.parametrize("kind", EndpointKind)
+@pytest.mark.parametrize("kind", OwnKind)
 @pytest.mark.parametrize("adds_last", [True, False])
-async def test_the_last_request_wins(
-    kind: EndpointKind, adds_last: bool, monkeypatch: pytest.MonkeyPatch
-) -> None:
+async def test_the_last_request_wins(kind: OwnKind, adds_last: bool, monkeypatch: pytest.MonkeyPatch) -> None:
     # The node has no server, so the master would remove it in the middle of the test.
     monkeypatch.setattr("rostether.ros1.master.node_calls._REFUSALS_UNTIL_GONE", 10**9)
     server = await MasterServer.start(port=0)
@@ -42,7 +40,7 @@ async def test_the_last_request_wins(
             wishes.append(registrations.add(kind, "/x", "a/B"))
         await asyncio.gather(*wishes)
         publishers, subscribers, services = await master.system_state()
-        tables = dict(zip(EndpointKind, (publishers, subscribers, services), strict=True))
+        tables = dict(zip(OwnKind, (publishers, subscribers, services), strict=True))
         assert ("/x" in tables[kind]) is adds_last
     await registrations.close()
     assert await master.system_state() == ({}, {}, {})
@@ -65,10 +63,10 @@ async def test_a_removal_that_was_cancelled_is_done_at_the_end(monkeypatch: pyte
     )
     names = [f"/x{number}" for number in range(5)]
     for name in names:
-        await registrations.add(EndpointKind.PUBLISHER, name, "a/B")
+        await registrations.add(OwnKind.PUBLISHER, name, "a/B")
     with monkeypatch.context() as patch:
         patch.setattr(MasterClient, "unregister_publisher", lambda *_: asyncio.sleep(60))
-        removal = asyncio.ensure_future(registrations.remove(EndpointKind.PUBLISHER, names[0]))
+        removal = asyncio.ensure_future(registrations.remove(OwnKind.PUBLISHER, names[0]))
         await asyncio.sleep(0)
         removal.cancel()
         await asyncio.wait([removal])
