@@ -274,8 +274,10 @@ class Supervisor:
                 timer = asyncio.get_running_loop().call_later(
                     FIRST_FRAME_LIMIT_S, _end_without_frame, session
                 )
-            error = await session.wait_ended()
-            self._objects.disconnected()
+            try:
+                error = await session.wait_ended()
+            finally:
+                self._objects.disconnected()
             node.health.disconnected(error, is_program=is_program)
             if board.leaving is not None:
                 ended = SessionError if board.is_dismissed else NodeEndedError

@@ -138,6 +138,15 @@ async def test_a_radio_that_is_plugged_in_later_is_served(site: Site) -> None:
         await site.start("tcp://:11411")
 
 
+async def test_a_board_whose_task_is_cancelled_is_no_longer_counted(site: Site) -> None:
+    await site.start(f"{PORT}?name=left")
+    await site.serving("/left")
+    assert site.supervisor._objects._boards == 1
+    for task in site.supervisor._tasks:
+        task.cancel()
+    await until(lambda: site.supervisor._objects._boards == 0, "the count")
+
+
 async def test_boards_of_one_name_are_numbered(site: Site) -> None:
     await site.start("tcp://:11411?name=arm")
     for _ in range(3):
