@@ -73,7 +73,7 @@ class Stage:
     def log(self, name: str) -> str:
         return self.read(f"home/log/latest/{name}-stdout.log")
 
-    async def gone(self, pid: int) -> None:
+    async def wait_ended(self, pid: int) -> None:
         """Wait for the end of a process, because a killed process may end later on a busy machine."""
         await self.until(lambda: not is_running(pid))
 
@@ -124,9 +124,9 @@ async def test_private_name_of_rosparam_has_the_same_full_name_as_in_roslaunch(s
 
 
 async def test_node_gets_its_arguments_environment_and_folder(stage: Stage) -> None:
-    stage.script("say.sh", 'for each; do echo "<$each>"; done; env; pwd')
+    stage.script("print.sh", 'for each; do echo "<$each>"; done; env; pwd')
     assert await stage.run(
-        '<node name="n" pkg="p" type="say.sh" ns="arm" args="one &quot;two three&quot;">'
+        '<node name="n" pkg="p" type="print.sh" ns="arm" args="one &quot;two three&quot;">'
         '<remap from="a" to="b"/><env name="MODE" value="fast"/></node>'
     )
     lines = stage.log("arm-n-1").splitlines()
@@ -139,35 +139,35 @@ async def test_node_gets_its_arguments_environment_and_folder(stage: Stage) -> N
 
 
 async def test_logs_of_a_run_are_in_a_folder_with_its_id(stage: Stage) -> None:
-    stage.script("say.sh", "echo hello")
+    stage.script("print.sh", "echo hello")
     await stage.client.set_param("/run_id", "the-run")
-    await stage.run('<node name="n" pkg="p" type="say.sh"/>')
+    await stage.run('<node name="n" pkg="p" type="print.sh"/>')
     assert stage.read("home/log/the-run/n-1-stdout.log") == "hello\n"
 
 
 async def test_run_id_cannot_name_another_folder(stage: Stage) -> None:
-    stage.script("say.sh", "echo hello")
+    stage.script("print.sh", "echo hello")
     await stage.client.set_param("/run_id", "../../outside")
-    await stage.run('<node name="n" pkg="p" type="say.sh"/>')
+    await stage.run('<node name="n" pkg="p" type="print.sh"/>')
     assert not (stage.folder / "outside").exists()
     assert stage.log("n-1") == "hello\n"
 
 
 async def test_working_folder_can_be_that_of_the_program(stage: Stage) -> None:
-    stage.script("say.sh", "pwd")
-    await stage.run('<node name="n" pkg="p" type="say.sh" cwd="node"/>')
+    stage.script("print.sh", "pwd")
+    await stage.run('<node name="n" pkg="p" type="print.sh" cwd="node"/>')
     assert stage.log("n-1").strip() == str(stage.folder)
 
 
 async def test_launch_prefix_comes_before_the_program(stage: Stage) -> None:
-    stage.script("say.sh", "echo $0 $VALUE")
-    await stage.run("""<node name="n" pkg="p" type="say.sh" launch-prefix="env 'VALUE=a b'"/>""")
-    assert stage.log("n-1") == f"{stage.folder}/say.sh a b\n"
+    stage.script("print.sh", "echo $0 $VALUE")
+    await stage.run("""<node name="n" pkg="p" type="print.sh" launch-prefix="env 'VALUE=a b'"/>""")
+    assert stage.log("n-1") == f"{stage.folder}/print.sh a b\n"
 
 
 async def test_output_of_all_nodes_can_be_logged(stage: Stage) -> None:
-    stage.script("say.sh", "echo hello")
-    await stage.run('<node name="n" pkg="p" type="say.sh" output="screen"/>', output=Output.LOG)
+    stage.script("print.sh", "echo hello")
+    await stage.run('<node name="n" pkg="p" type="print.sh" output="screen"/>', output=Output.LOG)
     assert stage.log("n-1") == "hello\n"
 
 
@@ -200,7 +200,7 @@ async def test_end_of_a_required_node_ends_all(stage: Stage, code: int, succeeds
     stage.script("end.sh", f'while [ ! -s "$WHERE/pid" ]; do sleep 0.01; done; exit {code}')
     body = '<node name="a" pkg="p" type="stay.sh"/><node name="b" pkg="p" type="end.sh" required="true"/>'
     assert await asyncio.wait_for(stage.run(body), LIMIT_S) is succeeds
-    await stage.gone(int(stage.read("pid")))
+    await stage.wait_ended(int(stage.read("pid")))
     assert "[b-2] is required" in stage.text
 
 
@@ -220,8 +220,8 @@ async def test_failure_is_reported_with_code_command_and_logs(stage: Stage) -> N
 
 
 async def test_a_missing_node_is_reported_with_its_line_and_the_others_run(stage: Stage) -> None:
-    stage.script("say.sh", "echo hello")
-    body = '\n<node name="a" pkg="p" type="never.sh"/><node name="b" pkg="p" type="say.sh"/>'
+    stage.script("print.sh", "echo hello")
+    body = '\n<node name="a" pkg="p" type="never.sh"/><node name="b" pkg="p" type="print.sh"/>'
     assert await stage.run(body)
     assert stage.log("b-2") == "hello\n"
     assert (Level.ERROR, "<stdin>:2: package p has no program never.sh") in stage.lines
@@ -272,7 +272,7 @@ async def test_stop_escalates_if_a_signal_is_ignored(stage: Stage, ignored: str)
     task = asyncio.create_task(stage.run('<node name="n" pkg="p" type="deaf.sh"/>', stop_limits=limits))
     await stage.until(lambda: stage.log("n-1").endswith("\n"))
     await ended(task)
-    await stage.gone(int(stage.log("n-1")))
+    await stage.wait_ended(int(stage.log("n-1")))
     assert "did not end within 0.2 s of SIGINT" in stage.text
     assert ("SIGTERM" in stage.text) is ("TERM" in ignored)
 
@@ -284,18 +284,18 @@ async def test_child_processes_of_a_node_end_with_it(stage: Stage) -> None:
     child = int(stage.read("child"))
     assert is_running(child)
     await ended(task)
-    await stage.gone(child)
+    await stage.wait_ended(child)
 
 
 async def test_child_processes_that_outlive_a_node_are_ended(stage: Stage) -> None:
     stage.script("parent.sh", 'sleep 100 & echo $! > "$WHERE/child"')
     assert await asyncio.wait_for(stage.run('<node name="n" pkg="p" type="parent.sh"/>'), LIMIT_S)
-    await stage.gone(int(stage.read("child")))
+    await stage.wait_ended(int(stage.read("child")))
 
 
 async def test_launch_with_the_master_continues_after_its_nodes(stage: Stage) -> None:
-    stage.script("say.sh", "echo hello")
-    task = asyncio.create_task(stage.run('<node name="n" pkg="p" type="say.sh"/>', stays=True))
+    stage.script("print.sh", "echo hello")
+    task = asyncio.create_task(stage.run('<node name="n" pkg="p" type="print.sh"/>', stays=True))
     await stage.until(lambda: "until Ctrl-C" in stage.text)
     assert not task.done()
     await ended(task)
@@ -307,10 +307,10 @@ async def test_launch_with_only_parameters_sets_them_and_ends(stage: Stage) -> N
 
 
 async def test_dump_that_cannot_be_written_starts_nothing(stage: Stage) -> None:
-    stage.script("say.sh", 'echo x > "$WHERE/started"')
+    stage.script("print.sh", 'echo x > "$WHERE/started"')
     with pytest.raises(ConfigError, match="cannot write"):
         await stage.run(
-            '<rosparam command="dump" file="/does/not/exist/x.yaml"/><node name="n" pkg="p" type="say.sh"/>'
+            '<rosparam command="dump" file="/does/not/exist/x.yaml"/><node name="n" pkg="p" type="print.sh"/>'
         )
     assert not (stage.folder / "started").exists()
 
@@ -336,20 +336,20 @@ async def test_stop_during_a_start_ends_the_process(stage: Stage) -> None:
         await stage.until(lambda: (stage.folder / "home/log/latest/n-1-stdout.log").exists())
         await ended(task)
         if pid := stage.read("pid"):
-            await stage.gone(int(pid))
+            await stage.wait_ended(int(pid))
 
 
 async def test_search_for_programs_does_not_block_the_loop(
     stage: Stage, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     watch = LoopWatch(monkeypatch)
-    stage.script("say.sh", "true")
+    stage.script("print.sh", "true")
 
     def locate(package: str, node_type: str, environ: Mapping[str, str]) -> Program:
         return Program([str(find_program(package, node_type, stage.folder, environ))], {})
 
     monkeypatch.setattr(stage, "locate", locate)
-    assert await stage.run('<node pkg="p" type="say.sh" name="a"/>')
+    assert await stage.run('<node pkg="p" type="print.sh" name="a"/>')
     assert watch.folders
     assert watch.held == 0
 

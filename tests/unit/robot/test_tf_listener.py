@@ -73,12 +73,12 @@ async def test_a_jump_back_in_time_clears_the_buffer() -> None:
     async with entered(MemoryNetwork(), "/n") as node:
         codec = node.store.codec(TF_TYPE)
         listener = TfListener(TransformBuffer(), refusals.append)
-        take = listener.batch_handler(clock, codec, "/robot", is_static=False)  # type: ignore[arg-type]
-        take([codec.encode(to_message([STEP])), b"noise"])
+        handle = listener.batch_handler(clock, codec, "/robot", is_static=False)  # type: ignore[arg-type]
+        handle([codec.encode(to_message([STEP])), b"noise"])
         assert listener.buffer.children == ["base"]
         assert len(refusals) == 1
         clock.now_ns = 5 * SECOND
-        take([codec.encode(to_message([]))])
+        handle([codec.encode(to_message([]))])
     assert listener.buffer.children == []
     assert "jump back in time" in refusals[1]
 

@@ -2,12 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import AsyncIterator
 from pathlib import Path
 
-import pytest_asyncio
-
-from rostether.ros1.master.server import MasterServer
 from unit.rospy.programs import line_of, printed, running_script
 
 SCRIPTS = Path(__file__).parents[2] / "interop" / "rospy_scripts"
@@ -42,14 +38,6 @@ print(client.send_goal_and_wait(TestGoal(7), 30.0), client.get_result().result)
 server.action_server.stop()
 rospy.signal_shutdown("enough")
 """
-
-
-@pytest_asyncio.fixture
-async def master() -> AsyncIterator[str]:
-    """Run our master."""
-    server = await MasterServer.start(port=0)
-    yield server.uri
-    await server.close()
 
 
 async def test_a_client_and_a_server(master: str) -> None:

@@ -1,23 +1,12 @@
 from __future__ import annotations
 
-from collections.abc import AsyncIterator
 from pathlib import Path
 
 import pytest
-import pytest_asyncio
 
-from rostether.ros1.master.server import MasterServer
 from unit.rospy.programs import printed
 
 PACKAGE_XML = "<package><name>arm</name><version>1.0.0</version><description>d</description></package>"
-
-
-@pytest_asyncio.fixture
-async def master() -> AsyncIterator[str]:
-    """Run our master."""
-    server = await MasterServer.start(port=0)
-    yield server.uri
-    await server.close()
 
 
 @pytest.fixture

@@ -2,26 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import AsyncIterator
 from pathlib import Path
 
 import pytest
-import pytest_asyncio
 
-from rostether.ros1.master.server import MasterServer
 from rostether.rospy.tf import matrices
 from rostether.rospy.tf import rotations as tf_rotations
 from unit.rospy.programs import printed
 
 SCRIPTS = Path(__file__).parents[2] / "interop" / "rospy_scripts"
-
-
-@pytest_asyncio.fixture
-async def master() -> AsyncIterator[str]:
-    """Run our master."""
-    server = await MasterServer.start(port=0)
-    yield server.uri
-    await server.close()
 
 
 async def test_frames(master: str) -> None:

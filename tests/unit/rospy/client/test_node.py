@@ -4,11 +4,9 @@ from __future__ import annotations
 
 import asyncio
 import signal
-from collections.abc import AsyncIterator
 from pathlib import Path
 
 import pytest
-import pytest_asyncio
 
 import rostether
 from interop.ros1_peers import free_port
@@ -16,14 +14,6 @@ from rostether.ros1.master.server import MasterServer
 from unit.rospy.programs import line_of, printed, running_script
 
 SCRIPTS = Path(__file__).parents[3] / "interop" / "rospy_scripts"
-
-
-@pytest_asyncio.fixture
-async def master() -> AsyncIterator[str]:
-    """Run our master."""
-    server = await MasterServer.start(port=0)
-    yield server.uri
-    await server.close()
 
 
 async def test_a_node_that_talks_with_itself(master: str) -> None:
@@ -57,7 +47,7 @@ rospy.init_node("waiting")
 rospy.on_shutdown(lambda: print("hook"))
 print("ready", flush=True)
 try:
-    rospy.wait_for_service("nobody")
+    rospy.wait_for_service("missing")
 except rospy.ROSInterruptException:
     print("interrupted")
 """
@@ -110,12 +100,12 @@ from std_msgs.msg import String
 rospy.init_node("listener")
 both = threading.Barrier(2, timeout=60)
 seen = []
-def take(message):
+def receive(message):
     both.wait()          # passes only when callbacks of both publishers run at once
     seen.append(message.data)
     if len(seen) == 2:
         print(sorted(seen), flush=True)
-rospy.Subscriber("/in", String, take)
+rospy.Subscriber("/in", String, receive)
 print("ready", flush=True)
 rospy.spin()
 """
@@ -136,13 +126,13 @@ import rospy, time
 from std_msgs.msg import Int32
 rospy.init_node("slow")
 seen = []
-def take(message):
+def receive(message):
     if not seen:
         time.sleep(0.5)
     seen.append(message.data)
     if len(seen) == 5000:
         print(seen == list(range(5000)), flush=True)
-rospy.Subscriber("/in", Int32, take)
+rospy.Subscriber("/in", Int32, receive)
 print("ready", flush=True)
 rospy.spin()
 """
