@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
 
 from msgspec import Struct
 
@@ -11,7 +12,9 @@ from rostether.msgdef.interface import ANY_MD5SUM
 from rostether.msgdef.registry import Registry
 from rostether.msgdef.ros2.definition_files import BUNDLED_DISTRO
 from rostether.msgdef.ros2.definitions import Ros2Definitions
+from rostether.recording.file_lock import ACTIVE_SUFFIX
 from rostether.recording.recorded import Connection, Ros2Origin
+from rostether.recording.ros2.metadata import FileFacts
 from rostether.recording.ros2_qos import offered
 from rostether.recording.ros2_types import ROS2MSG, RecordedDefinitions
 from rostether.ros2.types.native_registry import NativeRegistry
@@ -77,6 +80,15 @@ class Ros2Channels:
                         self._unfit.add(channel.topic, str(error))
         channel.message_count += len(converted)
         return converted
+
+    def facts(self, path: Path, counts: Mapping[int, int], span_ns: tuple[int, int] | None) -> FileFacts:
+        """Return the contents of the file for metadata.yaml; `counts` has the messages by channel number."""
+        topics = {
+            (each.topic, each.origin.type_name): (each.origin, counts.get(each.number, 0))
+            for each in self.channels
+        }
+        start_ns, end_ns = span_ns or (None, 0)
+        return FileFacts(path.name.removesuffix(ACTIVE_SUFFIX), start_ns, end_ns, topics)
 
     def _describe(self, connection: Connection) -> tuple[Ros2Origin, Callable[[bytes], bytes]]:
         if connection.origin is not None:

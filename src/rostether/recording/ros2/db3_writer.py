@@ -6,7 +6,7 @@ Source: rosbag2_storage_sqlite3, schema version 4.
 from __future__ import annotations
 
 import sqlite3
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from rostether.errors import RecordingError
@@ -14,6 +14,7 @@ from rostether.mechanisms.text import write_failure
 from rostether.recording.recorded import Connection
 from rostether.recording.regular_file import sqlite_logs
 from rostether.recording.ros2.channels import Ros2Channel, Ros2Channels, UnfitMessages, distro_of
+from rostether.recording.ros2.metadata import FileFacts
 from rostether.ros2.types.type_support import Ros2Types
 
 SCHEMA_VERSION = 4
@@ -44,7 +45,8 @@ CREATE INDEX timestamp_idx ON messages (timestamp ASC);
 class Db3Writer:
     """A .db3 file being written, from ROS 1 bytes; see `recording.recorded.RecordingWriter`.
 
-    `types` and `unfit` as for `Ros2Channels`. Raises RecordingError if the file cannot be written.
+    `types` and `unfit` as for `Ros2Channels`; `on_close` gets the contents of the file. Raises RecordingError
+    if the file cannot be written.
     """
 
     def __init__(
@@ -53,11 +55,13 @@ class Db3Writer:
         *,
         types: Ros2Types | None = None,
         unfit: UnfitMessages | None = None,
+        on_close: Callable[[FileFacts], None] | None = None,
     ) -> None:
-        self.path = path
-        self.channels = Ros2Channels(types, unfit)
+        self._path = path
+        self._on_close = on_close
+        self._ros2_channels = Ros2Channels(types, unfit)
         self.message_count = 0
-        self.span_ns: tuple[int, int] | None = None
+        self._span_ns: tuple[int, int] | None = None
         self._data_bytes = 0
         self._committed_bytes = 0
         self._rows: list[tuple[int, int, bytes]] = []
@@ -85,32 +89,28 @@ class Db3Writer:
         """The approximate size of the file with all accepted messages."""
         return self._data_bytes + _ROW_BYTES * self.message_count
 
-    def topic_counts(self) -> dict[int, int]:
-        """Return the number of messages by channel number."""
-        return {each.number: each.message_count for each in self.channels.channels}
-
     def add_connection(self, connection: Connection) -> int:
         """Add the topic if it is new; return the number of its row.
 
         Raises RecordingError if ROS 2 has no such type.
         """
-        known = len(self.channels.channels)
-        channel = self.channels.channel(connection)
+        known = len(self._ros2_channels.channels)
+        channel = self._ros2_channels.channel(connection)
         if channel.number > known:
             self._add_topic(channel)
         return channel.number
 
     def write(self, number: int, time_ns: int, payloads: Sequence[bytes]) -> None:
         """Write messages that arrived at one time. Raises RecordingError if the disk rejects them."""
-        cdr = self.channels.converted(self.channels.channels[number - 1], payloads)
+        cdr = self._ros2_channels.converted(self._ros2_channels.channels[number - 1], payloads)
         if not cdr:
             return
         time_ns = min(max(time_ns, 0), _MAX_TIME_NS)
         self._rows += [(number, time_ns, each) for each in cdr]
         self._data_bytes += sum(map(len, cdr))
         self.message_count += len(cdr)
-        start_ns, end_ns = self.span_ns or (time_ns, time_ns)
-        self.span_ns = (min(start_ns, time_ns), max(end_ns, time_ns))
+        start_ns, end_ns = self._span_ns or (time_ns, time_ns)
+        self._span_ns = (min(start_ns, time_ns), max(end_ns, time_ns))
         if (
             len(self._rows) >= _MAX_WAITING_ROWS
             or self._data_bytes - self._committed_bytes >= _MAX_WAITING_BYTES
@@ -134,8 +134,8 @@ class Db3Writer:
                 self._database.rollback()
             self.message_count -= len(rows)
             for number, _, _ in rows:
-                self.channels.channels[number - 1].message_count -= 1
-            raise RecordingError(write_failure(self.path, error)) from None
+                self._ros2_channels.channels[number - 1].message_count -= 1
+            raise RecordingError(write_failure(self._path, error)) from None
 
     def close(self) -> None:
         """Commit all messages, and merge the log into the file. Idempotent. Raises RecordingError."""
@@ -145,10 +145,13 @@ class Db3Writer:
             self.flush()
             self._merge_log()
         except sqlite3.Error as error:
-            raise RecordingError(write_failure(self.path, error)) from None
+            raise RecordingError(write_failure(self._path, error)) from None
         finally:
             self._is_closed = True
             self._database.close()
+        if self._on_close is not None:
+            counts = {each.number: each.message_count for each in self._ros2_channels.channels}
+            self._on_close(self._ros2_channels.facts(self._path, counts, self._span_ns))
 
     def _merge_log(self) -> None:
         try:
@@ -173,4 +176,4 @@ class Db3Writer:
                     (origin.type_name, origin.encoding, origin.definition, origin.type_hash),
                 )
         except sqlite3.Error as error:
-            raise RecordingError(write_failure(self.path, error)) from None
+            raise RecordingError(write_failure(self._path, error)) from None
