@@ -30,7 +30,7 @@ def window_option(default: int | None) -> Callable[[Function], Function]:
     """Return the option `-w` of the commands that measure over a window of messages."""
     return add_option(
         "-w --window COUNT",
-        f"Measure over the last COUNT messages{f' ({default})' if default else ''}.",
+        f"Measure over the last COUNT messages{f' (default: {default})' if default else ''}.",
         type=click.IntRange(min=2),
         default=default,
     )

@@ -123,9 +123,9 @@ def bag_play(options: PlayOptions, files: tuple[str, ...], graph: GraphOptions) 
     environment, topics = read_environment(graph), options.topics
     plain = [*files, *options.bags]
     remappings = dict(each.split(":=", 1) for each in plain if ":=" in each and not each.startswith("_"))
-    # As in rosbag, `--topics /a /b`: words that are not files are topics.
     given = [each for each in plain if ":=" not in each]
     if topics:
+        # As in rosbag, `--topics /a /b`: words that are not files are topics.
         topics = (*topics, *(each for each in given if each.startswith("/") and not Path(each).exists()))
         given = [each for each in given if not each.startswith("/") or Path(each).exists()]
     if not given:

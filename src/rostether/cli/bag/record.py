@@ -80,7 +80,7 @@ class RecordOptions:
 
     records_all: bool = flag("-a --all", "Record all topics, including those that appear later.")
     has_patterns: bool = flag("-e --regex", "TOPICs are regular expressions.")
-    exclude: str | None = option("-x --exclude REGEX", "Leave out the topics that match.")
+    exclude: str | None = option("-x --exclude REGEX", "Omit the topics that match.")
     node: str | None = option("--node NODE", "Record all topics that a node subscribes to.")
     output_name: str | None = option("-O --output FILE", "The .bag, .mcap or .db3 file, or folder.")
     output_prefix: str | None = option(

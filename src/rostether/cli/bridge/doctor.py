@@ -26,14 +26,14 @@ if TYPE_CHECKING:
 @verb(
     "doctor",
     """
-    rostether doctor                              the board that is plugged in
+    rostether doctor                               the board that is plugged in
     rostether doctor /dev/ttyACM0
     rostether doctor "/dev/ttyUSB0?baud=115200" --duration 30
-    rostether doctor tcp://0.0.0.0:11411          a board that should connect to this machine
-    rostether doctor sim:blink.ino                a sketch on a simulated board
+    rostether doctor tcp://0.0.0.0:11411           a board on the network
+    rostether doctor sim:blink.ino                 a sketch on a simulated board
     rostether doctor /dev/ttyACM0 --json
-    rostether doctor --fleet --key-file fleet.key  robots that obey commands over multicast
-    rostether doctor --ros2                       the ROS 2 graph and the zenoh routers instead of a board
+    rostether doctor --fleet --key-file fleet.key  the robots of a fleet
+    rostether doctor --ros2                        the ROS 2 graph and routers
     """,
     hints=ADDRESS_HINTS,
     old_options={"--seconds": "--duration"},
@@ -41,7 +41,7 @@ if TYPE_CHECKING:
 @click.argument("port", required=False, metavar="[PORT]", shell_complete=complete_ports)
 @add_option(
     "--duration seconds SECONDS",
-    "Watch a connected board for this many seconds (8); 60 or more show restart loops and clock "
+    "Watch a connected board for this many seconds (default: 8); 60 or more show restart loops and clock "
     "drift better.",
     type=NumberRange(min=1.0, max=3600.0),
 )

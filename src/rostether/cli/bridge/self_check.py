@@ -52,7 +52,7 @@ class OptionalPart(Struct, frozen=True):
 def self_check(as_json: bool) -> None:
     """Show which optional parts of rostether work on this machine, and how to get the others.
 
-    Connects to nothing and starts no program. To diagnose a board, use `rostether doctor`.
+    The command connects to no graph and no board. To diagnose a board, use `rostether doctor`.
     """
     for each in optional_parts():
         if as_json:

@@ -45,17 +45,17 @@ class Answers:
     machine: str | None = option(
         "--machine", "Set up a base station, a robot, or both.", type=click.Choice(_KINDS)
     )
-    name: str | None = option("--name", "Name of this machine: PLATFORM_NAME.")
-    core: str | None = option("--core HOST", "The base station, for a robot.")
-    address: str | None = option("--address", "This machine's own address: ROS_IP.")
+    name: str | None = option("--name NAME", "The name of this machine: PLATFORM_NAME.")
+    core: str | None = option("--core HOST", "The base station, for --machine robot.")
+    address: str | None = option("--address ADDRESS", "The address of this machine: ROS_IP.")
     interface: str | None = option(
-        "--interface NAME", "Network interface of the fleet; gives the address at boot."
+        "--interface NAME", "The network interface of the fleet; its address is read at boot."
     )
     boards: tuple[str, ...] = option(
         "--board LINK", "A board's link address; may be repeated.", multiple=True
     )
     parts: tuple[str, ...] = option("--part NAME=COMMAND", "Another part; may be repeated.", multiple=True)
-    given: Path | None = option("--from", "A robot.toml, instead of questions.", type=EXISTING_FILE)
+    given: Path | None = option("--from", "Use this robot.toml and ask nothing.", type=EXISTING_FILE)
 
 
 def _target_options(function: Function) -> Function:

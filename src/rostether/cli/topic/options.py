@@ -45,9 +45,11 @@ class EchoOptions:
     plot: bool = flag("-p", "Print comma-separated values, for plotting.")
     as_json: bool = shared(json_option, False)
     clear: bool = flag("-c --clear", "Clear the screen before each message.")
-    noarr: bool = flag("--noarr --no-arr", "Leave arrays out.")
-    nostr: bool = flag("--nostr --no-str", "Leave strings out.")
-    number_width: int | None = option("-w WIDTH", "Width of a number in columns.", type=click.IntRange(min=2))
+    noarr: bool = flag("--noarr --no-arr", "Omit arrays.")
+    nostr: bool = flag("--nostr --no-str", "Omit strings.")
+    number_width: int | None = option(
+        "-w WIDTH", "Print numbers with this width, in columns.", type=click.IntRange(min=2)
+    )
     offset: bool = flag("--offset", "Print times relative to now, in seconds.")
     expression: str | None = option(
         "--filter EXPRESSION", "Print only messages m for which the Python expression is true."
@@ -61,9 +63,7 @@ class EchoOptions:
         type=click.IntRange(min=0),
     )
     flow_style: bool = flag("--flow-style", "With --ros2, print each message on one line.")
-    timeout_s: float | None = option(
-        "--timeout SECONDS", "With --ros2, give up after SECONDS.", type=POSITIVE
-    )
+    timeout_s: float | None = option("--timeout SECONDS", "With --ros2, stop after SECONDS.", type=POSITIVE)
     msg_paths: tuple[Path, ...] = shared(msg_path_option, ())
 
     @property
