@@ -1,4 +1,4 @@
-// What simulated boards publish, and what any other node may publish there.
+// States of simulated boards, and other messages on their topic.
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { readBoardState, simulatedBoards } from "../src/panels/simulation/board_state.ts";
@@ -27,7 +27,7 @@ test("a state is read", () => {
   assert.deepEqual([state.volts, state.driven], [{ A0: 2.5 }, { D7: 1 }]);
 });
 
-test("what is no state shows nothing", () => {
+test("a message that is not a state shows nothing", () => {
   for (const text of [undefined, "", "{", "3"]) assert.deepEqual(readBoardState(text)?.pins ?? [], []);
   const boards = simulatedBoards([
     { name: "/lab/sonar_simulation/state", typeName: "std_msgs/String" },

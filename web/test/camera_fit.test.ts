@@ -61,7 +61,7 @@ test("the ground's cells are 1, 2 or 5 times a power of ten", () => {
   );
 });
 
-test("what is drawn is looked at, not the room of its buffers or a stray point", () => {
+test("the camera shows the drawn points, without unused buffers and outliers", () => {
   const geometry = new BufferGeometry();
   const points = new Float32Array([1, 2, 3, -4, 5, 6, Number.NaN, 0, 0, 1e6, 0, 0, 100, 100, 100]);
   geometry.setAttribute("position", new BufferAttribute(points, 3));

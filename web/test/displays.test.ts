@@ -43,7 +43,7 @@ function cloud(fields: typeof XYZ, width: number, data: Uint8Array) {
   return { header, height: 1, width, fields, is_bigendian: false, point_step, row_step: data.length, data };
 }
 
-test("an empty point cloud has no points, and is no problem", () => {
+test("an empty point cloud has no points and no fault", () => {
   const { display, reports, objects } = show("sensor_msgs/PointCloud2");
   const drawn = () => (objects()[1] as Mesh<BufferGeometry>).geometry.drawRange.count;
   const rgb = { name: "rgb", offset: 12, datatype: 7, count: 1 };
@@ -52,7 +52,7 @@ test("an empty point cloud has no points, and is no problem", () => {
   display.update(cloud([...XYZ, rgb], 2, bytes));
   assert.equal(drawn(), 2);
   const colors = (objects()[1] as Mesh<BufferGeometry>).geometry.getAttribute("color");
-  // What a screen shows of it is 128 again.
+  // On a screen this is 128 again.
   assert.ok(Math.abs(new Color(colors.getX(0), 0, 0).convertLinearToSRGB().r * 255 - 128) < 0.5);
   display.update(cloud([], 0, new Uint8Array(0)));
   assert.equal(drawn(), 0);
@@ -89,7 +89,7 @@ test("markers with numbers that are not finite are named and not drawn", () => {
   assert.match(reports.at(-1) as string, /a\/1/);
 });
 
-test("a map that is wider than pictures may be keeps its walls, and its picture is used again", () => {
+test("a map wider than the largest picture keeps its walls, and its picture is reused", () => {
   const { display, reports, objects } = show("nav_msgs/OccupancyGrid");
   const [width, height] = [10_001, 4];
   const data = new Int8Array(width * height).fill(-1);

@@ -1,4 +1,4 @@
-// What is held drives only while that is meant.
+// A held control drives only as long as its user means it to.
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { signal } from "@preact/signals";
@@ -31,7 +31,7 @@ function stage(isConnected = true) {
   return { driver, sent, lease: (state: Lease["state"]) => onLease({ state, driver: "other" }) };
 }
 
-test("what is held while another client drives needs a new touch", () => {
+test("a control held while another client drives needs a new touch", () => {
   const { driver, sent, lease } = stage();
   lease("taken");
   driver.hold(AHEAD);
@@ -53,7 +53,7 @@ test("a stop is sent while another client drives", () => {
   driver.dispose();
 });
 
-test("a page that was asleep does not drive on", async (context) => {
+test("a page that was suspended does not continue to drive", async (context) => {
   const { driver, sent } = stage();
   driver.hold(AHEAD);
   const now = performance.now.bind(performance);
@@ -69,7 +69,7 @@ test("a page that was asleep does not drive on", async (context) => {
   driver.dispose();
 });
 
-test("after a network that stalled, what is still held needs a new touch", (context) => {
+test("after a stalled network, a control that is still held needs a new touch", (context) => {
   const { driver, sent, lease } = stage();
   driver.hold(AHEAD);
   lease("driving");
@@ -86,7 +86,7 @@ test("after a network that stalled, what is still held needs a new touch", (cont
   driver.dispose();
 });
 
-test("nothing that is held without a connection drives after it", () => {
+test("a control held without a connection does not drive once connected", () => {
   const { driver, sent } = stage(false);
   driver.hold(AHEAD);
   driver.hold(AHEAD);

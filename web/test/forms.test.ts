@@ -207,7 +207,7 @@ test("the dead zone begins at 0 and ends at 1", () => {
   assert.ok(Math.abs(Math.hypot(x, y) - 1) < 1e-9);
 });
 
-test("a control of many fields is no card of the overview", () => {
+test("a control of many fields is not a card of the overview", () => {
   const topic = (type: string, definition: string) => new Topic("/x", type, definition, undefined);
   assert.equal(fitsCard(topic("std_msgs/Bool", "bool data")), true);
   assert.equal(fitsCard(topic("a/B", "float32 a\nfloat32 b")), false);

@@ -33,7 +33,7 @@ test("a hundred topics of one node are one box each namespace", () => {
   ]);
 });
 
-test("what the page itself receives is drawn with the plumbing only", () => {
+test("subscriptions of the page are drawn only with the plumbing", () => {
   const graph = {
     publishers: new Map([["/t", ["/a"]]]),
     subscribers: new Map([["/t", ["/page", "/b"]]]),

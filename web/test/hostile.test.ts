@@ -1,4 +1,4 @@
-// Definitions and messages come from peers: whatever they hold, an error is the worst that happens.
+// Any definition or message of a peer is decoded or refused with an error.
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { DecodeError, decoder } from "../src/wire/decode.ts";

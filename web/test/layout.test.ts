@@ -5,7 +5,7 @@ import { arranged, moved, NO_LAYOUT, readLayout, withCard, withoutCard } from ".
 const cards = ["a", "b", "c"].map((id) => ({ id }));
 const ids = (shown: { id: string }[]) => shown.map((each) => each.id).join("");
 
-test("without a layout the cards are as they were made", () => {
+test("without a layout the cards keep their order", () => {
   assert.equal(ids(arranged(cards, NO_LAYOUT)), "abc");
 });
 
@@ -18,14 +18,14 @@ test("moved, hidden and new cards", () => {
   assert.equal(moved(layout, arranged(cards, layout), "b", 1), layout);
 });
 
-test("an added card is there once, and gone when it is taken away", () => {
+test("an added card is shown once, and not after it is removed", () => {
   const card = { panelId: "plots", key: "x", title: "x", settings: {} };
   const layout = withCard(withCard(NO_LAYOUT, card), card);
   assert.equal(layout.added.length, 1);
   assert.deepEqual(withoutCard(layout, "plots x"), NO_LAYOUT);
 });
 
-test("damaged layouts are read as far as they are sound", () => {
+test("the valid parts of damaged layouts are used", () => {
   const layout = readLayout({
     order: ["a", 5],
     widths: { a: 2, b: 9 },

@@ -1,4 +1,4 @@
-// Mesh files that are small, and large in memory.
+// Small mesh files that would be large in memory.
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { checkCollada, checkStl } from "../src/scene/mesh_limits.ts";

@@ -49,7 +49,7 @@ test("a rate is not exceeded, and uneven events do not halve it", () => {
   assert.ok(passed(5, 1) <= 52);
 });
 
-test("a picture's bytes are copied as a list is", () => {
+test("the bytes of a picture are copied like a list", () => {
   const type = phoneType("sensor_msgs/CompressedImage");
   const encode = encoder(type);
   const data = Uint8Array.from({ length: 1000 }, (_, index) => index);

@@ -17,10 +17,10 @@ test("the rate of regular messages, slow and fast", () => {
   }
 });
 
-test("messages that waited for a busy page are no burst", () => {
+test("messages that waited for a busy page do not count as a burst", () => {
   const meter = new RateMeter();
   meter.start(0);
-  // A page that takes 2 s to show itself, and later works for 1 s.
+  // The page needs 2 s to start, and is later busy for 1 s.
   for (let message = 0; message < 100; message++) meter.add(2000 + message * 0.1, 10);
   assert.ok(Math.abs(meter.hertz(2010) - 50) < 1, String(meter.hertz(2010)));
   add(meter, 2020, 9000, 20);
@@ -28,7 +28,7 @@ test("messages that waited for a busy page are no burst", () => {
   assert.ok(Math.abs(meter.hertz(10_005) - 50) < 2, String(meter.hertz(10_005)));
 });
 
-test("two latched messages are no rate of hundreds", () => {
+test("two latched messages do not give a high rate", () => {
   const meter = new RateMeter();
   meter.start(0);
   meter.add(5, 10);

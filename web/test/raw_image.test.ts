@@ -90,7 +90,7 @@ test("bayer patterns give the color of their cells", () => {
   }
 });
 
-test("what cannot be shown is refused in a sentence", () => {
+test("pictures that cannot be shown are refused with a sentence", () => {
   const refused: RawImage[] = [
     image("h264", 1, 1, [1]),
     image("rgb8", 2, 2, [1, 2, 3]),

@@ -69,7 +69,7 @@ test("RViz2 nests its topics", () => {
   assert.deepEqual(config.displays, [{ kind: "LaserScan", enabled: true, topic: "/scan" }]);
 });
 
-test("other files are refused in a sentence", () => {
+test("other files are refused with a sentence", () => {
   for (const text of [
     "",
     "a: b",

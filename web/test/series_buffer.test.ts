@@ -9,7 +9,7 @@ function filled(count: number, periodS: number, startS = 1000): SeriesBuffer {
   return buffer;
 }
 
-test("five minutes are kept, and not more", () => {
+test("at most five minutes are kept", () => {
   const buffer = filled(100_000, 0.02);
   assert.equal(buffer.length, KEPT_S / 0.02 + 1);
   assert.equal(buffer.lastValue, 99_999);
@@ -38,7 +38,7 @@ test("a slow series has no gaps, unless it was interrupted", () => {
   assert.ok(Number.isNaN(buffer.value(6)));
 });
 
-test("a clock that was set back begins again", () => {
+test("a series begins again when the clock is set back", () => {
   const buffer = filled(10, 1);
   buffer.push(500, 1);
   assert.equal(buffer.length, 1);
@@ -65,7 +65,7 @@ test("a gap breaks the line up to the next value", () => {
   assert.equal(broken.length, cells.lastIndexOf(null) - cells.indexOf(null) + 1);
 });
 
-test("values that are not finite break the line and leave the scale to the others", () => {
+test("values that are not finite break the line and do not affect the scale", () => {
   const buffer = new SeriesBuffer();
   const values = [1, 2, Number.POSITIVE_INFINITY, 3, Number.NEGATIVE_INFINITY, 1e308];
   for (const [second, value] of values.entries()) buffer.push(second / 10, value);

@@ -1,4 +1,4 @@
-// What the overview offers without configuration.
+// The cards of the overview without configuration.
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { boardsPanel } from "../src/panels/boards/boards.ts";
@@ -47,7 +47,7 @@ test("a plot of one field of several names it", () => {
   assert.deepEqual([card!.key, card!.title], ["/soil", "/soil/state"]);
 });
 
-test("the card of the boards stays when the last one is gone", () => {
+test("the card of the boards remains after the last one has left", () => {
   const empty = graph([], [], []);
   assert.equal(boardsPanel.matches!(empty).length, 0);
   assert.equal(boardsPanel.matches!({ ...empty, hasBoards: true }).length, 1);

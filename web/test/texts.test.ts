@@ -80,7 +80,7 @@ test("the robot's clock follows one that was set", () => {
   assert.equal(Math.round(at()), 4998);
 });
 
-test("a table of what a plot shows", () => {
+test("a table of the values that a plot shows", () => {
   const [a, b] = ["/a.x", '/b.y["]'].map((id) => new Series(id, new RobotClock(() => undefined))) as [
     Series,
     Series,

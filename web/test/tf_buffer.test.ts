@@ -109,7 +109,7 @@ test("a flood of frames is bounded, and zero quaternions are no rotation", () =>
   near(eulerDegrees(zero), [0, 0, 0]);
 });
 
-test("when the clock went back, only what does not move is kept", () => {
+test("when the clock is set back, only static transforms are kept", () => {
   const tf = new TfBuffer();
   tf.insert("map", "base", 100, turned(0, 1), false, 0);
   tf.insert("base", "laser", 0, turned(0, 0, 1), true, 0);

@@ -27,20 +27,13 @@ T = TypeVar("T")
 STORE = TypeStore(Registry())
 
 
-class LiveGraph:
-    """A master and nodes, which run in a thread."""
+class GraphThread:
+    """An event loop in another thread."""
 
     def __init__(self) -> None:
-        self.is_closed = False
         self._loop = asyncio.new_event_loop()
         self._thread = threading.Thread(target=self._loop.run_forever, daemon=True)
         self._thread.start()
-        self.master = self.do(MasterServer.start(port=0))
-        self._nodes: list[Ros1Graph] = []
-
-    @property
-    def uri(self) -> str:
-        return self.master.uri
 
     def do(self, work: Coroutine[Any, Any, T]) -> T:
         """Run a coroutine in the thread and wait for its result."""
@@ -50,27 +43,46 @@ class LiveGraph:
         """Start a coroutine in the thread."""
         return asyncio.run_coroutine_threadsafe(work, self._loop)
 
+    def wait_until(self, condition: Callable[[], bool]) -> None:
+        """Wait until a condition is true."""
+        deadline_s = time.monotonic() + 60
+        while not condition():
+            assert time.monotonic() < deadline_s, "the condition did not become true"
+            time.sleep(0.002)
+
+    def close(self) -> None:
+        """End the loop and its thread."""
+        self._loop.call_soon_threadsafe(self._loop.stop)
+        self._thread.join(60)
+        self._loop.close()
+
+
+class LiveGraph(GraphThread):
+    """A master and nodes, which run in the thread."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.is_closed = False
+        self.master = self.do(MasterServer.start(port=0))
+        self._nodes: list[Ros1Graph] = []
+
+    @property
+    def uri(self) -> str:
+        return self.master.uri
+
     def node(self, name: str) -> Ros1Graph:
         """Start a node."""
         graph = self.do(join_ros1(name, environment=RosEnvironment.read({}).with_master(self.uri)))
         self._nodes.append(graph)
         return graph
 
-    def wait_until(self, condition: Callable[[], bool]) -> None:
-        """Wait until a condition is true; the thread may make it true."""
-        deadline_s = time.monotonic() + 60
-        while not condition():
-            assert time.monotonic() < deadline_s, "it never became true"
-            time.sleep(0.002)
-
     def close(self) -> None:
+        """End the nodes, the master and the thread."""
         self.is_closed = True
         for node in self._nodes:
             self.do(node.close())
         self.do(self.master.close())
-        self._loop.call_soon_threadsafe(self._loop.stop)
-        self._thread.join(60)
-        self._loop.close()
+        super().close()
 
 
 @dataclass(frozen=True)

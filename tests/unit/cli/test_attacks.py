@@ -46,7 +46,7 @@ async def attack(port: int, data: bytes, count: int) -> None:
 
 
 def clock_s(pid: int) -> float:
-    """Return the CPU time of a process's event loop, which a busy machine does not lengthen, or the time."""
+    """Return the CPU time of a process, which a busy machine does not lengthen; without procfs, the time."""
     try:
         return int(Path(f"/proc/{pid}/schedstat").read_text().split()[0]) / 1e9
     except FileNotFoundError:

@@ -70,5 +70,5 @@ async def test_it_listens_only_where_it_is_reported(monkeypatch: pytest.MonkeyPa
         (("--ros2", "zenoh", "--port", "1"), "the router accepts only --zenoh-connect and --zenoh-listen"),
     ],
 )
-def test_what_makes_no_sense_is_refused(shell: Shell, options: tuple[str, ...], reported: str) -> None:
+def test_wrong_options_are_refused(shell: Shell, options: tuple[str, ...], reported: str) -> None:
     assert reported in shell.failure("core", *options, code=2)

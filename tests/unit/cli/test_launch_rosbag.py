@@ -43,7 +43,7 @@ def _message_count(path: Path) -> int:
         reader.close()
 
 
-def test_recorded_until_the_launch_ends(graph: LiveGraph, tmp_path: Path) -> None:
+def test_recording_lasts_until_the_launch_ends(graph: LiveGraph, tmp_path: Path) -> None:
     (tmp_path / "record.launch").write_text(RECORD)
     node = graph.node("/node")
     chat = graph.do(node.advertise("/arm/chat", STRING))
@@ -73,7 +73,9 @@ def test_recorded_until_the_launch_ends(graph: LiveGraph, tmp_path: Path) -> Non
 
 
 @pytest.mark.parametrize(("node_type", "verb"), [("play", ""), ("rosbag", "play ")])
-def test_played_and_then_the_launch_ends(graph: LiveGraph, tmp_path: Path, node_type: str, verb: str) -> None:
+def test_the_launch_ends_after_a_recording_is_played(
+    graph: LiveGraph, tmp_path: Path, node_type: str, verb: str
+) -> None:
     bag = tmp_path / "a.bag"
     written = write_bag(bag)
     (tmp_path / "play.launch").write_text(PLAY.format(type=node_type, verb=verb, bag=bag))

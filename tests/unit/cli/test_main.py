@@ -20,7 +20,7 @@ from unit.cli.command_shell import LiveGraph, Shell
 
 
 def all_verbs(group: LazyGroup, path: str = "rostether") -> Iterator[tuple[str, click.Command, str]]:
-    """Yield every command with what to type for it and its line in its group's help."""
+    """Yield every command with its path, and its summary in the help of its group."""
     context = click.Context(group)
     for name, entry in group.verbs.items():
         command = group.get_command(context, name)
@@ -54,7 +54,7 @@ def test_version(shell: Shell) -> None:
         assert shell.output(option) == f"rostether, version {version('rostether')}\n"
 
 
-def test_what_is_typed_wrong_is_reported_with_the_nearest_command(shell: Shell) -> None:
+def test_mistyped_commands_are_reported_with_similar_ones(shell: Shell) -> None:
     assert "no such command 'topc'; did you mean topic?" in shell.failure("topc", code=2)
     assert "no such command 'ecko'; did you mean echo?" in shell.failure("topic", "ecko", code=2)
     assert "did you mean `rostether topic pub`?" in shell.failure("pub", "/chatter", code=2)
@@ -88,7 +88,7 @@ def test_arguments_that_roslaunch_adds(graph: LiveGraph, shell: Shell) -> None:
 
 
 @pytest.mark.usefixtures("cold_start")
-def test_only_what_is_used_is_imported() -> None:
+def test_help_imports_few_modules() -> None:
     code = (
         "import sys; from rostether.cli.main import main; "
         "main(['msg', '-h']); print(*sys.modules, file=sys.stderr)"
@@ -98,12 +98,12 @@ def test_only_what_is_used_is_imported() -> None:
 
 
 @pytest.mark.usefixtures("cold_start")
-def test_serve_imports_only_what_the_first_message_needs() -> None:
+def test_serve_imports_only_modules_that_the_first_message_needs() -> None:
     code = "import sys, rostether.cli.bridge.serve, rostether.bridge.supervisor; print(*sys.modules)"
     loaded = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout
     names = {".".join(name.split(".")[:2]) for name in loaded.split()}
-    ours = ("dashboard", "firmware", "gateways", "launch", "recording", "robot", "simulation")
-    assert not names & {"yaml", "rich", "serialx", "websockets", *(f"rostether.{each}" for each in ours)}
+    packages = ("dashboard", "firmware", "gateways", "launch", "recording", "robot", "simulation")
+    assert not names & {"yaml", "rich", "serialx", "websockets", *(f"rostether.{each}" for each in packages)}
 
 
 def fail(error: BaseException) -> int:

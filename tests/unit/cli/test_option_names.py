@@ -9,11 +9,11 @@ import click
 from rostether.cli.main import rostether
 from rostether.cli.shell.verbs import Verb
 
-# The names that were used before for --duration, --output and --count.
+# Former names of --duration, --output and --count.
 # `firmware lib --for BOARD` has another meaning.
 FORMER = {"--seconds", "--time", "--save", "--output-name", "--output-file", "--number", "--secs"}
 
-# The short letter of each; the exceptions are rosbag's own.
+# Short names of options; the exceptions have those of rosbag and rostopic.
 LETTERS = {"--output": "-o", "--count": "-n"}
 EXCEPTIONS = {("bag record", "--output"), ("bag record", "--count"), ("topic pub", "--count")}
 
@@ -43,7 +43,7 @@ def test_options_of_one_meaning_have_one_name() -> None:
                 for name, letter in LETTERS.items()
                 if name in option.opts and letter not in option.opts and (verb, name) not in EXCEPTIONS
             ]
-            # A file that a command writes, and how long it runs.
+            # An output file needs its long name; only addresses of masters are called URI.
             if option.opts == ["-o"] or (option.metavar == "URI" and "--master" not in option.opts):
                 wrong.append(f"{verb} {option.opts}")
     assert wrong == []

@@ -41,7 +41,9 @@ def bag(tmp_path: Path) -> Path:
     return path
 
 
-def test_converted_all_the_way_round_it_is_the_same(bag: Path, tmp_path: Path, shell: Shell) -> None:
+def test_a_recording_is_the_same_after_conversion_through_all_formats(
+    bag: Path, tmp_path: Path, shell: Shell
+) -> None:
     steps = [bag, *(tmp_path / name for name in ("a", "b.db3", "c.mcap", "d", "e.mcap", "f.bag"))]
     options = {"d": ["--storage", "sqlite3"], "e.mcap": ["--format", "ros1"]}
     for source, target in pairwise(steps):
@@ -87,7 +89,7 @@ def test_shown_checked_and_filtered(bag: Path, tmp_path: Path, shell: Shell) -> 
     ]
 
 
-def test_what_makes_no_sense_is_reported(bag: Path, tmp_path: Path, shell: Shell) -> None:
+def test_mistakes_are_reported(bag: Path, tmp_path: Path, shell: Shell) -> None:
     full = tmp_path / "full"
     full.mkdir()
     assert "not a ROS 2 bag" in shell.failure("bag", "info", str(full))
@@ -119,7 +121,7 @@ def test_a_bag_without_its_summary_is_mended(bag: Path, tmp_path: Path, shell: S
     assert (tmp_path / "drive.orig" / "drive_0.mcap").exists()
 
 
-def test_types_that_only_a_recording_knows_are_played_as_they_were(tmp_path: Path) -> None:
+def test_types_that_only_a_recording_knows_are_played_unchanged(tmp_path: Path) -> None:
     written = foreign_bag(tmp_path / "theirs", StoragePlugin.MCAP)
     reader = open_recording(tmp_path / "theirs", is_native=True)
     types = recording_types(each.origin for each in reader.counts if each.origin is not None)
@@ -132,7 +134,7 @@ def test_types_that_only_a_recording_knows_are_played_as_they_were(tmp_path: Pat
 
 
 @pytest.mark.parametrize("storage", ["mcap", "sqlite3"])
-def test_a_killed_recording_has_what_came_before(
+def test_a_killed_recording_has_the_messages_before_its_end(
     graph: LiveGraph, tmp_path: Path, storage: str, shell: Shell
 ) -> None:
     node = graph.node("/node")
@@ -151,9 +153,7 @@ def test_a_killed_recording_has_what_came_before(
 
 
 @pytest.mark.parametrize("name", ["drive", "drive.mcap", "drive.db3"])
-def test_what_is_skipped_while_recording_is_reported_once_and_counted(
-    graph: LiveGraph, tmp_path: Path, name: str
-) -> None:
+def test_skipped_messages_are_reported_once_and_counted(graph: LiveGraph, tmp_path: Path, name: str) -> None:
     publisher = graph.do(graph.node("/node").advertise("/chat", STRING))
     words = ("bag", "record", "--format", "ros2", "--limit", "4", "-O", str(tmp_path / name), "/chat")
     with running(*words, ROS_MASTER_URI=graph.uri) as process:
@@ -185,7 +185,7 @@ def _count(folder: Path) -> int:
         return sum(reader.counts.values())
 
 
-def test_a_definition_of_ros2_that_is_given_counts(bag: Path, tmp_path: Path, shell: Shell) -> None:
+def test_a_definition_under_msg_path_is_used(bag: Path, tmp_path: Path, shell: Shell) -> None:
     own = tmp_path / "msgs" / "arm_msgs"
     (own / "msg").mkdir(parents=True)
     (own / "package.xml").write_text(

@@ -14,7 +14,7 @@ from rostether import Device
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="Windows has no pseudo-terminals")
 
 
-async def test_serve_with_nothing_else_looks_for_boards(tmp_path: Path) -> None:
+async def test_serve_without_an_address_looks_for_boards(tmp_path: Path) -> None:
     config = tmp_path / "devices.toml"
     config.write_text(
         f'[discovery]\nignore = ["all"]\n[devices.arm]\nport = "{tmp_path}/ttyACM*"\nnamespace = "/lab"\n'

@@ -38,13 +38,13 @@ async def test_serve_refuses_options_of_other_boards(options: str) -> None:
             pass
 
 
-async def test_serve_refuses_what_is_not_an_elf() -> None:
+async def test_serve_refuses_other_files_than_elf() -> None:
     with pytest.raises(ConfigError, match="runs only ELF files;"):
         async with simulated([parse_address("sim:blink.ino?board=lm3s6965evb")], SilentReporter()):
             pass
 
 
-def test_what_is_not_an_elf_is_refused_with_what_to_do() -> None:
+def test_other_files_than_elf_are_refused_with_the_next_step() -> None:
     result = run_to_end("blink.ino")
     assert result.returncode == 1
     assert "runs only ELF files; compile blink.ino with arm-none-eabi-g++ first" in result.stderr

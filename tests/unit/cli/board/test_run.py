@@ -34,7 +34,7 @@ def without_wait(errors: str) -> str:
     )
 
 
-def test_it_lists_what_it_runs_and_ends_on_request() -> None:
+def test_it_lists_its_boards_and_ends_on_request() -> None:
     result = run_to_end(str(build("tick")), "--for", "30ms", "--watch", "D13")
     lines = result.stdout.splitlines()
     assert lines[0].startswith(f"uno (atmega328p) runs {build('tick')}; serial port /dev/pts/")
@@ -91,21 +91,21 @@ def test_signals_end_it_quietly(tmp_path: Path, sign: signal.Signals, code: int)
     assert not link.is_symlink()
 
 
-def test_words_typed_in_a_terminal() -> None:
-    ours, theirs = pty.openpty()
+def test_lines_typed_in_a_terminal() -> None:
+    leader, follower = pty.openpty()
     try:
-        with running(*RUN, str(build("tick")), stdin=theirs) as process:
+        with running(*RUN, str(build("tick")), stdin=follower) as process:
             read_until(process, "reset cause=power")
-            os.write(ours, b"cycles\n")
+            os.write(leader, b"cycles\n")
             assert "cycles=" in read_until(process, "cycles ")[-1]
             # The terminal's mode is unchanged: for a program that shares it, it must not be non-blocking.
-            assert os.get_blocking(theirs)
+            assert os.get_blocking(follower)
     finally:
-        os.close(ours)
-        os.close(theirs)
+        os.close(leader)
+        os.close(follower)
 
 
-def test_a_reader_who_has_had_enough_ends_it() -> None:
+def test_a_reader_that_stops_early_ends_it() -> None:
     command = f"{' '.join((*OURS, *RUN))} {build('tick')} --watch serial --json | head -n 3"
     result = subprocess.run(
         ["bash", "-o", "pipefail", "-c", command], capture_output=True, text=True, timeout=120
@@ -137,7 +137,7 @@ def test_options_are_words_for_the_board() -> None:
         ([], 2, "PROGRAM"),
     ],
 )
-def test_what_is_wrong_is_reported_in_one_line(
+def test_mistakes_are_reported_in_one_line(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, arguments: list[str], code: int, reported: str
 ) -> None:
     monkeypatch.chdir(tmp_path)

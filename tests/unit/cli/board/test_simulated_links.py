@@ -86,7 +86,7 @@ async def _use(uri: str, serve: Peer) -> None:
                 assert message.data == pytest.approx(2.5, abs=0.01)
                 break
         assert "/volt_meter" in (await graph.snapshot()).nodes
-        await _use_node(graph)
+        await _command_node(graph)
         publisher = await graph.publisher("/toggle", "std_msgs/Empty")
         await serve.wait_for("pin D13 level=0")
         async with asyncio.timeout(60):
@@ -95,8 +95,8 @@ async def _use(uri: str, serve: Peer) -> None:
                 await asyncio.sleep(0.1)
 
 
-async def _use_node(graph: TypedGraph) -> None:
-    """The board's node shows its pins, and takes the words that may change its surroundings."""
+async def _command_node(graph: TypedGraph) -> None:
+    """Check that the board's node shows its pins, and accepts only commands about its surroundings."""
     command = await graph.publisher("/volt_meter_simulation/command", "std_msgs/String")
     assert await command.wait_for_subscriber(60)
     reported: list[tuple[str, Callable[[Any], bool]]] = [
@@ -141,7 +141,7 @@ async def test_links_are_opened_at_their_ports_with_names() -> None:
     assert not any("has ended" in text for _, text in lines.lines)
 
 
-async def test_what_the_board_reports_is_reported() -> None:
+async def test_warnings_of_the_board_are_reported() -> None:
     lines = Lines()
     async with simulated([parse_address(f"sim:{build('tick')}?watch=serial")], lines):
         await lines.wait_for("serial data=")

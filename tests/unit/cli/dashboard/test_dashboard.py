@@ -44,7 +44,7 @@ async def fetched(peer: Peer) -> tuple[str, str]:
         return match[1], reply.read().decode()
 
 
-async def test_a_port_that_another_program_takes_first_is_not_used(monkeypatch: pytest.MonkeyPatch) -> None:
+async def test_a_port_that_another_program_binds_first_is_not_used(monkeypatch: pytest.MonkeyPatch) -> None:
     with socket.create_server(("127.0.0.1", 0)) as other:
         ports = [other.getsockname()[1], free_port()]
         monkeypatch.setattr(served, "_free_port", lambda host, wanted: ports.pop(0))
@@ -225,7 +225,7 @@ async def test_the_gateway_alone() -> None:
         await master.close()
 
 
-async def test_serve_has_it_beside_boards() -> None:
+async def test_serve_has_the_dashboard_beside_boards() -> None:
     port = str(free_port())
     async with started(
         "serve", "tcp://127.0.0.1:0", "--master-port", port, "--dashboard", "127.0.0.1:0"
@@ -233,7 +233,7 @@ async def test_serve_has_it_beside_boards() -> None:
         assert (await fetched(serve))[1].startswith("<!doctype html>")
 
 
-async def test_launch_has_it_beside_nodes(tmp_path: Path) -> None:
+async def test_launch_has_the_dashboard_beside_nodes(tmp_path: Path) -> None:
     file = tmp_path / "robot.launch"
     file.write_text(LAUNCH)
     port = str(free_port())
@@ -241,7 +241,7 @@ async def test_launch_has_it_beside_nodes(tmp_path: Path) -> None:
         assert (await fetched(launch))[1].startswith("<!doctype html>")
 
 
-async def test_the_demo_has_it() -> None:
+async def test_the_demo_has_the_dashboard() -> None:
     uri = f"http://127.0.0.1:{free_port()}"
     async with started("demo", "--board", "python", "--ros1", ROS_MASTER_URI=uri) as demo:
         url, page = await fetched(demo)
@@ -249,7 +249,7 @@ async def test_the_demo_has_it() -> None:
         await offers(url.replace("http:", "ws:"), "/diagnostics")
 
 
-async def test_the_demo_without_it() -> None:
+async def test_the_demo_without_the_dashboard() -> None:
     uri = f"http://127.0.0.1:{free_port()}"
     async with started("demo", "--board", "python", "--ros1", "--no-page", ROS_MASTER_URI=uri) as demo:
         await demo.wait_for("virtual board ready")

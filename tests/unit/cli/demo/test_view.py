@@ -112,9 +112,7 @@ def test_recent_lines_leave_debug_out() -> None:
     assert list(recent.lines) == ["/board: shown", "the port is in use"]
 
 
-def test_our_command_is_a_path_where_only_we_are_on_path(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_the_command_is_a_path_unless_path_finds_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     program = tmp_path / ".cache" / "bin" / "rostether"
     program.parent.mkdir(parents=True)
     program.touch(0o755)

@@ -34,7 +34,7 @@ def test_messages_that_other_libraries_include(shell: Shell, tmp_path: Path) -> 
     assert (tmp_path / "ros_lib/src/sensor_msgs/Imu.h").is_file()
 
 
-def test_what_was_skipped_is_reported_and_the_rest_is_there(shell: Shell, tmp_path: Path) -> None:
+def test_skipped_messages_are_reported_and_the_others_written(shell: Shell, tmp_path: Path) -> None:
     (tmp_path / "bad/msg").mkdir(parents=True)
     (tmp_path / "bad/msg/A.msg").write_text("uint8 x\nfloat 32 y\n")
     result = shell("firmware", "lib", str(tmp_path), "--msg-path", str(tmp_path / "bad"))

@@ -82,7 +82,7 @@ async def test_it_reports_who_can_connect(place: str, token: str, line: tuple[Le
         assert log[1:] == ([line] if line is not None else [])
 
 
-async def test_a_master_that_is_away_is_waited_for(monkeypatch: pytest.MonkeyPatch) -> None:
+async def test_a_gateway_waits_for_a_missing_master(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("rostether.mechanisms.waiting.FIRST_RETRY_S", 0.001)
     log: list[tuple[Level, str]] = []
     away = MasterUnreachableError("the ROS master cannot be reached")

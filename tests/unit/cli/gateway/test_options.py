@@ -65,7 +65,7 @@ def test_wrong_listen_addresses(text: str) -> None:
 
 @pytest.mark.parametrize("command", ["rosbridge", "foxglove"])
 @pytest.mark.parametrize("origin", ["panel.example", "https:panel.example", "https://panel.example/page"])
-def test_what_is_not_an_origin(command: str, origin: str, shell: Shell) -> None:
+def test_wrong_origins(command: str, origin: str, shell: Shell) -> None:
     assert "write it like https://panel.example or" in shell.failure(command, "--origin", origin)
 
 

@@ -68,7 +68,7 @@ async def test_it_waits_for_its_master_and_ends_with_its_node() -> None:
             await master.close()
 
 
-async def test_a_port_that_is_taken_is_reported_in_one_line() -> None:
+async def test_a_port_in_use_is_reported_in_one_line() -> None:
     with socket.socket() as taken:
         taken.bind(("127.0.0.1", 0))
         taken.listen()
@@ -84,7 +84,7 @@ async def test_a_port_that_is_taken_is_reported_in_one_line() -> None:
             await master.close()
 
 
-async def test_the_established_launch_file_is_there_with_nothing_installed(tmp_path: Path) -> None:
+async def test_the_established_launch_file_needs_no_installation(tmp_path: Path) -> None:
     port, master_port = free_port(), free_port()
     launch = ("launch", "rosbridge_server", "rosbridge_websocket.launch", f"port:={port}")
     async with started(*launch, "-p", str(master_port), ROS_LOG_DIR=str(tmp_path)) as launched:

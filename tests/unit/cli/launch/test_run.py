@@ -46,7 +46,7 @@ def run(*arguments: str, cwd: Path, **environ: str) -> subprocess.CompletedProce
     )
 
 
-def test_a_script_gets_every_argument_and_our_rospy(arm: Path) -> None:
+def test_a_script_gets_every_argument_and_the_rospy_of_rostether(arm: Path) -> None:
     write(arm / "scripts" / "say.py", f"#!/usr/bin/env python3\n{SAY}")
     done = run("arm", "say.py", "__name:=x", "a:=b", "_p:=1", "-h", "--debug", "", cwd=arm)
     assert done.returncode == 0, done.stderr
@@ -55,7 +55,7 @@ def test_a_script_gets_every_argument_and_our_rospy(arm: Path) -> None:
     assert Path(python_path.split(os.pathsep)[0]).parts[-2:] == ("rospy", "path")
 
 
-def test_a_programs_exit_code_and_death_are_ours(arm: Path) -> None:
+def test_the_command_ends_as_its_program_did(arm: Path) -> None:
     write(arm / "scripts" / "fail.sh", "#!/bin/sh\nexit 7\n")
     assert run("arm", "fail.sh", cwd=arm).returncode == 7
     write(arm / "scripts" / "wait.sh", "#!/bin/sh\necho ready\nexec sleep 60\n")
@@ -82,7 +82,7 @@ def test_a_program_that_cannot_start(arm: Path) -> None:
     )
 
 
-def test_what_is_not_there_is_reported_with_what_is_near(arm: Path, shell: Shell) -> None:
+def test_missing_names_are_reported_with_similar_ones(arm: Path, shell: Shell) -> None:
     write(arm / "scripts" / "move.py", "#!/usr/bin/env python3\n")
     assert "did you mean move.py?" in shell.failure("run", "arm", "mov.py")
     assert "no package arn; did you mean arm?" in shell.failure("run", "arn", "move.py")
@@ -93,7 +93,7 @@ def test_what_is_not_there_is_reported_with_what_is_near(arm: Path, shell: Shell
     assert "`rostether pkg list`" in shell.failure("run", "xyzzyx", "x")
 
 
-def test_nodes_that_are_ours_by_role(arm: Path) -> None:
+def test_established_nodes_run_as_roles(arm: Path) -> None:
     found = node_command("rosserial_python", "serial_node.py", packages={}, environ={})
     assert found == [sys.executable, "-P", "-m", "rostether", "serial-node"]
     # Also where the package itself was checked out.
@@ -104,7 +104,7 @@ def test_nodes_that_are_ours_by_role(arm: Path) -> None:
 
 
 @pytest.mark.parametrize("node", sorted(builtin_nodes()))
-def test_every_served_node_is_a_command_of_ours(node: tuple[str, str], shell: Shell) -> None:
+def test_every_served_node_is_a_command_of_rostether(node: tuple[str, str], shell: Shell) -> None:
     words = builtin_nodes()[node][4:]
     assert shell.output(*words, "--help").startswith(f"Usage: rostether {' '.join(words)}")
 
@@ -187,7 +187,7 @@ def test_a_real_rospy_runs_scripts_whose_packages_are_built_for_it(tmp_path: Pat
     assert python_for(unbuilt, {}, ["built", "arm"]) == [sys.executable]
 
 
-def test_a_script_for_python_2_is_refused_with_what_to_type(arm: Path) -> None:
+def test_a_script_for_python_2_is_refused_with_a_command_to_type(arm: Path) -> None:
     script = write(arm / "old.py", "#!/usr/bin/env python\nprint 'hello'\n")
     with pytest.raises(ConfigError, match=r"old\.py:2: written for Python 2; convert it with `2to3 -w"):
         node_command("arm", "old.py", packages={"arm": arm}, environ={})

@@ -20,7 +20,8 @@ def _cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
 
 
-def tell(shell: str, code: str, path: str, script: str, **environ: str) -> list[str]:
+def shell_lines(shell: str, code: str, path: str, script: str, **environ: str) -> list[str]:
+    """Return the lines that a script prints after the code has set up its shell."""
     return subprocess.run(
         [shutil.which(shell, path=os.defpath) or shell, "-c", f"{code}\n{script}"],
         env={"PATH": path, **environ},
@@ -42,7 +43,7 @@ def fake_ros(folder: Path) -> Path:
 def test_the_code_works_in_a_shell_and_may_be_read_twice(name: str, tmp_path: Path) -> None:
     folder = write_shims(tmp_path / "my shims")
     code = shell_code(folder, first=False, is_fish=False)
-    reported = tell(name, f"{code}\n{code}", "/usr/bin:/bin", 'echo "$PATH"; command -v rossrun')
+    reported = shell_lines(name, f"{code}\n{code}", "/usr/bin:/bin", 'echo "$PATH"; command -v rossrun')
     assert reported == [f"/usr/bin:/bin:{folder}", str(folder / "rossrun")]
 
 
@@ -58,13 +59,13 @@ def test_a_real_ros_is_not_shadowed_unless_asked(
     assert behind.err.startswith(
         f"a real ROS is installed, and its commands keep precedence ({real / 'rostopic'}"
     )
-    assert tell("sh", behind.out, path, "rostopic") == ["real"]
+    assert shell_lines("sh", behind.out, path, "rostopic") == ["real"]
     before = shell.output("env", "--first")
-    (where,) = tell("sh", before, path, "command -v rostopic")
+    (where,) = shell_lines("sh", before, path, "command -v rostopic")
     assert is_shim(Path(where))
 
 
-def test_each_shim_is_a_command_of_ours(tmp_path: Path) -> None:
+def test_each_shim_runs_a_command_of_rostether(tmp_path: Path) -> None:
     folder = write_shims()
     assert folder.parent.parent == tmp_path / "cache"
     assert {each.name for each in folder.iterdir()} == set(SHIMS)
@@ -86,7 +87,7 @@ def test_a_damaged_shim_is_written_again() -> None:
     assert os.access(folder / "rostopic", os.X_OK)
 
 
-def test_a_shim_does_not_take_modules_from_the_current_folder(tmp_path: Path) -> None:
+def test_a_shim_imports_no_modules_from_the_current_folder(tmp_path: Path) -> None:
     (tmp_path / "click.py").write_text("raise SystemExit('not this one')")
     shim = write_shims() / "rostopic"
     shown = subprocess.run([str(shim), "--help"], cwd=tmp_path, capture_output=True, text=True, check=False)
@@ -99,7 +100,7 @@ def test_roscd(tmp_path: Path) -> None:
     (launch.parent / "package.xml").write_text("<package><name>arm</name></package>")
     code = shell_code(write_shims(), first=True, is_fish=False)
     script = f'cd "{tmp_path}"; roscd arm; pwd; roscd arm/launch; pwd; roscd nothing || echo failed'
-    reported = tell("sh", code, "/usr/bin:/bin", script)
+    reported = shell_lines("sh", code, "/usr/bin:/bin", script)
     assert reported == [str(launch.parent), str(launch), "failed"]
 
 
@@ -115,19 +116,19 @@ def test_a_cache_that_cannot_be_written(
 def test_fish(tmp_path: Path) -> None:
     folder = write_shims(tmp_path / "my shims")
     code = shell_code(folder, first=False, is_fish=True)
-    assert tell("fish", f"{code}\n{code}", "/usr/bin:/bin", "count $PATH; command -v rossrun") == [
+    assert shell_lines("fish", f"{code}\n{code}", "/usr/bin:/bin", "count $PATH; command -v rossrun") == [
         "3",
         str(folder / "rossrun"),
     ]
     first = shell_code(folder, first=True, is_fish=True)
-    assert tell("fish", f"{code}\n{first}", "/usr/bin:/bin", "echo $PATH[1]") == [str(folder)]
+    assert shell_lines("fish", f"{code}\n{first}", "/usr/bin:/bin", "echo $PATH[1]") == [str(folder)]
 
 
 def test_words_of_ros2(tmp_path: Path) -> None:
     folder = write_shims(tmp_path / "shims")
     code = shell_code(folder, first=True, is_fish=False)
-    shown = tell("sh", code, "/usr/bin:/bin", "ros2 interface show std_msgs/msg/Header")
+    shown = shell_lines("sh", code, "/usr/bin:/bin", "ros2 interface show std_msgs/msg/Header")
     assert shown == ["builtin_interfaces/Time stamp", "\tint32 sec", "\tuint32 nanosec", "string frame_id"]
     # ROS 2 without an option.
-    shown = tell("sh", code, "/usr/bin:/bin", "ros2 msg show std_msgs/msg/Header")
+    shown = shell_lines("sh", code, "/usr/bin:/bin", "ros2 msg show std_msgs/msg/Header")
     assert shown[0] == "builtin_interfaces/Time stamp"

@@ -39,7 +39,7 @@ async def announce_forever(port: int) -> None:
         writer.close()
 
 
-async def test_a_failed_case_is_reported_with_what_was_seen() -> None:
+async def test_a_failed_case_is_reported_with_the_observed_packets() -> None:
     port = free_port()
     client = asyncio.create_task(announce_forever(port))
     names = ("announce-names", "announce-md5sums", "frame-check")

@@ -117,9 +117,7 @@ def test_a_type_inside_itself_is_refused(shell: Shell, tmp_path: Path, options: 
 
 
 @pytest.mark.parametrize("options", [[], ["--ros2"]])
-def test_a_type_of_more_lines_than_anybody_reads_is_refused(
-    shell: Shell, tmp_path: Path, options: list[str]
-) -> None:
+def test_a_type_of_too_many_lines_is_refused(shell: Shell, tmp_path: Path, options: list[str]) -> None:
     levels = {f"T{n}": "".join(f"T{n + 1}[] f{k}\n" for k in range(4)) for n in range(24)}
     path = write_package(tmp_path, {**levels, "T24": "string x"})
     error = shell.failure("msg", "show", *options, "--msg-path", path, "hostile/T0")

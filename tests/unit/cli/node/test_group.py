@@ -16,7 +16,7 @@ SET_BOOL: ServiceType = STORE.registry.service_type("std_srvs/SetBool")
 
 
 async def refuse(_request: bytes) -> bytes:
-    raise AssertionError("nobody calls it")
+    raise AssertionError("this service is not called")
 
 
 def ignore(_payloads: Sequence[bytes]) -> None:

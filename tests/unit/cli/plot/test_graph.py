@@ -66,7 +66,7 @@ def test_files_by_their_names(shell: Shell, tmp_path: Path, name: str) -> None:
 
 
 @pytest.mark.usefixtures("busy")
-def test_what_cannot_be_done_is_reported(shell: Shell, tmp_path: Path) -> None:
+def test_mistakes_are_reported(shell: Shell, tmp_path: Path) -> None:
     assert "its name must end with .svg" in shell.failure(
         "graph", "--save", str(tmp_path / "graph.gif"), code=2
     )

@@ -61,7 +61,7 @@ def test_curves_are_bounded(capsys: pytest.CaptureFixture[str]) -> None:
     assert len(first.points) == MAX_POINTS // MAX_CURVES
 
 
-def test_curves_are_in_the_order_in_which_they_were_named() -> None:
+def test_curves_keep_the_order_of_their_names() -> None:
     curves = Curves()
     curves.expect("/b", "/a")
     curves.add(0.0, "/a", 1.0)
@@ -139,7 +139,7 @@ def test_png(shell: Shell, tmp_path: Path, measure: Callable[[], object]) -> Non
     assert file.read_bytes().startswith(b"\x89PNG\r\n\x1a\n")
 
 
-def test_what_cannot_be_drawn_is_reported(shell: Shell, graph: LiveGraph, tmp_path: Path) -> None:
+def test_mistakes_are_reported(shell: Shell, graph: LiveGraph, tmp_path: Path) -> None:
     publish(graph, "/words", "std_msgs/String", {"data": "x"})
     assert "/words/data contains no numbers" in shell.failure("plot", "/words/data", "--for", "60")
     silent = STORE.registry.message_type("std_msgs/Int8")

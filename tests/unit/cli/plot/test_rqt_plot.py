@@ -24,7 +24,7 @@ def test_the_numbers_of_a_message() -> None:
     assert number_fields("*", registry) == []
 
 
-def test_what_is_published_is_plotted(graph: LiveGraph, shell: Shell, became: list[list[str]]) -> None:
+def test_published_numbers_are_plotted(graph: LiveGraph, shell: Shell, became: list[list[str]]) -> None:
     node = graph.node("/board")
     for topic, kind in (("/b", "std_msgs/Float32"), ("/a", "std_msgs/Int16"), ("/c", "std_msgs/String")):
         graph.do(node.advertise(topic, STORE.registry.message_type(kind)))
@@ -33,7 +33,7 @@ def test_what_is_published_is_plotted(graph: LiveGraph, shell: Shell, became: li
     assert became[0][-3:] == ["plot", "/a/data", "/b/data"]
 
 
-def test_what_is_named_is_plotted(shell: Shell, became: list[list[str]]) -> None:
+def test_named_fields_are_plotted(shell: Shell, became: list[list[str]]) -> None:
     assert shell.output("role", "rqt-plot", "/a/x:y", "-w", "5") == ""
     assert became[0][-4:] == ["plot", "/a/x:y", "-w", "5"]
 

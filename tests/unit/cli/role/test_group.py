@@ -73,7 +73,7 @@ async def test_a_throttle_of_bytes(master: MasterServer, graph: TypedGraph) -> N
         assert await graph.get_param("/slow/wall_clock") is True
 
 
-async def test_a_mux_and_what_steers_it(master: MasterServer, graph: TypedGraph) -> None:
+async def test_a_mux_and_its_services(master: MasterServer, graph: TypedGraph) -> None:
     for name in ("/a", "/b"):
         (await graph.publisher(name, "std_msgs/String", latch=True)).publish(data=name)
     environ = {"ROS_MASTER_URI": master.uri}

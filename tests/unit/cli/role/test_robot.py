@@ -16,7 +16,7 @@ def test_keys_move_joints_and_q_ends(graph: LiveGraph, shell: Shell) -> None:
         terminal.type(b"\033[B\033[5~")
         terminal.wait_for("> j1")
         terminal.wait_for("0.4000")
-        # It shows its joints before the master knows its topic; then echo says that it waits.
+        # The joints are shown before the topic is registered; then echo prints that it waits.
         received = shell("topic", "echo", "-n", "1", "/joint_states/position")
         assert received.out.startswith("[0.0, 0.4, 0.0]"), received
         terminal.type(b"q")
@@ -24,7 +24,7 @@ def test_keys_move_joints_and_q_ends(graph: LiveGraph, shell: Shell) -> None:
         assert terminal.process.wait(PATIENCE_S) == 0
 
 
-def test_ctrl_c_gives_the_terminal_back(graph: LiveGraph) -> None:
+def test_ctrl_c_restores_the_terminal(graph: LiveGraph) -> None:
     graph.do(graph.node("setter").set_param("/robot_description", ARM))
     with in_terminal(*SLIDERS, ROS_MASTER_URI=graph.uri) as terminal:
         terminal.wait_for("> j0")

@@ -22,7 +22,7 @@ def zenoh_world() -> Iterator[ZenohWorld]:
 
 @pytest.fixture
 def world(zenoh_world: ZenohWorld, monkeypatch: pytest.MonkeyPatch) -> ZenohWorld:
-    """A graph over zenoh that commands with `--ros2 zenoh` are on."""
+    """A graph over zenoh, which commands with `--ros2 zenoh` join."""
     for name in ("ROS_DOMAIN_ID", "ROS_VERSION", "ZENOH_SESSION_CONFIG_URI", "ZENOH_ROUTER_CONFIG_URI"):
         monkeypatch.delenv(name, raising=False)
     monkeypatch.setenv("RMW_IMPLEMENTATION", "rmw_zenoh_cpp")

@@ -34,7 +34,7 @@ def test_names_of_ros2(
     assert complete(click.Context(click.Command("any")), click.Argument(["any"]), typed) == found
 
 
-def test_the_option_counts_as_the_variable_does(
+def test_the_option_selects_ros2_as_the_variable_does(
     world: ZenohWorld, shell: Shell, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.delenv("RMW_IMPLEMENTATION")

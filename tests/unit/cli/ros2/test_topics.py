@@ -122,7 +122,7 @@ def test_echo_of_fields(world: ZenohWorld, shell: Shell) -> None:
     assert record["header"] == {"stamp": {"sec": 5, "nanosec": 7}, "frame_id": "base"}
 
 
-def test_echo_cuts_what_is_long(world: ZenohWorld, shell: Shell) -> None:
+def test_echo_shortens_long_values(world: ZenohWorld, shell: Shell) -> None:
     once = ("topic", "echo", "--once", "/_raw")
     assert shell.output(*once) == f"data: {'x' * 128}...\n---\n"
     assert shell.output(*once, "-l", "3") == "data: xxx...\n---\n"
@@ -292,7 +292,7 @@ async def _describe_odd(world: ZenohWorld) -> None:
     await world.board.advertise_service(f"/far/board/{SERVICE}", service_type, answer)
 
 
-def test_what_is_of_one_ros_only(world: ZenohWorld, shell: Shell) -> None:
+def test_options_of_one_ros_only(world: ZenohWorld, shell: Shell) -> None:
     assert "--host works on ROS 1 only" in shell.failure("topic", "list", "--host", code=2)
     assert "--master works on ROS 1 only" in shell.failure(
         "topic", "echo", "--master", "http://x:1", "/x", code=2

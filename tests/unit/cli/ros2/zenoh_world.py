@@ -3,58 +3,38 @@
 from __future__ import annotations
 
 import asyncio
-import threading
-import time
-from collections.abc import Callable, Coroutine
-from typing import Any, TypeVar
 
 from contract.zenoh_graphs import open_session
 from interop.ros1_peers import free_port
 from rostether.msgdef.registry import Registry
 from rostether.ros2.zenoh.node import ZenohGraph
 from rostether.serde.store import TypeStore
-
-T = TypeVar("T")
+from unit.cli.command_shell import GraphThread
 
 STORE = TypeStore(Registry())
 REPEAT_S = 0.05
 
 
-class ZenohWorld:
+class ZenohWorld(GraphThread):
     """A router with a node `/far/board`, which has a publisher, a subscriber, a service and parameters."""
 
     def __init__(self) -> None:
+        super().__init__()
         self.received: list[bytes] = []
         self.port = free_port()
-        self._loop = asyncio.new_event_loop()
-        self._thread = threading.Thread(target=self._loop.run_forever, daemon=True)
-        self._thread.start()
         self.session = self.do(open_session(self.port, is_router=True))
         self.board: ZenohGraph = self.do(self.session.join("/far/board"))
         self._publishing = self.do(self._populate())
 
-    def do(self, work: Coroutine[Any, Any, T]) -> T:
-        """Run a coroutine in the thread and wait for its result."""
-        return asyncio.run_coroutine_threadsafe(work, self._loop).result(60)
-
-    def wait_until(self, condition: Callable[[], bool]) -> None:
-        """Wait until something has become true in the thread."""
-        deadline_s = time.monotonic() + 60
-        while not condition():
-            assert time.monotonic() < deadline_s, "it never became true"
-            time.sleep(0.002)
-
     def stop(self, task: asyncio.Task[None]) -> None:
-        """Cancel what runs in the thread."""
+        """Cancel a task of the thread."""
         self._loop.call_soon_threadsafe(task.cancel)
 
     def close(self) -> None:
-        """End everything."""
-        self._loop.call_soon_threadsafe(self._publishing.cancel)
+        """End the board, the router and the thread."""
+        self.stop(self._publishing)
         self.do(self.session.close())
-        self._loop.call_soon_threadsafe(self._loop.stop)
-        self._thread.join(60)
-        self._loop.close()
+        super().close()
 
     async def _populate(self) -> asyncio.Task[None]:
         registry, board = STORE.registry, self.board

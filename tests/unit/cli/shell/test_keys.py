@@ -30,9 +30,9 @@ async def test_keys_arrive_as_they_are_pressed_and_the_terminal_is_restored(
 
 
 async def test_a_pipe_has_no_keys(monkeypatch: pytest.MonkeyPatch) -> None:
-    ours, theirs = os.pipe()
-    os.close(theirs)
-    with os.fdopen(ours) as stdin:
+    reading, writing = os.pipe()
+    os.close(writing)
+    with os.fdopen(reading) as stdin:
         monkeypatch.setattr(sys, "stdin", stdin)
         with typed_keys(lambda _typed: None) as has_keys:
             assert not has_keys

@@ -13,7 +13,7 @@ from rostether.cli.shell.library_logs import show_debug_records, show_library_lo
 from rostether.graph.ports import Level
 from rostether.mechanisms import repeat_limiter
 
-ROOM = logging.getLogger("rostether.ros1")
+LIBRARY_LOG = logging.getLogger("rostether.ros1")
 ASYNCIO = logging.getLogger("asyncio")
 
 
@@ -30,15 +30,15 @@ def _loggers_as_before() -> Iterator[None]:
 def test_warning_goes_to_the_reporter() -> None:
     shown: list[tuple[Level, str]] = []
     show_library_logs(lambda level, text: shown.append((level, text)))
-    ROOM.warning("the master\nis %s", "away")
-    ROOM.info("nobody asked for this")
+    LIBRARY_LOG.warning("the master\nis %s", "away")
+    LIBRARY_LOG.info("not shown")
     assert shown == [(Level.WARN, "the master is away")]
 
 
-def test_a_peers_words_do_not_steer_the_terminal() -> None:
+def test_terminal_controls_of_peers_are_escaped() -> None:
     shown: list[str] = []
     show_library_logs(lambda _level, text: shown.append(text))
-    ROOM.warning("%s is gone", "\x1b]0;x\x07/node")
+    LIBRARY_LOG.warning("%s is gone", "\x1b]0;x\x07/node")
     assert shown == ["\\u001b]0;x\\u0007/node is gone"]
 
 
@@ -47,13 +47,13 @@ def test_last_call_counts() -> None:
     second: list[str] = []
     show_library_logs(lambda _level, text: first.append(text))
     show_library_logs(lambda _level, text: second.append(text))
-    ROOM.error("gone")
+    LIBRARY_LOG.error("gone")
     assert (first, second) == ([], ["gone"])
 
 
 def test_stderr_without_a_reporter(capsys: pytest.CaptureFixture[str]) -> None:
     show_library_logs()
-    ROOM.warning("slow")
+    LIBRARY_LOG.warning("slow")
     assert capsys.readouterr().err == "WARNING: slow\n"
 
 
@@ -91,7 +91,7 @@ def test_repeated_records_do_not_fill_the_log(monkeypatch: pytest.MonkeyPatch) -
     show_library_logs(lambda _level, text: shown.append(text))
     for number in range(1000):
         ASYNCIO.error("socket.accept() out of system resource\nsocket: %s", number)
-        ROOM.warning("node %s is gone", number)
+        LIBRARY_LOG.warning("node %s is gone", number)
     assert len([text for text in shown if "accept" in text]) == 1
     # One line of asyncio, and twenty of each of rostether's loggers.
     assert len(shown) == 21
@@ -103,7 +103,7 @@ def test_repeated_records_do_not_fill_the_log(monkeypatch: pytest.MonkeyPatch) -
 def test_debug_records_show_on_request() -> None:
     shown: list[tuple[Level, str]] = []
     show_library_logs(lambda level, text: shown.append((level, text)))
-    ROOM.debug("hidden")
+    LIBRARY_LOG.debug("hidden")
     show_debug_records()
-    ROOM.debug("presence ABSENT -> PRESENT")
+    LIBRARY_LOG.debug("presence ABSENT -> PRESENT")
     assert shown == [(Level.DEBUG, "presence ABSENT -> PRESENT")]

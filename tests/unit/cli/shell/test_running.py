@@ -40,7 +40,7 @@ def test_a_signal_ends_a_command_that_then_leaves_the_graph(
     with running(*ECHO, ignores_sigint=ignores_sigint, ROS_MASTER_URI=graph.uri) as process:
         graph.wait_until(lambda: command_node(graph) is not None)
         process.send_signal(number)
-        # As `timeout` does. On a busy machine, a sleep would take longer than two signals count as one.
+        # `timeout` sends two signals too. They count as one only if they are close, so this cannot sleep.
         sent_s = time.monotonic()
         while time.monotonic() < sent_s + 0.001:
             pass
@@ -60,7 +60,7 @@ def test_signals_while_python_exits_do_not_change_the_exit_code(graph: LiveGraph
     assert process.returncode == 143
 
 
-def test_python_says_nothing_about_an_expression(tmp_path: Path) -> None:
+def test_python_prints_no_warning_about_an_expression(tmp_path: Path) -> None:
     with running("bag", "filter", "a.bag", "b.bag", "1if m else 0", cwd=tmp_path) as process:
         _, errors = process.communicate(timeout=60)
     assert errors == "rostether: error: cannot read a.bag: No such file or directory; check the path\n"
@@ -85,7 +85,7 @@ def test_a_reader_that_stops_early_is_not_an_error(graph: LiveGraph, command: li
     assert (process.returncode, errors) == (0, "")
 
 
-def test_what_went_wrong_inside_comes_out() -> None:
+def test_errors_of_a_command_are_raised() -> None:
     async def fail() -> None:
         raise ConfigError("wrong")
 
@@ -168,7 +168,7 @@ WORK = [
         (signal.SIGINT, False, 130, "while True: pass", None),
     ],
 )
-def test_a_signal_interrupts_what_computes(
+def test_a_signal_interrupts_a_computation(
     number: signal.Signals, is_service: bool, code: int, work: str, uvloop: bool | None
 ) -> None:
     program = COMPUTES.format(work=work, is_service=is_service, uvloop=uvloop)
@@ -207,7 +207,7 @@ def test_a_second_signal_after_the_command_ended_changes_nothing(uvloop: bool | 
     assert (done.returncode, done.stdout, done.stderr) == (143, "", "")
 
 
-def test_a_cancellation_before_our_handlers_are_there_is_an_interrupt() -> None:
+def test_a_cancellation_before_the_signal_handlers_exist_is_an_interrupt() -> None:
     async def cancelled_by_asyncio() -> None:
         raise asyncio.CancelledError
 
@@ -325,9 +325,7 @@ async def test_a_service_is_ready_alive_and_stops(
     assert received[0] == b"READY=1"
 
 
-async def test_a_loop_that_is_held_sends_nothing(
-    manager: socket.socket, monkeypatch: pytest.MonkeyPatch
-) -> None:
+async def test_a_blocked_loop_sends_nothing(manager: socket.socket, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("WATCHDOG_USEC", "20000")
 
     async def main() -> None:

@@ -58,6 +58,6 @@ def test_help_fits_a_narrow_terminal(shell: Shell, monkeypatch: pytest.MonkeyPat
     assert "      Print one JSON object per line." in before_examples
 
 
-def test_an_option_that_belongs_into_the_address_is_explained(shell: Shell) -> None:
+def test_an_option_that_belongs_in_the_address_is_explained(shell: Shell) -> None:
     failure = shell.failure("serve", "/dev/ttyACM0", "--baud", "115200", code=2)
     assert failure.endswith('no option --baud; write it after the port: "/dev/ttyACM0?baud=115200"')
