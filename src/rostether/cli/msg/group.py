@@ -207,7 +207,10 @@ def _show_verb(kind: _Kind) -> click.Command:
                 record = ros2.record(registry, kind.group, each) if is_ros2 else _record(kind, registry, each)
                 write_json(record)
                 continue
-            text = ros2.shown(registry, kind.group, each) if is_ros2 else _text(kind, registry, each, raw=raw)
+            if is_ros2:
+                text = ros2.shown(registry, kind.group, each, raw=raw)
+            else:
+                text = _text(kind, registry, each, raw=raw)
             if is_short:
                 write_line(f"[{each}]:")
             write_line(text)
@@ -249,7 +252,7 @@ def _list_verb(kind: _Kind) -> click.Command:
 def _package_verb(kind: _Kind) -> click.Command:
     @verb("package", f"rostether {kind.group} package {kind.example_package}")
     @click.argument("package")
-    @add_flag("-s single_line", "Print them on one line.")
+    @add_flag("-s single_line", "Print the names on one line.")
     @msg_path_option
     @graph_options(master=False)
     def package_types(
@@ -265,7 +268,7 @@ def _package_verb(kind: _Kind) -> click.Command:
 
 def _packages_verb(kind: _Kind) -> click.Command:
     @verb("packages", f"rostether {kind.group} packages -s")
-    @add_flag("-s single_line", "Print them on one line.")
+    @add_flag("-s single_line", "Print the names on one line.")
     @msg_path_option
     @graph_options(master=False)
     def packages(single_line: bool, msg_paths: tuple[Path, ...], graph: GraphOptions) -> None:

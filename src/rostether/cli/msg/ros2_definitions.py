@@ -33,14 +33,21 @@ class Comments(Enum):
     ALL = auto()
 
 
-def shown(registry: Registry, group: str, name: str, comments: Comments = Comments.OWN) -> str:
-    """Return the text of a message, service or action, with each field's type below the field."""
+def shown(
+    registry: Registry, group: str, name: str, comments: Comments = Comments.OWN, *, raw: bool = False
+) -> str:
+    """Return the text of a message, service or action, with each field's type below the field.
+
+    With `raw`, return the original text.
+    """
     native = _native(registry)
     is_action = group == "action"
     found = native.definitions.action(name).action if is_action else _found(registry, group, name)
     text = native.definitions.file_text(found.full_name)
     if text is None:
         text = f"{SECTION_MARK}\n".join(message_text(part) for part in found.parts)
+    if raw:
+        return text.removesuffix("\n")
     for part in found.parts[1:]:
         dependencies(part, native.ros2_message)
     lines = _lines(native, text, found.package, comments, "")
@@ -113,6 +120,6 @@ def shown_definition(spec: SpecT, lookup: Callable[[str], SpecT], lines: Iterabl
     if len(shown) > MAX_SHOWN_LINES:
         raise DefinitionError(
             f"{spec.full_name} has more than {MAX_SHOWN_LINES} lines with the types of all its fields; "
-            "show the types of single fields instead, or use --raw"
+            "show the types of single fields instead"
         )
     return "".join(f"{line}\n" for line in shown)

@@ -35,6 +35,10 @@ def test_comments_as_ros2_shows_them(shell: Shell, tmp_path: Path) -> None:
     def show(*options: str) -> str:
         return shell.output("interface", "show", "own_msgs/srv/Mark", "--msg-path", str(tmp_path), *options)
 
+    raw = shell.output(
+        "srv", "show", "--ros2", "zenoh", "--raw", "own_msgs/Mark", "--msg-path", str(tmp_path)
+    )
+    assert raw == "# Marks a place.\nTag tag  # the label\n\n---\n# How it went.\nbool done\n"
     nested = "\tstring name\n\tuint8 RED=1\n"
     assert show() == (f"# Marks a place.\nTag tag  # the label\n{nested}\n---\n# How it went.\nbool done\n")
     assert show("--no-comments") == f"Tag tag\n{nested}---\nbool done\n"
