@@ -65,6 +65,8 @@ def read_failure(path: object, error: Exception) -> str:
         step = "make it readable for this user"
     elif number == errno.EIO:
         step = "check its disk"
+    elif number == errno.EISDIR:
+        step = "give a file in this folder"
     return f"cannot read {path}: {reason}; {step}"
 
 

@@ -168,9 +168,9 @@ async def _start_opencr(
     return board
 
 
-def _name(program: Path, taken: Sequence[str]) -> str:
+def _name(program: Path, used: Sequence[str]) -> str:
     base_name = legal_base_name(program.resolve().stem)
-    return next(name for number in count(1) if (name := numbered(base_name, number)) not in taken)
+    return next(name for number in count(1) if (name := numbered(base_name, number)) not in used)
 
 
 async def _report_end(board: QemuBoard | OpenCrBoard, link: SimAddress, reporter: Reporter) -> None:

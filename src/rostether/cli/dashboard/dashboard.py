@@ -85,8 +85,8 @@ def dashboard(
     """Show the robot in a browser: boards, topics, plots, images, 3D, parameters.
 
     The page needs no internet and no installation on the device that shows it. It connects to the gateway on
-    the same port, which Foxglove can use too. `rostether serve --dashboard` does the same and
-    connects boards.
+    the same port, which Foxglove can use too. `rostether serve --dashboard` does the same and connects
+    boards.
 
     The node's name is dashboard, or dashboard_PORT on another port; __name:=, __ns:= and from:=to work as for
     any ROS node.

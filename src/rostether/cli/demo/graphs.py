@@ -32,7 +32,7 @@ async def demo_master(
     """Find the master to join, or run one until the end of the block.
 
     `port` is the port of a new master; None is the usual port, or the next free one. Raises GraphError if the
-    port is taken.
+    port is in use.
     """
     if joins:
         async with used_master(environment) as used:

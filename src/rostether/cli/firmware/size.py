@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
 # Wider tables are not easier to read.
 MAX_COLUMNS = 100
-# They fit beside the numbers.
+# As many names of items fit beside the numbers.
 SHOWN_ITEMS = 3
 _BAR_CELLS = 20
 _TEMPLATE = re.compile(r"<[^<>]*>")
@@ -64,7 +64,7 @@ async def _size(sketch: Path, board_name: str, options: BuildOptions, as_json: b
     title, footprint, endpoints, buffer_bytes = await _measure(sketch, board_name, options)
     problems = [*footprint.refusals(), *footprint.warnings()]
     problems += [
-        f"{each.topic or each.name}: {each.type_name} takes {each.incoming_bytes} bytes and "
+        f"{each.topic or each.name}: {each.type_name} has {each.incoming_bytes} bytes and "
         f"{each.note(buffer_bytes)}; give ros::NodeHandle_ a larger input buffer"
         for each in endpoints
         if each.incoming_bytes is not None and each.incoming_bytes > buffer_bytes

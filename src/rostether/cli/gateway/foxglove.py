@@ -30,7 +30,7 @@ from rostether.cli.gateway.gateways import (
 from rostether.cli.gateway.node import (
     NodeNaming,
     certificate_files,
-    flag,
+    is_true,
     private_parameters,
     read_gateway_arguments,
     whole_number,
@@ -160,7 +160,7 @@ def settings_of_parameters(parameters: Mapping[str, Any], token: str = "") -> Fo
     )
     from rostether.gateways.websocket.settings import DEFAULT_HOST
 
-    certificate, key = certificate_files(parameters, "tls") if flag(parameters, "tls") else ("", "")
+    certificate, key = certificate_files(parameters, "tls") if is_true(parameters, "tls") else ("", "")
     wanted = parameters.get("capabilities")
     if wanted is not None and not isinstance(wanted, list):
         raise ConfigError(f"~capabilities must be a list, for example [{', '.join(CAPABILITIES)}]")

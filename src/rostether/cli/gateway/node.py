@@ -101,7 +101,7 @@ async def private_parameters(graph: TypedGraph) -> dict[str, Any]:
     return dict(found) if isinstance(found, Mapping) else {}
 
 
-def flag(parameters: Mapping[str, Any], name: str) -> bool:
+def is_true(parameters: Mapping[str, Any], name: str) -> bool:
     """Return a parameter that is true or false, False if it is missing."""
     return str(parameters.get(name, False)).strip().lower() in _TRUE
 

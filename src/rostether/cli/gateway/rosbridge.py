@@ -28,7 +28,7 @@ from rostether.cli.gateway.gateways import (
 from rostether.cli.gateway.node import (
     NodeNaming,
     certificate_files,
-    flag,
+    is_true,
     private_parameters,
     read_gateway_arguments,
     whole_number,
@@ -245,9 +245,9 @@ def read_settings(parameters: Mapping[str, Any], token: str = "") -> RosbridgeSe
     )
     from rostether.gateways.websocket.settings import DEFAULT_HOST
 
-    if flag(parameters, "authenticate") and not token:
+    if is_true(parameters, "authenticate") and not token:
         raise ConfigError(f"~authenticate needs a token; set {TOKEN_VARIABLE} in the environment of the node")
-    is_secure = flag(parameters, "ssl") or bool(parameters.get("certfile"))
+    is_secure = is_true(parameters, "ssl") or bool(parameters.get("certfile"))
     certificate, key = certificate_files(parameters, "ssl") if is_secure else ("", "")
     return RosbridgeSettings(
         host=str(parameters.get("address") or DEFAULT_HOST),
@@ -255,7 +255,7 @@ def read_settings(parameters: Mapping[str, Any], token: str = "") -> RosbridgeSe
         token=token,
         path="" if parameters.get("websocket_path") in (None, "/") else str(parameters["websocket_path"]),
         max_message_bytes=whole_number(parameters, "max_message_size", 0) or DEFAULT_MAX_MESSAGE_BYTES,
-        deflate=flag(parameters, "use_compression"),
+        deflate=is_true(parameters, "use_compression"),
         certificate=certificate,
         key=key,
         fragment_bytes=whole_number(parameters, "fragment_size", 0) or None,

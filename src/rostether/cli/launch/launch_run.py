@@ -64,6 +64,6 @@ def _report(level: int, text: str) -> None:
     if level >= Level.ERROR:
         print_error(text)
     elif level >= Level.WARN:
-        warn(f"warning: {text}")
+        warn(f"WARNING: {text}")
     else:
         write_line(text)

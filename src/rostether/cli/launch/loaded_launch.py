@@ -49,7 +49,7 @@ class LoadedLaunch(Struct, frozen=True):
             try:
                 views[panel] = read_view(panel, shown)
             except ConfigError as error:
-                warn(f"warning: {node.name}: {error}")
+                warn(f"WARNING: {node.name}: {error}")
                 views[panel] = View(panel)
         return list(views.values())
 
@@ -61,11 +61,11 @@ class LoadedLaunch(Struct, frozen=True):
     def warn(self) -> None:
         """Print the warnings of the files, and those about arguments."""
         for line in self.plan.warnings:
-            warn(f"warning: {line}")
+            warn(f"WARNING: {line}")
         for name in self.sources.arguments.keys() - self.plan.argument_names:
-            warn(f"warning: the launch file declares no argument {name}; --ros-args shows the declared ones")
+            warn(f"WARNING: the launch file declares no argument {name}; --ros-args shows the declared ones")
         for name in self.sources.empty_arguments:
-            warn(f"warning: {name}:= has no value and is ignored, as with roslaunch")
+            warn(f"WARNING: {name}:= has no value and is ignored, as with roslaunch")
 
 
 def load(words: Sequence[str], *, runs_commands: bool) -> LoadedLaunch:

@@ -74,7 +74,7 @@ def warned_duplicates() -> Iterator[OnDuplicate]:
 
     def note(name: str, used: Path, other: Path) -> None:
         lines.append(
-            f"rostether: warning: two packages have the name {name}: using {used}, ignoring {other}; rename "
+            f"WARNING: two packages have the name {name}: using {used}, ignoring {other}; rename "
             "one, or create a file CATKIN_IGNORE in its folder"
         )
 
@@ -82,7 +82,7 @@ def warned_duplicates() -> Iterator[OnDuplicate]:
     for line in lines[:MAX_WARNINGS]:
         warn(line)
     if len(lines) > MAX_WARNINGS:
-        warn(f"rostether: warning: {len(lines) - MAX_WARNINGS} more packages have duplicate names")
+        warn(f"WARNING: {len(lines) - MAX_WARNINGS} more packages have duplicate names")
 
 
 @click.group(

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from rostether.msgdef.registry import Registry
     from rostether.packages.workspace import PackageContents
 
-# They are ignored, with the value that follows them in the same word.
+# Options of catkin_make that are ignored, each with its value in the same word.
 _CMAKE_OPTIONS = ("-D", "-G", "-j", "-l", "-W")
 # Common targets, and their replacements.
 _TARGETS = {

@@ -75,9 +75,14 @@ class Ros1Params:
         else:
             content = parse_value(values[0], "value")
             if content == {}:
-                warn(f"an empty mapping sets nothing; `rostether param delete {name}` empties the namespace")
+                warn(
+                    "WARNING: an empty mapping sets nothing; "
+                    f"`rostether param delete {name}` empties the namespace"
+                )
             elif looks_like_number(content):
-                warn(f"{values[0]} is text in YAML; an exponent needs a dot and a sign, as in 1.0e-3")
+                warn(
+                    f"WARNING: {values[0]} is text in YAML; an exponent needs a dot and a sign, as in 1.0e-3"
+                )
         run(_store(self._environment, [(name, content)], verbose=options.verbose))
 
     def delete(self, name: str, parameter: str | None, *, verbose: bool) -> None:
@@ -151,7 +156,7 @@ async def _store(environment: RosEnvironment, values: list[tuple[str, Any]], *, 
     for name, value in values:
         full_name = param_name(name, environment)
         if full_name == "/" and not isinstance(value, dict):
-            raise ConfigError("/ can only be set to a mapping of names to values")
+            raise ConfigError("/ can only be set to a mapping of names to values, such as {speed: 1}")
         # All are checked before the first is set: a file with an error sets nothing.
         settings += leaves(full_name, value)
     _warn_of_illegal([name for name, _ in settings])
@@ -169,7 +174,7 @@ def _warn_of_illegal(names: list[str]) -> None:
         try:
             validate_name(name)
         except InvalidNameError as error:
-            warn(f"warning: {error}; it is set, but roscpp nodes reject such names")
+            warn(f"WARNING: {error}; it is set, but roscpp nodes reject such names")
             return
 
 

@@ -20,7 +20,7 @@ from rostether.msgdef.primitives import INTEGER_RANGES
 if TYPE_CHECKING:
     from rostether.msgdef.registry import Registry
 
-# More curves cannot be distinguished.
+# About as many as there are colors; a user who wants more names the fields.
 MAX_FIELDS = 8
 _NUMBERS = frozenset(INTEGER_RANGES) | {"float32", "float64", "bool"}
 # Topics of the system, whose numbers are rarely of interest.

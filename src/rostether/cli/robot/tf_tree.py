@@ -52,7 +52,7 @@ async def _tree(listening_s: float, dot: bool, as_json: bool, graph: GraphOption
     refusals: dict[str, None] = {}
 
     def note(refusal: str) -> None:
-        # The same refusal comes with every message; the text before the frame is its kind.
+        # Every message may cause the same refusal; the text before the frame is its kind.
         kind = refusal.split(" for frame ")[0]
         if len(refusals) < _MAX_REFUSALS:
             refusals.setdefault(kind)

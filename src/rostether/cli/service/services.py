@@ -17,7 +17,7 @@ class ServiceListing:
     """The options of `service list`."""
 
     namespace: str | None = argument(required=False, shell_complete=complete_services)
-    nodes: bool = flag("-n --nodes", "Also print the nodes that offer them.")
+    nodes: bool = flag("-n --nodes", "Also print the nodes that offer each service.")
     show_types: bool = flag("-t --show-types", "With --ros2, show types.")
     count_services: bool = flag("-c --count-services", "Print only the number.")
     with_hidden: bool = flag("--include-hidden-services", "With --ros2, include hidden services (_name).")

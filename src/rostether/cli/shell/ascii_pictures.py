@@ -5,7 +5,7 @@ from __future__ import annotations
 import codecs
 
 ERROR_HANDLER = "rostether-ascii"
-# Rows of lower and higher bars, shades, and lines of frames and trees.
+# The characters of bars by their height, of shades, frames and trees, and what replaces them.
 _ASCII = {
     **dict(zip("▁▂▃▄▅▆▇█", "__--==##", strict=True)),
     **dict.fromkeys("░▒▓", ":"),

@@ -42,10 +42,6 @@ def read_bytes(file: Path) -> bytes:
         else:
             with file.open("rb") as opened:
                 data = opened.read(MAX_FILE_BYTES + 1)
-    except FileNotFoundError:
-        raise ConfigError(f"there is no file {file}") from None
-    except IsADirectoryError:
-        raise ConfigError(f"{file} is a folder; give a file in it") from None
     except (OSError, ValueError) as error:
         raise ConfigError(read_failure(file, error)) from None
     if len(data) > MAX_FILE_BYTES:
@@ -139,7 +135,7 @@ async def piped_documents(stream: TextIO) -> AsyncIterator[str]:
 
 def _too_long() -> ConfigError:
     return ConfigError(
-        f"a YAML document is larger than {MAX_DOCUMENT_BYTES} bytes; separate messages with {SEPARATOR}"
+        f"a YAML document is larger than {MAX_DOCUMENT_BYTES:,} bytes; separate messages with {SEPARATOR}"
     )
 
 

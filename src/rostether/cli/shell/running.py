@@ -59,7 +59,7 @@ def run(main: Coroutine[Any, Any, T], *, is_service: bool = False, uvloop: bool 
         with asyncio.Runner(loop_factory=loop_factory) as runner:
             result = runner.run(ending.run(notifying_systemd(main) if is_service else main))
     except (KeyboardInterrupt, asyncio.CancelledError):
-        # Without an exit code, Ctrl-C came before our handlers were set, and was handled by asyncio.
+        # Without an exit code, Ctrl-C came before `_Ending` had set its handlers, and asyncio handled it.
         raise click.exceptions.Exit(
             EXIT_INTERRUPTED if ending.exit_code is None else ending.exit_code
         ) from None

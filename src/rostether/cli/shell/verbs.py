@@ -134,7 +134,7 @@ class Verb(_CommandWithExamples):
             raise
 
     def invoke(self, ctx: click.Context) -> Any:
-        """Run the command; from here on it may have something to clean up at Ctrl-C."""
+        """Run the command; from now on Ctrl-C raises KeyboardInterrupt, so that the command can clean up."""
         raise_at_interrupt()
         return super().invoke(ctx)
 

@@ -34,7 +34,7 @@ def test_a_file_of_rviz_is_served_beside_the_page(tmp_path: Path) -> None:
     view = read_view("scene", [str(file)])
     assert view.settings == {"rviz": "view.rviz"}
     assert view.files == {"view.rviz": b"Panels: []"}
-    with pytest.raises(ConfigError, match="there is no file"):
+    with pytest.raises(ConfigError, match="No such file"):
         read_view("scene", [str(tmp_path / "other.rviz")])
     file.write_bytes(b" " * (1 << 21))
     with pytest.raises(ConfigError, match="larger than 1 MiB"):

@@ -28,11 +28,11 @@ def _own_home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.fixture
 def port() -> Iterator[str]:
-    ours, theirs = pty.openpty()
-    path = os.ttyname(theirs)
-    os.close(theirs)
+    leader, follower = pty.openpty()
+    path = os.ttyname(follower)
+    os.close(follower)
     yield path
-    os.close(ours)
+    os.close(leader)
 
 
 def test_build_reports_its_output_and_the_size(shell: Shell, tmp_path: Path) -> None:
@@ -79,7 +79,7 @@ def test_verbose_shows_every_command(shell: Shell, tmp_path: Path) -> None:
     assert "avr-g++ -c -g -Os" in shell("firmware", "build", "S", "-v").err
 
 
-def test_what_the_board_cannot_take_fails(shell: Shell, tmp_path: Path) -> None:
+def test_a_program_too_large_for_the_board_fails(shell: Shell, tmp_path: Path) -> None:
     write_sketch(
         tmp_path, "Big", "volatile char big[3000];\nvoid setup() { big[0] = big[1]; }\nvoid loop() {}\n"
     )
@@ -105,7 +105,7 @@ def test_usage_that_makes_no_sense_is_one_line(
     assert message in shell.failure("firmware", "build", *arguments)
 
 
-def test_size_names_what_takes_it(shell: Shell, tmp_path: Path) -> None:
+def test_size_names_the_parts_of_a_program(shell: Shell, tmp_path: Path) -> None:
     write_sketch(tmp_path, "Hello", HELLO)
     output = shell.output("firmware", "size", "Hello")
     assert max(map(len, output.splitlines())) <= 80
@@ -134,7 +134,7 @@ def test_size_as_json(shell: Shell, tmp_path: Path) -> None:
     assert record["warnings"] == []
 
 
-def test_size_warns_of_a_stack_that_may_not_find_room(shell: Shell, tmp_path: Path) -> None:
+def test_size_warns_of_a_stack_that_may_not_fit(shell: Shell, tmp_path: Path) -> None:
     write_sketch(tmp_path, "Tight", HELLO + "volatile char big[1300];\nint touch() { return big[0]; }\n")
     text = (
         (tmp_path / "Tight" / "Tight.ino").read_text().replace("nh.initNode();", "nh.initNode(); big[1] = 1;")
@@ -154,7 +154,7 @@ def test_size_reports_a_message_that_cannot_be_received(shell: Shell, tmp_path: 
     write_sketch(tmp_path, "Odom", text)
     result = shell("firmware", "size", "Odom")
     assert re.search(
-        r"WARNING: toggle: nav_msgs/Odometry takes 700 bytes and never arrives: the buffer has", result.err
+        r"WARNING: toggle: nav_msgs/Odometry has 700 bytes and never arrives: the buffer has", result.err
     )
 
 
@@ -186,7 +186,7 @@ def test_upload_builds_and_flashes(
     assert len(avrdude.calls) == 1
 
 
-def test_upload_reports_what_it_lacks_before_it_builds(
+def test_upload_reports_a_missing_port_or_sketch_before_it_builds(
     shell: Shell, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     (tmp_path / "bin").mkdir()

@@ -11,7 +11,7 @@ from programs import started
 from rostether.cli.gateway.node import (
     NodeNaming,
     certificate_files,
-    flag,
+    is_true,
     read_gateway_arguments,
     whole_number,
 )
@@ -19,7 +19,7 @@ from rostether.errors import ConfigError
 from rostether.ros1.master.server import MasterServer
 
 
-def test_a_port_of_its_own_is_in_the_name() -> None:
+def test_a_port_other_than_the_default_is_in_the_name() -> None:
     assert NodeNaming().name_for("bridge", 9090, 9090) == "bridge"
     assert NodeNaming().name_for("bridge", 0, 9090) == "bridge"
     assert NodeNaming().name_for("bridge", 9091, 9090) == "bridge_9091"
@@ -77,19 +77,19 @@ async def test_a_second_gateway_ends_no_other_and_a_killed_one_is_replaced() -> 
     ("value", "is_set"),
     [(True, True), ("True", True), (" yes ", True), (1, True), (False, False), ("no", False), (None, False)],
 )
-def test_what_is_true(value: object, is_set: bool) -> None:
-    assert flag({"on": value}, "on") is is_set
-    assert not flag({}, "on")
+def test_flags(value: object, is_set: bool) -> None:
+    assert is_true({"on": value}, "on") is is_set
+    assert not is_true({}, "on")
 
 
 @pytest.mark.parametrize(("value", "number"), [(7, 7), (" 7 ", 7), (0, 0), (None, 5), ("", 5), ("None", 5)])
-def test_whole_numbers_and_what_is_left_open(value: object, number: int) -> None:
+def test_whole_numbers_and_unset_values(value: object, number: int) -> None:
     assert whole_number({"size": value}, "size", 5) == number
     assert whole_number({}, "size", 5) == 5
 
 
 @pytest.mark.parametrize("value", ["many", -1, 1.5, True, [], "1e3"])
-def test_what_is_not_a_whole_number_is_named(value: object) -> None:
+def test_values_that_are_not_whole_numbers_are_named(value: object) -> None:
     with pytest.raises(ConfigError, match="~size must be a whole number, not "):
         whole_number({"size": value}, "size", 5)
 

@@ -95,7 +95,7 @@ def test_files_are_listed(arm: Path, capsys: pytest.CaptureFixture[str]) -> None
     assert listed == [str(arm / "launch" / name) for name in names]
 
 
-def test_node_is_found_in_the_file_that_it_stands_in(arm: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_node_is_found_in_the_file_that_declares_it(arm: Path, capsys: pytest.CaptureFixture[str]) -> None:
     found = printed(capsys, "arm", "display.launch", "--find-node", "/left/mover").strip()
     assert found == str(arm / "launch" / "display.launch")
 
@@ -110,7 +110,7 @@ def test_command_line_of_a_node_can_be_typed(
     assert text.rstrip().endswith(f"{arm}/scripts/stay.sh mover __name:=mover")
 
 
-def test_unknown_node_is_refused_with_those_there_are(arm: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_unknown_node_is_refused_with_the_known_names(arm: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert "/left/mover" in refused(capsys, "arm", "display.launch", "--args", "nobody")
 
 
@@ -126,7 +126,7 @@ def test_unknown_node_is_refused_with_those_there_are(arm: Path, capsys: pytest.
         (["-", "-"], "once"),
     ],
 )
-def test_what_is_not_there_is_refused_with_what_is_near(
+def test_missing_names_are_refused_with_similar_ones(
     arm: Path, capsys: pytest.CaptureFixture[str], words: list[str], reason: str
 ) -> None:
     assert reason in refused(capsys, *words)
@@ -156,7 +156,7 @@ def test_file_given_by_its_path_sees_the_packages_around_it(
     assert yaml.safe_load(text)["/here"] == str(arm)
 
 
-def test_xacro_that_is_not_installed_as_a_package_is_ours(
+def test_xacro_without_its_package_is_the_command_of_rostether(
     arm: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     pytest.importorskip("xacro")
@@ -272,8 +272,8 @@ def test_unused_arguments_cause_a_warning(arm: Path, graph: LiveGraph) -> None:
     with launched(*arguments, master_uri=graph.uri, cwd=arm) as process:
         output, _ = process.communicate(timeout=LIMIT_S)
     assert process.returncode == 0, output
-    assert "warning: the launch file declares no argument ghost" in output
-    assert "warning: x:= has no value" in output
+    assert "WARNING: the launch file declares no argument ghost" in output
+    assert "WARNING: x:= has no value" in output
 
 
 def test_windows_that_are_not_installed_are_views_of_the_dashboard(arm: Path, graph: LiveGraph) -> None:
@@ -290,7 +290,7 @@ def test_windows_that_are_not_installed_are_views_of_the_dashboard(arm: Path, gr
             text += line
         assert re.search(r"Dashboard: http://127\.0\.0\.1:\d+", text)
         assert "rviz is not installed here; the dashboard shows the robot in 3D" in text
-        assert "there is no file a.rviz" in text
+        assert "cannot read a.rviz: No such file" in text
         assert re.search(r"Dashboard, scene: http://127\.0\.0\.1:\d+/#/scene", text)
         assert re.search(r"Dashboard, graph: http://127\.0\.0\.1:\d+/#/graph", text)
         process.send_signal(signal.SIGINT)
@@ -309,7 +309,9 @@ def test_served_node_runs_with_its_remaps(arm: Path, graph: LiveGraph) -> None:
             time.sleep(0.05)
 
 
-def test_packages_beyond_what_an_environment_holds_do_not_stop_a_launch(arm: Path, graph: LiveGraph) -> None:
+def test_packages_beyond_the_limit_of_an_environment_do_not_stop_a_launch(
+    arm: Path, graph: LiveGraph
+) -> None:
     for number in range(700):
         folder = arm.parent / f"{'p' * 200}{number}"
         folder.mkdir()

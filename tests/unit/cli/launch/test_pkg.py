@@ -70,10 +70,10 @@ def test_two_packages_of_one_name(arm: Path, shell: Shell) -> None:
     lines = found.err.splitlines()
     assert len(lines) == 4
     assert lines[0] == (
-        f"rostether: warning: two packages have the name arm: using {arm}, ignoring {arm.parent}/old/copy0; "
+        f"WARNING: two packages have the name arm: using {arm}, ignoring {arm.parent}/old/copy0; "
         "rename one, or create a file CATKIN_IGNORE in its folder"
     )
-    assert lines[3] == "rostether: warning: 2 more packages have duplicate names"
+    assert lines[3] == "WARNING: 2 more packages have duplicate names"
 
 
 def test_version_of_the_distribution(shell: Shell, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -126,7 +126,7 @@ def test_make_fails_for_messages_that_cannot_be_read(arm: Path, shell: Shell) ->
         assert place in result.err
 
 
-def test_make_names_what_it_cannot_build(arm: Path, shell: Shell) -> None:
+def test_make_names_packages_that_it_cannot_build(arm: Path, shell: Shell) -> None:
     (arm / "src" / "driver.cpp").touch()
     assert "need a real ROS to build: driver.cpp" in shell.output("pkg", "make")
 

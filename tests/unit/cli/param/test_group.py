@@ -48,7 +48,7 @@ def test_a_value_is_read_as_yaml(graph: LiveGraph, shell: Shell, text: str, valu
     assert stored == (pytest.approx(value) if isinstance(value, float) else value)
 
 
-def test_a_mapping_changes_what_it_names(graph: LiveGraph, shell: Shell) -> None:
+def test_a_mapping_changes_the_parameters_that_it_names(graph: LiveGraph, shell: Shell) -> None:
     shell.output("param", "set", "/arm", "{a: 1, b: {c: 2, d: 3}}")
     assert shell.output("param", "set", "-v", "arm", "{b: {c: 20}, /other: x}") == (
         "set parameter [/arm/b/c] to [20]\nset parameter [/other] to [x]\n"
@@ -80,14 +80,12 @@ def test_a_mapping_changes_what_it_names(graph: LiveGraph, shell: Shell) -> None
         ("a\x01b", "not YAML"),
     ],
 )
-def test_what_is_not_a_parameter_is_refused_in_one_line(
-    graph: LiveGraph, shell: Shell, text: str, words: str
-) -> None:
+def test_wrong_values_are_refused_in_one_line(graph: LiveGraph, shell: Shell, text: str, words: str) -> None:
     assert words in shell.failure("param", "set", "/x", text)
     assert not graph.master.api.parameters.has("/x")
 
 
-def test_what_was_probably_meant_otherwise_is_reported(graph: LiveGraph, shell: Shell) -> None:
+def test_probable_mistakes_are_reported(graph: LiveGraph, shell: Shell) -> None:
     assert "an exponent needs a dot" in shell("param", "set", "/x", "1e-3").err
     assert value_of(graph, "/x") == "1e-3"
     assert "sets nothing" in shell("param", "set", "/x", "{}").err
@@ -112,8 +110,8 @@ def test_set_from_files(graph: LiveGraph, shell: Shell, tmp_path: Path) -> None:
     assert value_of(graph, "/bytes") == file.read_bytes()
     encoded = base64.b64encode(file.read_bytes()).decode()
     assert shell("param", "get", "/bytes", "--json").records == [{"name": "/bytes", "value": encoded}]
-    assert "there is no file" in shell.failure("param", "set", "/x", "-t", str(tmp_path / "none"))
-    assert "there is no file" in shell.failure("param", "set", "/x", "-b", str(tmp_path / "none"))
+    assert "No such file" in shell.failure("param", "set", "/x", "-t", str(tmp_path / "none"))
+    assert "No such file" in shell.failure("param", "set", "/x", "-b", str(tmp_path / "none"))
     assert "give a value, or a file" in shell.failure("param", "set", "/x", code=2)
     assert "give a value, or a file" in shell.failure("param", "set", "/x", "1", "-t", "a", code=2)
     file.write_bytes(b"\xff")
@@ -214,7 +212,7 @@ def test_a_failed_dump_leaves_the_file_alone(shell: Shell, tmp_path: Path) -> No
     assert "No such file" in shell.failure("param", "dump", str(tmp_path / "no" / "where"), "/")
 
 
-def test_load_takes_several_documents_and_namespaces(
+def test_load_accepts_several_documents_and_namespaces(
     graph: LiveGraph, shell: Shell, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     text = "_ns: left\ngain: 1\n---\n---\n_ns: /right\ngain: 2\n---\ngain: 3\n/top: 4\n"
@@ -237,7 +235,7 @@ def test_a_mistake_in_a_file_sets_nothing(graph: LiveGraph, shell: Shell, tmp_pa
     ):
         file.write_text(text)
         assert words in shell.failure("param", "load", str(file))
-    assert "is a folder" in shell.failure("param", "load", str(tmp_path))
+    assert "give a file in this folder" in shell.failure("param", "load", str(tmp_path))
     assert value_of(graph, "/") == before
 
 

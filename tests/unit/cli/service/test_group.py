@@ -60,7 +60,7 @@ def test_list(board: Ros1Graph, shell: Shell) -> None:
     assert records[1] == {"service": "/set_led", "nodes": ["/board"]}
 
 
-def test_what_a_service_is(graph: LiveGraph, board: Ros1Graph, shell: Shell) -> None:
+def test_details_of_a_service(graph: LiveGraph, board: Ros1Graph, shell: Shell) -> None:
     uri = shell.output("service", "uri", "set_led").strip()
     assert uri.startswith("rosrpc://127.0.0.1:")
     assert shell.output("service", "type", "/set_led") == "std_srvs/SetBool\n"
@@ -75,7 +75,7 @@ def test_what_a_service_is(graph: LiveGraph, board: Ros1Graph, shell: Shell) -> 
     ]
 
 
-def test_find_passes_over_what_does_not_answer(
+def test_find_skips_services_that_do_not_answer(
     board: Ros1Graph, gone: str, shell: Shell, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     assert shell.output("service", "find", "std_srvs/SetBool") == "/set_led\n"
@@ -107,7 +107,7 @@ def test_call_accepts_the_type_as_ros2_does(board: Ros1Graph, shell: Shell, type
     assert printed == 'success: True\nmessage: "on"\n'
 
 
-def test_call_takes_requests_from_a_pipe(board: Ros1Graph, shell: Shell) -> None:
+def test_call_reads_requests_from_a_pipe(board: Ros1Graph, shell: Shell) -> None:
     printed = shell.output("service", "call", "/set_led", stdin="data: true\n---\n[false]\n---\n")
     assert printed == 'success: True\nmessage: "on"\nsuccess: False\nmessage: "off"\n'
 
@@ -184,7 +184,7 @@ def test_timeout(graph: LiveGraph, shell: Shell) -> None:
     serve(graph, "/hang", hang)
     assert "did not answer within 0.2 s" in shell.failure("service", "call", "--timeout", "0.2", "/hang")
     line = shell.failure("service", "call", "--wait", "--timeout", "0.2", "/nothing")
-    assert line.startswith("no node offers the service /nothing after 0.2 s; `rostether service list` shows")
+    assert line.startswith("no node offers the service /nothing within 0.2 s; `rostether service list` shows")
 
 
 def test_wait_for_a_service(graph: LiveGraph, shell: Shell) -> None:

@@ -31,9 +31,9 @@ def test_a_file_and_standard_input(tmp_path: Path, monkeypatch: pytest.MonkeyPat
 
 
 @pytest.mark.parametrize("name", ["", "missing", "latin1"])
-def test_what_cannot_be_read_is_one_line(tmp_path: Path, name: str) -> None:
+def test_unreadable_files_are_reported_in_one_line(tmp_path: Path, name: str) -> None:
     (tmp_path / "latin1").write_bytes(b"\xff")
-    with pytest.raises(ConfigError, match=r"there is no file|is a folder|not UTF-8"):
+    with pytest.raises(ConfigError, match=r"No such file|; give a file in this folder|not UTF-8"):
         read_text(tmp_path / name)
 
 
@@ -72,7 +72,7 @@ def pipe() -> Iterator[tuple[TextIO, BinaryIO]]:
         yield stream, end
 
 
-async def test_each_document_comes_when_its_separator_has_come(pipe: tuple[TextIO, BinaryIO]) -> None:
+async def test_each_document_is_read_once_its_separator_arrives(pipe: tuple[TextIO, BinaryIO]) -> None:
     stream, end = pipe
     documents = piped_documents(stream)
     end.write(b"a: 1\nb: 2\n--")
@@ -86,7 +86,7 @@ async def test_each_document_comes_when_its_separator_has_come(pipe: tuple[TextI
     assert os.get_blocking(stream.fileno())
 
 
-async def test_a_line_beyond_all_measure_is_refused(
+async def test_a_line_without_end_is_refused(
     pipe: tuple[TextIO, BinaryIO], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("rostether.cli.shell.input.MAX_DOCUMENT_BYTES", 100)
