@@ -178,8 +178,8 @@ _REACH_OPTIONS = (
 _SERVING_OPTIONS = (
     add_option(
         "--zenoh-router",
-        "With --ros2 zenoh, when to start the zenoh router of this machine; auto: if there is none. The router "
-        "listens on localhost:7447; with `always` and --zenoh-listen, only at those endpoints.",
+        "With --ros2 zenoh, when to start the zenoh router of this machine; auto: if there is none. The "
+        "router listens on localhost:7447; with `always` and --zenoh-listen, only at those endpoints.",
         type=click.Choice(["auto", "never", "always"]),
         default="auto",
         show_default=True,
