@@ -11,7 +11,7 @@ import json
 import logging
 import random
 import struct
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from pathlib import Path
 
 from fuzz.grammar import near
@@ -141,34 +141,14 @@ def run(data: bytes) -> None:
 
 
 class _Connection:
-    """Replaces the connection of a sender: all messages were sent."""
+    """Replaces the connection to a client: checks the messages that it sends."""
 
     peer = "a client"
-
-    def pause_reading(self) -> None:
-        """Do nothing."""
-
-    def resume_reading(self) -> None:
-        """Do nothing."""
-
-
-class _DataOutlet:
-    """Checks the messages of topics; none waits."""
-
-    def send(self, subscription_id: int, time_ns: int, payloads: Sequence[bytes]) -> None:
-        """Check messages of a topic."""
-        assert 0 <= subscription_id < 1 << 32
-
-    def forget(self, subscription_id: int) -> None:
-        """Do nothing."""
-
-
-class _Sender:
-    """Replaces the sender to a client: checks the messages that it receives."""
+    unsent_bytes = 0
 
     def __init__(self) -> None:
-        self.connection = _Connection()
-        self.data = _DataOutlet()
+        self.has_room = asyncio.Event()
+        self.has_room.set()
         self.answered = asyncio.Event()
         self.mistakes = 0
 
@@ -185,9 +165,15 @@ class _Sender:
         if fields.get("id") == "the end":
             self.answered.set()
 
-    async def send_large(self, message: bytes) -> None:
-        """Check an answer of any size."""
-        self.send(message)
+    def write(self, frames: bytes) -> None:
+        """Check the frames of messages of topics."""
+        assert frames[0] == 0x82
+
+    def pause_reading(self) -> None:
+        """Do nothing."""
+
+    def resume_reading(self) -> None:
+        """Do nothing."""
 
 
 class _Failures(logging.Handler):
@@ -234,17 +220,17 @@ async def _converse(lines: list[str]) -> None:
     gateway.context.channels.update(snapshot)
     gateway.context.services.update(snapshot)
     gateway.context.connections.update(snapshot)
-    sender = _Sender()
+    connection = _Connection()
     failed = _Failures()
     logger = logging.getLogger("rostether.graph")
     logger.addHandler(failed)
     try:
-        client = gateway.add_client(sender, Rights.FULL)  # type: ignore[arg-type]
+        client = gateway.add_client(connection, Rights.FULL)  # type: ignore[arg-type]
         for each in (*lines, LAST_QUESTION):
             client.received(_message(each))
             await asyncio.sleep(0)
         async with asyncio.timeout(ANSWER_LIMIT_S):
-            await sender.answered.wait()
+            await connection.answered.wait()
         for _ in range(SETTLING_TURNS):
             await asyncio.sleep(0)
         topics = network.snapshot().topics.values()

@@ -18,8 +18,9 @@ from rostether.gateways.foxglove.client_work import ClientWork
 from rostether.gateways.foxglove.driven_topic import DrivenTopic
 from rostether.gateways.foxglove.foxglove_context import FoxgloveContext
 from rostether.gateways.foxglove.server_messages import Channel, StatusLevel
-from rostether.gateways.foxglove.subscription import DroppedReport, Subscription
+from rostether.gateways.foxglove.subscription import Subscription
 from rostether.gateways.websocket.access_rules import Rights
+from rostether.gateways.websocket.connection import Connection
 
 # The limit of statuses about a client's errors; more statuses would only flood the client.
 MAX_REPORTED_ERRORS = 100
@@ -29,16 +30,16 @@ _VIEW_ONLY = "this connection may only view; open the page with the full token t
 
 
 class Client:
-    """One client with its rights; `sender` sends to it, and `on_closed` is called when it has left."""
+    """The user of a client's connection; `on_closed` is called when the client has left."""
 
     def __init__(
         self,
         context: FoxgloveContext,
-        sender: ClientSender,
+        connection: Connection,
         on_closed: Callable[[Client], None],
         rights: Rights,
     ) -> None:
-        self.sender = sender
+        self.sender = sender = ClientSender(connection, context.limits)
         self._rights = rights
         self.wants_connection_graph = False
         self._context = context
@@ -51,7 +52,6 @@ class Client:
         self._recordings = ClientRecordings(context, self._work, sender.send, self.report_error)
         self._fetching = asyncio.Lock()
         self._error_count = 0
-        self._dropped = DroppedReport(sender.send)
         self._waiting_publishers = 0
         self._handlers: dict[type, Callable[[Any], None]] = {
             requests.Subscribe: self._subscribe,
@@ -95,13 +95,17 @@ class Client:
             return
         self._handlers[type(request)](request)
 
-    def dropped(self, count: int) -> None:
-        """Report the lost messages to the client, at a limited rate."""
-        self._dropped.add(count)
+    def paused(self) -> None:
+        """Keep messages of topics waiting."""
+        self.sender.pause()
+
+    def resumed(self) -> None:
+        """Send the waiting messages."""
+        self.sender.resume()
 
     def closed(self) -> None:
         """End everything that belongs to the client."""
-        self._dropped.close()
+        self.sender.end()
         self._on_closed(self)
         self._recordings.close()
         self._work.cancel()

@@ -6,67 +6,81 @@ Messages of topics bypass the WebSocket library (see `data_outlet.py`).
 from __future__ import annotations
 
 import asyncio
-from typing import Protocol
+from collections.abc import Callable
 
+from rostether.gateways.foxglove import server_messages as replies
 from rostether.gateways.foxglove.data_outlet import DataOutlet
+from rostether.gateways.foxglove.server_messages import StatusLevel
 from rostether.gateways.foxglove.settings import FoxgloveLimits
 from rostether.gateways.websocket.connection import Connection
+from rostether.mechanisms.text import counted
 
 # A client that reads fewer bytes of a large answer in this time is disconnected: the answer occupies memory
 # for which other clients wait.
 _LARGE_STEP_BYTES = 128 << 10
 _LARGE_STEP_S = 20.0
 
+_STATUS_ID = "slow-client"
 
-class SenderUser(Protocol):
-    """Receives the events of one connection."""
+# How often a client gets the number of lost messages.
+_PERIOD_S = 5.0
 
-    def received(self, message: str | bytes) -> None:
-        """Handle a complete message."""
 
-    def dropped(self, count: int) -> None:
-        """Handle the loss of `count` messages of topics, because the client reads slowly."""
+class DroppedReport:
+    """Counts lost messages; the status is removed after some time without losses."""
 
-    def closed(self) -> None:
-        """Handle the end of the connection."""
+    def __init__(self, send: Callable[[str], None]) -> None:
+        self._send = send
+        self.count = 0
+        self._reported = 0
+        self._timer: asyncio.TimerHandle | None = None
+
+    def add(self, count: int) -> None:
+        """Count lost messages; they are reported now, or with the next report."""
+        self.count += count
+        if self._timer is None:
+            self._report()
+
+    def close(self) -> None:
+        """Stop reporting."""
+        if self._timer is not None:
+            self._timer.cancel()
+
+    def _report(self) -> None:
+        self._timer = None
+        if self.count == self._reported:
+            self._send(replies.remove_status([_STATUS_ID]))
+            return
+        self._reported = self.count
+        text = f"this client reads too slowly: {counted(self.count, 'message')} dropped so far"
+        self._send(replies.status(StatusLevel.WARNING, text, _STATUS_ID))
+        self._timer = asyncio.get_running_loop().call_later(_PERIOD_S, self._report)
 
 
 class ClientSender:
-    """Sends responses to one client, and passes its events to `user`, which the creator must set.
-
-    `data` sends the messages of topics.
-    """
-
-    user: SenderUser
+    """Sends to one client; `data` sends the messages of topics. The client gets a report of lost messages."""
 
     def __init__(self, connection: Connection, limits: FoxgloveLimits) -> None:
         self.connection = connection
         self._limits = limits
-        self.data = DataOutlet(limits.waiting_bytes, connection.write, lambda count: self.user.dropped(count))
+        self._dropped = DroppedReport(self.send)
+        self.data = DataOutlet(limits.waiting_bytes, connection.write, self._dropped.add)
         self._large_lock = asyncio.Lock()
         self._large_bytes = 0
 
-    # Events of the connection.
-
-    def received(self, message: str | bytes) -> None:
-        """Pass a message on."""
-        self.user.received(message)
-
-    def paused(self) -> None:
+    def pause(self) -> None:
         """Keep messages of topics waiting."""
         self.data.pause()
 
-    def resumed(self) -> None:
+    def resume(self) -> None:
         """Send the waiting messages."""
         self._large_bytes = 0
         self.data.resume()
 
-    def closed(self) -> None:
-        """Stop sending."""
+    def end(self) -> None:
+        """Stop sending, because the connection has ended."""
+        self._dropped.close()
         self.data.end()
-        self.user.closed()
-
-    # Calls from the client.
 
     def send(self, message: str | bytes) -> None:
         """Send an answer or an announcement; a client that does not read them is disconnected."""
@@ -98,8 +112,6 @@ class ClientSender:
         """End the connection immediately."""
         self.data.end()
         self.connection.abort()
-
-    # Internal methods.
 
     async def _wait_for_room(self) -> None:
         while not self.connection.has_room.is_set():

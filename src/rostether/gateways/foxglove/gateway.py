@@ -21,7 +21,6 @@ from rostether.gateways.foxglove import server_messages as replies
 from rostether.gateways.foxglove.assets import Assets, FindPackages
 from rostether.gateways.foxglove.channels import Channels
 from rostether.gateways.foxglove.client import Client
-from rostether.gateways.foxglove.client_sender import ClientSender
 from rostether.gateways.foxglove.connection_graph import ConnectionGraph
 from rostether.gateways.foxglove.dashboard_parts import DashboardParts
 from rostether.gateways.foxglove.foxglove_context import FoxgloveContext
@@ -156,9 +155,9 @@ class FoxgloveGateway(BlockClosable):
         await self.start()
         return self
 
-    def add_client(self, sender: ClientSender, rights: Rights) -> Client:
+    def add_client(self, connection: Connection, rights: Rights) -> Client:
         """Return a new client, after sending it the current state."""
-        client = sender.user = Client(self.context, sender, self._clients.pop, rights)
+        client = Client(self.context, connection, self._clients.pop, rights)
         self._clients[client] = None
         context, settings = self.context, self.context.settings
         capabilities = [
@@ -168,7 +167,7 @@ class FoxgloveGateway(BlockClosable):
         ]
         if context.clock.is_simulated:
             capabilities.append(_TIME_CAPABILITY)
-        send = sender.send
+        send = client.sender.send
         send(
             replies.server_info(
                 name=settings.name,
@@ -198,11 +197,9 @@ class FoxgloveGateway(BlockClosable):
     def _warn(self, text: str) -> None:
         self._report(Level.WARN, f"{self.context.settings.label}: {text}")
 
-    def _open_client(self, connection: Connection) -> ClientSender:
-        sender = ClientSender(connection, self.context.limits)
+    def _open_client(self, connection: Connection) -> Client:
         rights = self._server.access.rights(connection.path, connection.headers)
-        self.add_client(sender, rights)
-        return sender
+        return self.add_client(connection, rights)
 
     async def _follow(self) -> None:
         context = self.context

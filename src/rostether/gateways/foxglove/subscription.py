@@ -1,4 +1,4 @@
-"""One client's subscription to one channel, and the report of dropped messages."""
+"""One client's subscription to one channel."""
 
 from __future__ import annotations
 
@@ -6,23 +6,16 @@ import asyncio
 from collections.abc import Callable
 
 from rostether.errors import RostetherError
-from rostether.gateways.foxglove import server_messages as replies
 from rostether.gateways.foxglove.channels import Channels
 from rostether.gateways.foxglove.client_sender import ClientSender
-from rostether.gateways.foxglove.server_messages import Channel, StatusLevel
+from rostether.gateways.foxglove.server_messages import Channel
 from rostether.gateways.shared_subscriptions import (
     Batch,
     PublisherConnection,
     SharedSubscription,
     SharedSubscriptions,
 )
-from rostether.mechanisms.text import counted
 from rostether.msgdef.interface import ANY_MD5SUM
-
-_STATUS_ID = "slow-client"
-
-# How often a client gets the number of lost messages.
-_PERIOD_S = 5.0
 
 
 class Subscription:
@@ -72,34 +65,3 @@ class Subscription:
         # Clients would decode messages of another type incorrectly.
         if not self._is_closed and batch.connection.type.md5sum in self._md5sums:
             self._sender.data.send(self.id, self._now_ns(), batch.payloads)
-
-
-class DroppedReport:
-    """Counts lost messages; the status is removed after some time without losses."""
-
-    def __init__(self, send: Callable[[str], None]) -> None:
-        self._send = send
-        self.count = 0
-        self._reported = 0
-        self._timer: asyncio.TimerHandle | None = None
-
-    def add(self, count: int) -> None:
-        """Count lost messages; they are reported now, or with the next report."""
-        self.count += count
-        if self._timer is None:
-            self._report()
-
-    def close(self) -> None:
-        """Stop reporting."""
-        if self._timer is not None:
-            self._timer.cancel()
-
-    def _report(self) -> None:
-        self._timer = None
-        if self.count == self._reported:
-            self._send(replies.remove_status([_STATUS_ID]))
-            return
-        self._reported = self.count
-        text = f"this client reads too slowly: {counted(self.count, 'message')} dropped so far"
-        self._send(replies.status(StatusLevel.WARNING, text, _STATUS_ID))
-        self._timer = asyncio.get_running_loop().call_later(_PERIOD_S, self._report)

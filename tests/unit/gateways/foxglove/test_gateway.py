@@ -141,7 +141,7 @@ async def test_a_client_that_does_not_read_loses_messages_and_does_not_delay_oth
                 publisher.publish_raw([payload])
                 await asyncio.sleep(0)
             await until(lambda: len(quick.of("messageData")) == count)
-            dropped = [each._dropped.count for each in there.gateway._clients]
+            dropped = [each.sender._dropped.count for each in there.gateway._clients]
             assert sorted(dropped)[0] == 0
             assert sorted(dropped)[1] > 0
             waiting = max(each.sender.data._waiting._bytes for each in there.gateway._clients)
