@@ -134,15 +134,12 @@ class _Hello(SmallWriter):
         if self._done.done():
             return
         try:
-            result = self._hello.receive(data)
+            answer, rest = self._hello.receive(data)
         except RostetherError as error:
             self._done.set_exception(error)
             return
-        if isinstance(self._hello, ConnectorHello):
-            self._transport.write(self._hello.pop_answer())
-        if result is not None:
-            answer, rest = result
-            self._transport.write(answer)
+        self._transport.write(answer)
+        if rest is not None:
             self._transport.release(rest)
             self._done.set_result(None)
 

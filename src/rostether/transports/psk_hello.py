@@ -57,7 +57,7 @@ def read_key(path: str) -> bytes:
 
 
 class ListenerHello:
-    """The side of the listener: send `greeting`, then call `receive` until it returns a result.
+    """The side of the listener: send `greeting`, then call `receive` until the key is proven.
 
     `keys` are the accepted keys by name; `proven` is then the name of the peer's key.
     """
@@ -73,14 +73,14 @@ class ListenerHello:
         """The first line to send."""
         return f"{_WORD} {self._nonce}\n".encode()
 
-    def receive(self, data: bytes) -> tuple[bytes, bytes] | None:
-        """Handle bytes; once the key is proven, return the bytes to send and those of the next protocol.
+    def receive(self, data: bytes) -> tuple[bytes, bytes | None]:
+        """Handle bytes; return the bytes to send now, and once the key is proven, those of the next protocol.
 
         Raises RemoteProtocolError for a peer without the key.
         """
         received = self._lines.receive_line(data)
         if received is None:
-            return None
+            return b"", None
         line, rest = received
         match = _ANSWER.fullmatch(line)
         if match is None:
@@ -96,24 +96,19 @@ class ListenerHello:
 
 
 class ConnectorHello:
-    """The side of the peer that connects: call `receive` until it returns a result."""
+    """The side of the peer that connects: call `receive` until the key is proven."""
 
     def __init__(self, key: bytes, nonce: bytes | None = None) -> None:
         self._key = key
         self._nonce = (os.urandom(16) if nonce is None else nonce).hex()
         self._expected = ""
-        self._answer = b""
         self._lines = _Lines()
 
-    def receive(self, data: bytes) -> tuple[bytes, bytes] | None:
-        """Handle bytes; once the key is proven, return the same as `ListenerHello.receive`.
-
-        After each call, the caller sends the result of `pop_answer`. Raises RemoteProtocolError for a peer
-        without the key.
-        """
+    def receive(self, data: bytes) -> tuple[bytes, bytes | None]:
+        """Handle bytes; return the same as `ListenerHello.receive`. Raises the same error."""
         received = self._lines.receive_line(data)
         if received is None:
-            return None
+            return b"", None
         line, rest = received
         if not self._expected:
             match = _GREETING.fullmatch(line)
@@ -122,19 +117,13 @@ class ConnectorHello:
             theirs = match[1].decode()
             self._expected = _proof(self._key, "listener", theirs, self._nonce)
             answer = f"{_WORD} {self._nonce} {_proof(self._key, 'connector', theirs, self._nonce)}\n"
-            self._answer = answer.encode()
-            return self.receive(rest) if rest else None
+            return answer.encode(), self.receive(rest)[1]
         match = _PROOF.fullmatch(line)
         if match is None or not hmac.compare_digest(match[1].decode(), self._expected):
             raise RemoteProtocolError(
                 "it has a different pre-shared key; use the same key on both sides, see psk="
             )
         return b"", rest
-
-    def pop_answer(self) -> bytes:
-        """Return the bytes to send now."""
-        answer, self._answer = self._answer, b""
-        return answer
 
 
 class _Lines:

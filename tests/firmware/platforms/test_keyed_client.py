@@ -54,7 +54,7 @@ def test_our_listener_takes_its_proof(program: Path) -> None:
     assert refusal == NO_ANSWER
     listener = ListenerHello({None: KEY.encode()}, NONCE)
     assert listener.greeting == GREETING
-    assert listener.receive(reported + b"\xff\xfe") is not None
+    assert listener.receive(reported + b"\xff\xfe")[1] == b"\xff\xfe"
     others = {run_client(program, f"RSPSK1 {bytes([first] * 16).hex()}\n".encode())[2] for first in range(4)}
     assert len({each.split()[1] for each in others}) == 4, "nonces are its own each time"
 

@@ -13,10 +13,9 @@ NONCES = (bytes(16), bytes(range(16)))
 
 def test_both_prove_the_key_and_what_follows_is_kept() -> None:
     listener, connector = ListenerHello({None: KEY}), ConnectorHello(KEY)
-    assert connector.receive(listener.greeting) is None
-    passed = listener.receive(connector.pop_answer() + b"\xff\xfe")
-    assert passed is not None
-    proof, rest = passed
+    answer, rest = connector.receive(listener.greeting)
+    assert rest is None
+    proof, rest = listener.receive(answer + b"\xff\xfe")
     assert rest == b"\xff\xfe"
     assert connector.receive(proof + b"\xff\xff") == (b"", b"\xff\xff")
 
@@ -24,54 +23,49 @@ def test_both_prove_the_key_and_what_follows_is_kept() -> None:
 def test_the_lines_are_those_of_the_documentation() -> None:
     listener, connector = ListenerHello({None: KEY}, NONCES[0]), ConnectorHello(KEY, NONCES[1])
     assert listener.greeting == b"RSPSK1 " + b"0" * 32 + b"\n"
-    connector.receive(listener.greeting)
-    answer = connector.pop_answer()
+    answer, _ = connector.receive(listener.greeting)
     # hmac.new(KEY, b"rostether psk1 connector " + 32 zeros + b" 000102...0f", "sha256")
     assert answer == (
         b"RSPSK1 000102030405060708090a0b0c0d0e0f "
         b"569d068674aee9b74e4f501c8607dbf1d066ef908a7386f8bb3d5f6f80fccbb5\n"
     )
-    passed = listener.receive(answer)
-    assert passed is not None
-    assert passed[0] == b"RSPSK1 61c5bcb5b74d9e7048ba5f144bf7bfb90e726807d066b4eeef0c7406c9437853\n"
+    assert (
+        listener.receive(answer)[0]
+        == b"RSPSK1 61c5bcb5b74d9e7048ba5f144bf7bfb90e726807d066b4eeef0c7406c9437853\n"
+    )
 
 
 def test_cut_anywhere() -> None:
     listener, connector = ListenerHello({None: KEY}), ConnectorHello(KEY)
-    for byte in listener.greeting:
-        assert connector.receive(bytes([byte])) is None
-    answer, passed = connector.pop_answer(), None
-    for byte in answer:
-        assert passed is None
-        passed = listener.receive(bytes([byte]))
-    assert passed is not None
-    assert passed[1] == b""
+    answers = [connector.receive(bytes([byte])) for byte in listener.greeting]
+    assert all(rest is None for _, rest in answers)
+    passed = [listener.receive(bytes([byte])) for byte in b"".join(answer for answer, _ in answers)]
+    assert [rest for _, rest in passed if rest is not None] == [b""]
+    assert passed[-1][1] == b""
 
 
 def test_both_lines_at_once_from_a_listener() -> None:
     connector = ConnectorHello(KEY, NONCES[1])
     listener = ListenerHello({None: KEY}, NONCES[0])
     other = ConnectorHello(KEY, NONCES[1])
-    other.receive(listener.greeting)
-    passed = listener.receive(other.pop_answer())
-    assert passed is not None
-    assert connector.receive(listener.greeting + passed[0] + b"x") == (b"", b"x")
+    answer, _ = other.receive(listener.greeting)
+    proof, _ = listener.receive(answer)
+    assert connector.receive(listener.greeting + proof + b"x") == (answer, b"x")
 
 
 def test_another_key_is_refused_by_either_side() -> None:
     listener, connector = ListenerHello({None: KEY}), ConnectorHello(b"another key of 17")
-    connector.receive(listener.greeting)
+    answer, _ = connector.receive(listener.greeting)
     with pytest.raises(RemoteProtocolError, match="a different pre-shared key"):
-        listener.receive(connector.pop_answer())
+        listener.receive(answer)
     with pytest.raises(RemoteProtocolError, match="a different pre-shared key"):
         connector.receive(b"RSPSK1 " + b"0" * 64 + b"\n")
 
 
 def test_an_answer_to_an_earlier_hello_is_refused() -> None:
     earlier, connector = ListenerHello({None: KEY}), ConnectorHello(KEY)
-    connector.receive(earlier.greeting)
-    answer = connector.pop_answer()
-    assert earlier.receive(answer) is not None
+    answer, _ = connector.receive(earlier.greeting)
+    assert earlier.receive(answer)[1] == b""
     with pytest.raises(RemoteProtocolError):
         ListenerHello({None: KEY}).receive(answer)
 
@@ -81,10 +75,8 @@ def test_an_echo_of_our_own_proof_is_refused() -> None:
     listener = ListenerHello({None: KEY}, NONCES[0])
     mirrored = ListenerHello({None: KEY}, NONCES[0])
     connector = ConnectorHello(KEY, NONCES[0])
-    connector.receive(listener.greeting)
-    passed = mirrored.receive(connector.pop_answer())
-    assert passed is not None
-    proof = passed[0].split()[1]
+    answer, _ = connector.receive(listener.greeting)
+    proof = mirrored.receive(answer)[0].split()[1]
     with pytest.raises(RemoteProtocolError):
         listener.receive(b"RSPSK1 " + b"0" * 32 + b" " + proof + b"\n")
 
