@@ -1,4 +1,4 @@
-"""The names of ROS 2: types in the spelling of DDS and zenoh; rules for node, namespace and topic names.
+"""The names of ROS 2: types as in DDS and zenoh, and loggers; rules for nodes, namespaces and topics.
 
 Source: rmw's validate_full_topic_name, validate_namespace and validate_node_name.
 """
@@ -33,6 +33,11 @@ def type_of_dds_name(name: str) -> str:
     """Return the type with this name in the middleware, or an empty string: peers may send invalid names."""
     found = _DDS_NAME.fullmatch(name)
     return "/".join(found.groups()) if found else ""
+
+
+def logger_name(node_name: str) -> str:
+    """Return the name of a node's logger as in rcl: `/lab/board` logs as `lab.board`."""
+    return node_name.strip("/").replace("/", ".")
 
 
 def validate_node_name(name: str) -> str:

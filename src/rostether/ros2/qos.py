@@ -44,4 +44,5 @@ class Qos(Struct, frozen=True):
 
 DEFAULT_QOS = Qos()
 LATCHED_QOS = Qos(durability=Durability.TRANSIENT_LOCAL, depth=1)
+# As in rcl: later subscribers receive the last 1000 log messages.
 ROSOUT_QOS = Qos(durability=Durability.TRANSIENT_LOCAL, depth=1000)

@@ -7,6 +7,7 @@ import pytest
 from rostether.errors import InvalidNameError
 from rostether.ros2.naming import (
     dds_name,
+    logger_name,
     type_of_dds_name,
     validate_namespace,
     validate_node_name,
@@ -33,6 +34,11 @@ def test_type_names_are_converted_in_both_directions(name: str, dds: str) -> Non
 )
 def test_invalid_type_names_give_an_empty_string(name: str) -> None:
     assert type_of_dds_name(name) == ""
+
+
+@pytest.mark.parametrize(("node", "logger"), [("/board", "board"), ("/lab/robot/board", "lab.robot.board")])
+def test_a_logger_has_the_name_of_its_node(node: str, logger: str) -> None:
+    assert logger_name(node) == logger
 
 
 def test_valid_names_are_accepted() -> None:

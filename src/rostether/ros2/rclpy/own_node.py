@@ -9,12 +9,12 @@ from typing import Any, TypeVar
 from rostether.errors import TypeMismatchError
 from rostether.graph.log_message import MAX_LOG_TEXT_BYTES, ROSOUT
 from rostether.graph.ports import Level
+from rostether.ros2.naming import logger_name
 from rostether.ros2.rclpy.executor_thread import ExecutorThread
 from rostether.ros2.rclpy.failures import attempt, first_lines
 from rostether.ros2.rclpy.installation import interface_class, load_rclpy
 from rostether.ros2.rclpy.quality import rosout_profile
 from rostether.ros2.rclpy.view import node_name_of, offered_types
-from rostether.ros2.rosout import logger_name
 from rostether.ros2.types.type_support import MessageSupport, Ros2Types
 
 _HASH_PREFIX = "RIHS01_"

@@ -8,18 +8,18 @@ from contextlib import AsyncExitStack
 from functools import partial
 from typing import Unpack
 
+from rostether.graph.log_message import encode_log
 from rostether.graph.ports import Level, OnMessages, ParamValue, ServiceHandler, Snapshot, SubscribeOptions
 from rostether.graph.publisher_handle import PublisherHandle
 from rostether.msgdef.interface import MessageType, ServiceType
 from rostether.ros2.clock import NodeClock
 from rostether.ros2.endpoint_info import EndpointInfo, EndpointKind, QosReport
 from rostether.ros2.listed_client import ListedClient
-from rostether.ros2.naming import type_of_dds_name, validate_topic_name
+from rostether.ros2.naming import logger_name, type_of_dds_name, validate_topic_name
 from rostether.ros2.parameters.graph_parameters import GraphParameters
 from rostether.ros2.parameters.ros2_membership import Ros2Membership
 from rostether.ros2.parameters.services import ParameterServices
 from rostether.ros2.parameters.store import ParameterStore
-from rostether.ros2.rosout import RosoutLog
 from rostether.ros2.type_description import learn_type
 from rostether.ros2.types.type_hash import TYPE_HASH_NOT_SUPPORTED
 from rostether.ros2.zenoh.attachment import gid_of
@@ -63,7 +63,6 @@ class ZenohGraph(Ros2Membership):
         self._parameters = GraphParameters(store, self)
         self._parameter_services = ParameterServices(store, self)
         self._clock = NodeClock(store, self)
-        self._rosout = RosoutLog(node_name, self._clock.now)
 
     async def advertise(
         self, topic: str, message_type: MessageType, *, latch: bool = False, queue_bytes: int | None = None
@@ -127,7 +126,11 @@ class ZenohGraph(Ros2Membership):
 
     def log(self, level: Level, text: str) -> None:
         """Publish a log message on /rosout under this node's name."""
-        self._endpoints.publish_log(self._rosout.encode(level, text))
+        # On the way, rosgraph_msgs/Log becomes rcl_interfaces/msg/Log, which has no sequence number.
+        message = encode_log(
+            sequence=0, stamp=self.now(), level=level, node_name=logger_name(self.node_name), text=text
+        )
+        self._endpoints.publish_log(message)
 
     def now(self) -> Time:
         """Return ROS time: the wall clock, or /clock under use_sim_time (zero before its first message)."""
