@@ -8,7 +8,7 @@ export type Problem =
   | "busy"
   | "unavailable"
   | "insecure"
-  /** The browser's own text follows. */
+  /** An error of the browser, with its text. */
   | { text: string };
 
 /** Why a sensor cannot be used. */

@@ -36,7 +36,7 @@ export function expandByContent(box: Box3, root: Object3D): void {
     }
     const positions = geometry.getAttribute("position");
     if (positions === undefined) return;
-    // Buffers have room for more than is drawn.
+    // A buffer may be larger than its drawn part.
     const count = Math.min(geometry.drawRange.count, positions.count);
     for (let i = 0; i < count; i += stepOf(count)) {
       point.fromBufferAttribute(positions, i).applyMatrix4(object.matrixWorld);

@@ -154,7 +154,7 @@ function isNewGroup(rows: Row[], index: number): boolean {
 function TopicRow(props: {
   context: PanelContext;
   row: Row;
-  /** A row that reads signals is drawn again only when its properties change. */
+  /** The time of the last tick. It is a property because a row that reads signals is not drawn again by its parent. */
   nowMs: number;
   isChosen: boolean;
   onChoose: (topic: string) => void;
