@@ -48,6 +48,10 @@ ABANDON_AFTER_S = 0.25
 # Beyond this, nothing is published until the driver has sent some data: a second of a 10 Mbit line.
 MAX_WAITING_BYTES = 1 << 20
 
+# Beyond this, control frames are dropped too: a host that reads nothing must not fill the memory. It requests
+# them again.
+MAX_WAITING_CONTROL_BYTES = 2 * MAX_WAITING_BYTES
+
 # The level, and the length of the text.
 LOG_OVERHEAD_BYTES = 5
 
@@ -210,7 +214,10 @@ class DeviceLink:
         return True
 
     def log(self, level: LogLevel, text: str) -> None:
-        """Queue a log line, truncated to the output buffer; it is sent even while unconfigured."""
+        """Queue a log line, truncated to the output buffer; it is sent even while unconfigured.
+
+        It is dropped while too much data waits.
+        """
         room = self._config.output_buffer_bytes - PUBLISHER_OVERHEAD_BYTES - LOG_OVERHEAD_BYTES
         truncated = text.encode("utf-8", "replace")[:room].decode("utf-8", "ignore")
         self._queue_control(ids.LOG, Log(level, truncated).encode())
@@ -309,7 +316,8 @@ class DeviceLink:
         events.append(FrameDiscarded(reason, data))
 
     def _queue_control(self, topic_id: int, payload: bytes) -> None:
-        self._queue(encode_frame(topic_id, payload, self._config.version))
+        if self._outgoing_bytes <= MAX_WAITING_CONTROL_BYTES:
+            self._queue(encode_frame(topic_id, payload, self._config.version))
 
     def _queue(self, data: bytes) -> None:
         self._outgoing.append(data)

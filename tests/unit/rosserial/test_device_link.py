@@ -5,7 +5,13 @@ import pytest
 from rostether.errors import LocalProtocolError
 from rostether.rosserial import device_state
 from rostether.rosserial import topic_id as ids
-from rostether.rosserial.device_link import ABANDON_AFTER_S, MAX_WAITING_BYTES, DeviceLink, DeviceLinkConfig
+from rostether.rosserial.device_link import (
+    ABANDON_AFTER_S,
+    MAX_WAITING_BYTES,
+    MAX_WAITING_CONTROL_BYTES,
+    DeviceLink,
+    DeviceLinkConfig,
+)
 from rostether.rosserial.device_state import TRANSITIONS
 from rostether.rosserial.events import (
     DeviceEvent,
@@ -239,6 +245,17 @@ def test_stop() -> None:
     assert not link.publish(publisher, [b""])
     link.receive_data(REQUEST, 102.0)
     assert link.is_configured
+
+
+def test_a_host_that_reads_nothing_does_not_fill_the_memory() -> None:
+    link, _, _ = configured()
+    for _ in range(30):
+        link.receive_data(REQUEST * 1000, 100.0)
+        for _ in range(1000):
+            link.log(LogLevel.INFO, "x" * 400)
+    assert MAX_WAITING_CONTROL_BYTES < len(link.data_to_send()) < MAX_WAITING_CONTROL_BYTES + 1000
+    link.log(LogLevel.INFO, "again")
+    assert link.data_to_send()
 
 
 def test_logs_go_out_even_unconfigured_and_are_cut_to_the_buffer() -> None:

@@ -33,7 +33,10 @@ class Stamps:
     def announced(self, info: TopicInfo, registry: Registry) -> None:
         """Record a bridged topic that the board publishes."""
         offset = stamp_offset(registry, info.message_type)
-        if offset is not None:
+        if offset is None:
+            # Another topic may have had the id before.
+            self.offsets.pop(info.topic_id, None)
+        else:
             self.offsets[info.topic_id] = offset
 
     def answered(self, time: Time, now_s: float) -> None:

@@ -69,3 +69,11 @@ def test_types_without_a_stamp_cost_nothing() -> None:
 )
 def test_what_ros_clients_count(type_name: str, expected: bool) -> None:
     assert has_header(STORE.registry, type_name) is expected
+
+
+def test_an_id_that_gets_a_topic_without_stamps() -> None:
+    stamps = Stamps(ClockEstimate(), Time)
+    stamps.announced(topic_info("range", "sensor_msgs/Range", topic_id=125), STORE.registry)
+    assert stamps.offsets == {125: 4}
+    stamps.announced(topic_info("chatter", topic_id=125), STORE.registry)
+    assert stamps.offsets == {}
