@@ -60,7 +60,7 @@ COMPILERS = {
 
 
 def missing_compiler(name: str) -> str:
-    """Return why a compiler cannot be used here, or an empty string."""
+    """Return why a compiler cannot be used on this machine, or an empty string."""
     compiler = COMPILERS[name]
     found = shutil.which(compiler.program) is not None and (name != "avr" or ARDUINO_CORE.is_dir())
     return "" if found else f"no {compiler.program} (apt install {compiler.package})"

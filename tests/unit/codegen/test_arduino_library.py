@@ -45,7 +45,7 @@ def test_all_types_have_a_header(library: RenderedLibrary) -> None:
     assert (library.skipped, library.warnings) == ((), ())
 
 
-def test_the_hand_written_files_are_as_they_are(library: RenderedLibrary) -> None:
+def test_the_hand_written_files_are_unchanged(library: RenderedLibrary) -> None:
     source = client_library()
     for path in library_files(source):
         if path != "keywords.txt":
@@ -105,7 +105,7 @@ def test_skipped_types_do_not_stop_the_others(tmp_path: Path) -> None:
     assert f"skipped mine/Bad: {tmp_path}/mine/msg/Bad.msg:1:1: " in library.skipped[0]
 
 
-def test_metadata_as_arduino_lint_has_it(library: RenderedLibrary) -> None:
+def test_metadata_follows_the_rules_of_arduino_lint(library: RenderedLibrary) -> None:
     of = properties(library)
     assert re.fullmatch(r"[A-Za-z][A-Za-z0-9_.-]{0,15}", of["name"])
     assert not re.search("arduino|library", of["name"], re.IGNORECASE)

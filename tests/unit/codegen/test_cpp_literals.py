@@ -66,7 +66,7 @@ def test_doubles() -> None:
     assert float64_literal(math.nan) == '__builtin_nan("")'
 
 
-def test_doubles_of_four_bytes_differ_only_where_they_must() -> None:
+def test_doubles_of_four_bytes_differ_only_if_necessary() -> None:
     assert narrow_double_literal(1e300) == "__builtin_inff()"
     assert narrow_double_literal(-1e-300) == "-0.0"
     for value in (0.0, -0.0, 0.1, 1e38, 1e-40, math.inf, math.nan):

@@ -103,7 +103,7 @@ def test_float_and_string_constants_are_in_a_class_template() -> None:
     assert "  enum { D = 1 };\n" in text
 
 
-def test_constants_are_sheltered_from_macros() -> None:
+def test_constants_are_protected_from_macros() -> None:
     text = generated("uint8 HIGH=1\nuint8 OTHER=2\nuint8 near\nuint8 far_away")
     before, inside, after = text.partition("namespace pkg {")[0], text, text.partition("}  // namespace")[2]
     for name in ("HIGH", "OTHER", "near"):

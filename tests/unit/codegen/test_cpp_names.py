@@ -16,7 +16,7 @@ from rostether.msgdef.registry import Registry
 
 
 def members(text: str, name: str = "Foo") -> tuple[list[str], dict[str, str | None]]:
-    """Return the fields' names, and the constants' with their aliases."""
+    """Return the names of the fields, and the names of the constants with their aliases."""
     names = name_members(parse_message(text, package="pkg", name=name))
     return list(names.fields), {each.name: each.alias for each in names.constants}
 

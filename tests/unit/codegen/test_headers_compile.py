@@ -69,7 +69,7 @@ def test_a_header_alone(compiler: str, name: str, hostile_library: WrittenLibrar
 
 
 @pytest.mark.gcc
-def test_the_platforms_macros_are_as_before(hostile_library: WrittenLibrary, tmp_path: Path) -> None:
+def test_the_platforms_macros_are_restored(hostile_library: WrittenLibrary, tmp_path: Path) -> None:
     source = tmp_path / "macros.cpp"
     source.write_text(
         "#define HIGH 0x1\n#define INPUT_PULLUP 0x2\n#include <hostile/Hostile.h>\n"

@@ -64,9 +64,7 @@ def test_files_that_did_not_change_keep_their_times(tmp_path: Path) -> None:
         (OURS | {".git/config": b""}, "is a git repository and is not changed;"),
     ],
 )
-def test_what_is_not_a_generated_library_is_never_touched(
-    old: dict[str, bytes], reason: str, tmp_path: Path
-) -> None:
+def test_other_folders_are_never_changed(old: dict[str, bytes], reason: str, tmp_path: Path) -> None:
     target = tmp_path / "ros_lib"
     write(target, old)
     with pytest.raises(CodegenError, match=reason):
@@ -74,7 +72,7 @@ def test_what_is_not_a_generated_library_is_never_touched(
     assert files(target) == old
 
 
-def test_a_file_in_the_way(tmp_path: Path) -> None:
+def test_a_file_at_the_path_of_the_library_is_an_error(tmp_path: Path) -> None:
     (tmp_path / "ros_lib").write_text("mine")
     with pytest.raises(CodegenError, match="is a file; remove it"):
         write_library_folder(tmp_path / "ros_lib", OURS)
@@ -93,7 +91,7 @@ def test_an_empty_folder_and_a_link_are_filled(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("failure", [OSError(28, "No space left on device"), KeyboardInterrupt()])
 @pytest.mark.parametrize("at", ["write", "swap"])
-def test_a_run_that_fails_leaves_the_old_library_whole(
+def test_a_failed_run_does_not_change_the_old_library(
     at: str, failure: BaseException, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     target = tmp_path / "ros_lib"

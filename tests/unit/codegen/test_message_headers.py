@@ -45,7 +45,7 @@ def test_a_broken_definition_affects_only_types_that_need_it(tmp_path: Path) -> 
     ]
 
 
-def test_a_message_that_holds_itself(tmp_path: Path) -> None:
+def test_a_message_that_contains_itself(tmp_path: Path) -> None:
     made = headers(tmp_path, {"pkg/msg/A.msg": "B b\n", "pkg/msg/B.msg": "A[] a\n"})
     assert made.types == []
     assert "a message cannot contain itself: pkg/A -> pkg/B -> pkg/A" in made.skipped[0]

@@ -1,4 +1,4 @@
-"""What the MicroPython library contains; tests/firmware/micropython runs it."""
+"""The content of the MicroPython library; tests/firmware/micropython runs it."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def test_names_that_python_has_get_an_underscore(tmp_path: Path) -> None:
     compile(module, "_Part.py", "exec")
 
 
-def test_packages_that_hide_modules_of_the_board_are_skipped_with_what_contains_them(tmp_path: Path) -> None:
+def test_packages_that_hide_modules_of_the_board_are_skipped_with_their_users(tmp_path: Path) -> None:
     registry = registry_of(
         tmp_path, time__Zone="uint8 x\n", ros__Key="uint8 x\n", robot__Watch="time/Zone zone\n"
     )

@@ -101,6 +101,6 @@ def test_no_sketch(tmp_path: Path) -> None:
             includes(tmp_path, sketch, {})
 
 
-def test_bytes_that_are_not_text_do_not_matter(tmp_path: Path) -> None:
+def test_bytes_that_are_not_text_are_ignored(tmp_path: Path) -> None:
     (tmp_path / "s.ino").write_bytes(b"// \xff\xfe\0\n#include <a/A.h>\n#include <\0>\n")
     assert "a/A.h" in includes(tmp_path, "s.ino", {})

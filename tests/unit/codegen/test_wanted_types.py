@@ -25,26 +25,26 @@ def test_all() -> None:
     assert "std_srvs/SetBoolRequest" not in names
 
 
-def test_a_package_brings_what_its_messages_are_made_of() -> None:
+def test_a_package_brings_the_types_of_its_fields() -> None:
     names = types_of_packages(TypeIndex(Registry()), ["tf"]).names
     assert {"tf/tfMessage", "tf/FrameGraph", "geometry_msgs/TransformStamped", "std_msgs/Header"} <= names
     assert "std_msgs/String" not in names
 
 
-def test_an_unknown_package_names_the_nearest() -> None:
+def test_an_unknown_package_names_a_similar_one() -> None:
     with pytest.raises(
         UnknownTypeError, match=r"no package 'sensor_msg' is known; did you mean sensor_msgs\?"
     ):
         types_of_packages(TypeIndex(Registry()), ["sensor_msg"])
 
 
-def test_a_sketch_gets_what_it_includes_and_what_that_is_made_of(tmp_path: Path) -> None:
+def test_a_sketch_gets_its_includes_and_the_types_of_their_fields(tmp_path: Path) -> None:
     names = of_sketch(tmp_path, "#include <nav_msgs/Odometry.h>\n#include <std_srvs/SetBool.h>\n").names
     assert {"nav_msgs/Odometry", "std_srvs/SetBool", "geometry_msgs/Vector3", "std_msgs/Header"} <= names
     assert len(names) < 20
 
 
-def test_what_the_librarys_headers_include_comes_along(tmp_path: Path) -> None:
+def test_includes_of_the_librarys_headers_are_added(tmp_path: Path) -> None:
     plain = of_sketch(tmp_path, "#include <ros.h>\n").names
     with_tf = of_sketch(tmp_path, "#include <tf/transform_broadcaster.h>\n").names
     assert {"tf/tfMessage", "geometry_msgs/Transform"} <= with_tf - plain
@@ -76,7 +76,7 @@ def test_an_unknown_message_is_reported_with_its_line(header: str, reason: str, 
     assert "--msg-path" in wanted.missing[0]
 
 
-def test_headers_of_others_are_none_of_our_business(tmp_path: Path) -> None:
+def test_headers_of_other_libraries_are_ignored(tmp_path: Path) -> None:
     text = "".join(
         f"#include <{header}>\n"
         for header in (

@@ -56,7 +56,7 @@ def test_fields_have_the_values_of_their_names(bench: Bench) -> None:
         assert (name, answer.written, answer.payload) == (name, len(expected), expected)
 
 
-def test_what_we_write_is_read_and_written_back(bench: Bench) -> None:
+def test_messages_are_read_and_written_back(bench: Bench) -> None:
     draw = _CStrings(seed=4)
     cases = [
         (name, bench.store.codec(name).encode(draw.message(bench.store.codec(name))))
@@ -68,7 +68,7 @@ def test_what_we_write_is_read_and_written_back(bench: Bench) -> None:
         assert (name, answer.read, answer.payload) == (name, len(payload), payload)
 
 
-def test_what_we_refuse_is_refused(bench: Bench) -> None:
+def test_invalid_messages_are_refused(bench: Bench) -> None:
     rng = random.Random(5)
     draw = _CStrings(seed=6)
     cases = []

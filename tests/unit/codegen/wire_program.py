@@ -84,7 +84,7 @@ int main() {
 
 @dataclass(frozen=True, slots=True)
 class Answer:
-    """What deserialize and serialize returned, and the bytes that serialize wrote."""
+    """The results of deserialize and serialize, and the bytes that serialize wrote."""
 
     read: int
     written: int
@@ -158,7 +158,7 @@ def _built(source: str, library: Path) -> Path:
             file = program.with_suffix(".cpp")
             file.write_text(source)
             unfinished = program.with_suffix(".new")
-            # Not gnu++11, where `linux`, which is a field's name, is 1.
+            # Not gnu++11, where the name of a field, `linux`, is a macro with the value 1.
             flags = ["-std=c++11", "-Wall", "-Wextra", "-Werror", f"-I{library}/src"]
             subprocess.run(["g++", *flags, *SANITIZERS, "-o", unfinished, file], check=True)
             unfinished.rename(program)

@@ -23,7 +23,7 @@ STOP, PROBE = encode_frame(ids.TX_STOP, b""), b"\xff\x00"
 
 @dataclass(frozen=True, slots=True)
 class Fault:
-    """A mistake, how to plant it, and the case that must find it."""
+    """A fault, how to add it, and the case that must find it."""
 
     name: str
     found_by: str
@@ -31,7 +31,7 @@ class Fault:
 
 
 def sent(change: Change) -> Callable[[], Manipulator]:
-    """Plant a mistake in the frames that the client sends."""
+    """Add a fault to the frames that the client sends."""
 
     def plant() -> Manipulator:
         decoder = FrameDecoder()
@@ -68,7 +68,7 @@ def received_frames(change: Change) -> Callable[[], Manipulator]:
 
 
 def announced(change: Callable[[TopicInfo], TopicInfo]) -> Callable[[], Manipulator]:
-    """Plant a mistake in the announcements."""
+    """Add a fault to the announcements."""
 
     def announce(topic_id: int, payload: bytes) -> bytes:
         info = TopicInfo.decode(payload) if topic_id in ids.ANNOUNCEMENTS else None
@@ -170,7 +170,7 @@ def _reversed_ints(topic_id: int, payload: bytes) -> bytes:
 
 
 def _time_ends_calls(topic_id: int, payload: bytes) -> bytes:
-    # The response half of the program's service client; without a call the client ignores it.
+    # The response id of the program's service client; without a call, the client ignores a response.
     ending = encode_frame(105, b"\x00" + bytes(4)) if topic_id == ids.TIME else b""
     return encode_frame(topic_id, payload) + ending
 

@@ -63,7 +63,7 @@ def test_our_codecs_agree(vector: dict[str, Any]) -> None:
     assert frames_in(version, data, len(data)) == frames_in(version, data, 1) == wanted
 
 
-def test_the_page_shows_the_bytes_of_the_vectors() -> None:
+def test_the_page_has_the_bytes_of_the_vectors() -> None:
     blocks = re.findall(
         r"^`([a-z0-9-]+)`[^\n]*\n\n```text\n(.*?)^```", PAGE.read_text(), re.MULTILINE | re.DOTALL
     )

@@ -37,7 +37,7 @@ ParamLists = tuple[tuple[int, ...], tuple[float, ...], tuple[str, ...]]
 
 
 class Host:
-    """`messages` by topic, `logs`, `params` to answer with, `answers` by service that the device calls."""
+    """`messages` by topic, `logs`, `params` for requests, and `answers` by called service."""
 
     def __init__(self, transport: Transport) -> None:
         self.link = HostLink()

@@ -72,7 +72,7 @@ async def test_publish_messages_mappings_and_fields(pair: tuple[Device, Any]) ->
     assert publisher.publish(data=6) is False
 
 
-async def test_what_does_not_fit_is_refused_before_it_is_sent(pair: tuple[Device, Any]) -> None:
+async def test_messages_that_do_not_fit_are_refused_before_they_are_sent(pair: tuple[Device, Any]) -> None:
     device, line = pair
     count = device.publisher("count", "std_msgs/UInt32")
     text = device.publisher("text", "std_msgs/String")
@@ -90,7 +90,7 @@ async def test_what_does_not_fit_is_refused_before_it_is_sent(pair: tuple[Device
             device.publisher("x", "nobody_msgs/Nothing")
 
 
-async def test_the_largest_frame_gets_through_both_ways(pair: tuple[Device, Any]) -> None:
+async def test_the_largest_frame_is_sent_and_received(pair: tuple[Device, Any]) -> None:
     device, line = pair
     got: list[Message] = []
     text = device.publisher("out", "std_msgs/String")
@@ -238,7 +238,7 @@ async def test_a_call_waits_for_a_host_as_long_as_its_limit() -> None:
     far.close()
 
 
-async def test_a_lost_line_fails_calls_and_parameters_under_way(pair: tuple[Device, Any]) -> None:
+async def test_a_lost_line_fails_pending_calls_and_parameters(pair: tuple[Device, Any]) -> None:
     device, line = pair
     client = device.service_client("lookup", "rosserial_arduino/Test")
     async with tethered(device, line) as host:
@@ -289,7 +289,9 @@ async def test_logs_and_time(pair: tuple[Device, Any]) -> None:
         assert device.now().secs < HOST_TIME.secs + 60
 
 
-async def test_a_host_that_stops_is_not_a_host_until_it_asks_again(pair: tuple[Device, Any]) -> None:
+async def test_a_host_that_stops_is_disconnected_until_it_requests_the_topics_again(
+    pair: tuple[Device, Any],
+) -> None:
     device, line = pair
     publisher = device.publisher("count", "std_msgs/UInt32")
     async with tethered(device, line) as host:
@@ -351,7 +353,7 @@ async def test_a_flood_is_slowed_down_by_a_host_that_does_not_read_and_loses_not
 
 
 @pytest.mark.parametrize("scheme", ["tcp", "udp"])
-async def test_reconnect_to_a_host_that_comes_late_goes_and_comes_back(scheme: str) -> None:
+async def test_reconnect_to_a_host_that_starts_late_and_restarts(scheme: str) -> None:
     hosts = Hosts()
     probe = await listen(f"{scheme}://:0", hosts)
     address = probe.address
@@ -391,7 +393,7 @@ async def test_make_the_pseudo_terminal_that_the_host_opens(tmp_path: Path) -> N
             await host.until(lambda: ("count", TopicRole.PUBLISHER) in host.announced)
 
 
-async def test_be_a_small_old_board() -> None:
+async def test_a_device_can_have_the_limits_of_a_small_board() -> None:
     near, far = memory_pair()
     device = device_on(near, config=DeviceLinkConfig(version=1, max_publishers=1, output_buffer_bytes=24))
     publisher = device.publisher("text", "std_msgs/String")
@@ -420,7 +422,7 @@ async def test_closing_twice_is_harmless(pair: tuple[Device, Any]) -> None:
     await device.close()
 
 
-def test_the_package_offers_it() -> None:
+def test_the_package_exports_it() -> None:
     assert rostether.Device is Device
     with pytest.raises(AttributeError, match="Divice"):
         _ = rostether.Divice
@@ -448,7 +450,7 @@ async def test_an_async_callback_is_refused(pair: tuple[Device, Any]) -> None:
         pair[0].subscriber("chatter", "std_msgs/String", hear)
 
 
-async def test_a_closed_device_fails_calls_under_way(pair: tuple[Device, Any]) -> None:
+async def test_a_closed_device_fails_pending_calls(pair: tuple[Device, Any]) -> None:
     device, line = pair
     client = device.service_client("lookup", "rosserial_arduino/Test")
     async with tethered(device, line):

@@ -29,7 +29,7 @@ def arduino_cli(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> FakeProgram:
     return program
 
 
-async def test_a_board_of_another_platform_is_built_with_it(tmp_path: Path, arduino_cli: FakeProgram) -> None:
+async def test_it_builds_for_boards_of_other_platforms(tmp_path: Path, arduino_cli: FakeProgram) -> None:
     sketch = write_sketch(tmp_path, "S", EMPTY)
     built = await build_sketch(sketch, ESP32)
     (call,) = arduino_cli.calls
@@ -38,7 +38,7 @@ async def test_a_board_of_another_platform_is_built_with_it(tmp_path: Path, ardu
     assert (built.elf.name, built.image.name) == ("S.ino.elf", "S.ino.bin")
 
 
-async def test_the_ros_library_is_given_to_it(tmp_path: Path, arduino_cli: FakeProgram) -> None:
+async def test_it_gets_the_ros_library(tmp_path: Path, arduino_cli: FakeProgram) -> None:
     text = "#include <ros.h>\n#include <std_msgs/String.h>\n" + EMPTY
     built = await build_sketch(write_sketch(tmp_path, "S", text), ESP32)
     (call,) = arduino_cli.calls
@@ -48,7 +48,9 @@ async def test_the_ros_library_is_given_to_it(tmp_path: Path, arduino_cli: FakeP
     assert [each.name for each in built.libraries] == ["ros_lib"]
 
 
-async def test_a_loose_file_gets_the_folder_that_it_wants(tmp_path: Path, arduino_cli: FakeProgram) -> None:
+async def test_a_loose_file_gets_the_folder_that_arduino_cli_needs(
+    tmp_path: Path, arduino_cli: FakeProgram
+) -> None:
     (tmp_path / "S.ino").write_text(EMPTY)
     await build_sketch(tmp_path / "S.ino", ESP32, BuildOptions(defines=("A=1",)))
     (call,) = arduino_cli.calls
@@ -56,7 +58,7 @@ async def test_a_loose_file_gets_the_folder_that_it_wants(tmp_path: Path, arduin
     assert "compiler.cpp.extra_flags=-DA=1" in call
 
 
-async def test_errors_are_shown_as_they_are(
+async def test_errors_are_shown_unchanged(
     tmp_path: Path, arduino_cli: FakeProgram, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     sketch = write_sketch(tmp_path, "S", EMPTY)

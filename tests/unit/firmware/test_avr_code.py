@@ -48,5 +48,5 @@ def test_instructions(words: list[int], instruction: Instruction) -> None:
 
 
 @given(st.binary(max_size=8), st.integers(0, 10))
-def test_any_bytes_are_some_instruction(code: bytes, address: int) -> None:
+def test_any_bytes_can_be_decoded(code: bytes, address: int) -> None:
     assert decode(code, address).size in (2, 4)

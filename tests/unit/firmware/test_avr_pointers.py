@@ -4,7 +4,7 @@ import pytest
 
 from rostether.firmware.avr_pointers import table_of_jump
 
-# Of a `switch` on an Uno: subi r24, 0x67; sbci r25, 0xFE; movw r30, r24; jmp. The word address is 0x199.
+# A `switch` on an Uno: subi r24, 0x67; sbci r25, 0xFE; movw r30, r24; jmp. The word address is 0x199.
 AVR_GCC_16 = "87569e4ffc010c949101"
 # movw r30, r24; subi r30, 0xCB; sbci r31, 0xFF; jmp. The word address is 0x35.
 AVR_GCC_5 = "fc01eb5cff4f0c949101"

@@ -52,23 +52,23 @@ def test_the_uno_by_its_names(table: BoardTable, name: str) -> None:
         ("nano-old", 57600),
     ],
 )
-def test_the_processor_chooses_among_what_a_board_can_have(table: BoardTable, name: str, speed: int) -> None:
+def test_the_processor_chooses_a_variant_of_a_board(table: BoardTable, name: str, speed: int) -> None:
     assert table.find(name).upload_speed_baud == speed
 
 
-def test_an_unknown_board_names_those_that_are_near(table: BoardTable) -> None:
+def test_an_unknown_board_names_similar_ones(table: BoardTable) -> None:
     with pytest.raises(ConfigError, match=r"no board 'unno'; did you mean uno"):
         table.find("unno")
 
 
-def test_a_board_like_no_other_names_the_usual_ones(table: BoardTable) -> None:
+def test_a_board_without_similar_names_lists_the_usual_ones(table: BoardTable) -> None:
     with pytest.raises(
         ConfigError, match=r"no board 'zzzz'; known: uno, nano, promini, opencr, .* every FQBN"
     ):
         table.find("zzzz")
 
 
-def test_an_unknown_processor_names_those_that_there_are(table: BoardTable) -> None:
+def test_an_unknown_processor_names_the_known_ones(table: BoardTable) -> None:
     with pytest.raises(ConfigError, match="it has atmega328, atmega328old"):
         table.find("nano:atmega644")
 

@@ -52,7 +52,7 @@ async def test_an_empty_sketch_for_each_board(tmp_path: Path, board: str) -> Non
     assert built.image.read_text().startswith(":10")
 
 
-async def test_an_empty_sketch_with_serial_is_as_small_as_the_ides(tmp_path: Path) -> None:
+async def test_an_empty_sketch_with_serial_is_as_small_as_in_the_ide(tmp_path: Path) -> None:
     built = await build(
         write_sketch(tmp_path, "Serial", "void setup() { Serial.begin(9600); }\nvoid loop() {}")
     )
@@ -61,7 +61,7 @@ async def test_an_empty_sketch_with_serial_is_as_small_as_the_ides(tmp_path: Pat
     assert elf.ram_bytes <= 184
 
 
-async def test_files_of_a_sketch_are_one_program(tmp_path: Path) -> None:
+async def test_the_files_of_a_sketch_are_one_program(tmp_path: Path) -> None:
     sketch = write_sketch(
         tmp_path,
         "Robot",
@@ -80,7 +80,7 @@ async def test_files_of_a_sketch_are_one_program(tmp_path: Path) -> None:
     assert [each.name for each in built.libraries] == ["EEPROM"]
 
 
-async def test_libraries_bring_their_sources_and_what_those_need(tmp_path: Path) -> None:
+async def test_libraries_bring_their_sources_and_the_libraries_of_these(tmp_path: Path) -> None:
     libraries = tmp_path / "libraries"
     write_sketch(
         libraries,
@@ -107,12 +107,12 @@ async def test_the_sketchbook_is_searched(tmp_path: Path) -> None:
     assert [each.name for each in built.libraries] == ["Mine"]
 
 
-async def test_headers_that_are_not_asked_for_bring_no_library(tmp_path: Path) -> None:
+async def test_headers_that_are_not_included_bring_no_library(tmp_path: Path) -> None:
     sketch = write_sketch(tmp_path, "S", "#ifdef ESP32\n#include <Servo.h>\n#endif\n" + EMPTY)
     assert (await build(sketch)).libraries == ()
 
 
-async def test_a_loose_file_takes_the_sources_of_its_headers_only(tmp_path: Path) -> None:
+async def test_a_loose_file_is_built_with_the_sources_of_its_headers_only(tmp_path: Path) -> None:
     (tmp_path / "blink.ino").write_text('#include "mine.h"\nvoid setup() { mine(); }\nvoid loop() {}\n')
     (tmp_path / "mine.h").write_text("void mine();\n")
     (tmp_path / "mine.cpp").write_text("volatile int used; void mine() { used = 1; }\n")
@@ -120,12 +120,12 @@ async def test_a_loose_file_takes_the_sources_of_its_headers_only(tmp_path: Path
     assert "used" in functions(await build(tmp_path / "blink.ino"))
 
 
-async def test_a_cpp_file_is_compiled_as_it_is(tmp_path: Path) -> None:
+async def test_a_cpp_file_is_compiled_unchanged(tmp_path: Path) -> None:
     (tmp_path / "main.cpp").write_text("#include <Arduino.h>\nvoid setup() { }\nvoid loop() { }\n")
     assert (await build(tmp_path / "main.cpp")).elf.exists()
 
 
-async def test_errors_name_the_users_lines(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+async def test_errors_contain_the_users_lines(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     sketch = write_sketch(
         tmp_path,
         "Bad",
@@ -169,7 +169,7 @@ async def test_a_missing_header_is_reported_with_what_to_do(tmp_path: Path, head
     assert note in error.diagnostics
 
 
-async def test_warnings_are_shown_when_asked_for(tmp_path: Path) -> None:
+async def test_warnings_are_shown_on_request(tmp_path: Path) -> None:
     sketch = write_sketch(tmp_path, "S", "void setup() { int unused; }\nvoid loop() {}\n")
     assert (await build(sketch)).output == ""
     for _ in range(2):  # from the cache as well
@@ -182,7 +182,7 @@ async def test_macros_can_be_defined(tmp_path: Path) -> None:
     assert (await build(sketch, defines=("SPEED=3",))).elf.exists()
 
 
-async def test_what_has_not_changed_is_not_built_again(tmp_path: Path) -> None:
+async def test_an_unchanged_sketch_is_not_built_again(tmp_path: Path) -> None:
     sketch = write_sketch(tmp_path, "S", EMPTY, {"local.h": "#define A 1\n"})
     (sketch / "S.ino").write_text('#include "local.h"\nvolatile int a = A;\n' + EMPTY)
     first = await build(sketch)
@@ -205,14 +205,16 @@ async def test_an_edit_costs_one_compilation(tmp_path: Path) -> None:
     assert len(compiled) == 1
 
 
-async def test_a_file_that_comes_into_the_folder_is_seen(tmp_path: Path) -> None:
+async def test_a_new_file_in_the_folder_is_detected(tmp_path: Path) -> None:
     sketch = write_sketch(tmp_path, "S", EMPTY)
     await build(sketch)
     (sketch / "new.cpp").write_text("#error here I am\n")
     assert "here I am" in (await refuse(sketch)).diagnostics
 
 
-async def test_two_builds_at_once_give_the_same(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+async def test_two_builds_at_once_have_the_same_result(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
     sketch = write_sketch(tmp_path, "S", EMPTY)
     first, second = await asyncio.gather(build(sketch), build(sketch))
@@ -240,14 +242,14 @@ async def test_messages_of_the_user_are_generated_and_follow_their_definition(tm
     assert "has no member named" in error.diagnostics
 
 
-async def test_a_given_ros_library_is_the_one_that_counts(tmp_path: Path) -> None:
+async def test_a_given_ros_library_has_priority(tmp_path: Path) -> None:
     write_sketch(tmp_path / "libs", "ros_lib", "", {"ros.h": "#define MINE 1\n"})
     sketch = write_sketch(tmp_path, "S", "#include <ros.h>\nint a = MINE;\n" + EMPTY)
     built = await build(sketch, libraries=(tmp_path / "libs",))
     assert [each.folder for each in built.libraries] == [tmp_path / "libs" / "ros_lib"]
 
 
-async def test_a_library_that_is_not_there_is_reported(tmp_path: Path) -> None:
+async def test_a_missing_library_is_reported(tmp_path: Path) -> None:
     with pytest.raises(ConfigError, match="no such folder"):
         await build(write_sketch(tmp_path, "S", EMPTY), libraries=(tmp_path / "nowhere",))
 
@@ -259,7 +261,7 @@ async def test_outputs_are_copied(tmp_path: Path) -> None:
     assert elf.read_bytes() == built.elf.read_bytes()
 
 
-async def test_what_is_too_large_is_linked_all_the_same(tmp_path: Path) -> None:
+async def test_a_program_that_is_too_large_is_linked_too(tmp_path: Path) -> None:
     text = (
         "const uint8_t a[20000] PROGMEM = {1};\nconst uint8_t b[20000] PROGMEM = {1};\nvolatile int i;\n"
         "void setup() { i = pgm_read_byte(a + i) + pgm_read_byte(b + i); }\nvoid loop() {}\n"

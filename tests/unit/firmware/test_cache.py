@@ -21,7 +21,7 @@ def age(path: Path, seconds: float) -> None:
     os.utime(path, (then, then))
 
 
-def test_a_record_is_good_until_a_file_changes(cache: BuildCache, tmp_path: Path) -> None:
+def test_a_record_is_valid_until_a_file_changes(cache: BuildCache, tmp_path: Path) -> None:
     source = tmp_path / "source" / "a.cpp"
     source.parent.mkdir()
     source.write_text("int a;")
@@ -49,7 +49,7 @@ def test_a_file_that_changes_while_it_is_compiled_leaves_no_record(cache: BuildC
     assert cache.load("0" * 32) is None
 
 
-def test_a_new_header_could_come_before_another(cache: BuildCache, tmp_path: Path) -> None:
+def test_a_new_header_may_hide_another(cache: BuildCache, tmp_path: Path) -> None:
     folder = tmp_path / "headers"
     folder.mkdir()
     cache.save("0" * 32, {}, [], [folder], started_ns=time.time_ns())
@@ -61,14 +61,14 @@ def test_a_new_header_could_come_before_another(cache: BuildCache, tmp_path: Pat
 
 
 @pytest.mark.parametrize("damage", ["", "{", '{"files": 3}', "\0"])
-def test_a_damaged_record_is_none(cache: BuildCache, damage: str) -> None:
+def test_a_damaged_record_is_ignored(cache: BuildCache, damage: str) -> None:
     cache.save("0" * 32, {}, [], [], started_ns=time.time_ns())
     record = next(cache.folder.rglob("*.json"))
     record.write_text(damage)
     assert cache.load("0" * 32) is None
 
 
-def test_the_first_of_two_that_make_the_same_stays(cache: BuildCache) -> None:
+def test_the_first_of_two_equal_entries_stays(cache: BuildCache) -> None:
     key = digest("same")
     with cache.filling("objects", key) as first, cache.filling("objects", key) as second:
         (first / "unit.o").write_text("1")
@@ -77,14 +77,16 @@ def test_the_first_of_two_that_make_the_same_stays(cache: BuildCache) -> None:
     assert [each.name for each in cache.folder.rglob("*") if each.name.startswith(".")] == []
 
 
-def test_what_failed_leaves_nothing(cache: BuildCache) -> None:
+def test_a_failed_block_stores_nothing(cache: BuildCache) -> None:
     with pytest.raises(KeyError), cache.filling("objects", digest("x")) as folder:
         (folder / "unit.o").write_text("half")
         raise KeyError
     assert [each for each in cache.folder.rglob("*") if each.is_file()] == []
 
 
-def test_when_there_is_too_much_the_oldest_goes(cache: BuildCache, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_oldest_entries_are_removed_above_the_limit(
+    cache: BuildCache, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setattr(cache_module, "MAX_CACHE_BYTES", 3000)
     monkeypatch.setattr(cache_module, "PRUNE_TO_BYTES", 2500)
     for index in range(4):
@@ -101,7 +103,7 @@ def test_when_there_is_too_much_the_oldest_goes(cache: BuildCache, monkeypatch: 
     assert left[3] is True
 
 
-def test_what_was_used_lately_stays(cache: BuildCache, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_recently_used_entries_stay(cache: BuildCache, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(cache_module, "MAX_CACHE_BYTES", 10)
     monkeypatch.setattr(cache_module, "PRUNE_TO_BYTES", 5)
     cache.write_text("sources", digest("a"), "a.cpp", "text" * 100)
@@ -109,7 +111,7 @@ def test_what_was_used_lately_stays(cache: BuildCache, monkeypatch: pytest.Monke
     assert cache.find("sources", digest("a"), "a.cpp") is not None
 
 
-def test_it_is_not_looked_through_at_every_build(cache: BuildCache, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_size_is_not_measured_at_every_build(cache: BuildCache, monkeypatch: pytest.MonkeyPatch) -> None:
     looks: list[float] = []
     monkeypatch.setattr(cache, "_remove_oldest", looks.append)
     now_s = time.time()

@@ -27,7 +27,7 @@ def test_kinds(text: str, kinds: list[str]) -> None:
 
 
 @given(st.text(alphabet="ab{}()\"'/*\\\n#R<>=;“ ", max_size=60))
-def test_nothing_but_white_space_is_lost(text: str) -> None:
+def test_only_white_space_is_lost(text: str) -> None:
     tokens = list(tokenize(text))
     assert "".join("".join(token.text for token in tokens).split()) == "".join(text.split())
     assert all(text[token.offset : token.end] == token.text for token in tokens)

@@ -20,7 +20,7 @@ def is_bounded(header: bytes) -> bool:
     return lines_are_bounded(BytesIO(b"before" + header), 6)
 
 
-def test_what_compilers_write_is_bounded() -> None:
+def test_the_tables_of_compilers_are_bounded() -> None:
     assert is_bounded(START + FOLDERS + FILES)
 
 
@@ -49,11 +49,11 @@ def test_older_versions_have_no_counts(version: int) -> None:
         b"\xff" * 40,
     ],
 )
-def test_tables_that_are_not_in_the_file_are_refused(tables: bytes) -> None:
+def test_tables_beyond_the_file_are_refused(tables: bytes) -> None:
     assert not is_bounded(START + tables)
 
 
-def test_a_budget_ends() -> None:
+def test_a_budget_has_a_limit() -> None:
     budget = Budget(3)
     assert budget.spend(3)
     with pytest.raises(FirmwareError, match="damaged or too large; build it again"):

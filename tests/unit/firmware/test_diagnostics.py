@@ -28,7 +28,7 @@ def test_lines_that_a_web_page_joined_are_named(tmp_path: Path, text: str, place
     assert first.endswith(f"start a new line before `{rest}`")
 
 
-def test_lines_as_they_should_be_are_not(tmp_path: Path) -> None:
+def test_correct_lines_are_not_named(tmp_path: Path) -> None:
     text = (
         "#include <ros.h> // the library\n#include <a.h> /* another */\n#define A(x) x\n"
         'void setup() { f("// void loop() {"); } // void has no value\nvoid loop() {}\n'

@@ -1,4 +1,4 @@
-"""Debugging information of each version that compilers write."""
+"""The debugging information of each DWARF version that compilers write."""
 
 from __future__ import annotations
 

@@ -50,7 +50,7 @@ async def test_the_groups_add_up_to_the_total_of_avr_size(tmp_path: Path, text: 
         assert each.ram_bytes >= sum(item.ram_bytes for item in each.largest), each
 
 
-async def test_everything_is_somebodys(tmp_path: Path) -> None:
+async def test_everything_belongs_to_a_group(tmp_path: Path) -> None:
     text = "#include <Wire.h>\n#include <Servo.h>\nServo s;\n" + HELLO.replace(
         "nh.initNode();", "nh.initNode(); Wire.begin(); s.attach(9); s.write(20);"
     )
@@ -62,7 +62,7 @@ async def test_everything_is_somebodys(tmp_path: Path) -> None:
     assert group(footprint, "Serial")[1] >= 157
     assert group(footprint, "messages")[0] > 30
     assert group(footprint, "your sketch")[0] > 30
-    # Servo's variable in an unnamed namespace, to whose name the linker adds a number.
+    # A variable of Servo in an unnamed namespace: the linker adds a number to its name.
     assert "channels" in {item.name for each in footprint.groups for item in each.largest}
 
 
@@ -104,7 +104,7 @@ async def test_an_elf_file_alone_can_be_measured(tmp_path: Path) -> None:
     assert group(footprint, "Serial")[1] >= 157
 
 
-async def test_what_does_not_fit_is_refused_with_the_largest_name(tmp_path: Path) -> None:
+async def test_a_program_that_does_not_fit_is_refused_with_its_largest_part(tmp_path: Path) -> None:
     small = replace(uno(), flash_bytes=1000, ram_bytes=200)
     footprint = await measure((await build(tmp_path, SERIAL)).elf, small)
     assert not footprint.fits
@@ -116,7 +116,7 @@ async def test_what_does_not_fit_is_refused_with_the_largest_name(tmp_path: Path
     assert "the largest is Serial of Serial (157 bytes)" in ram
 
 
-async def test_a_stack_that_may_not_find_room_is_a_warning(tmp_path: Path) -> None:
+async def test_a_stack_that_may_not_fit_is_a_warning(tmp_path: Path) -> None:
     built = await build(tmp_path, SERIAL)
     roomy = await measure(built.elf, uno())
     assert roomy.warnings() == []
@@ -130,14 +130,14 @@ async def test_a_stack_that_may_not_find_room_is_a_warning(tmp_path: Path) -> No
 
 
 @pytest.mark.parametrize("content", [b"", b"\x7fELF\x01\x01", b"\x7fELF\x02\x01" + bytes(100), b":100000"])
-async def test_what_is_not_an_elf_file_is_reported(tmp_path: Path, content: bytes) -> None:
+async def test_another_file_than_elf_is_reported(tmp_path: Path, content: bytes) -> None:
     path = tmp_path / "x.elf"
     path.write_bytes(content)
     with pytest.raises(FirmwareError, match="ELF file"):
         await measure(path, uno())
 
 
-async def test_a_damaged_elf_file_raises_nothing_else(tmp_path: Path) -> None:
+async def test_a_damaged_elf_file_raises_only_firmware_errors(tmp_path: Path) -> None:
     built = await build(tmp_path, SERIAL)
     whole = built.elf.read_bytes()
     for cut in range(20, len(whole), len(whole) // 12):
@@ -149,7 +149,7 @@ async def test_a_damaged_elf_file_raises_nothing_else(tmp_path: Path) -> None:
             assert "ELF" in str(error)
 
 
-async def test_debugging_information_that_is_missing_leaves_names(tmp_path: Path) -> None:
+async def test_without_debugging_information_names_are_used(tmp_path: Path) -> None:
     built = await build(tmp_path, SERIAL)
     stripped = tmp_path / "stripped.elf"
     subprocess.run(["avr-objcopy", "--strip-debug", built.elf, stripped], check=True)

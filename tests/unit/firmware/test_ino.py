@@ -5,7 +5,7 @@ from pathlib import Path
 from rostether.firmware.ino import InoFile, active_lines, add_prototypes, join, read_ino
 
 
-def test_files_are_read_whatever_wrote_them(tmp_path: Path) -> None:
+def test_files_of_all_editors_are_read(tmp_path: Path) -> None:
     path = tmp_path / "a.ino"
     path.write_bytes(b"\xef\xbb\xbfint a;\r\nint b;\r// \xe9\n")
     assert read_ino(path).text == "int a;\nint b;\n// \udce9\n"
@@ -16,7 +16,7 @@ def test_each_file_begins_with_its_own_first_line() -> None:
     assert text == ('#include <Arduino.h>\n#line 1 "/x/a.ino"\nint a;\n#line 1 "/x/b \\"b\\".ino"\nint b;\n')
 
 
-def test_lines_and_columns_stay_what_they_are() -> None:
+def test_lines_and_columns_stay_the_same() -> None:
     files = [
         InoFile("/x/a.ino", "int x; void setup() { f(); g(); }\nvoid f(int a = 3) { }\n"),
         InoFile("/x/b.ino", "\nvoid g() {}\n"),

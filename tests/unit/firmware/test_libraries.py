@@ -45,7 +45,7 @@ def test_a_flat_library_is_compiled_from_its_root_and_utility(tmp_path: Path) ->
     assert [each.name for each in library.sources()] == ["Enc.cpp", "u.cpp"]
 
 
-def test_given_is_one_library_or_a_folder_of_them(tmp_path: Path) -> None:
+def test_a_given_folder_is_a_library_or_contains_libraries(tmp_path: Path) -> None:
     write(tmp_path / "libs" / "A", "A.h")
     write(tmp_path / "libs" / "B", "library.properties", "src/B.h")
     assert [each.name for each in read_given(tmp_path / "libs")] == ["A", "B"]
@@ -53,14 +53,14 @@ def test_given_is_one_library_or_a_folder_of_them(tmp_path: Path) -> None:
     assert read_given(tmp_path / "libs" / "B")[0].provides("B.h")
 
 
-def test_given_nothing_is_reported(tmp_path: Path) -> None:
+def test_a_given_folder_without_libraries_is_reported(tmp_path: Path) -> None:
     with pytest.raises(ConfigError, match="no such folder"):
         read_given(tmp_path / "nowhere")
     with pytest.raises(ConfigError, match="not a library or a folder of libraries"):
         read_given(tmp_path)
 
 
-def test_what_the_user_gives_comes_before_all_others(tmp_path: Path) -> None:
+def test_given_libraries_have_priority(tmp_path: Path) -> None:
     given = read_library(write(tmp_path / "a" / "My", "Servo.h"), Origin.GIVEN)
     own = read_library(write(tmp_path / "b" / "Servo", "Servo.h"), Origin.SKETCHBOOK)
     ours = read_folder(SIMULATION_LIBRARIES, Origin.SIMULATION)
@@ -70,7 +70,7 @@ def test_what_the_user_gives_comes_before_all_others(tmp_path: Path) -> None:
     assert choose("Nothing.h", ours) is None
 
 
-def test_of_several_the_one_of_that_name_and_architecture(tmp_path: Path) -> None:
+def test_the_name_and_the_architecture_choose_among_several(tmp_path: Path) -> None:
     other = write(tmp_path / "Motor", "Motor.h", "library.properties")
     (other / "library.properties").write_text("architectures=esp32\n")
     write(tmp_path / "AMotorThing", "Motor.h")
@@ -81,7 +81,7 @@ def test_of_several_the_one_of_that_name_and_architecture(tmp_path: Path) -> Non
     assert chosen.name == "MotorPlus"
 
 
-def test_the_sketchbook_is_where_the_ide_has_it(tmp_path: Path) -> None:
+def test_the_sketchbook_is_that_of_the_ide(tmp_path: Path) -> None:
     assert sketchbook_folders({}, tmp_path)[0] == tmp_path / "Arduino" / "libraries"
     assert sketchbook_folders({"ARDUINO_DIRECTORIES_USER": "/s"}, tmp_path) == [Path("/s/libraries")]
 

@@ -13,7 +13,7 @@ EXAMPLES = client_library() / "examples"
 
 
 def test_pins_and_topic_are_in_the_code_and_in_the_wiring(tmp_path: Path) -> None:
-    # The pins are swapped: each must be replaced once only.
+    # The pins are exchanged: each must be replaced only once.
     file = write_sketch(
         tmp_path / "front", KINDS["ultrasound"], EXAMPLES, {"TRIG": "5", "ECHO": "6"}, "front/range"
     )
@@ -48,13 +48,13 @@ async def test_every_kind_builds_and_matches_its_table(tmp_path: Path, kind: str
         ({"TRIG": "5"}, "two different pins"),
     ],
 )
-def test_pins_that_cannot_be(tmp_path: Path, pins: dict[str, str], reason: str) -> None:
+def test_invalid_pins_are_refused(tmp_path: Path, pins: dict[str, str], reason: str) -> None:
     with pytest.raises(ConfigError, match=reason):
         write_sketch(tmp_path / "a", KINDS["ultrasound"], EXAMPLES, pins, "x")
     assert not (tmp_path / "a").exists()
 
 
-def test_what_else_is_refused(tmp_path: Path) -> None:
+def test_other_invalid_arguments_are_refused(tmp_path: Path) -> None:
     kind = KINDS["temperature"]
     with pytest.raises(ConfigError, match="needs an analog pin"):
         write_sketch(tmp_path / "a", kind, EXAMPLES, {"SENSOR": "3"}, "x")

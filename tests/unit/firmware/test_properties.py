@@ -10,7 +10,7 @@ def test_comments_empty_lines_and_lines_without_a_value_are_skipped() -> None:
     }
 
 
-def test_values_are_expanded_also_inside_of_values() -> None:
+def test_nested_values_are_expanded() -> None:
     properties = {"cmd": "{path}/avr-gcc", "path": "/usr/bin", "build.mcu": "atmega328p"}
     assert (
         expand("{cmd} -mmcu={build.mcu} {unknown}", properties)
@@ -18,11 +18,11 @@ def test_values_are_expanded_also_inside_of_values() -> None:
     )
 
 
-def test_keys_that_name_each_other_do_not_hang() -> None:
+def test_keys_that_refer_to_each_other_end() -> None:
     assert expand("{a}", {"a": "{b}", "b": "{a}"}) in ("{a}", "{b}")
 
 
-def test_quotes_hold_an_argument_together() -> None:
+def test_quotes_enclose_one_argument() -> None:
     recipe = """"{cmd}" '-DUSB_PRODUCT={name}' "{source_file}" """
     arguments = command_line(recipe, {"cmd": "gcc", "name": '"Arduino Leonardo"'})
     assert arguments == ["gcc", '-DUSB_PRODUCT="Arduino Leonardo"', "{source_file}"]

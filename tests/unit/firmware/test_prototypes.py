@@ -67,19 +67,19 @@ def test_a_function_used_above_its_definition_gets_one(definition: str, prototyp
         "typedef void (*use)(int);",
     ],
 )
-def test_what_is_not_a_function_of_the_sketch_gets_none(rest: str) -> None:
+def test_other_statements_get_none(rest: str) -> None:
     assert prototypes(f"{USE}{rest}\n") == []
 
 
-def test_a_function_that_is_used_below_only_gets_none() -> None:
+def test_a_function_that_is_used_only_below_gets_none() -> None:
     assert prototypes("void use() { }\n" + USE) == []
 
 
-def test_what_the_sketch_declares_itself_stays_alone() -> None:
+def test_declarations_of_the_sketch_are_not_repeated() -> None:
     assert prototypes('extern "C" void use(int a);\n' + USE + "void use(int b) { }\n") == []
 
 
-def test_another_overload_is_none_of_them() -> None:
+def test_the_declaration_of_another_overload_is_not_enough() -> None:
     text = "void use(int a);\n" + USE + "void use(int a) { }\nvoid use(int a, int b) { }\n"
     assert prototypes(text) == [(2, "voiduse(inta,intb);")]
 
@@ -126,11 +126,11 @@ def test_default_arguments_move_to_the_prototype() -> None:
     assert [text[start:end] for start, end in found[0].moved] == ["= 3", "= {1, 2}"]
 
 
-def test_a_macro_on_top_of_a_function_is_not_repeated() -> None:
+def test_a_macro_before_a_function_is_not_repeated() -> None:
     assert prototypes(USE + "REGISTER(thing)\nint use() { return 1; }\n") == [(1, "intuse();")]
 
 
 @given(st.text(alphabet="au(){}[]<>;,=:#\"'\\/* \n", max_size=80))
-def test_no_text_is_too_strange(text: str) -> None:
+def test_any_text_can_be_read(text: str) -> None:
     for each in find_prototypes(text):
         assert 0 <= each.offset <= len(text)

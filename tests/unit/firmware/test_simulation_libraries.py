@@ -56,7 +56,7 @@ void loop() {
 
 @pytest.mark.parametrize("library", ["Servo", "Ethernet"])
 @pytest.mark.parametrize("board", ["uno", "mega", "leonardo"])
-def test_ours_compile_without_a_warning(tmp_path: Path, library: str, board: str) -> None:
+def test_they_compile_without_a_warning(tmp_path: Path, library: str, board: str) -> None:
     toolchain, chosen = find_avr_toolchain(), find_board(board)
     source = SIMULATION_LIBRARIES / library / "src" / f"{library}.cpp"
     includes = [f"-I{each}" for each in (*toolchain.core_folders(chosen), source.parent)]
@@ -106,7 +106,7 @@ async def test_a_busy_serial_line_moves_a_servo_by_less_than_two_degrees(tmp_pat
             assert await simulated.servo_angle("D9") == pytest.approx(90, abs=2)
 
 
-async def test_a_servo_costs_little(tmp_path: Path) -> None:
+async def test_a_servo_needs_little_memory(tmp_path: Path) -> None:
     without = await build_sketch(
         write_sketch(tmp_path / "a", "S", "void setup() {}\nvoid loop() {}\n"), find_board("uno")
     )
@@ -117,7 +117,7 @@ async def test_a_servo_costs_little(tmp_path: Path) -> None:
     assert after.ram_bytes - before.ram_bytes < 90
 
 
-async def test_bytes_go_both_ways_over_the_simulated_network(tmp_path: Path) -> None:
+async def test_bytes_are_exchanged_over_the_simulated_network(tmp_path: Path) -> None:
     built = await build_sketch(write_sketch(tmp_path, "S", NETWORK), find_board("uno"))
     connected: asyncio.Queue[tuple[asyncio.StreamReader, asyncio.StreamWriter]] = asyncio.Queue()
 

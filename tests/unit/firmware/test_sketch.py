@@ -22,7 +22,7 @@ def test_a_folder_has_its_main_file_first(tmp_path: Path) -> None:
     assert sketch.owns_folder
 
 
-def test_the_main_file_stands_for_its_folder(tmp_path: Path) -> None:
+def test_the_main_file_means_its_folder(tmp_path: Path) -> None:
     folder = write_sketch(tmp_path, "Robot", EMPTY, {"arm.ino": ""})
     assert open_sketch(folder / "Robot.ino") == open_sketch(folder)
 
@@ -50,9 +50,7 @@ def test_a_cpp_file_is_a_sketch(tmp_path: Path) -> None:
         (("readme.txt",), "readme.txt", "readme.txt is not a sketch"),
     ],
 )
-def test_what_is_not_a_sketch_is_reported(
-    tmp_path: Path, files: tuple[str, ...], name: str, message: str
-) -> None:
+def test_other_paths_are_reported(tmp_path: Path, files: tuple[str, ...], name: str, message: str) -> None:
     for each in files:
         (tmp_path / each).write_text("")
     with pytest.raises(FirmwareError, match=message):

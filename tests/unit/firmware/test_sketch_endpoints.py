@@ -72,7 +72,7 @@ async def test_topics_and_services_with_their_types(endpoints: tuple[dict[str, E
     }
 
 
-async def test_what_a_message_means_for_the_input_buffer(
+async def test_notes_compare_messages_with_the_input_buffer(
     endpoints: tuple[dict[str, Endpoint], int],
 ) -> None:
     found, buffer_bytes = endpoints

@@ -30,7 +30,7 @@ async def estimate(tmp_path: Path, text: str, board: str = "uno") -> StackEstima
 @pytest.mark.parametrize("board", ["uno", "mega", "leonardo"])
 async def test_frames_and_calls_add_up(tmp_path: Path, board: str) -> None:
     found = await estimate(tmp_path, LEAF + "void setup() { sink = middle(sink); }\nvoid loop() {}\n", board)
-    # Both frames, three return addresses, and the frame pointer saved twice; little more.
+    # Both frames, three return addresses, the frame pointer twice, and a few more bytes.
     assert 340 + 10 <= found.main_bytes <= 340 + 30
     assert [name.strip("_") for name in found.main_path] == ["main", "Z6middlei", "Z4leafi"]
 
@@ -72,7 +72,7 @@ async def test_the_cases_of_a_large_switch_count(tmp_path: Path) -> None:
     assert (await estimate(tmp_path, text)).main_bytes > 340
 
 
-async def test_the_deepest_interrupt_comes_on_top(tmp_path: Path) -> None:
+async def test_the_deepest_interrupt_is_added(tmp_path: Path) -> None:
     text = LEAF + "ISR(TIMER1_OVF_vect) { sink = leaf(sink); }\n" + EMPTY
     found = await estimate(tmp_path, text)
     assert found.interrupt_bytes > 300
@@ -84,7 +84,7 @@ async def test_constructors_of_global_objects_count(tmp_path: Path) -> None:
     assert (await estimate(tmp_path, text)).main_bytes > 340
 
 
-async def test_the_shared_prologues_of_the_c_library_are_understood(tmp_path: Path) -> None:
+async def test_shared_prologues_of_the_c_library_count(tmp_path: Path) -> None:
     text = (
         "char text[40]; volatile int n;\n"
         'void setup() { snprintf(text, sizeof text, "%d %s", n, "x"); }\nvoid loop() {}\n'
@@ -115,12 +115,12 @@ async def test_the_shared_prologues_of_the_c_library_are_understood(tmp_path: Pa
         ),
     ],
 )
-async def test_what_can_make_it_more_is_reported(tmp_path: Path, text: str, phrase: str) -> None:
+async def test_reasons_for_a_larger_stack_are_reported(tmp_path: Path, text: str, phrase: str) -> None:
     found = await estimate(tmp_path, text)
     assert any(phrase in each for each in found.unknown)
 
 
-async def test_of_an_ordinary_sketch_nothing_is_unknown(tmp_path: Path) -> None:
+async def test_the_stack_of_an_ordinary_sketch_is_known(tmp_path: Path) -> None:
     text = "void setup() { Serial.begin(9600); }\nvoid loop() { Serial.println(analogRead(0)); }\n"
     for board in ("uno", "mega", "leonardo"):
         assert (await estimate(tmp_path, text, board)).unknown == ()

@@ -40,7 +40,7 @@ def test_recipes_are_those_of_the_core() -> None:
 
 
 @pytest.mark.avr
-def test_warnings_are_asked_for_as_in_the_ide() -> None:
+def test_warnings_have_the_options_of_the_ide() -> None:
     recipe = find_avr_toolchain().recipe("cpp.o", find_board("uno"), "all")
     assert "-Wextra" in recipe
     assert "-w" not in recipe

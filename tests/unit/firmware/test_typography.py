@@ -28,9 +28,9 @@ def test_a_typographic_character_in_code_is_named(text: str, place: str, plain: 
 @pytest.mark.parametrize(
     "text", ['s = "\u201cfine\u201d";', "// \u201cfine\u201d", "int a = 1;", "/* \u2013 */"]
 )
-def test_texts_and_comments_may_hold_any(text: str) -> None:
+def test_texts_and_comments_may_contain_any_character(text: str) -> None:
     assert explain(text) == []
 
 
-def test_a_page_full_of_them_is_not_repeated_in_whole() -> None:
+def test_a_page_full_of_them_is_shortened() -> None:
     assert len(explain("\u201d\n" * 100)) == MAX_REPORTED

@@ -96,7 +96,7 @@ async def test_avrdude_gets_the_board_and_the_port(
         ("avrdude: something else went wrong", "avrdude failed: avrdude: something else went wrong"),
     ],
 )
-async def test_why_it_failed_is_reported_in_one_line(
+async def test_the_reason_of_a_failure_is_one_line(
     tmp_path: Path, avrdude: FakeProgram, terminal: tuple[int, str], printed: str, message: str
 ) -> None:
     avrdude.behave(code=1, prints=f"avrdude: Version 7.1\n{printed}\n")
@@ -121,16 +121,16 @@ async def test_the_simulated_network_is_not_flashed(tmp_path: Path, avrdude: Fak
     assert avrdude.calls == []
 
 
-def test_a_port_that_is_not_there_is_reported() -> None:
+def test_a_missing_port_is_reported() -> None:
     with pytest.raises(RostetherError, match="no serial port /dev/nowhere; no serial port found"):
         check_port("/dev/nowhere", ports())
 
 
-def test_a_file_that_is_not_a_port_may_be_opened_all_the_same(terminal: tuple[int, str]) -> None:
+def test_a_free_port_can_be_opened(terminal: tuple[int, str]) -> None:
     check_port(terminal[1], ports())
 
 
-def test_a_port_that_is_open_elsewhere_names_who_has_it(terminal: tuple[int, str]) -> None:
+def test_a_port_in_use_names_its_user(terminal: tuple[int, str]) -> None:
     handle = os.open(terminal[1], os.O_RDWR | os.O_NOCTTY)
     try:
         with pytest.raises(FirmwareError, match="is in use by this program; close that program"):
@@ -139,12 +139,12 @@ def test_a_port_that_is_open_elsewhere_names_who_has_it(terminal: tuple[int, str
         os.close(handle)
 
 
-def test_a_port_that_is_not_on_usb_is_never_taken_for_the_boards() -> None:
+def test_a_port_that_is_not_on_usb_is_never_chosen() -> None:
     with pytest.raises(FirmwareError, match=r"no board found on USB; .* with --port \(/dev/ttyS0\)"):
         choose_port(find_board("uno"), ports(SerialPort("/dev/ttyS0", "onboard")))
 
 
-def test_of_several_ports_the_one_of_that_board() -> None:
+def test_the_port_of_the_board_is_chosen_among_several() -> None:
     found = ports(
         SerialPort("/dev/ttyS0", "onboard"),
         usb("/dev/ttyUSB0", 0x1A86, 0x7523),
@@ -155,7 +155,7 @@ def test_of_several_ports_the_one_of_that_board() -> None:
         choose_port(find_board("mega"), found)
 
 
-def test_of_one_usb_port_among_others_the_usb_port() -> None:
+def test_the_only_usb_port_is_chosen() -> None:
     found = ports(SerialPort("/dev/ttyS0", "onboard"), usb("/dev/ttyUSB0", 0x1A86, 0x7523))
     assert choose_port(find_board("nano"), found) == "/dev/ttyUSB0"
 
@@ -166,7 +166,7 @@ def test_without_a_port_the_error_has_a_hint() -> None:
 
 
 class Reappearing:
-    """A port that vanishes after it was touched and comes back, perhaps under another name."""
+    """A port that disappears after a touch and returns, perhaps under another name."""
 
     def __init__(self, path: str, comes_back_as: str | None) -> None:
         there = [usb(path, 0x2341, 0x8036)]
@@ -186,14 +186,14 @@ async def test_a_touch_opens_the_port_at_1200_baud_and_waits_for_the_boot_loader
     assert termios.tcgetattr(ours)[4:6] == [termios.B1200, termios.B1200]
 
 
-async def test_a_boot_loader_that_never_comes_is_reported(terminal: tuple[int, str]) -> None:
+async def test_a_missing_boot_loader_is_reported(terminal: tuple[int, str]) -> None:
     with pytest.raises(
         FirmwareError, match=r"no bootloader answered .*; press the board's reset button twice"
     ):
         await touch(terminal[1], Reappearing(terminal[1], None), limit_s=0.5)
 
 
-async def test_a_leonardo_is_touched_and_flashed_where_it_comes_back(
+async def test_a_leonardo_is_touched_and_flashed_at_its_new_port(
     tmp_path: Path, avrdude: FakeProgram, terminal: tuple[int, str]
 ) -> None:
     built = await build(tmp_path, "leonardo")
@@ -201,7 +201,7 @@ async def test_a_leonardo_is_touched_and_flashed_where_it_comes_back(
     assert avrdude.calls[0][:8] == ["-q", "-p", "atmega32u4", "-c", "avr109", "-P", "/dev/ttyACM9", "-b"]
 
 
-async def test_arduino_cli_can_flash_as_well(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+async def test_arduino_cli_can_flash_too(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (tmp_path / "bin").mkdir()
     program = FakeProgram(tmp_path / "bin", "arduino-cli", monkeypatch)
     built = replace(await build(tmp_path, "uno"), board=find_board("esp32:esp32:esp32"))

@@ -90,7 +90,7 @@ def test_on_ros_package_path_only_packages_count(tmp_path: Path) -> None:
     assert set(find_definitions([tmp_path], [])) == {"loose", "real"}
 
 
-def test_the_first_root_with_a_type_has_it_and_others_add_to_the_package(tmp_path: Path) -> None:
+def test_the_first_root_has_priority_and_others_add_types(tmp_path: Path) -> None:
     write(tmp_path, "one/my_msgs/A.msg", "two/my_msgs/A.msg", "two/my_msgs/B.msg")
     found = find_definitions([tmp_path / "one", tmp_path / "two"], [])["my_msgs"].of(Kind.MESSAGE)
     assert dict(found) == {
@@ -111,7 +111,7 @@ def test_folders_that_are_not_package_names_are_skipped(tmp_path: Path) -> None:
     assert find_definitions([tmp_path, tmp_path / "missing"], []) == {}
 
 
-def test_a_text_is_read_whatever_its_line_ends_mark_and_encoding(tmp_path: Path) -> None:
+def test_a_text_may_have_any_line_ends_byte_order_mark_and_encoding(tmp_path: Path) -> None:
     file = tmp_path / "Foo.msg"
     file.write_bytes(b"\xef\xbb\xbfint8 a\r\nint8 b\rint8 c # \xb5m\n")
     assert read_definition(file) == "int8 a\nint8 b\nint8 c # �m\n"
@@ -128,7 +128,7 @@ def test_a_text_that_cannot_be_read_is_an_error_with_its_file(tmp_path: Path) ->
         read_definition(large)
 
 
-def test_bundled_files_are_there_and_only_by_their_exact_name() -> None:
+def test_bundled_files_have_only_their_exact_names() -> None:
     assert {"std_msgs", "rosserial_msgs", "turtlebot3_msgs"} <= bundled_packages()
     file = bundled_file("std_msgs", Kind.MESSAGE, "String")
     assert file is not None
@@ -144,13 +144,13 @@ def test_bundled_files_are_there_and_only_by_their_exact_name() -> None:
     assert bundled_names("unknown", Kind.MESSAGE) == frozenset()
 
 
-def test_names_that_a_board_makes_up_are_not_kept_for_ever() -> None:
+def test_names_that_a_board_invents_are_not_kept_forever() -> None:
     for number in range(2 * MAX_LISTED_PACKAGES):
         bundled_names(f"made_up_{number}", Kind.MESSAGE)
     assert bundled_names.cache_info().currsize <= MAX_LISTED_PACKAGES
 
 
-def test_bundled_definitions_hold_no_prose() -> None:
+def test_bundled_definitions_contain_no_prose() -> None:
     for package in bundled_packages():
         for kind in Kind:
             for name in bundled_names(package, kind):

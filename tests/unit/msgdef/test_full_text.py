@@ -39,7 +39,7 @@ def test_every_bundled_type_survives_the_round_trip() -> None:
             assert text == registry.message(part).text
 
 
-def test_parts_without_text_and_headings_with_blanks() -> None:
+def test_parts_may_be_empty_and_headings_may_have_blanks() -> None:
     assert split_full_text("p/A", f"{SEPARATOR}\nMSG:   p/B  \n") == {"p/A": "", "p/B": ""}
     assert split_full_text("p/A", "") == {"p/A": ""}
     assert split_full_text("p/A", f"B b\r\n{SEPARATOR}\r\nMSG: p/B\r\nint8 x") == {
@@ -60,6 +60,6 @@ def test_the_first_of_two_parts_with_one_name_counts() -> None:
         ("".join(f"{SEPARATOR}\nMSG: p/N{n}\n" for n in range(MAX_PARTS + 2)), "parts"),
     ],
 )
-def test_what_is_not_a_full_text_is_refused(definition: str, reason: str) -> None:
+def test_other_texts_are_refused(definition: str, reason: str) -> None:
     with pytest.raises(DefinitionError, match=reason):
         split_full_text("p/A", definition)

@@ -70,7 +70,7 @@ def test_comments_and_blanks_do_not_count() -> None:
     assert md5_text("int8 a\nint8 b") == md5_text("\n # x\n  int8    a #y\r\n\nint8\tb\n\n")
 
 
-def test_a_message_counts_by_its_md5sum_and_an_array_of_it_too() -> None:
+def test_messages_and_their_arrays_count_by_their_md5sum() -> None:
     inner = parse_message("int8 x", package="p", name="Inner")
     sum_of_inner = message_md5sum(inner, nothing)
     for declared in ("Inner", "p/Inner", "Inner[]", "Inner[3]"):
@@ -78,7 +78,7 @@ def test_a_message_counts_by_its_md5sum_and_an_array_of_it_too() -> None:
         assert message_md5_text(outer, lambda _: inner) == f"{sum_of_inner} y"
 
 
-def test_a_service_is_both_texts_in_a_row() -> None:
+def test_a_service_is_the_sum_of_both_texts() -> None:
     both = parse_service("int8 a\n---\nint8 b", package="p", name="S")
     # There is nothing between request and response, not even a line end.
     assert service_md5sum(both, nothing) == digest("int8 aint8 b")

@@ -88,7 +88,7 @@ def test_the_md5sum_of_another_type_is_recognized() -> None:
     assert "it belongs to std_msgs/Int16" in line
 
 
-def test_an_earlier_version_that_we_bring_along_is_recognized() -> None:
+def test_a_bundled_earlier_version_is_recognized() -> None:
     line = explain_mismatch(Registry(), "turtlebot3_msgs/SensorState", "d537ed7b8d95065b6c83830430b93911")
     assert "it belongs to turtlebot3_msgs 0.1.4, which has 'uint8 cliff' instead of 'float32 cliff'" in line
 
@@ -113,14 +113,14 @@ def test_an_unknown_type_shows_our_definition() -> None:
     assert name_of_md5sum(registry, UNKNOWN_MD5SUM) is None
 
 
-def test_broken_definitions_of_others_do_not_matter(tmp_path: Path) -> None:
+def test_other_broken_definitions_are_ignored(tmp_path: Path) -> None:
     (tmp_path / "a_msgs").mkdir()
     (tmp_path / "a_msgs" / "Broken.msg").write_text("oops")
     registry = Registry([tmp_path])
     assert name_of_md5sum(registry, registry.message_type("std_msgs/UInt8").md5sum) == "std_msgs/UInt8"
 
 
-def test_a_type_that_we_do_not_know_is_still_unknown() -> None:
+def test_an_unknown_type_is_an_error() -> None:
     with pytest.raises(UnknownTypeError):
         explain_mismatch(Registry(), "my_arm/ServoAngles", UNKNOWN_MD5SUM)
 

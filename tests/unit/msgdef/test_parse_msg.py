@@ -82,7 +82,7 @@ def test_the_length_stays_as_written_but_is_a_number() -> None:
 
 
 @pytest.mark.parametrize("type_name", sorted(INTEGER_RANGES))
-def test_integer_constants_reach_their_bounds_and_no_further(type_name: str) -> None:
+def test_integer_constants_are_within_their_bounds(type_name: str) -> None:
     low, high = INTEGER_RANGES[type_name]
     assert one_constant(f"{type_name} X={low}") == (low, str(low))
     assert one_constant(f"{type_name} X={high}") == (high, str(high))
@@ -119,7 +119,7 @@ def test_constants_of_every_type(text: str, value: ConstantValue, kept: str) -> 
     assert parse(text).constants[0].name.strip("_") == "X"
 
 
-def test_constants_have_the_types_that_can_be_written() -> None:
+def test_constants_have_no_times_messages_or_arrays() -> None:
     assert PRIMITIVE_TYPES - {"time", "duration"} == CONSTANT_TYPES
     for type_name in ("time", "duration", "Header", "int32[]"):
         with pytest.raises(DefinitionError, match="type of a constant"):
@@ -154,9 +154,7 @@ def test_constants_have_the_types_that_can_be_written() -> None:
         (f"bool X={'[' * 5000}", 1, 8, "True, False, 1 or 0"),
     ],
 )
-def test_a_mistake_is_named_with_its_place_in_one_line(
-    text: str, line: int, column: int, reason: str
-) -> None:
+def test_a_mistake_is_one_line_with_its_position(text: str, line: int, column: int, reason: str) -> None:
     with pytest.raises(DefinitionError, match=reason) as raised:
         parse(text)
     error = raised.value
@@ -180,6 +178,6 @@ def test_text_and_fields_are_bounded() -> None:
         parse("\n".join([*declarations, "int8 last"]))
 
 
-def test_lines_can_be_counted_from_the_middle_of_a_file() -> None:
+def test_lines_may_start_in_the_middle_of_a_file() -> None:
     with pytest.raises(DefinitionError, match=":12:1:"):
         parse_message("int8 a\noops\n", package="p", name="N", first_line=11)

@@ -65,7 +65,7 @@ def test_both_halves_are_messages() -> None:
         ("int8 same\n---\nint8 same", (["same"], ["same"])),
     ],
 )
-def test_the_mark_divides(text: str, expected: tuple[list[str], list[str]]) -> None:
+def test_the_mark_separates_request_and_response(text: str, expected: tuple[list[str], list[str]]) -> None:
     assert names(text) == expected
 
 
@@ -78,7 +78,7 @@ def test_types_of_the_same_package_are_found_in_both_halves() -> None:
 @pytest.mark.parametrize(
     ("text", "line"), [("oops\n---\n", 1), ("int8 a\n---\nint8 b\noops", 4), ("---\noops", 2)]
 )
-def test_mistakes_have_their_line_in_the_file(text: str, line: int) -> None:
+def test_mistakes_are_reported_with_the_line_in_the_file(text: str, line: int) -> None:
     with pytest.raises(DefinitionError, match=f"Foo.srv:{line}:1:"):
         parse(text)
 
@@ -101,7 +101,7 @@ def test_sections_may_be_empty() -> None:
 
 
 @pytest.mark.parametrize("message", sorted(SEVEN))
-def test_a_message_leads_to_its_action(message: str) -> None:
+def test_the_action_of_a_message_is_found(message: str) -> None:
     assert "Fib" in action_of(message)
 
 

@@ -101,7 +101,7 @@ def test_answers_are_cached() -> None:
     assert registry.service_type("std_srvs/Empty") is registry.service_type("std_srvs/Empty")
 
 
-def test_nothing_is_read_before_it_is_asked_for(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_definitions_are_read_on_demand(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     read: list[Path] = []
 
     def reading(file: Path) -> str:
@@ -184,7 +184,7 @@ def test_a_message_file_wins_over_a_service_half_of_its_name(tmp_path: Path) -> 
     "name",
     ["", "String", "a/b/c", "/String", "std_msgs/", "std_msgs/1", "../etc/passwd", "p/é", "a" * 999 + "/B"],
 )
-def test_what_is_not_a_type_name_is_an_error_that_shows_one(name: str) -> None:
+def test_an_invalid_type_name_is_an_error_with_an_example(name: str) -> None:
     with pytest.raises(UnknownTypeError, match="package/Name, such as std_msgs/String") as raised:
         Registry().message(name)
     assert "\n" not in str(raised.value)
@@ -192,7 +192,7 @@ def test_what_is_not_a_type_name_is_an_error_that_shows_one(name: str) -> None:
         Registry().service(name)
 
 
-def test_an_unknown_type_below_another_names_the_field(tmp_path: Path) -> None:
+def test_an_unknown_nested_type_is_reported_with_its_field(tmp_path: Path) -> None:
     write(tmp_path / "my_msgs" / "Foo.msg", "other_msgs/Bar bar\n")
     with pytest.raises(UnknownTypeError, match=r"my_msgs/Foo, field 'bar': no package 'other_msgs' is known"):
         Registry([tmp_path]).message_type("my_msgs/Foo")
@@ -218,7 +218,7 @@ def test_a_type_is_learned_from_a_full_text() -> None:
     assert len(registry.message("std_msgs/Header").fields) == 3
 
 
-def test_a_registry_of_its_own_reads_a_full_text_exactly() -> None:
+def test_a_separate_registry_reads_a_full_text_exactly() -> None:
     registry = Registry(bundled=False)
     registry.add_full_text("far/Thing", LEARNED)
     assert registry.message_type("far/Thing").definition == LEARNED
@@ -233,7 +233,7 @@ def test_bundled_types_can_be_learned_back_with_the_same_md5sum() -> None:
         assert learned.message_type(name) == registry.message_type(name)
 
 
-def test_what_cannot_be_learned_changes_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_invalid_full_text_changes_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
     registry = Registry(bundled=False)
     for name, definition in [
         ("far/Thing", "oops"),
@@ -272,7 +272,7 @@ def test_a_package_of_the_workspace_replaces_the_bundled_one_whole(
     assert registry.message("std_msgs/String").fields[0].name == "data"
 
 
-def test_packages_around_the_current_folder_are_asked_last(
+def test_packages_around_the_current_folder_are_searched_last(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     source = tmp_path / "home" / "ws" / "src"
@@ -282,7 +282,7 @@ def test_packages_around_the_current_folder_are_asked_last(
     write(source / "my_msgs" / "srv" / "Bar.srv", "---\n")
     write(source / "std_msgs" / "msg" / "String.msg", "int8 not_this\n")
     write(tmp_path / "path" / "my_msgs" / "package.xml", "<package><name>my_msgs</name></package>")
-    # Not in a workspace: what is below the current folder.
+    # Outside a workspace: the packages below the current folder.
     monkeypatch.chdir(tmp_path / "home")
     registry = Registry.from_environment((), {})
     assert registry.message("std_msgs/String").fields[0].name == "data"

@@ -31,13 +31,13 @@ def test_order_is_that_of_first_use_depth_first() -> None:
     assert texts.below("A") == ["C", "B", "D", "E"]
 
 
-def test_each_type_is_looked_up_once_however_often_it_is_used() -> None:
+def test_each_type_is_looked_up_once() -> None:
     texts = Texts(**{f"L{level}": f"L{level + 1} a\nL{level + 1} b" for level in range(15)}, L15="int8 x")
     assert len(texts.below("L0")) == 15
     assert len(texts.asked) == len(set(texts.asked))
 
 
-def test_primitives_need_nothing() -> None:
+def test_primitives_have_no_dependencies() -> None:
     assert Texts(A="int8 a\nstring[] b\ntime c").below("A") == []
 
 
@@ -46,7 +46,7 @@ def test_a_missing_type_is_named_with_the_field_that_needs_it() -> None:
         Texts(A="B b", B="Missing[] c").below("A")
 
 
-def test_a_message_cannot_hold_itself() -> None:
+def test_a_message_cannot_contain_itself() -> None:
     with pytest.raises(DefinitionError, match="p/B: a message cannot contain itself: p/A -> p/B -> p/A"):
         Texts(A="B[] b", B="A a").below("A")
     with pytest.raises(DefinitionError, match="p/A -> p/A"):

@@ -21,7 +21,9 @@ def registry(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Registry:
     return Registry.from_environment(environ={"ROS_PACKAGE_PATH": str(tmp_path / "path")})
 
 
-async def test_after_a_search_nothing_is_walked(registry: Registry, monkeypatch: pytest.MonkeyPatch) -> None:
+async def test_after_a_search_no_folder_is_searched(
+    registry: Registry, monkeypatch: pytest.MonkeyPatch
+) -> None:
     watch = LoopWatch(monkeypatch)
     await definitions_searched(registry)
     walked = watch.folders

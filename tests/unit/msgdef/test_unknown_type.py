@@ -34,13 +34,13 @@ def test_a_misspelt_message_is_corrected() -> None:
     assert text.endswith(HOW)
 
 
-def test_a_message_without_a_neighbor() -> None:
+def test_a_message_without_similar_names() -> None:
     assert text_for_message("std_msgs/Xyzzy") == (
         f"package 'std_msgs' has no message 'Xyzzy'; if a newer version has it, {HOW}"
     )
 
 
-def test_the_other_kind_is_recognized() -> None:
+def test_a_type_of_the_other_kind_is_recognized() -> None:
     assert text_for_message("std_srvs/SetBool") == "std_srvs/SetBool is a service, not a message"
     with pytest.raises(UnknownTypeError, match="std_msgs/String is a message, not a service"):
         Registry().service("std_msgs/String")

@@ -50,7 +50,7 @@ async def listen(graph: MemoryGraph, topic: str) -> Inbox:
     return inbox
 
 
-async def test_a_relay_publishes_what_comes_with_its_type() -> None:
+async def test_a_relay_publishes_messages_with_their_type() -> None:
     world = await World().join()
     talker = await world.talker.advertise("/a", STRING)
     async with world.forwarding("/a", "/b"):
@@ -74,7 +74,7 @@ async def test_a_latched_topic_stays_latched() -> None:
         await until(lambda: inbox.payloads == [string("kept")])
 
 
-async def test_a_lazy_relay_listens_only_while_somebody_does() -> None:
+async def test_a_lazy_relay_subscribes_only_while_it_has_subscribers() -> None:
     world = await World().join()
     talker = await world.talker.advertise("/a", STRING)
     async with world.forwarding("/a", "/b", lazy=True):
@@ -88,13 +88,13 @@ async def test_a_lazy_relay_listens_only_while_somebody_does() -> None:
         await until(lambda: talker.subscriber_count == 0)
 
 
-async def test_a_topic_never_feeds_itself() -> None:
+async def test_a_topic_is_never_its_own_source() -> None:
     world = await World().join()
     with pytest.raises(ConfigError, match="/a would receive its own output"):
         await forward(world.relay, "/a", "a")
 
 
-async def test_messages_are_thinned_out_on_the_way() -> None:
+async def test_a_throttle_forwards_some_of_the_messages() -> None:
     world = await World().join()
     talker = await world.talker.advertise("/a", STRING)
     clock_s = 100.0
@@ -119,7 +119,7 @@ def test_message_rate() -> None:
     for later_s, expected in ((0.0625, ()), (0.125, ()), (0.1875, [b"c"]), (0.25, ()), (0.5, [b"c"])):
         clock_s = 1000.0 + later_s
         assert rate([b"c"]) == expected
-    # The clock jumps back, as a simulation that starts again: the pause counts from there.
+    # The clock jumps back, like that of a restarted simulation: the interval restarts.
     clock_s = 5.0
     assert rate([b"d"]) == ()
     clock_s = 5.2
@@ -127,12 +127,12 @@ def test_message_rate() -> None:
     assert rate([]) == ()
 
 
-def test_without_a_clock_nothing_passes() -> None:
+def test_without_a_clock_no_message_passes() -> None:
     assert MessageThrottle(10.0, lambda: 0.0)([b"a"]) == ()
 
 
 @pytest.mark.parametrize("rate_hz", [0.0, -1.0, float("nan")])
-def test_a_rate_is_more_than_nothing(rate_hz: float) -> None:
+def test_a_rate_must_be_above_zero(rate_hz: float) -> None:
     with pytest.raises(ConfigError, match="give more than 0"):
         MessageThrottle(rate_hz, lambda: 0.0)
 
@@ -144,7 +144,7 @@ def test_byte_rate() -> None:
         return clock_s
 
     rate = ByteThrottle(10, 1.0, now_s)
-    # The message that crosses the limit still passes, as in topic_tools.
+    # The message that exceeds the limit is still forwarded, as in topic_tools.
     assert rate([b"x" * 6] * 3) == [b"x" * 6] * 2
     clock_s = 1.0
     assert rate([b"y"]) == []

@@ -93,13 +93,15 @@ async def test_axes_that_move_together_are_one_message(stage: Stage) -> None:
     assert list(stage.messages[0].axes) == [-1.0, 1.0]
 
 
-async def test_it_repeats_itself_when_asked(stage: Stage) -> None:
+async def test_it_repeats_messages_on_request(stage: Stage) -> None:
     async with stage.publishing(JoySettings(autorepeat_rate_hz=100.0)):
         await until(lambda: len(stage.messages) >= 3)
         assert [each.header.seq for each in stage.messages[:3]] == [1, 2, 3]
 
 
-async def test_a_joystick_may_come_later_and_go(stage: Stage, monkeypatch: pytest.MonkeyPatch) -> None:
+async def test_a_joystick_may_be_plugged_in_later_and_unplugged(
+    stage: Stage, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setattr(joy, "_RETRY_S", 0.01)
     away = stage.device.with_name("away")
     stage.device.rename(away)
@@ -118,11 +120,11 @@ async def test_a_joystick_may_come_later_and_go(stage: Stage, monkeypatch: pytes
     assert stage.lines[2].endswith("was disconnected; waiting for it")
 
 
-async def test_settings_that_make_no_sense(stage: Stage) -> None:
+async def test_invalid_settings_are_refused(stage: Stage) -> None:
     with pytest.raises(ConfigError, match="must not be below 0"):
         JoySettings(autorepeat_rate_hz=-1.0).checked()
 
 
-def test_what_is_not_a_joystick_has_no_name(tmp_path: Path) -> None:
+def test_another_file_than_a_joystick_has_no_name(tmp_path: Path) -> None:
     (tmp_path / "js0").write_bytes(b"")
     assert device_named("Gamepad", tmp_path) is None

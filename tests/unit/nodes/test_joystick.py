@@ -24,7 +24,7 @@ def test_buttons_and_axes() -> None:
     assert joystick.feed(event(2, 0, 0) + event(1, 0, 1)) is PublishTiming.NOW
 
 
-def test_events_may_come_in_pieces() -> None:
+def test_events_may_arrive_in_pieces() -> None:
     joystick = Joystick()
     whole = event(1, 0, 1)
     assert joystick.feed(whole[:5]) is PublishTiming.NEVER
@@ -40,7 +40,7 @@ def test_the_middle_of_an_axis_counts_as_zero() -> None:
 
 
 @pytest.mark.parametrize(("given", "kept"), [(-1.0, 0.0), (0.95, 0.9), (3276.7, 0.1), (0.2, 0.2)])
-def test_deadzones_are_brought_into_bounds(given: float, kept: float) -> None:
+def test_deadzones_are_limited(given: float, kept: float) -> None:
     assert Joystick(given).deadzone == pytest.approx(kept)
 
 
@@ -59,7 +59,7 @@ def test_sticky_buttons_toggle() -> None:
     assert seen == [1, 1, 0, 0, 0, 1]
 
 
-def test_other_events_mean_nothing() -> None:
+def test_other_events_are_ignored() -> None:
     joystick = Joystick()
     assert joystick.feed(event(4, 9, 1)) is PublishTiming.NEVER
     assert (joystick.axes, joystick.buttons) == ([], [])

@@ -77,7 +77,7 @@ async def test_the_first_input_is_published_until_another_is_selected(world: Wor
         assert await world.call("/mux/select", "MuxSelect", topic="/a") == {"prev_topic": ""}
 
 
-async def test_inputs_come_and_go(world: World) -> None:
+async def test_inputs_can_be_added_and_deleted(world: World) -> None:
     async with world.muxing("/a"):
         assert await world.call("/mux/list", "MuxList") == {"topics": ["/a"]}
         await world.call("/mux/add", "MuxAdd", topic="b")
@@ -98,9 +98,7 @@ async def test_inputs_come_and_go(world: World) -> None:
         ("delete", "MuxDelete", "/c", "is not an input"),
     ],
 )
-async def test_what_makes_no_sense_fails(
-    world: World, service: str, kind: str, topic: str, reason: str
-) -> None:
+async def test_invalid_requests_fail(world: World, service: str, kind: str, topic: str, reason: str) -> None:
     async with world.muxing("/a"):
         with pytest.raises(ServiceCallError, match=reason):
             await world.call(f"/mux/{service}", kind, topic=topic)
@@ -112,7 +110,7 @@ async def test_the_initial_topic(world: World, initial: str, expected: str) -> N
         assert await world.selected() == expected
 
 
-async def test_a_lazy_mux_listens_only_to_what_is_published(world: World) -> None:
+async def test_a_lazy_mux_subscribes_only_to_the_selected_input(world: World) -> None:
     async with world.muxing("/a", "/b", lazy=True) as inbox:
         await until(lambda: [each.subscriber_count for each in world.inputs.values()] == [1, 0])
         await world.call("/mux/select", "MuxSelect", topic="/b")

@@ -22,7 +22,7 @@ def test_marks_are_round_numbers(low: float, high: float, count: int, texts: lis
     assert [text for _, text in Axis(low, high).ticks(count)] == texts
 
 
-def test_values_have_room_around_them() -> None:
+def test_values_have_a_margin() -> None:
     axis = Axis.around([0.0, math.nan, 10.0, math.inf])
     assert (axis.low, axis.high) == (-0.5, 10.5)
     assert axis.part(axis.low) == 0
@@ -44,7 +44,7 @@ def test_marks_of_the_clock(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("TZ", "Asia/Kolkata")
     time.tzset()
     try:
-        # 12:00:07 in a time zone of half hours.
+        # 12:00:07 in a time zone with half an hour.
         begin_s = 6 * 3600 + 30 * 60 + 7.0
         assert clock_ticks(Axis(0.0, 20.0), 4, begin_s) == [
             (3.0, "12:00:10"),

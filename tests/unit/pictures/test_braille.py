@@ -34,6 +34,6 @@ def test_the_last_curve_owns_a_shared_cell() -> None:
     assert [owner for _, owner in cells[0]] == [None] * 4
 
 
-def test_what_is_far_outside_is_cut_off() -> None:
+def test_points_far_outside_are_cut_off() -> None:
     assert lines(Curve("a", [(0.0, -1e300), (0.0, 1e300)]))[0][0] != " "
     assert lines(Curve("a", [(-9.0, 5.0), (-8.0, 5.0)])) == ["    ", "    "]

@@ -14,7 +14,7 @@ def test_dot_quotes_special_characters() -> None:
     assert '  "n" -> "a\\"b\\\\" [label="x"];' in text.splitlines()
 
 
-def test_a_picture_has_all_labels_within() -> None:
+def test_a_picture_contains_all_labels() -> None:
     scene = draw(Digraph([NODE, TOPIC], [Edge("n", "t"), Edge("t", "n")]))
     texts = [item for item in scene.items if isinstance(item, Text)]
     assert [item.text for item in texts] == ["/node", "/topic"]

@@ -54,7 +54,7 @@ def test_a_source_is_left_of_its_first_target() -> None:
 
 
 @pytest.mark.parametrize("seed", range(20))
-def test_nothing_covers_anything(seed: int) -> None:
+def test_no_vertex_covers_another(seed: int) -> None:
     rng = random.Random(seed)
     keys = [f"v{number}" for number in range(rng.randint(2, 30))]
     edges = [(rng.choice(keys), rng.choice(keys)) for _ in range(rng.randint(0, 50))]
@@ -98,7 +98,7 @@ def test_a_large_system_is_laid_out() -> None:
 
 
 @pytest.mark.parametrize("seed", range(5))
-def test_every_bend_of_every_edge_is_within(seed: int) -> None:
+def test_every_bend_is_inside_the_picture(seed: int) -> None:
     rng = random.Random(seed)
     nodes, topics = ([f"{kind}{number}" for number in range(count)] for kind, count in (("n", 20), ("t", 60)))
     edges = [(rng.choice(nodes), topic) for topic in topics]

@@ -22,7 +22,7 @@ def test_curves_share_axes_and_have_names() -> None:
     assert {"/a/x", "/a/y", "seconds", "0.0", "1.0", "2"} <= set(texts)
 
 
-def test_everything_lies_within() -> None:
+def test_everything_is_inside_the_picture() -> None:
     points = [(step / 10, 1000 * math.sin(step / 7)) for step in range(300)]
     scene = draw_plot([Curve("a", points)])
     for item in scene.items:
@@ -45,6 +45,6 @@ def test_gaps_divide_a_curve() -> None:
     assert len(drawn(draw_plot([Curve("a", points)]), 0)) == 2
 
 
-def test_nothing_at_all_is_a_frame() -> None:
+def test_a_plot_without_curves_is_a_frame() -> None:
     scene = draw_plot([])
     assert (scene.width, len(scene.items) > 5) == (900, True)

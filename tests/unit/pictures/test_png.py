@@ -1,4 +1,4 @@
-"""Pictures are read back with Pillow: size, and colors at places."""
+"""Pictures are read back with Pillow to check their size and colors."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def test_a_picture_has_its_size_and_background() -> None:
 
 
 @pytest.mark.font
-def test_lines_and_areas_are_where_they_should_be() -> None:
+def test_lines_and_areas_are_at_their_places() -> None:
     scene = Scene(40, 30)
     scene.area(rectangle(5, 5, 30, 20), RED, BLUE, 2)
     scene.line([(0, 28), (40, 28)], BLUE, 2)
@@ -95,7 +95,7 @@ def test_items_become_elements_in_their_order() -> None:
     assert (text.text, text.get("text-anchor"), text.get("textLength")) == ("here", "middle", "24")
 
 
-def test_names_cannot_break_out() -> None:
+def test_names_are_escaped() -> None:
     scene = Scene(10, 10)
     name = '</text><script>"&\x00\x1b\udc80'
     scene.text(0, 0, name, 10, BLACK)

@@ -11,7 +11,7 @@ def test_sparkline_spans_its_values() -> None:
     assert sparkline([]) == ""
 
 
-def test_sparkline_keeps_to_a_scale_and_leaves_gaps() -> None:
+def test_sparkline_has_a_scale_and_gaps() -> None:
     assert sparkline([1, 0, 1], (0, 1)) == "█▁█"
     assert sparkline([-5, 9], (0, 1)) == "▁█"
     assert sparkline([0, inf, nan, 1]) == "▁  █"

@@ -57,7 +57,7 @@ def test_everything_that_can_be_set() -> None:
     assert (base.name, base.grace_s, base.queue_depths) == ("lab/base", 0.0, {"/cmd_vel": 1})
 
 
-def test_a_board_is_found_by_all_its_marks_and_others_have_the_defaults() -> None:
+def test_a_board_matches_by_all_keys_and_others_have_the_defaults() -> None:
     book = parse_devices_toml(FULL)
     arm = BoardIdentity(usb_id="2341:0043", serial_number="7583", port="/dev/ttyACM3")
     assert book.settings_matching(arm).name == "arm"
@@ -68,7 +68,7 @@ def test_a_board_is_found_by_all_its_marks_and_others_have_the_defaults() -> Non
     assert book.settings_named("leg") is None
 
 
-def test_a_table_without_marks_is_for_the_links_that_name_it() -> None:
+def test_a_table_without_match_keys_is_for_links_with_its_name() -> None:
     book = parse_devices_toml('[devices.arm]\nbaud = 9600\n[devices."lab/leg"]\n[devices.a]\nport = "/x"')
     here = BoardIdentity(port="/dev/ttyUSB0")
     assert book.settings_for("arm", here).baud == 9600
@@ -147,14 +147,14 @@ def test_a_mistake_is_one_line_with_file_and_key(text: str, place: str, says: st
     assert "\n" not in line
 
 
-def test_no_file_is_an_empty_one_unless_it_was_named(tmp_path: Path) -> None:
+def test_a_missing_file_is_empty_unless_it_was_named(tmp_path: Path) -> None:
     path = tmp_path / "devices.toml"
     assert read_devices_toml(path).devices == ()
     with pytest.raises(ConfigError, match="no such file"):
         read_devices_toml(path, is_required=True)
 
 
-def test_files_that_are_something_else(tmp_path: Path) -> None:
+def test_other_files_are_refused(tmp_path: Path) -> None:
     path = tmp_path / "devices.toml"
     path.write_bytes(b"\xff\xfe")
     with pytest.raises(ConfigError, match="not UTF-8 text at byte 0"):
@@ -166,7 +166,7 @@ def test_files_that_are_something_else(tmp_path: Path) -> None:
         read_devices_toml(tmp_path)
 
 
-def test_a_thousand_entries_are_enough() -> None:
+def test_the_number_of_entries_is_limited() -> None:
     names = ", ".join(f'"/t{number}"' for number in range(1001))
     with pytest.raises(ConfigError, match="at most 1000"):
         parse_devices_toml(f'[devices.a]\nport = "/x"\nrequired_topics = [{names}]')

@@ -7,14 +7,14 @@ import pytest
 from rostether.ports.known_boards import MAX_BOARDS, KnownBoards
 
 
-def test_speeds_are_known_next_time(tmp_path: Path) -> None:
+def test_baud_rates_are_stored(tmp_path: Path) -> None:
     path = tmp_path / "state" / "boards.json"
     KnownBoards(path).remember("usb 75", 115200)
     assert KnownBoards(path).baud_of("usb 75") == 115200
     assert KnownBoards(path).baud_of("usb 76") is None
 
 
-def test_nothing_new_is_not_written(tmp_path: Path) -> None:
+def test_an_unchanged_rate_is_not_written(tmp_path: Path) -> None:
     path = tmp_path / "boards.json"
     known = KnownBoards(path)
     known.remember("a", 9600)
@@ -29,7 +29,7 @@ def test_nothing_new_is_not_written(tmp_path: Path) -> None:
     "text",
     ["", "[]", "{", '{"format": 2, "bauds": {"a": 1}}', '{"format": 1, "bauds": [1]}', "\x00"],
 )
-def test_what_cannot_be_read_is_forgotten(text: str, tmp_path: Path) -> None:
+def test_an_unreadable_file_counts_as_empty(text: str, tmp_path: Path) -> None:
     path = tmp_path / "boards.json"
     path.write_text(text)
     known = KnownBoards(path)
@@ -38,14 +38,14 @@ def test_what_cannot_be_read_is_forgotten(text: str, tmp_path: Path) -> None:
     assert KnownBoards(path).baud_of("a") == 9600
 
 
-def test_senseless_speeds_are_skipped(tmp_path: Path) -> None:
+def test_invalid_baud_rates_are_skipped(tmp_path: Path) -> None:
     path = tmp_path / "boards.json"
     path.write_text('{"format": 1, "bauds": {"a": -1, "b": true, "c": "9600", "d": 9600}}')
     known = KnownBoards(path)
     assert [known.baud_of(key) for key in "abcd"] == [None, None, None, 9600]
 
 
-def test_the_longest_unseen_is_forgotten() -> None:
+def test_the_board_that_was_not_seen_for_longest_is_removed() -> None:
     known = KnownBoards()
     for number in range(MAX_BOARDS):
         known.remember(str(number), 9600)

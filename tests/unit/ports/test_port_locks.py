@@ -11,13 +11,13 @@ from rostether.ports import port_locks
 from rostether.ports.port_locks import find_port_user
 
 
-def test_our_own_use_is_none(tmp_path: Path) -> None:
+def test_the_use_by_this_program_does_not_count(tmp_path: Path) -> None:
     port = tmp_path / "ttyACM0"
     with port.open("w"):
         assert find_port_user(str(port)) is None
 
 
-def test_a_program_without_any_lock_is_seen(tmp_path: Path) -> None:
+def test_a_program_without_a_lock_is_found(tmp_path: Path) -> None:
     port = tmp_path / "ttyACM0"
     port.touch()
     code = f"import sys; port = open({str(port)!r}); print(flush=True); sys.stdin.read()"
@@ -47,7 +47,7 @@ def test_a_lock_file_counts_while_its_program_runs(
 
 
 @pytest.mark.parametrize("content", [b"", b"rubbish", b"-1", b"99999999999999999999", b"\xff\xff\xff\xff"])
-def test_a_lock_file_that_makes_no_sense_locks_nothing(
+def test_an_invalid_lock_file_is_ignored(
     content: bytes, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(port_locks, "LOCK_FOLDERS", (str(tmp_path),))

@@ -30,7 +30,7 @@ BUILT_IN = SerialPort("/dev/ttyS0", "serial port")
         (BUILT_IN, PortUse.LEAVE),
     ],
 )
-def test_without_a_word_of_the_user(port: SerialPort, choice: PortUse) -> None:
+def test_without_settings_of_the_user(port: SerialPort, choice: PortUse) -> None:
     assert port_use(port, NO_SETTINGS, DiscoverySettings()) is choice
 
 
@@ -81,19 +81,19 @@ class Desk:
         self._changed()
 
     def _changed(self) -> None:
-        # Files made within one tick of the file system's clock would look alike.
+        # Files that are created within one tick of the file system's clock would be indistinguishable.
         self.now_s += 10
         os.utime(self.folder, (self.now_s, self.now_s))
 
 
-def test_before_anything_was_seen_the_path_counts(tmp_path: Path) -> None:
+def test_before_a_board_was_identified_the_path_counts(tmp_path: Path) -> None:
     desk = Desk(tmp_path)
     assert desk.finder.find() is None
     desk.plug("ttyACM0", "75")
     assert desk.finder.find() == desk.path("ttyACM0")
 
 
-def test_the_board_is_followed_even_when_another_takes_its_path(tmp_path: Path) -> None:
+def test_the_board_is_found_even_if_another_has_its_path(tmp_path: Path) -> None:
     desk = Desk(tmp_path)
     desk.plug("ttyACM0", "75")
     assert desk.finder.identify(desk.path("ttyACM0")).serial_number == "75"
@@ -107,7 +107,7 @@ def test_the_board_is_followed_even_when_another_takes_its_path(tmp_path: Path) 
     assert desk.finder.find() == desk.path("ttyACM0")
 
 
-def test_a_port_without_marks_is_identified_by_its_path(tmp_path: Path) -> None:
+def test_a_port_without_usb_properties_is_identified_by_its_path(tmp_path: Path) -> None:
     desk = Desk(tmp_path)
     desk.plug("ttyACM0", None)
     assert desk.finder.identify(desk.path("ttyACM0")).port == desk.path("ttyACM0")

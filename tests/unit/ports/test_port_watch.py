@@ -39,7 +39,7 @@ class System:
 
 
 async def until_quiet(count: Callable[[], int]) -> None:
-    """Wait until a count has begun, and has not changed for 0.3 s."""
+    """Wait until a count is above 0 and has not changed for 0.3 s."""
     async with asyncio.timeout(60):
         before = 0
         while not before or count() != before:
@@ -48,7 +48,7 @@ async def until_quiet(count: Callable[[], int]) -> None:
 
 
 def notifications() -> int:
-    """Return how many descriptors for notifications of the kernel this process has."""
+    """Return the number of this process's descriptors for notifications of the kernel."""
     count = 0
     for each in Path("/proc/self/fd").glob("*"):
         with contextlib.suppress(FileNotFoundError):
@@ -69,7 +69,7 @@ def either_way(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) 
 
 
 @pytest.mark.usefixtures("either_way")
-async def test_ports_that_come_and_go(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+async def test_ports_appear_and_disappear(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(port_watch, "SETTLING_S", 0.05)
     system = System(tmp_path)
     watch = PortWatch(system.ports, folders=[str(tmp_path)], period_s=0.005)
@@ -89,7 +89,7 @@ async def test_ports_that_come_and_go(tmp_path: Path, monkeypatch: pytest.Monkey
 
 
 @pytest.mark.usefixtures("either_way")
-async def test_a_folder_that_comes_later_is_watched_too(
+async def test_a_folder_that_is_created_later_is_watched_too(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(port_watch, "SETTLING_S", 0.02)
@@ -109,9 +109,7 @@ async def test_a_folder_that_comes_later_is_watched_too(
 
 
 @pytest.mark.usefixtures("either_way")
-async def test_nothing_is_listed_while_nothing_changes(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+async def test_ports_are_not_listed_without_changes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(port_watch, "SETTLING_S", 0.02)
     system = System(tmp_path)
     watch = PortWatch(system.ports, folders=[str(tmp_path)], period_s=0.001)
@@ -141,7 +139,7 @@ async def test_no_polling_with_kernel_notifications(tmp_path: Path, monkeypatch:
     following.cancel()
 
 
-async def test_a_storm_of_files_makes_no_storm_of_lists(tmp_path: Path) -> None:
+async def test_many_new_files_cause_few_lists(tmp_path: Path) -> None:
     system = System(tmp_path)
     period_s, clock = 0.05, asyncio.get_running_loop().time
     watch = PortWatch(system.ports, folders=[str(tmp_path)], period_s=period_s)
@@ -151,7 +149,7 @@ async def test_a_storm_of_files_makes_no_storm_of_lists(tmp_path: Path) -> None:
     for number in range(300):
         (tmp_path / f"loop{number}").touch()
         await asyncio.sleep(0.001)
-    # One list each period at most, however long a busy machine takes for the files.
+    # At most one list in each period, even if a busy machine needs long for the files.
     assert system.list_count <= (clock() - began_s) / period_s + 1
     following.cancel()
 
@@ -169,7 +167,7 @@ async def test_descriptors_are_released(tmp_path: Path) -> None:
     assert notifications() == before
 
 
-async def test_marks_that_come_late_are_seen(tmp_path: Path) -> None:
+async def test_late_serial_numbers_are_detected(tmp_path: Path) -> None:
     """udev adds a serial number shortly after the port has appeared."""
     numbers = [None, None, "7533"]
     seen: list[str | None] = []
@@ -207,7 +205,7 @@ async def test_where_ports_are_not_files_the_list_is_requested(
     assert seen[1][:2] == ["COM3", "COM4"]
 
 
-def test_ports_that_the_user_names_are_listed_wherever_they_are(tmp_path: Path) -> None:
+def test_ports_that_the_user_names_are_listed_in_any_folder(tmp_path: Path) -> None:
     near, far = os.openpty()
     try:
         link = tmp_path / "ttySIM"
@@ -223,7 +221,7 @@ def test_ports_that_the_user_names_are_listed_wherever_they_are(tmp_path: Path) 
         os.close(far)
 
 
-def test_a_look_is_cheap() -> None:
+def test_a_check_is_cheap() -> None:
     began = time.process_time()
     for _ in range(1000):
         port_watch.folder_mark("/")

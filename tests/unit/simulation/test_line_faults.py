@@ -9,7 +9,7 @@ WAY = Direction.FIRST_TO_SECOND
 DATA = bytes(range(256)) * 40
 
 
-def test_without_rates_nothing_happens() -> None:
+def test_without_rates_no_byte_changes() -> None:
     faults = LineFaults(FaultRates(), seed=1)
     assert faults(DATA, WAY) == DATA
     assert faults.fault_count == 0
@@ -33,13 +33,13 @@ def test_flips_change_one_bit_each() -> None:
 @pytest.mark.parametrize(
     ("rates", "sign"), [(FaultRates(lose_per_byte=0.05), -1), (FaultRates(insert_per_byte=0.05), 1)]
 )
-def test_bytes_go_missing_or_are_made_up(rates: FaultRates, sign: int) -> None:
+def test_bytes_are_lost_or_added(rates: FaultRates, sign: int) -> None:
     faults = LineFaults(rates, seed=4)
     assert len(faults(DATA, WAY)) == len(DATA) + sign * faults.fault_count
     assert faults.fault_count > 100
 
 
-def test_whole_chunks_go_missing() -> None:
+def test_whole_chunks_are_lost() -> None:
     faults = LineFaults(FaultRates(lose_per_chunk=0.25), seed=5)
     arrived = [faults(b"chunk", WAY) for _ in range(400)]
     assert set(arrived) == {b"", b"chunk"}

@@ -46,7 +46,7 @@ def test_orientation_is_a_rotation(time_s: float) -> None:
 
 
 @pytest.mark.parametrize("time_s", TIMES_S)
-def test_turn_rate_is_what_turns_the_robot(time_s: float) -> None:
+def test_turn_rate_is_the_change_of_the_orientation(time_s: float) -> None:
     drive = CircleDrive()
     before, after = (drive.pose(time_s + shift).orientation for shift in (-STEP_S, STEP_S))
     turned = product(conjugate(before), after)
@@ -72,7 +72,7 @@ def test_drive_a_circle_forward() -> None:
     assert list(heading) == pytest.approx([0.0, 1.0, 0.0], abs=1e-12)
 
 
-def test_the_obstacle_walks_at_a_walkers_pace_within_reach() -> None:
+def test_the_obstacle_moves_at_walking_speed_within_range() -> None:
     obstacle = Obstacle()
     distances = [obstacle.distance(number / 20) for number in range(2000)]
     assert all(0.2 < distance < 2.8 for distance in distances)
@@ -80,7 +80,7 @@ def test_the_obstacle_walks_at_a_walkers_pace_within_reach() -> None:
     assert max(distances) - min(distances) > 2.0
 
 
-def test_readings_scatter_by_millimetres_and_lose_an_echo_now_and_then() -> None:
+def test_readings_scatter_by_millimeters_and_sometimes_lose_an_echo() -> None:
     obstacle = Obstacle()
     sensor = Ultrasound(Random(1), obstacle)
     times_s = [number / 20 for number in range(4000)]

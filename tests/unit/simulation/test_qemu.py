@@ -13,7 +13,7 @@ import pytest
 from rostether.errors import BoardError, TransportOpenError
 from rostether.simulation.qemu import QemuBoard, is_arm_program
 
-# Machines in the header of an ELF file.
+# The numbers of machines in the header of an ELF file.
 ARM, AVR = 40, 83
 
 pytestmark = pytest.mark.qemu
@@ -31,7 +31,7 @@ def endless_loop(tmp_path: Path) -> Path:
     return program
 
 
-async def test_it_runs_is_linked_is_reset_and_ends(endless_loop: Path, tmp_path: Path) -> None:
+async def test_it_runs_and_can_be_reset_and_ended(endless_loop: Path, tmp_path: Path) -> None:
     link = tmp_path / "board"
     async with await QemuBoard.start(endless_loop, link_path=link) as board:
         assert str(link.readlink()) == board.address
@@ -44,7 +44,7 @@ async def test_it_runs_is_linked_is_reset_and_ends(endless_loop: Path, tmp_path:
         await board.reset()
 
 
-async def test_an_unknown_machine_is_qemus_to_refuse(endless_loop: Path) -> None:
+async def test_qemu_refuses_an_unknown_machine(endless_loop: Path) -> None:
     with pytest.raises(BoardError, match="unsupported machine type"):
         await QemuBoard.start(endless_loop, machine="lm3s0")
 
@@ -54,9 +54,7 @@ async def test_an_unknown_machine_is_qemus_to_refuse(endless_loop: Path) -> None
     [(b"\x7fELF", 51), (b"\x7fELF", 83), (b"\x7fELF", 99), (b"noise", 100)],
     ids=["no header", "no segment table", "no end", "not an ELF file"],
 )
-def test_qemu_would_run_anything_but_a_whole_elf_file_as_an_image(
-    endless_loop: Path, start: bytes, size: int
-) -> None:
+def test_only_complete_elf_files_are_run(endless_loop: Path, start: bytes, size: int) -> None:
     whole = endless_loop.read_bytes()
     assert is_arm_program(endless_loop)
     endless_loop.write_bytes((start + whole[len(start) :])[:size])
@@ -76,7 +74,7 @@ async def test_ctrl_c_in_the_terminal_does_not_reach_it(endless_loop: Path) -> N
         assert os.getpgid(board._process.pid) != os.getpgrp()
 
 
-async def test_something_else_at_the_link_is_not_touched(endless_loop: Path, tmp_path: Path) -> None:
+async def test_another_file_at_the_link_is_not_changed(endless_loop: Path, tmp_path: Path) -> None:
     link = tmp_path / "precious"
     link.write_text("mine")
     with pytest.raises(TransportOpenError):
@@ -106,7 +104,7 @@ def test_it_ends_with_a_parent_that_is_killed(endless_loop: Path) -> None:
         assert "qemu" in status.read_text()
         parent.kill()
     deadline = time.monotonic() + 60
-    # Nobody may be there to reap it.
+    # There may be no process to reap it.
     while status.exists() and "zombie" not in status.read_text():
         assert time.monotonic() < deadline
         time.sleep(0.01)

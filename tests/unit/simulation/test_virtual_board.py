@@ -35,7 +35,7 @@ class Clock:
 
 
 class Bench(NamedTuple):
-    """A board under test; its clock stands still unless a test moves it."""
+    """A board under test, with a clock that only the test changes."""
 
     board: VirtualBoard
     device: Device
@@ -67,7 +67,7 @@ async def bench() -> AsyncIterator[Bench]:
         yield Bench(board, device, host, clock)
 
 
-async def test_announce_what_the_sketch_has(bench: Bench) -> None:
+async def test_announce_the_endpoints(bench: Bench) -> None:
     announced = bench.host.announced
     assert {name: announced[name, TopicRole.PUBLISHER].info.message_type for name in TOPICS} == TOPICS
     assert announced["toggle_led", TopicRole.SUBSCRIBER].info.message_type == "std_msgs/Empty"
@@ -85,7 +85,7 @@ async def test_publish_each_topic_at_its_rate(bench: Bench) -> None:
     assert [message.data for message in bench.host.messages["count"]] == list(range(10))
 
 
-async def test_what_was_missed_is_skipped(bench: Bench) -> None:
+async def test_missed_repetitions_are_skipped(bench: Bench) -> None:
     bench.board.step(bench.clock.now_s + 60.0)
     due_s = bench.board.step(bench.clock.now_s + 60.0)
     assert due_s > bench.clock.now_s + 60.0
@@ -157,7 +157,7 @@ async def test_parameters_decide_blinking_and_frame(bench: Bench) -> None:
 
 
 @pytest.mark.parametrize("wrong", [((-1,), (), ()), ((), (), ("fast",)), ((1000,), (), ()), ((1, 2), (), ())])
-async def test_a_parameter_that_makes_no_sense_is_reported_and_left(
+async def test_an_invalid_parameter_is_reported_and_ignored(
     bench: Bench, wrong: tuple[tuple[int, ...], tuple[float, ...], tuple[str, ...]]
 ) -> None:
     bench.host.params = {"~blink_hz": wrong}
@@ -187,7 +187,7 @@ async def test_run_in_real_time_over_tcp() -> None:
     await listener.close()
 
 
-async def test_a_bad_line_costs_frames_but_not_the_session() -> None:
+async def test_a_bad_line_loses_frames_but_not_the_session() -> None:
     faults = LineFaults(
         FaultRates(flip_per_byte=0.0005, lose_per_byte=0.0002, insert_per_byte=0.0002), seed=11
     )
@@ -202,7 +202,7 @@ async def test_a_bad_line_costs_frames_but_not_the_session() -> None:
             await play(1.0)
             await asyncio.sleep(0)
         await host.until(lambda: len(host.messages["imu_data"]) > 100)
-        # The checksum is one byte: of the frames with more than one damaged byte one in 256 passes.
+        # The checksum has one byte: of the frames with several damaged bytes, one in 256 is accepted.
         frames = [message.header.frame_id for message in host.messages["imu_data"]]
         assert frames.count("base_link") > 0.98 * len(frames)
         assert device.connected

@@ -23,13 +23,13 @@ bool is_ready true
 """
 
 
-def test_a_text_of_a_message_reads_as_the_message() -> None:
+def test_the_text_of_a_message_is_read_as_the_message() -> None:
     message = parse_message(TEXT, package="arm_msgs", name="Gripper")
     assert parse_message(message_text(message), package="arm_msgs", name="Gripper") == message
 
 
 @pytest.mark.parametrize("name", DEFINITIONS.messages())
-def test_every_message_reads_as_it_was_from_its_full_text(name: str) -> None:
+def test_every_message_is_read_back_from_its_full_text(name: str) -> None:
     message = DEFINITIONS.message(name)
     package, _, short_name = name.partition("/msg/")
     assert parse_message(message_text(message), package=package, name=short_name) == message

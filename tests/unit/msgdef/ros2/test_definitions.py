@@ -33,7 +33,7 @@ def names(definitions: Ros2Definitions, name: str) -> list[str]:
     return [field.name for field in definitions.message(name).fields]
 
 
-def test_every_bundled_text_can_be_read_with_all_below() -> None:
+def test_every_bundled_text_can_be_read_with_nested_types() -> None:
     for distro in ("humble", "iron", "jazzy", "kilted", "lyrical", "rolling"):
         definitions = Ros2Definitions(distro=distro)
         assert len(definitions.messages()) > 150
@@ -54,7 +54,7 @@ def test_bundled_texts_are_fields_and_constants_only() -> None:
         assert "#" not in file.read_text(), file
 
 
-def test_distributions_differ_where_they_do() -> None:
+def test_distributions_have_their_own_definitions() -> None:
     assert "variance" not in names(Ros2Definitions(distro="humble"), "sensor_msgs/msg/Range")
     for distro in ("iron", "jazzy", "kilted", "lyrical", "one_to_come"):
         assert "variance" in names(Ros2Definitions(distro=distro), "sensor_msgs/msg/Range")
@@ -90,7 +90,7 @@ def test_lists_packages_messages_and_services() -> None:
         ("x" * 9999, "not a ROS 2 type name"),
     ],
 )
-def test_explains_what_is_unknown(name: str, says: str) -> None:
+def test_explains_an_unknown_message(name: str, says: str) -> None:
     definitions = Ros2Definitions()
     with pytest.raises(UnknownTypeError) as error:
         definitions.message(name)
@@ -150,7 +150,7 @@ def test_reads_packages_of_ros_package_path(tmp_path: Path) -> None:
         definitions.message("my_msgs/msg/Missing")
 
 
-def test_what_pip_installed_only_adds_types(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_packages_from_pip_only_add_types(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     package(tmp_path / "share/std_msgs", String="string<=5 data\n")
     package(tmp_path / "share/pip_msgs", Foo="int8 a\n")
     (tmp_path / "share/ament_index").mkdir()
@@ -173,7 +173,7 @@ def test_reads_the_distribution() -> None:
         assert Ros2Definitions.from_environment(environ=environ).distro == distro
 
 
-def test_a_folder_of_the_user_wins_and_must_be_there(tmp_path: Path) -> None:
+def test_a_folder_of_the_user_has_priority_and_must_exist(tmp_path: Path) -> None:
     package(tmp_path / "src/std_msgs", String="string<=7 data\n")
     definitions = Ros2Definitions.from_environment([tmp_path / "src"], environ={})
     assert definitions.message("std_msgs/msg/String").fields[0].type.string_bound == 7
@@ -202,7 +202,7 @@ def test_distinguishes_ros2_definitions_from_ros1(tmp_path: Path) -> None:
         definitions.message("new_msgs/msg/Broken")
 
 
-def test_nothing_below_goes_without_bounds(tmp_path: Path) -> None:
+def test_nesting_is_bounded_too(tmp_path: Path) -> None:
     write(tmp_path / "x/Loop.msg", "Other[] other\n")
     write(tmp_path / "x/Other.msg", "Loop loop\n")
     write(tmp_path / "x/Missing.msg", "Nowhere there\n")

@@ -28,7 +28,7 @@ def derived(text: str) -> Ros2Message:
     return derive(parse_message(text, package="my_msgs", name="Foo"), REGISTRY)
 
 
-def test_converts_it_like_a_manual_port() -> None:
+def test_converts_like_a_manual_port() -> None:
     message = derived(
         "Header header\ntime stamp\nduration[2] frameId\nstd_msgs/Time T\nfloat64[] K\nbyte b\nchar c\n"
         "geometry_msgs/Pose[3] poses\ntf/tfMessage tf\nint8 A=1\nstring some_text=it's # text\nbyte LOW=-1\n"
@@ -57,7 +57,7 @@ def test_spells_fields(ros1: str, ros2: str) -> None:
     assert ros2_field_name(ros1) == ros2
 
 
-def test_finds_again_what_ros2_made_of_the_common_types() -> None:
+def test_most_common_types_have_the_same_fields_in_ros2() -> None:
     definitions = Ros2Definitions()
     changed = set()
     for name in REGISTRY.messages():

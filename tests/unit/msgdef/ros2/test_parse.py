@@ -116,7 +116,7 @@ def test_reports_where_a_mistake_is(text: str, place: str, says: str) -> None:
     assert "\n" not in str(error.value)
 
 
-def test_refuses_texts_without_end() -> None:
+def test_refuses_very_long_texts() -> None:
     with pytest.raises(DefinitionError, match="longer than"):
         parse("#" * (1 << 19))
     with pytest.raises(DefinitionError, match="at most 4096 fields"):

@@ -31,7 +31,7 @@ def test_converts_bytes_bounds_and_constants_to_ros1() -> None:
     )
 
 
-def test_ros1_reads_the_text_of_every_bundled_type_as_meant() -> None:
+def test_ros1_reads_the_text_of_every_bundled_type() -> None:
     names = [name for name in DEFINITIONS.messages() if "WString" not in name]
     halves = [f"{name}_{half}" for name in DEFINITIONS.services() for half in ("Request", "Response")]
     for name in names + halves:

@@ -1,4 +1,4 @@
-"""Packets: the examples of ROBOTIS' e-Manual of the protocol."""
+"""Packets: the examples in ROBOTIS' e-Manual of the protocol."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Simulated servos, asked with packets on a bus with a clock of its own."""
+"""Simulated servos: packets on a bus with its own clock."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ TURN_RAD_S = 100 * RAD_S_PER_UNIT
 
 
 class Controller:
-    """Asks the servos 1 and 2."""
+    """Sends requests to the servos 1 and 2."""
 
     def __init__(self) -> None:
         self.now_s = 1000.0
@@ -48,7 +48,7 @@ class Controller:
         return int.from_bytes(data, "little", signed=register.is_signed)
 
     def drive(self, speed: int) -> None:
-        """Bring both servos to a speed."""
+        """Set the speed of both servos, and wait until they have reached it."""
         for servo_id in (1, 2):
             assert self.write(servo_id, "torque_enable", 0) == 0
             assert self.write(servo_id, "operating_mode", 1) == 0
@@ -97,7 +97,7 @@ def test_a_wheel_turns_at_the_commanded_speed_and_stops_without_torque() -> None
     assert controller.read(2, "present_velocity") == -100
 
 
-def test_a_long_step_and_many_short_ones_are_the_same_way() -> None:
+def test_a_long_step_equals_many_short_ones() -> None:
     ways = []
     for steps in (1, 500):
         controller = Controller()
@@ -122,7 +122,7 @@ def test_invalid_requests_are_refused() -> None:
     assert controller.ask(1, Instruction.READ, b"\x90\0\xff\0") == [(1, ServoError.DATA_RANGE, b"")]
     assert controller.ask(1, Instruction.ACTION) == [(1, ServoError.RESULT_FAIL, b"")]
     assert controller.ask(1, 0x77) == [(1, ServoError.INSTRUCTION, b"")]
-    # A missing servo ends a sync read: those after it wait for its answer.
+    # A missing servo ends a sync read: the servos after it wait for its answer.
     sync = _address("led") + b"\1\0" + bytes((1, 3, 2))
     assert [each for each, _, _ in controller.ask(BROADCAST_ID, Instruction.SYNC_READ, sync)] == [1]
 
@@ -152,7 +152,7 @@ def test_a_hardware_error_switches_the_torque_off_until_a_reboot() -> None:
     assert controller.write(2, "led", 1) == ALERT
     assert controller.read(2, "torque_enable") == 0
     assert controller.write(2, "torque_enable", 1) == ALERT | ServoError.RESULT_FAIL
-    # A voltage error only warns.
+    # A voltage error is only reported.
     controller.bus.servos[1].set_voltage(5.5)
     assert controller.write(1, "led", 1) == ALERT
     assert controller.read(1, "torque_enable") == 1
@@ -163,7 +163,7 @@ def test_a_hardware_error_switches_the_torque_off_until_a_reboot() -> None:
     assert controller.write(2, "torque_enable", 1) == 0
 
 
-def test_registered_writes_begin_together() -> None:
+def test_registered_writes_start_together() -> None:
     controller = Controller()
     controller.drive(0)
     goal = _address("goal_velocity") + (50).to_bytes(4, "little")

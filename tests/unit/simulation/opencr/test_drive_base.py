@@ -1,4 +1,4 @@
-"""Where two simulated servos take a robot."""
+"""The pose of a robot with two simulated servos."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ class Drive:
         self.base.advance()
 
 
-def test_equal_wheels_go_straight() -> None:
+def test_equal_speeds_drive_straight() -> None:
     drive = Drive()
     drive.command(100, 100)
     drive.wait(2)
@@ -44,7 +44,7 @@ def test_equal_wheels_go_straight() -> None:
     assert (drive.base.x_m, drive.base.y_m) == pytest.approx((speed * (2 - ramp_s / 2), 0))
 
 
-def test_different_wheels_go_a_circle() -> None:
+def test_different_speeds_drive_a_circle() -> None:
     drive = Drive()
     drive.command(50, 100)
     radius = 150 / 50 * WHEEL_SEPARATION_M / 2

@@ -14,7 +14,7 @@ Start = Callable[..., Awaitable[SimulatedBoard]]
 
 @pytest.fixture
 async def start() -> AsyncIterator[Start]:
-    """Starts boards that run as fast as they go, only when told to, without a link; ended with the test."""
+    """Starts boards without a link and real time, which run only on request and end with the test."""
     async with AsyncExitStack() as stack:
 
         async def start_board(program: Path, *words: str, **given: Any) -> SimulatedBoard:

@@ -18,7 +18,7 @@ MCU = {"uno": "atmega328p", "nano": "atmega328p", "mega": "atmega2560", "leonard
 
 
 def missing_simavr() -> str:
-    """Return what keeps simulated boards from running here, empty if nothing does."""
+    """Return why simulated boards cannot run on this machine; an empty text if they can."""
     if shutil.which("avr-gcc") is None:
         return "no avr-gcc; scripts/install-peers installs gcc-avr and avr-libc"
     if not ARDUINO_CORE.is_dir():
@@ -27,7 +27,7 @@ def missing_simavr() -> str:
 
 
 def build(name: str, *defines: str, board: str = "uno") -> Path:
-    """Compile a C file of `firmware/` once for all test processes; they may do so at once."""
+    """Compile a C file of `firmware/` once for all test processes, which may run at the same time."""
     source = FIRMWARE / f"{name}.c"
     flags = [f"-mmcu={MCU[board]}", "-DF_CPU=16000000UL", "-Os", "-std=gnu11", "-Wall", "-Wextra", "-Werror"]
     flags += [f"-D{define}" for define in defines]

@@ -1,4 +1,4 @@
-"""What tests read from boards."""
+"""Functions of tests that read from boards."""
 
 from __future__ import annotations
 

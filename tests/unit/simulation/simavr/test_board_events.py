@@ -12,7 +12,7 @@ def test_an_event_as_the_runner_prints_it() -> None:
 
 
 @pytest.mark.parametrize("line", [b"", b"hello\n", b"{}\n", b"[1]\n", b'{"event":"x"}\n', b"\xff\n"])
-def test_what_is_not_an_event(line: bytes) -> None:
+def test_other_lines_are_refused(line: bytes) -> None:
     with pytest.raises(BoardError, match="an unknown line"):
         parse_event(line)
 
@@ -34,5 +34,5 @@ def test_what_is_not_an_event(line: bytes) -> None:
         ),
     ],
 )
-def test_an_event_for_people(event: BoardEvent, line: str) -> None:
+def test_an_event_as_text(event: BoardEvent, line: str) -> None:
     assert show_event(event) == line

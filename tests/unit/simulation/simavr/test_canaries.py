@@ -26,7 +26,7 @@ void loop() {
 
 
 @pytest.mark.parametrize(("letter", "output"), [(b"j", "jumped to its start"), (b"o", "ran out of its code")])
-async def test_a_start_over_without_a_reset_is_reported(start: Start, letter: bytes, output: str) -> None:
+async def test_a_restart_without_a_reset_is_reported(start: Start, letter: bytes, output: str) -> None:
     board = await start(build("wrong"))
     await board.run("1ms")
     first = await number(board, "starts")
@@ -38,7 +38,7 @@ async def test_a_start_over_without_a_reset_is_reported(start: Start, letter: by
 
 
 @pytest.mark.parametrize(("letter", "event"), [(b"i", "bad_opcode"), (b"w", "bad_write"), (b"r", "bad_read")])
-async def test_what_the_chip_does_not_have_is_reported(start: Start, letter: bytes, event: str) -> None:
+async def test_faults_of_the_program_are_reported(start: Start, letter: bytes, event: str) -> None:
     board = await start(build("wrong"), "watch serial")
     await board.run("1ms")
     assert named(board, event) == []
@@ -50,7 +50,7 @@ async def test_what_the_chip_does_not_have_is_reported(start: Start, letter: byt
     assert named(board, "restart") == []
 
 
-async def test_the_stack_leaves_its_mark(start: Start) -> None:
+async def test_the_deepest_stack_is_measured(start: Start) -> None:
     board = await start(build("wrong"))
     await board.run("1ms")
     before = await board.free_stack_bytes()
@@ -71,7 +71,7 @@ async def test_a_stack_that_reaches_the_variables_is_reported(start: Start) -> N
     assert named(board, "stack_overflow")
 
 
-async def test_a_heap_that_came_and_went_is_not_a_stack(start: Start) -> None:
+async def test_freed_heap_memory_does_not_count_as_stack(start: Start) -> None:
     board = await start(build("wrong"))
     await board.run("1ms")
     before = await board.free_stack_bytes()
@@ -80,7 +80,7 @@ async def test_a_heap_that_came_and_went_is_not_a_stack(start: Start) -> None:
     assert await board.free_stack_bytes() == pytest.approx(before - 702, abs=64)
     asked = named(board, "stack")
     assert (named(board, "stack_overflow"), len(asked)) == ([], 2)
-    # Into where the heap was, and into no variable: it is near, and has done no harm.
+    # The stack reached the freed heap, but no variable: it is near, and harmless.
     await board.send(b"D")
     await board.run("5ms")
     assert named(board, "stack_overflow") == []
@@ -133,11 +133,11 @@ async def test_the_watchdog_resets(start: Start) -> None:
     await board.run("40ms")
     assert [event["cause"] for event in named(board, "reset")] == ["power", "watchdog"]
     assert await number(board, "cause") == 0x08
-    # What no start clears is kept, and the watchdog is off again.
+    # Memory that the start does not clear is kept, and the watchdog is off again.
     assert (await number(board, "starts") - first) & 0xFF == 1
 
 
-async def test_sleep_that_nothing_ends_is_reported(start: Start) -> None:
+async def test_a_sleep_without_end_is_reported(start: Start) -> None:
     board = await start(build("wrong"))
     await board.run("1ms")
     await board.send(b"s")
@@ -157,7 +157,7 @@ async def test_cycles_between_markers(start: Start) -> None:
 
 
 @pytest.mark.parametrize("place", ["nothing", "0x100..0x90", "5..0x10000", ""])
-async def test_places_that_are_none(start: Start, place: str) -> None:
+async def test_invalid_places_are_refused(start: Start, place: str) -> None:
     board = await start(build("wrong"))
     with pytest.raises(BoardError, match="guard"):
         await board.guard(place)

@@ -22,7 +22,7 @@ def cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 @pytest.mark.simavr
-async def test_it_is_compiled_without_a_warning_and_once_also_by_several_at_once(
+async def test_it_is_compiled_once_by_several_processes_without_a_warning(
     cache: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     commands: list[str] = []
@@ -42,7 +42,7 @@ async def test_it_is_compiled_without_a_warning_and_once_also_by_several_at_once
     assert len(commands) == len(list(SOURCES.glob("*.c"))) + 1
 
 
-async def test_what_is_missing_is_reported_with_its_packages(
+async def test_missing_parts_are_reported_with_their_packages(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path, cache: Path
 ) -> None:
     monkeypatch.setenv("PATH", str(tmp_path))

@@ -38,13 +38,13 @@ async def test_bytes_flip_one_bit_at_their_rate(start: Start, direction: str) ->
     assert all(bits.bit_count() == 1 for bits in changed)
 
 
-async def test_bytes_go_missing_at_their_rate(start: Start) -> None:
+async def test_bytes_are_lost_at_their_rate(start: Start) -> None:
     got = await echoed(start, "fault to:drop=0.1,seed=2")
     assert len(SENT) - len(got) == pytest.approx(0.1 * len(SENT), rel=0.4)
 
 
 @pytest.mark.parametrize("direction", ["to", "from"])
-async def test_late_bytes_come_late_and_in_order(start: Start, direction: str) -> None:
+async def test_late_bytes_arrive_in_order(start: Start, direction: str) -> None:
     board = await start(build("echo"), "watch serial", f"fault {direction}:delay=1,delay_ms=3")
     await board.run("1ms")
     await board.send(b"abc")
@@ -52,7 +52,7 @@ async def test_late_bytes_come_late_and_in_order(start: Start, direction: str) -
     early = bytes(board.serial)
     await board.run("20ms")
     assert board.serial == b"abc"
-    # Events tell what the board sent; only what goes to it is late for them.
+    # Events show the bytes that the board sent, so only bytes to the board are late.
     assert early == (b"" if direction == "to" else b"abc")
 
 
@@ -61,7 +61,7 @@ async def test_they_end_on_request(start: Start) -> None:
 
 
 @pytest.mark.parametrize("words", ["flip=2", "flip=x", "speed=1", "flip", "delay_ms=-1", "up:flip=0.1"])
-async def test_what_makes_no_sense_changes_nothing(start: Start, words: str) -> None:
+async def test_invalid_settings_change_nothing(start: Start, words: str) -> None:
     board = await start(build("echo"), "watch serial")
     with pytest.raises(BoardError, match="fault"):
         await board.set_faults(f"drop=1,{words}")

@@ -40,7 +40,7 @@ def open_terminal(board: SimulatedBoard) -> int:
 
 
 class Collector:
-    """Receives what a transport brings."""
+    """Receives the bytes of a transport."""
 
     def __init__(self, count: int) -> None:
         self.got = b""
@@ -58,12 +58,12 @@ class Collector:
 
 
 async def exchange(address: str, data: bytes) -> None:
-    """Send data through a transport of ours, until it has come back."""
+    """Send data through a transport until it has been echoed."""
     transport = await open_transport(address)
     collector = Collector(len(data))
     transport.start(collector)
     try:
-        # The first bytes may come before the board has seen who is there.
+        # The first bytes may arrive before the board has detected the host.
         await asyncio.sleep(0.02)
         transport.write(data)
         await asyncio.wait_for(collector.complete.wait(), 60)
@@ -74,14 +74,14 @@ async def exchange(address: str, data: bytes) -> None:
 
 
 async def until_seen(board: SimulatedBoard) -> None:
-    """Let the board run on until it has noticed who came or went."""
+    """Let the board run until it has detected that a host has connected or disconnected."""
     now = await board.cycles()
     while await board.cycles() < now + 64_000:
         await asyncio.sleep(0.002)
 
 
 @pytest.mark.parametrize("options", [{}, FAST], ids=["real time", "fast"])
-async def test_a_terminal_echoes_whatever_bytes(options: dict[str, Any]) -> None:
+async def test_a_terminal_echoes_all_bytes(options: dict[str, Any]) -> None:
     async with await SimulatedBoard.start(build("echo"), **options) as board:
         terminal = open_terminal(board)
         await until_seen(board)
@@ -97,7 +97,7 @@ async def test_our_transport_opens_it(tmp_path: Path) -> None:
         await exchange(str(link), b"ff fe \x00\xff\r\n\x03\x04")
 
 
-async def test_the_terminal_stays_raw_and_holds_nothing_old() -> None:
+async def test_the_terminal_stays_raw_and_keeps_no_old_bytes() -> None:
     async with await SimulatedBoard.start(build("tick")) as board:
         for _ in range(3):
             begun = await number(board, "ticks")
@@ -132,7 +132,7 @@ async def test_without_a_clock_the_board_waits_for_its_host() -> None:
         await writer.wait_closed()
 
 
-async def test_tcp_takes_one_host_after_the_other() -> None:
+async def test_tcp_accepts_one_host_after_the_other() -> None:
     async with await SimulatedBoard.start(build("echo"), link="tcp") as board:
         for word in (b"first", b"second"):
             await exchange(board.address, word)
@@ -164,7 +164,7 @@ async def test_a_host_that_sends_too_fast_waits() -> None:
             try:
                 sent += os.write(terminal, bytes((sent + i) & 0xFF for i in range(min(512, 20_000 - sent))))
             except BlockingIOError:
-                # It reads, as a host does; the board sends all the time.
+                # It reads like a host; the board sends all the time.
                 await asyncio.sleep(0.01)
                 os.read(terminal, 65536)
         while await number(board, "received") < 20_000:

@@ -71,7 +71,7 @@ async def test_a_sketch_reaches_the_host_it_is_given(tmp_path: Path) -> None:
         assert states[:2] == [("connected", "192.168.1.7:11411"), ("closed", "192.168.1.7:11411")]
 
 
-async def test_a_reset_hangs_up(tmp_path: Path) -> None:
+async def test_a_reset_ends_the_connection(tmp_path: Path) -> None:
     program = await build_text(tmp_path, ECHO)
     async with server() as (place, arrived), await networked(program, place) as board:
         reader, _ = await asyncio.wait_for(arrived.get(), 60)
@@ -80,7 +80,7 @@ async def test_a_reset_hangs_up(tmp_path: Path) -> None:
         await asyncio.wait_for(arrived.get(), 60)
 
 
-async def test_without_a_network_nothing_is_reached(tmp_path: Path) -> None:
+async def test_without_a_network_connections_fail(tmp_path: Path) -> None:
     program = await build_text(tmp_path, ECHO)
     async with await SimulatedBoard.start(program, link="none", realtime=False, paused=True) as board:
         await board.run("3s")
@@ -90,7 +90,7 @@ async def test_without_a_network_nothing_is_reached(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("place", ["", "host", "host:", ":7"])
-async def test_places_that_are_none(place: str) -> None:
+async def test_invalid_places_are_refused(place: str) -> None:
     async with await SimulatedBoard.start(build("echo"), link="none") as board:
         with pytest.raises(BoardError, match="HOST:PORT"):
             await board.send_command(f"network {place}")

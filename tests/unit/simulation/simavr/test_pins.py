@@ -43,7 +43,7 @@ async def test_pins_are_where_arduino_has_them(
     assert rose[: len(names)] == names
 
 
-async def test_inputs_read_what_the_world_drives(start: Start, tmp_path: Path) -> None:
+async def test_inputs_read_the_levels_from_outside(start: Start, tmp_path: Path) -> None:
     board = await start(await build_text(tmp_path, INPUTS), "pin D7=0 D8=1")
     await board.run("2ms")
     assert [await board.pin_level(pin) for pin in ("D3", "D4")] == [False, True]
@@ -51,7 +51,7 @@ async def test_inputs_read_what_the_world_drives(start: Start, tmp_path: Path) -
     await board.drive_pin("8", False)
     await board.run("2ms")
     assert [await board.pin_level(pin) for pin in ("D3", "D4")] == [True, False]
-    # Let go, the one has its pull-up and the other nothing.
+    # After the release, one pin has its pull-up and the other has none.
     await board.drive_pin("D7", False)
     await board.drive_pin("D7", None)
     await board.drive_pin("D8", None)
@@ -92,7 +92,7 @@ async def test_unwatched_pins_are_not_reported(start: Start, tmp_path: Path) -> 
     "words",
     ["pin D99=1", "pin D7=2", "pin D7=", "watch A9", "watch B5", "adc D3=1", "adc A0=6", "adc A0", "servo X"],
 )
-async def test_what_makes_no_sense_is_reported_in_one_line(start: Start, words: str) -> None:
+async def test_invalid_commands_are_reported_in_one_line(start: Start, words: str) -> None:
     board = await start(build("echo"))
     with pytest.raises(BoardError) as raised:
         await board.send_command(words)

@@ -20,7 +20,7 @@ async def test_noise_in_ram_comes_from_the_seed(start: Start) -> None:
     assert len(set(first)) > 30
 
 
-async def test_a_reset_keeps_ram_and_starts_over(start: Start) -> None:
+async def test_a_reset_keeps_ram_and_restarts(start: Start) -> None:
     board = await start(build("wrong"))
     await board.run("1ms")
     assert await number(board, "cause") == POWER_ON_FLAG
@@ -59,7 +59,7 @@ async def test_it_can_be_requested_twice(start: Start) -> None:
     assert len(named(board, "power")) == 1
 
 
-async def test_the_same_words_give_the_same_events(start: Start) -> None:
+async def test_the_same_commands_give_the_same_events(start: Start) -> None:
     async def life() -> list[tuple[str, float, str]]:
         board = await start(build("check", "INTERRUPTS"), "watch serial", "fault flip=0.1,seed=5", seed=7)
         await board.run("3ms")

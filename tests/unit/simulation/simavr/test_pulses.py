@@ -52,7 +52,7 @@ async def test_analog_write(start: Start, tmp_path: Path, kind: str) -> None:
     for event in reported.values():
         assert event["duty"] == pytest.approx(64 / 255, abs=0.004)
         assert event["period_us"] in (1024.0, 2040.0)
-    # What a timer does is reported as PWM, not as changes of a pin.
+    # The effect of a timer is reported as PWM, not as changes of a pin.
     assert not [event for event in named(board, "pin") if event["level"]]
 
 

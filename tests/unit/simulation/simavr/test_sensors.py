@@ -99,7 +99,7 @@ async def test_volts_are_what_analog_read_returns(
         assert await number(board, "internal") == int(0.1 / 1.1 * 1024)
 
 
-async def test_volts_beyond_the_reference_read_full(start: Start, tmp_path: Path) -> None:
+async def test_volts_beyond_the_reference_read_the_maximum(start: Start, tmp_path: Path) -> None:
     board = await start(await build_text(tmp_path, ANALOG), "adc A0=5.0 A1=5.5 A2=2.5")
     await board.run("20ms")
     assert (await words16(board, "values"))[:3] == [1023, 1023, 512]
@@ -107,7 +107,7 @@ async def test_volts_beyond_the_reference_read_full(start: Start, tmp_path: Path
 
 
 @pytest.mark.parametrize("meters", [0.02, 0.5, 1.0, 2.0, 3.2])
-async def test_an_echo_is_as_far_as_it_was_set(start: Start, tmp_path: Path, meters: float) -> None:
+async def test_an_echo_has_the_set_distance(start: Start, tmp_path: Path, meters: float) -> None:
     board = await start(await build_text(tmp_path, SONAR), f"range {meters}")
     await board.run("200ms")
     for name in ("pulse", "timed"):
@@ -115,7 +115,7 @@ async def test_an_echo_is_as_far_as_it_was_set(start: Start, tmp_path: Path, met
 
 
 @pytest.mark.parametrize("distance", ["none", "0.01", "4.1"])
-async def test_no_echo_from_nowhere(start: Start, tmp_path: Path, distance: str) -> None:
+async def test_no_echo_without_an_obstacle(start: Start, tmp_path: Path, distance: str) -> None:
     board = await start(await build_text(tmp_path, SONAR), f"range {distance}")
     await board.run("200ms")
     assert await number(board, "pulse") == 0
@@ -131,7 +131,7 @@ async def test_an_hcsr04_on_other_pins(start: Start, tmp_path: Path) -> None:
     assert await number(board, "pulse") / 58.3 / 100 == pytest.approx(1, abs=0.01)
 
 
-async def test_the_imu_feels_how_the_board_lies(start: Start, tmp_path: Path) -> None:
+async def test_the_imu_measures_the_attitude_of_the_board(start: Start, tmp_path: Path) -> None:
     board = await start(await build_text(tmp_path, IMU), "attitude 10 20 30")
     await board.run("60ms")
     bytes_read = [await number(board, name) for name in ("who", "who_field", "error", "asleep")]
@@ -162,7 +162,7 @@ async def test_the_imus_ranges(start: Start, tmp_path: Path, setting: int) -> No
 async def test_the_magnetometer_points_north(start: Start, tmp_path: Path, yaw: int) -> None:
     board = await start(await build_text(tmp_path, IMU), f"attitude 0 0 {yaw}")
     await board.run("60ms")
-    # Its own axes: x is the board's y, y the board's x, z down; 0.3 uT a step.
+    # Its axes differ: x is the board's y, y the board's x, z down; 0.3 uT a step.
     y, x, down = (value * 0.3 for value in await words16(board, "field"))
     assert (x, y) == pytest.approx((20 * cos(radians(yaw)), -20 * sin(radians(yaw))), abs=0.3)
     assert down == pytest.approx(44, abs=0.3)
@@ -172,7 +172,7 @@ async def test_the_magnetometer_points_north(start: Start, tmp_path: Path, yaw: 
     "words",
     ["attitude 1 2", "attitude a b c", "attitude 1 2 3 over 2", "range far", "hcsr04 trig=D6", "aref 9"],
 )
-async def test_what_makes_no_sense_is_reported(start: Start, words: str) -> None:
+async def test_invalid_commands_are_reported(start: Start, words: str) -> None:
     board = await start(build("echo"))
     with pytest.raises(BoardError):
         await board.send_command(words)

@@ -40,7 +40,7 @@ async def pid_of(board: SimulatedBoard) -> int:
     return board._process._process.pid
 
 
-async def test_nothing_stays_behind(tmp_path: Path) -> None:
+async def test_no_file_or_process_stays(tmp_path: Path) -> None:
     link = tmp_path / "board"
     async with await SimulatedBoard.start(build("echo"), link_path=link):
         pass
@@ -107,7 +107,7 @@ async def _quits(board: SimulatedBoard) -> bool:
     return True
 
 
-async def test_events_as_they_come(start: Start, tmp_path: Path) -> None:
+async def test_events_are_yielded_in_their_order(start: Start, tmp_path: Path) -> None:
     board = await start(await build_text(tmp_path, BLINK), "watch D13", realtime=True, paused=False)
     seen = []
     async for event in board.events():
@@ -119,14 +119,14 @@ async def test_events_as_they_come(start: Start, tmp_path: Path) -> None:
     await board.wait_for_pin("D13", False)
 
 
-async def test_real_time_is_the_worlds_time() -> None:
+async def test_real_time_is_kept() -> None:
     async with await SimulatedBoard.start(build("echo")) as board:
         loop = asyncio.get_running_loop()
         await board.cycles()
         begun_s, begun = loop.time(), await board.cycles()
         ran_s = 0.0
         async with asyncio.timeout(60):
-            # A busy machine may hold the board up.
+            # A busy machine may delay the board.
             while ran_s < 0.3:
                 await asyncio.sleep(0.05)
                 ran_s = (await board.cycles() - begun) / 16e6
@@ -146,7 +146,7 @@ async def test_each_pause_of_the_simulator_is_reported() -> None:
             await asyncio.wait_for(paused.wait(), 10)
 
 
-async def test_a_busy_board_leaves_most_of_the_processor(tmp_path: Path) -> None:
+async def test_a_busy_board_uses_little_of_the_processor(tmp_path: Path) -> None:
     async with await SimulatedBoard.start(build("echo")) as board:
         await asyncio.sleep(0.05)
         pid, begun = await pid_of(board), await board.cycles()
@@ -154,7 +154,7 @@ async def test_a_busy_board_leaves_most_of_the_processor(tmp_path: Path) -> None
         await asyncio.sleep(0.6)
         share = (_processor_ticks(pid) - used) / os.sysconf("SC_CLK_TCK")
         ran_s = (await board.cycles() - begun) / 16e6
-        # It takes a tenth here; a fifth of that speed is still far from a core that spins.
+        # It needs about a tenth of a core. A loop that never sleeps would need all of one.
         assert share < 0.6 * ran_s
 
 
@@ -163,12 +163,12 @@ def _processor_ticks(pid: int) -> int:
     return int(fields[11]) + int(fields[12])
 
 
-async def test_a_thousand_words_at_once(start: Start) -> None:
+async def test_a_thousand_commands_at_once(start: Start) -> None:
     board = await start(build("echo"))
     await asyncio.gather(*(board.set_adc("A0", index / 1000) for index in range(1000)))
 
 
-async def test_words_are_one_line(start: Start) -> None:
+async def test_commands_are_one_line(start: Start) -> None:
     board = await start(build("echo"))
     with pytest.raises(BoardError, match="one line"):
         await board.send_command("reset\nquit")
@@ -180,7 +180,7 @@ async def test_words_are_one_line(start: Start) -> None:
     await board.reset()
 
 
-async def test_words_that_make_no_sense_at_the_start(start: Start) -> None:
+async def test_invalid_commands_at_the_start(start: Start) -> None:
     with pytest.raises(BoardError, match="watch D77: this board has no such pin"):
         await start(build("echo"), "watch D77")
 
@@ -229,7 +229,7 @@ async def test_hex_files_run(start: Start, tmp_path: Path) -> None:
         await board.free_stack_bytes()
 
 
-async def test_a_link_path_in_use_is_left_alone(tmp_path: Path) -> None:
+async def test_a_link_path_in_use_is_not_changed(tmp_path: Path) -> None:
     path = tmp_path / "board"
     path.write_text("mine")
     with pytest.raises(TransportOpenError, match="already exists"):

@@ -12,7 +12,7 @@ CLOCK_HZ = 16_000_000
 
 
 def real_baud(baud: int) -> float:
-    """Return the bit rate that the divider gives, with U2X."""
+    """Return the bit rate of a divider with U2X."""
     return CLOCK_HZ / 8 / ((CLOCK_HZ // 4 // baud - 1) // 2 + 1)
 
 
@@ -51,7 +51,7 @@ async def test_a_slow_program_keeps_three_bytes_and_loses_the_others(start: Star
     assert sum(event["lost_bytes"] for event in named(board, "overrun")) == 7
 
 
-async def test_a_slow_program_that_gets_three_bytes_loses_none(start: Start) -> None:
+async def test_a_slow_program_loses_none_of_three_bytes(start: Start) -> None:
     board = await start(build("slow"), "watch serial")
     await board.run("1ms")
     await board.send(b"abc")
@@ -86,6 +86,6 @@ async def test_what_is_not_hexadecimal_is_not_sent(start: Start) -> None:
         await board.send_command("send xyz")
 
 
-async def test_a_board_has_the_uarts_it_has(start: Start) -> None:
+async def test_only_existing_uarts_can_be_chosen(start: Start) -> None:
     with pytest.raises(Exception, match="no such UART"):
         await start(build("echo"), uart=1)

@@ -1,4 +1,4 @@
-"""The simulated Ethernet shield: DHCP, groups, answers, and how it stalls; with real datagrams."""
+"""The simulated Ethernet shield with real datagrams: DHCP, groups, answers, and stalls."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from unit.simulation.simavr.readings import named, number
 pytestmark = pytest.mark.simavr
 
 PATIENCE_S = 60.0
-# Answers by a second socket: one that is in a group sends only to the group.
+# Answers with a second socket: a socket in a group sends only to the group.
 ECHO = """
 #include <Ethernet.h>
 EthernetUDP udp;
@@ -46,7 +46,7 @@ void loop() {
   answers.stop();
 }
 """
-# The chip by its registers, as sketches for version 1 of Arduino's library use it.
+# Uses the chip's registers, like sketches for version 1 of Arduino's library.
 REGISTERS = """
 #include <Ethernet.h>
 #include <utility/w5100.h>
@@ -84,7 +84,7 @@ async def start(folder: Path, text: str, group: GroupAddress, *words: str) -> Si
 
 
 async def asked(sock: socket.socket, data: bytes, to: tuple[str, int]) -> tuple[bytes, tuple[str, int]]:
-    """Send until it is answered: a datagram may come before the board hears it."""
+    """Send until there is an answer: a datagram may arrive before the board's socket is open."""
     loop = asyncio.get_running_loop()
     async with asyncio.timeout(PATIENCE_S):
         while True:
@@ -106,7 +106,7 @@ async def test_a_sketch_gets_an_address_receives_its_group_and_answers(tmp_path:
                 b"to it alone",
                 ("127.0.7.3", group.port),
             )
-            # Nobody answers for the address of another network: the chip gives up.
+            # No machine has the address in another network: the chip gives up.
             sock.sendto(b"!", place)
             async with asyncio.timeout(PATIENCE_S):
                 while await number(board, "failures") == 0:
@@ -114,7 +114,7 @@ async def test_a_sketch_gets_an_address_receives_its_group_and_answers(tmp_path:
             assert (await asked(sock, b"again", place))[0] == b"again"
 
 
-async def test_the_chip_by_its_registers_and_how_it_stalls(tmp_path: Path) -> None:
+async def test_the_registers_of_the_chip_and_its_stall(tmp_path: Path) -> None:
     group = loopback_group()
     with open_sender(group, "127.0.0.1") as sock:
         async with await start(tmp_path, REGISTERS, group, "w5100 stall_after=2") as board:
@@ -140,7 +140,7 @@ async def test_the_chip_by_its_registers_and_how_it_stalls(tmp_path: Path) -> No
     "settings",
     ["", "address=10.0.0.1", "address=x", "stall_after=-1", "stall_after=", "dumb=1", "stall_after"],
 )
-async def test_settings_that_make_no_sense(settings: str) -> None:
+async def test_invalid_settings_are_refused(settings: str) -> None:
     async with await SimulatedBoard.start(build("echo"), link="none") as board:
         with pytest.raises(BoardError, match=r"^w5100 .*: write "):
             await board.send_command(f"w5100 {settings}")

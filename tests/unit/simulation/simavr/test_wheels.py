@@ -11,7 +11,7 @@ from unit.simulation.simavr.programs import build, build_text
 
 pytestmark = pytest.mark.simavr
 
-# A second straight on, a turn to the left on the spot, a second backwards, then rest.
+# A second straight ahead, a turn to the left on the spot, a second backwards, then rest.
 ROUTE = """
 void turn(int left, int right) {
   digitalWrite(8, left < 0);
@@ -54,7 +54,7 @@ async def test_odometry_of_a_route(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     "settings", ["left=D3", "left=D3/X", "left=A9/D2", "speed=0", "track=nan", "wheel=1"]
 )
-async def test_wheels_that_make_no_sense(settings: str) -> None:
+async def test_invalid_wheels_are_refused(settings: str) -> None:
     async with await SimulatedBoard.start(build("echo"), link="none") as board:
         with pytest.raises(BoardError, match="left=D3/D8"):
             await board.send_command(f"wheels {settings}")

@@ -1,4 +1,4 @@
-"""Whatever is said to a board, it goes on, and answers the next good word."""
+"""A board survives any commands, and executes the next valid one."""
 
 from __future__ import annotations
 
@@ -75,7 +75,7 @@ VALUES = [
 
 
 @pytest.mark.parametrize("seed", range(4))
-async def test_words_in_any_order(start: Start, seed: int) -> None:
+async def test_commands_in_any_order(start: Start, seed: int) -> None:
     rng = Random(seed)
     kind = rng.choice(("uno", "mega", "leonardo"))
     board = await start(build("wrong", board=kind), board=kind)

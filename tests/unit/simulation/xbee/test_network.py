@@ -116,10 +116,10 @@ async def radios(
     [(SERIES_1, True, 0), (SERIES_1, True, 1), (SERIES_3, False, 2), (DIGIMESH, False, None)],
     ids=["series 1", "no acknowledgements", "64-bit addresses", "DigiMesh"],
 )
-def test_eight_boards_with_losses_and_repeats_none_starved(
+def test_eight_boards_with_losses_and_repeats_all_send(
     model: Model, is_short: bool, mac_mode: int | None
 ) -> None:
-    # A board whose first packets got lost is called again after 2 s.
+    # A board whose first packets were lost is called again after 2 s.
     begin_s, measured_s, rate_hz = 14, effort(4, 60), 5.0
 
     async def main() -> None:
@@ -204,7 +204,7 @@ def test_link_quality_is_on_diagnostics() -> None:
     run_on_virtual_time(main())
 
 
-def test_closing_asks_every_board_to_stop() -> None:
+def test_closing_stops_every_board() -> None:
     async def main() -> None:
         async with radios(8, AirConditions()) as site:
             await asyncio.sleep(3.0)

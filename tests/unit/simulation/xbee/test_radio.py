@@ -44,7 +44,7 @@ def test_command_mode_reads_sets_and_leaves() -> None:
     assert bench.send(b"ATMY\r") == b"2A\r"
     for wrong in (b"ATXX\r", b"ATCH99\r", b"ATVR1\r", b"ATMYxyz\r", b"hello\r"):
         assert bench.send(wrong) == b"ERROR\r"
-    # Set, but not applied before the mode ends.
+    # Values are set, but not applied before the mode ends.
     assert bench.radio.registers["MY"] == 0
     assert bench.send(b"ATCN\r") == b"OK\r"
     assert bench.radio.registers["MY"] == 0x2A
