@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from msgspec import to_builtins
 
 from rostether.bridge.findings.finding import Finding, Severity
-from rostether.bridge.health.board_status import BoardStatus
+from rostether.bridge.health.board_status import BoardStatus, EndpointStatus
 from rostether.bridge.health.diagnostics import BoardView, EndpointView
 from rostether.bridge.health.doctor import Diagnosis
 from rostether.mechanisms.text import counted
@@ -26,7 +26,8 @@ def lines_of(diagnosis: Diagnosis) -> Iterator[str]:
     if board is not None:
         yield f"  board: {_describe(diagnosis, board)}"
         for endpoint in board.endpoints:
-            yield f"    {_describe_endpoint(diagnosis, endpoint)}"
+            rate_hz = _rate_hz(diagnosis, endpoint) if endpoint.role == "publisher" else None
+            yield f"    {_endpoint_text(endpoint, rate_hz)}"
     if diagnosis.is_ok:
         yield "  no problem found"
 
@@ -39,8 +40,7 @@ def reported_lines(board: BoardStatus, master_uri: str) -> Iterator[str]:
     since = "" if board.connected_s is None else f" for {board.connected_s:.0f} s"
     yield f"  board: {board.state}{since}, {board.peer}, {counted(board.checksum_errors, 'damaged frame')}"
     for endpoint in board.endpoints:
-        rate = f", {endpoint.rate_hz:.1f} Hz" if endpoint.is_topic else ""
-        yield f"    {endpoint.role} {endpoint.name} [{endpoint.type}]{rate}"
+        yield f"    {_endpoint_text(endpoint, endpoint.rate_hz if endpoint.is_topic else None)}"
     if not board.level:
         yield "  no problem found"
 
@@ -113,8 +113,8 @@ def _describe(diagnosis: Diagnosis, board: BoardView) -> str:
     return f"{', '.join(parts)}; watched for {diagnosis.watched_s:.0f} s"
 
 
-def _describe_endpoint(diagnosis: Diagnosis, endpoint: EndpointView) -> str:
-    rate = f", {_rate_hz(diagnosis, endpoint):.1f} Hz" if endpoint.role == "publisher" else ""
+def _endpoint_text(endpoint: EndpointView | EndpointStatus, rate_hz: float | None) -> str:
+    rate = "" if rate_hz is None else f", {rate_hz:.1f} Hz"
     return f"{endpoint.role} {endpoint.name} [{endpoint.type}]{rate}"
 
 

@@ -19,6 +19,7 @@ from rostether.graph.typed_graph import TypedGraph
 from rostether.names.remap import Arguments
 from rostether.transports.address import DEFAULT_PORT
 
+# As in rosserial_server.
 _DEFAULT_SERIAL_PORT = "/dev/ttyACM0"
 
 

@@ -39,6 +39,7 @@ from rostether.ros1.node.master_client import MasterClient
 from rostether.transports.address import DEFAULT_PORT, SimAddress, TcpAddress
 from rostether.transports.opening import listen as listen_for_links
 
+# As in serial_node.py.
 DEFAULT_SERIAL_PORT = "/dev/ttyUSB0"
 DEFAULT_NODE_NAME = "serial_node"
 # The last two control internals of the established host; they are accepted and have no effect.

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import struct
-from collections.abc import Sequence
 from contextlib import closing
 from dataclasses import dataclass
 
@@ -13,7 +12,7 @@ from msgspec.structs import replace
 from rostether.cli.platform.fleet_options import MAX_ROBOT, fleet_options, for_robot
 from rostether.cli.shell.failures import EXIT_DONE, EXIT_FAILED
 from rostether.cli.shell.option_group import POSITIVE, NumberRange, flag, option, option_group, shared
-from rostether.cli.shell.output import json_option, warn, write_json, write_line
+from rostether.cli.shell.output import json_option, warn, write_json, write_line, write_table
 from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import LazyGroup, verb, verb_entries
 from rostether.graph.ports import Level
@@ -135,8 +134,9 @@ async def _query(settings: FleetSettings, as_json: bool, *, detailed: bool) -> i
     if as_json:
         for robot in sender.robots:
             write_json(_record(robot))
-    else:
-        _write_table([_cells(each, detailed) for each in sender.robots], detailed)
+    elif sender.robots:
+        head = ["robot", "address", "state", "commanded by", *(["loss", "signal"] if detailed else [])]
+        write_table([head, *(_cells(each, detailed) for each in sender.robots)])
     if not sender.robots:
         warn(silence_text(settings))
     return EXIT_DONE if sender.robots else EXIT_FAILED
@@ -198,13 +198,3 @@ def _cells(robot: Robot, detailed: bool) -> list[str]:
         cells.append("-" if robot.loss is None else f"{robot.loss:.0%}")
         cells.append("-" if status.signal_dbm is None else f"{status.signal_dbm} dBm")
     return cells
-
-
-def _write_table(rows: Sequence[list[str]], detailed: bool) -> None:
-    if not rows:
-        return
-    head = ["robot", "address", "state", "commanded by", *(["loss", "signal"] if detailed else [])]
-    table = [head, *rows]
-    widths = [max(len(row[column]) for row in table) for column in range(len(head))]
-    for row in table:
-        write_line("  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip())

@@ -9,7 +9,7 @@ import click
 
 from rostether.cli.access.graph_options import GraphOptions, graph_options
 from rostether.cli.access.ros1_access import joined
-from rostether.cli.shell.output import json_option, write_json, write_line
+from rostether.cli.shell.output import json_option, write_json, write_line, write_table
 from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import LazyGroup, verb, verb_entries
 from rostether.errors import GraphError
@@ -71,13 +71,7 @@ def list_sensors(as_json: bool, graph: GraphOptions) -> None:
         write_line("no sensor is registered")
     for platform in sorted({each["platform_name"] for each in sensors}):
         write_line(platform)
-        rows = [each for each in sensors if each["platform_name"] == platform]
-        columns = ("id", "sensor_type", "state", "topic")
-        widths = {key: max(len(row[key]) for row in rows) for key in columns}
-        for row in rows:
-            cells = [row[key].ljust(widths[key]) for key in columns]
-            reason = f" ({row['state_text']})" if row["state_text"] else ""
-            write_line(f"  {'  '.join(cells)}  {row['name']}{reason}")
+        write_table([_cells(each) for each in sensors if each["platform_name"] == platform], indent="  ")
 
 
 @verb("show", "rostether sensor show sensor_node0")
@@ -135,6 +129,11 @@ def _find(sensors: list[Message], wanted: str) -> Message:
         reason = "several sensors have the name" if found else "no sensor has the id or the name"
         raise GraphError(f"{reason} {wanted!r}; see: rostether sensor list")
     return found[0]
+
+
+def _cells(row: Mapping[str, Any]) -> list[str]:
+    reason = f" ({row['state_text']})" if row["state_text"] else ""
+    return [*(row[key] for key in ("id", "sensor_type", "state", "topic")), f"{row['name']}{reason}"]
 
 
 def _plain(found: Message) -> dict[str, Any]:

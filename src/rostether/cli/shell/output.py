@@ -6,7 +6,7 @@ import json
 import os
 import re
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, Final, TextIO, TypeAlias
 
@@ -84,6 +84,14 @@ def write_file(file: Path, content: str | bytes) -> None:
         write_whole(file, content.encode(errors="replace") if isinstance(content, str) else content)
     except OSError as error:
         raise ConfigError(write_failure(file, error)) from None
+
+
+def write_table(rows: Sequence[Sequence[str]], indent: str = "") -> None:
+    """Write rows of cells, with columns as wide as their longest cells."""
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    for row in rows:
+        cells = "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True))
+        write_line(f"{indent}{cells}".rstrip())
 
 
 def write_result(record: Mapping[str, object], text: str, *, as_json: bool) -> None:
