@@ -160,12 +160,8 @@ class ParameterTree:
             value = value[part]
         return [value]
 
-    def delete(self, name: str) -> None:
-        """Delete a parameter or namespace. Raises UnknownNameError, for the root too."""
-        run_at_once(self.delete_steps(name))
-
     def delete_steps(self, name: str) -> Iterator[None]:
-        """Measure the deleted value in several steps, and delete it in the last one; see `delete`."""
+        """Delete a parameter or namespace in several steps. Raises UnknownNameError, for the root too."""
         parts = _parts(name)
         self._parent(name, parts)
         size = yield from self._measure_replaced_steps(parts)

@@ -6,8 +6,13 @@ import pytest
 
 from rostether.errors import GraphError, UnknownNameError
 from rostether.ros1.graph_limits import GraphLimits
+from rostether.ros1.long_work import run_at_once
 from rostether.ros1.master.parameter_tree import MAX_DEPTH, ParameterTree, Update, updates, watch_key
 from rostether.xmlrpc.values import XmlRpcValue
+
+
+def delete(tree: ParameterTree, name: str) -> None:
+    run_at_once(tree.delete_steps(name))
 
 
 def tree_of(**values: XmlRpcValue) -> ParameterTree:
@@ -57,17 +62,17 @@ def test_what_is_not_set_is_unknown(name: str) -> None:
     with pytest.raises(UnknownNameError, match=f"parameter {name} is not set"):
         tree.get(name)
     with pytest.raises(UnknownNameError):
-        tree.delete(name)
+        delete(tree, name)
 
 
 def test_deleting() -> None:
     tree = tree_of(a={"x": 1, "y": {"z": 2}})
-    tree.delete("/a/y/z")
+    delete(tree, "/a/y/z")
     assert tree.get("/a") == {"x": 1, "y": {}}
-    tree.delete("/a")
+    delete(tree, "/a")
     assert tree.get("/") == {}
     with pytest.raises(UnknownNameError):
-        tree.delete("/")
+        delete(tree, "/")
 
 
 @pytest.mark.parametrize(
@@ -122,7 +127,7 @@ def test_size_is_bounded_and_given_back() -> None:
         tree.set("/a/b", 1)
         tree.set("/a", {"text": b"x" * 2000})
         tree.set("/a/text/more", 1)
-        tree.delete("/a")
+        delete(tree, "/a")
         tree.set("/", {"big": "x" * 2000})
         tree.set("/", {})
     assert tree._bytes == ParameterTree()._bytes
@@ -147,9 +152,9 @@ def test_size_is_right_after_changes_between_the_steps_of_another(again: int) ->
     tree.set("/a", large)
     setting = tree.set_steps("/a/b/c", 1)
     next(setting)
-    tree.delete("/a")
+    delete(tree, "/a")
     list(setting)
-    tree.delete("/a")
+    delete(tree, "/a")
     assert (tree._bytes, tree._values) == empty
 
 
@@ -158,7 +163,7 @@ def test_what_is_deleted_between_the_steps_of_another_is_not_set() -> None:
     tree.set("/a", [[1] * 2000 for _ in range(10)])
     deleting = tree.delete_steps("/a")
     next(deleting)
-    tree.delete("/a")
+    delete(tree, "/a")
     with pytest.raises(UnknownNameError, match="parameter /a is not set"):
         list(deleting)
 
