@@ -66,7 +66,6 @@ class MemoryTransport:
         self._is_writing_paused = False
         self._has_ended = False
         self._error: TransportError | None = None
-        self._is_loss_reported = False
         self._end_event = asyncio.Event()
 
     @property
@@ -136,7 +135,7 @@ class MemoryTransport:
     def _schedule(self) -> None:
         if self._is_delivery_scheduled or self._receiver is None or (self._is_paused and not self._has_ended):
             return
-        if self._arrived or (self._has_ended and not self._is_loss_reported):
+        if self._arrived or self._has_ended:
             self._is_delivery_scheduled = True
             asyncio.get_running_loop().call_soon(self._deliver)
 
@@ -150,8 +149,8 @@ class MemoryTransport:
             self._arrived_bytes -= len(chunk)
             receiver.data_received(chunk)
         self._other._drained()
-        if self._has_ended and not self._arrived and not self._is_loss_reported:
-            self._is_loss_reported = True
+        if self._has_ended and not self._arrived:
+            self._receiver = None
             receiver.connection_lost(self._error)
 
     def _drained(self) -> None:

@@ -90,7 +90,6 @@ class WebTransport:
         self._written_bytes = 0
         self._is_writing_paused = False
         self._error: TransportError | None = None
-        self._is_loss_reported = False
         self._ended = asyncio.Event()
         self._received_at_s = self._loop.time()
         self._timer = self._loop.call_later(HELLO_LIMIT_S, self._refuse, "the page did not name its board")
@@ -210,7 +209,8 @@ class WebTransport:
         while self._early and (self._is_reading or self._ended.is_set()):
             receiver.data_received(self._early.pop(0))
         if self._ended.is_set():
-            self._report_loss()
+            self._receiver = None
+            receiver.connection_lost(self._error)
         elif self._is_reading:
             self._received_at_s = self._loop.time()
             self._socket.resume_reading()
@@ -256,8 +256,3 @@ class WebTransport:
         self._forget(self)
         if self._receiver is not None:
             self._loop.call_soon(self._catch_up)
-
-    def _report_loss(self) -> None:
-        if not self._is_loss_reported and self._receiver is not None:
-            self._is_loss_reported = True
-            self._receiver.connection_lost(self._error)
