@@ -15,7 +15,7 @@ import pytest
 from interop.ros1_peers import DEBIAN_PYTHON, Ros1Peers
 from programs import Peer
 from rostether.rospy.actionlib.comm_states import TRANSITIONS
-from rostether.rospy.environment import node_environment
+from rostether.rospy.environment import script_environment
 from unit.recording.bags import write_bag
 
 SCRIPTS = Path(__file__).parent / "rospy_scripts"
@@ -25,7 +25,7 @@ REMAPPINGS = ["early:=/talk/moved", "_gain:=2.5", "__name:=mona", "__ns:=/lisa",
 
 async def start(peers: Ros1Peers, python: str, script: str, *arguments: str) -> Peer:
     """Start a script; the Python of the tests has rostether's rospy."""
-    peers.environment = node_environment(peers.environment)
+    peers.environment = script_environment(peers.environment)
     return await peers.start(python, str(SCRIPTS / script), *arguments)
 
 
@@ -35,7 +35,7 @@ async def printed(peers: Ros1Peers, python: str, script: str, *arguments: str) -
         python,
         str(SCRIPTS / script),
         *arguments,
-        env=node_environment(peers.environment),
+        env=script_environment(peers.environment),
         stdout=asyncio.subprocess.PIPE,
         stderr=asyncio.subprocess.PIPE,
     )

@@ -33,7 +33,7 @@ class Replaced(Struct, frozen=True):
 Locate: TypeAlias = Callable[[str, str, Mapping[str, str]], Program | Replaced]
 
 
-class Command(Struct, frozen=True):
+class NodeCommand(Struct, frozen=True):
     """A process to start."""
 
     words: list[str]
@@ -52,7 +52,7 @@ def node_environment(node: LaunchNode, environ: Mapping[str, str], master_uri: s
 
 def command_of(
     node: LaunchNode, environ: Mapping[str, str], master_uri: str, locate: Locate
-) -> Command | Replaced:
+) -> NodeCommand | Replaced:
     """Return a node's command, without the arguments that the runner adds. Raises the errors of `locate`."""
     variables = node_environment(node, environ, master_uri)
     program = locate(node.package, node.type, variables)
@@ -65,7 +65,7 @@ def command_of(
         folder = next(files, Path(program.words[0])).parent
     else:
         folder = ros_home(environ)
-    return Command(words, variables | program.environ, folder)
+    return NodeCommand(words, variables | program.environ, folder)
 
 
 def ros_home(environ: Mapping[str, str]) -> Path:

@@ -21,7 +21,7 @@ from msgspec import Struct
 
 from rostether.errors import LaunchError
 from rostether.graph.ports import Level
-from rostether.launch.command_line import Command
+from rostether.launch.command_line import NodeCommand
 from rostether.launch.plan import LaunchNode, Output
 from rostether.mechanisms.text import write_failure
 
@@ -56,7 +56,7 @@ class NodeProcess:
     def __init__(
         self,
         node: LaunchNode,
-        command: Command,
+        command: NodeCommand,
         name: str,
         logs: Path,
         report: Callable[[Level, str], None],

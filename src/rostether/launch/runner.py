@@ -56,9 +56,9 @@ async def run_plan(
     MasterUnreachableError, and ConfigError before it starts any node.
     """
     async with closed_at_end(MasterClient(master_uri, CALLER_ID)) as client:
-        logs = log_folder(environ, await ensure_run_id(client))
+        logs = log_folder(environ, await _ensure_run_id(client))
         report(Level.INFO, f"logs: {logs}")
-        await upload(plan, client, report)
+        await _apply_parameters(plan, client, report)
     adopt_orphans()
     launch = _Launch(master_uri, environ, locate, report, options, logs)
     try:
@@ -150,7 +150,7 @@ def _with_options(node: LaunchNode, options: RunOptions) -> LaunchNode:
     return node
 
 
-async def ensure_run_id(client: MasterClient) -> str:
+async def _ensure_run_id(client: MasterClient) -> str:
     """Return the id of the master's run; create one if there is none. Raises GraphError."""
     try:
         return str(await client.get_param(_RUN_ID))
@@ -160,7 +160,9 @@ async def ensure_run_id(client: MasterClient) -> str:
         return run_id
 
 
-async def upload(plan: LaunchPlan, client: MasterClient, report: Callable[[Level, str], None]) -> None:
+async def _apply_parameters(
+    plan: LaunchPlan, client: MasterClient, report: Callable[[Level, str], None]
+) -> None:
     """Apply the plan to the master's parameters. Raises GraphError, ConfigError if a file is not writable."""
     for step in plan.before:
         match step:

@@ -85,7 +85,7 @@ def _in_package(package: str, name: str, folder: Path) -> Path | None:
     return found[0] if found else None
 
 
-def bundled_packages() -> dict[str, Path]:
+def bundled_launch_packages() -> dict[str, Path]:
     """Map the names of bundled packages to their folders; user packages with the same name have priority."""
     return {folder.name: folder for folder in sorted(_BUNDLED.iterdir()) if folder.is_dir()}
 

@@ -69,7 +69,7 @@ def substitute(text: str, scope: Scope, context: LaunchContext) -> str:
     if "$" not in text:
         return text
     if text.startswith(_EVAL_PREFIX) and text.endswith(")"):
-        return evaluate(text[len(_EVAL_PREFIX) : -1], scope, context)
+        return _evaluate(text[len(_EVAL_PREFIX) : -1], scope, context)
     for found in _substitutions(text):
         text = _replaced(text, found, scope, context)
     for found in _substitutions(text):
@@ -78,14 +78,14 @@ def substitute(text: str, scope: Scope, context: LaunchContext) -> str:
     return text
 
 
-def environment_variable(name: str, context: LaunchContext) -> str:
+def _environment_variable(name: str, context: LaunchContext) -> str:
     """Return an environment variable's value. Raises LaunchError when it is not set."""
     if name not in context.environ:
         raise LaunchError(f"the environment variable {name} is not set; set it, or use $(optenv {name})")
     return context.environ[name]
 
 
-def argument_value(name: str, scope: Scope) -> str:
+def _argument_value(name: str, scope: Scope) -> str:
     """Return an argument's value. Raises LaunchError if it has none."""
     if name in scope.arguments:
         return scope.arguments[name]
@@ -94,19 +94,19 @@ def argument_value(name: str, scope: Scope) -> str:
     raise LaunchError(f"argument {name!r} is not declared here; add <arg name={name!r} default=.../> above")
 
 
-def scoped_anonymous_name(base_name: str, scope: Scope) -> str:
+def _scoped_anonymous_name(base_name: str, scope: Scope) -> str:
     """Return the name for `$(anon base_name)`, which is the same each time in a scope."""
     if base_name not in scope.anonymous_names:
         scope.anonymous_names[base_name] = anonymous_name(base_name)
     return scope.anonymous_names[base_name]
 
 
-def folder_of(file: str) -> str:
+def _folder_of(file: str) -> str:
     """Return the absolute path of a launch file's folder."""
     return str(Path(file).parent.absolute())
 
 
-def package_folder(name: str, context: LaunchContext) -> str:
+def _package_folder(name: str, context: LaunchContext) -> str:
     """Return the folder of a package. Raises LaunchError when there is none."""
     if name in context.packages:
         return str(context.packages[name])
@@ -121,17 +121,17 @@ def _replaced(text: str, found: str, scope: Scope, context: LaunchContext) -> st
     value: str | None = None
     match command:
         case "env":
-            value = environment_variable(_only(found, words), context)
+            value = _environment_variable(_only(found, words), context)
         case "optenv":
             if not words:
                 raise LaunchError(f"$({found}) needs the name of an environment variable")
             value = context.environ.get(words[0], " ".join(words[1:]))
         case "dirname":
-            value = folder_of(scope.file)
+            value = _folder_of(scope.file)
         case "anon":
-            value = scoped_anonymous_name(_only(found, words), scope)
+            value = _scoped_anonymous_name(_only(found, words), scope)
         case "arg":
-            value = argument_value(_only(found, words), scope)
+            value = _argument_value(_only(found, words), scope)
     if value is None:
         return text
     # Ten arguments that each contain the previous one ten times would reach 10 GB.
@@ -144,7 +144,7 @@ def _replaced(text: str, found: str, scope: Scope, context: LaunchContext) -> st
 
 
 def _with_package_folder(text: str, found: str, context: LaunchContext) -> str:
-    folder = package_folder(_only(found, found.split()[1:]), context)
+    folder = _package_folder(_only(found, found.split()[1:]), context)
     before, _, after = text.partition(f"$({found})")
     # The path may start without a slash: `$(find pkg)urdf/a.urdf` is also in the package.
     joint = "/" if after and not after.startswith(("/", " ", "$")) else ""
@@ -188,7 +188,7 @@ def _substitutions(text: str) -> Iterator[str]:
     yield from found
 
 
-def evaluate(expression: str, scope: Scope, context: LaunchContext) -> str:
+def _evaluate(expression: str, scope: Scope, context: LaunchContext) -> str:
     """Return the text of an expression's value. Raises LaunchError, ConfigError."""
     if "__" in expression:
         raise LaunchError(f"$(eval {expression}) must not contain a double underscore; use other names")
@@ -201,12 +201,12 @@ def evaluate(expression: str, scope: Scope, context: LaunchContext) -> str:
         **MATH,
         "true": True,
         "false": False,
-        "arg": lambda name: convert(argument_value(name, scope), "auto"),
-        "env": lambda name: environment_variable(name, context),
+        "arg": lambda name: convert(_argument_value(name, scope), "auto"),
+        "env": lambda name: _environment_variable(name, context),
         "optenv": lambda name, default="": context.environ.get(name, default),
-        "find": lambda package: package_folder(package, context),
-        "anon": lambda base_name: scoped_anonymous_name(base_name, scope),
-        "dirname": lambda: folder_of(scope.file),
+        "find": lambda package: _package_folder(package, context),
+        "anon": lambda base_name: _scoped_anonymous_name(base_name, scope),
+        "dirname": lambda: _folder_of(scope.file),
     }
     _check_names(expression, names, scope)
     return str(compile_expression(expression, frozenset(names), source=f"$(eval {expression})")(names))
@@ -223,4 +223,4 @@ def _check_names(expression: str, names: Mapping[str, Any], scope: Scope) -> Non
     loop_variables = {node.id for node in used if isinstance(node.ctx, ast.Store)}
     for node in used:
         if node.id not in names and node.id not in loop_variables and node.id != math.__name__:
-            argument_value(node.id, scope)
+            _argument_value(node.id, scope)

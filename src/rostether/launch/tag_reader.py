@@ -10,7 +10,7 @@ from rostether.errors import ConfigError, InvalidNameError, LaunchError
 from rostether.launch.plan import LaunchPlan
 from rostether.launch.scope import Scope, as_namespace
 from rostether.launch.substitution import LaunchContext, substitute
-from rostether.launch.values import as_bool, check
+from rostether.launch.values import as_bool, check_value
 from rostether.mechanisms.xml_tree import XmlElement
 from rostether.names.graph_name import SEPARATOR, canonical, is_legal_name, join, namespace_of
 
@@ -137,7 +137,7 @@ class TagReader:
     def set_parameter(self, element: XmlElement, name: str, value: Any) -> None:
         """Set a parameter; a later value replaces an earlier one."""
         key = canonical(name)
-        check(key, value)
+        check_value(key, value)
         above = namespace_of(key)
         while True:
             if above in self.plan.parameters and above != key:

@@ -47,7 +47,7 @@ def split_words(command: str) -> list[str]:
         raise LaunchError(f"{command!r}: {str(error).lower()}; correct its quotes") from None
 
 
-def check(name: str, value: Any) -> None:
+def check_value(name: str, value: Any) -> None:
     """Raise ConfigError for a value that no parameter can have, such as null."""
     for _ in leaves(name, value):
         pass

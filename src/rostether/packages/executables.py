@@ -113,7 +113,7 @@ def shebang(file: Path) -> str:
     return line[2:].decode(errors="replace").strip() if line.startswith(b"#!") else ""
 
 
-def compiled_source(folder: Path, name: str) -> str:
+def _compiled_source(folder: Path, name: str) -> str:
     """Return the source that a program is compiled from, relative to the package's folder; empty if none."""
     try:
         with (folder / "CMakeLists.txt").open("rb") as file:
@@ -161,7 +161,7 @@ def _not_found(package: str) -> ConfigError:
 
 
 def _explain_missing(package: str, name: str, folder: Path) -> str:
-    if source := compiled_source(folder, name):
+    if source := _compiled_source(folder, name):
         return (
             f"package {package} has no program {name} yet: it is compiled from {source}; build the workspace "
             "with catkin_make of a ROS 1 installation; rostether then uses the programs in its devel folder"

@@ -29,7 +29,7 @@ async def publish_robot_state(graph: TypedGraph, warn: Callable[[str], None]) ->
 
     Raises ConfigError and RobotModelError if robot_description or a parameter is invalid.
     """
-    state = RobotState(await read_model(graph), await read_settings(graph))
+    state = RobotState(await read_model(graph), await _read_settings(graph))
     publisher = await tf_publisher(graph)
     loop = asyncio.get_running_loop()
     warn_again_s = 0.0
@@ -50,7 +50,7 @@ async def publish_robot_state(graph: TypedGraph, warn: Callable[[str], None]) ->
                 warn(state.problem)
 
 
-async def read_settings(graph: TypedGraph) -> RobotStateSettings:
+async def _read_settings(graph: TypedGraph) -> RobotStateSettings:
     """Return the node's settings from its parameters. Raises ConfigError."""
     prefix_name = await graph.search_param("tf_prefix")
     prefix = await graph.get_param(prefix_name) if prefix_name else ""

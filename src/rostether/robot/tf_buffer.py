@@ -11,7 +11,7 @@ import math
 from collections.abc import Iterator
 
 from rostether.errors import ExtrapolationError, TransformError, UnconnectedFramesError, UnknownFrameError
-from rostether.robot.tf_cache import DEFAULT_CACHE_NS, Entry, StaticCache, TimeCache
+from rostether.robot.tf_cache import DEFAULT_CACHE_NS, StaticCache, StoredTransform, TimeCache
 from rostether.robot.transform import (
     StampedTransform,
     Transform,
@@ -57,7 +57,7 @@ class TransformBuffer:
             return (
                 f'TF_TOO_MANY_FRAMES: Ignoring "{child}" from authority "{authority}": {MAX_FRAMES} are known'
             )
-        entry = Entry(stamped.stamp_ns, parent, stamped.transform, authority)
+        entry = StoredTransform(stamped.stamp_ns, parent, stamped.transform, authority)
         self._frames.setdefault(child)
         cache = self._caches.get(child)
         if cache is None:

@@ -21,7 +21,7 @@ MAX_TRANSFORMS = 100_000
 _SHORTEST_SPAN_S = 0.0001
 
 
-class Entry(Struct, frozen=True):
+class StoredTransform(Struct, frozen=True):
     """One transform of a frame to its parent."""
 
     stamp_ns: int
@@ -38,9 +38,9 @@ class TimeCache:
     def __init__(self, cache_ns: int = DEFAULT_CACHE_NS) -> None:
         self._cache_ns = cache_ns
         self._stamps: list[int] = []
-        self._entries: list[Entry] = []
+        self._entries: list[StoredTransform] = []
 
-    def insert(self, entry: Entry) -> str:
+    def insert(self, entry: StoredTransform) -> str:
         """Store an entry; return tf2's error message if it was refused, or an empty string."""
         stamps = self._stamps
         if stamps and stamps[-1] > entry.stamp_ns + self._cache_ns:
@@ -59,7 +59,7 @@ class TimeCache:
             del self._entries[:outdated]
         return ""
 
-    def at(self, time_ns: int) -> Entry:
+    def at(self, time_ns: int) -> StoredTransform:
         """Return the transform at a time, interpolated between two entries with the same parent.
 
         If the parent changes between them, returns the earlier entry. Raises ExtrapolationError.
@@ -78,10 +78,10 @@ class TimeCache:
             return earlier
         ratio = (time_ns - earlier.stamp_ns) / (later.stamp_ns - earlier.stamp_ns)
         moved = interpolate(earlier.transform, later.transform, ratio)
-        return Entry(time_ns, later.parent, moved, later.authority)
+        return StoredTransform(time_ns, later.parent, moved, later.authority)
 
     @property
-    def latest(self) -> Entry:
+    def latest(self) -> StoredTransform:
         """The newest entry."""
         return self._entries[-1]
 
@@ -109,15 +109,15 @@ class StaticCache:
     oldest_ns = 0
     rate_hz = 1 / _SHORTEST_SPAN_S
 
-    def __init__(self, entry: Entry) -> None:
+    def __init__(self, entry: StoredTransform) -> None:
         self.latest = entry
 
-    def insert(self, entry: Entry) -> str:
+    def insert(self, entry: StoredTransform) -> str:
         """Replace the transform; never refuses."""
         self.latest = entry
         return ""
 
-    def at(self, time_ns: int) -> Entry:
+    def at(self, time_ns: int) -> StoredTransform:
         """Return the transform."""
         return self.latest
 

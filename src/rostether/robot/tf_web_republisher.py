@@ -48,7 +48,7 @@ STATUS_PERIOD_S = 1.0
 _ACTIVE, _PREEMPTED, _REJECTED = 1, 2, 5
 
 
-class Request(Struct):
+class _Request(Struct):
     """The request of a page, and the last transform sent for each frame."""
 
     target: str
@@ -59,7 +59,7 @@ class Request(Struct):
     sent: dict[str, Transform] = field(default_factory=dict)
 
     @classmethod
-    def read(cls, message: Any) -> Request:
+    def read(cls, message: Any) -> _Request:
         """Read a goal or a service request. Raises ConfigError."""
         if len(message.source_frames) > MAX_FRAMES:
             raise ConfigError(
@@ -128,7 +128,7 @@ class _Republisher:
         await cancel_all(*self._tasks)
 
     async def _serve(self, message: Any) -> dict[str, str]:
-        request = Request.read(message)
+        request = _Request.read(message)
         if len(self._tasks) - len(self._goals) >= MAX_REQUESTS:
             raise GraphError(f"{MAX_REQUESTS} requests are already active; close some pages")
         self._count += 1
@@ -137,7 +137,7 @@ class _Republisher:
         start_task(self._tasks, self._serve_topic(publisher, request, timeout_s if timeout_s > 0 else IDLE_S))
         return {"topic_name": publisher.topic}
 
-    async def _serve_topic(self, publisher: TypedPublisher[...], request: Request, timeout_s: float) -> None:
+    async def _serve_topic(self, publisher: TypedPublisher[...], request: _Request, timeout_s: float) -> None:
         async with closed_at_end(publisher):
             await self._send(request, publisher, timeout_s, lambda fields: publisher.publish(fields))
 
@@ -148,7 +148,7 @@ class _Republisher:
     def _handle_goal(self, message: Any) -> None:
         goal_id = message.goal_id
         try:
-            request = Request.read(message.goal)
+            request = _Request.read(message.goal)
         except ConfigError as error:
             self._report(str(error))
             self._end_goal(goal_id, _REJECTED, str(error))
@@ -165,7 +165,7 @@ class _Republisher:
         self._goals[goal_id.id] = task, goal_id
 
     async def _serve_goal(
-        self, name: str, request: Request, send: Callable[[dict[str, Any]], object]
+        self, name: str, request: _Request, send: Callable[[dict[str, Any]], object]
     ) -> None:
         await self._send(request, self._feedback, IDLE_S, send)
         self._cancel(name)
@@ -197,7 +197,7 @@ class _Republisher:
 
     async def _send(
         self,
-        request: Request,
+        request: _Request,
         publisher: TypedPublisher[...],
         timeout_s: float,
         send: Callable[[dict[str, Any]], object],

@@ -60,7 +60,7 @@ def expand_xacro(file: Path, mappings: Mapping[str, str], *, packages: Mapping[s
         _check_file(file)
     except OSError as error:
         raise RobotModelError(read_failure(file, error)) from error
-    with _packages_found(xacro, packages), bounded(xacro, file):
+    with _packages_found(xacro, packages), _bounded(xacro, file):
         try:
             document = xacro.process_file(str(file), mappings=dict(mappings))
         except RobotModelError:
@@ -128,7 +128,7 @@ def _explain(file: Path, xacro: Any, error: Exception) -> str:
 
 
 @contextmanager
-def bounded(xacro: Any, file: Path) -> Iterator[None]:
+def _bounded(xacro: Any, file: Path) -> Iterator[None]:
     """Make xacro raise RobotModelError or OverflowError beyond the limits during the block."""
     counter, evaluate = _Counter(xacro, file), PythonEvaluator().evaluate
     symbols, arguments = xacro._global_symbols, xacro.substitution_args

@@ -21,7 +21,7 @@ _NEEDED = ("rostether", "h11", "msgspec", "yaml")
 PATH_FOLDER = Path(__file__).with_name("path")
 
 
-def node_environment(
+def script_environment(
     environ: Mapping[str, str], package_folders: Mapping[str, Path] | None = None
 ) -> dict[str, str]:
     """Return `environ` with our rospy for Python scripts. Other programs can also run in it.

@@ -120,7 +120,7 @@ class PackageFinder(MetaPathFinder):
         from rostether.rospy.client.message_types import all_types
 
         if self._folders is None:
-            self._folders = package_folders()
+            self._folders = importable_packages()
         own = self._folders.get(fullname)
         for folder in (own, *self._folders.values()):
             if folder is not None and (spec := _python_of(folder, fullname)):
@@ -130,7 +130,7 @@ class PackageFinder(MetaPathFinder):
         return None
 
 
-def package_folders() -> dict[str, Path]:
+def importable_packages() -> dict[str, Path]:
     """Map the names of the packages that this program can use to their folders."""
     from rostether.packages.search_path import find_packages
     from rostether.rospy.environment import package_search_path

@@ -3,14 +3,14 @@ from __future__ import annotations
 import pytest
 
 from rostether.errors import ExtrapolationError
-from rostether.robot.tf_cache import Entry, StaticCache, TimeCache, seconds
+from rostether.robot.tf_cache import StaticCache, StoredTransform, TimeCache, seconds
 from rostether.robot.transform import Transform
 
 SECOND = 10**9
 
 
-def entry(stamp_ns: int, parent: str = "root") -> Entry:
-    return Entry(stamp_ns, parent, Transform((stamp_ns / SECOND, 0.0, 0.0)), "/node")
+def entry(stamp_ns: int, parent: str = "root") -> StoredTransform:
+    return StoredTransform(stamp_ns, parent, Transform((stamp_ns / SECOND, 0.0, 0.0)), "/node")
 
 
 def test_entries_may_arrive_in_any_order() -> None:

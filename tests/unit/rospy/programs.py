@@ -9,7 +9,7 @@ import sys
 from collections.abc import AsyncIterator, Mapping
 from pathlib import Path
 
-from rostether.rospy.environment import node_environment
+from rostether.rospy.environment import script_environment
 
 
 @contextlib.asynccontextmanager
@@ -26,7 +26,7 @@ async def running_script(
         sys.executable,
         *words,
         *arguments,
-        env=node_environment(
+        env=script_environment(
             {
                 "PATH": os.environ["PATH"],
                 "HOME": os.environ.get("HOME", "/"),

@@ -20,9 +20,9 @@ from rostether.errors import ConfigError
 from rostether.launch.command_line import Locate, Program, Replaced
 from rostether.launch.loading import load_launch
 from rostether.launch.plan import LaunchPlan
-from rostether.launch.sources import LaunchSources, bundled_packages, find_sources
+from rostether.launch.sources import LaunchSources, bundled_launch_packages, find_sources
 from rostether.packages.locate import package_around, package_folders
-from rostether.rospy.environment import node_environment
+from rostether.rospy.environment import script_environment
 
 _PACKAGE_PATH = "ROS_PACKAGE_PATH"
 
@@ -74,7 +74,7 @@ def load(words: Sequence[str], *, runs_commands: bool) -> LoadedLaunch:
     Without `runs_commands`, `<param command="...">` runs no program.
     """
     packages = packages_here()
-    packages |= {name: folder for name, folder in bundled_packages().items() if name not in packages}
+    packages |= {name: folder for name, folder in bundled_launch_packages().items() if name not in packages}
     sources = find_sources(words, packages)
     for file in sources.files:
         # A file given by its path also sees its own package and the packages beside it.
@@ -108,7 +108,7 @@ def _locator(packages: Mapping[str, Path], near: Mapping[str, Path]) -> Locate:
         if line := replacement_line(package, environ):
             return Replaced(line)
         words = node_command(package, node_type, packages=packages, environ=environ)
-        return Program(words, node_environment(environ, near))
+        return Program(words, script_environment(environ, near))
 
     return locate
 

@@ -37,7 +37,7 @@ def node_command(
 ) -> list[str]:
     """Return the command line of `rosrun PACKAGE PROGRAM`; `packages` are the folders of all packages.
 
-    Start it in the environment that `rospy.environment.node_environment` returns.
+    Start it in the environment that `rospy.environment.script_environment` returns.
     Raises ConfigError with similar names if there is no such package or program.
     """
     if built_in := builtin_nodes().get((package, program)):

@@ -17,7 +17,7 @@ from rostether.cli.shell.option_group import add_flag, add_option
 from rostether.cli.shell.output import warn, write_line
 from rostether.cli.shell.verbs import verb
 from rostether.errors import ConfigError
-from rostether.rospy.environment import node_environment
+from rostether.rospy.environment import script_environment
 
 
 @verb(
@@ -54,7 +54,7 @@ def run(prefix: str, debug: bool, package: str, program: str, arguments: tuple[s
     words = [*shlex.split(prefix), *found, *arguments]
     if debug:
         write_line(shlex.join(words))
-    replace_process(words, node_environment(os.environ, packages))
+    replace_process(words, script_environment(os.environ, packages))
 
 
 def replace_process(words: Sequence[str], environ: Mapping[str, str]) -> None:

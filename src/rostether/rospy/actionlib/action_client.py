@@ -9,7 +9,7 @@ import weakref
 from collections.abc import Callable
 from typing import Any
 
-from rostether.rospy.actionlib.action_types import ActionParts, GoalID, GoalStatusArray
+from rostether.rospy.actionlib.action_types import ActionClasses, GoalID, GoalStatusArray
 from rostether.rospy.actionlib.client_goal import ClientGoalHandle, FollowedGoal
 from rostether.rospy.client.message import Message
 from rostether.rospy.client.names import get_caller_id, remap_name
@@ -34,7 +34,7 @@ class ActionClient:
     """
 
     def __init__(self, ns: str, ActionSpec: Any) -> None:  # noqa: N803 - the name is actionlib's
-        parts = ActionParts.of(ActionSpec)
+        parts = ActionClasses.of(ActionSpec)
         self.ns = ns
         self.ActionSpec = ActionSpec
         self.ActionGoal: Any = parts.goal

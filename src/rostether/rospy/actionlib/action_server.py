@@ -7,7 +7,7 @@ from collections.abc import Callable
 from typing import Any
 
 from rostether.rospy.actionlib.action_client import queue_size
-from rostether.rospy.actionlib.action_types import ActionParts, GoalID, GoalStatus, GoalStatusArray
+from rostether.rospy.actionlib.action_types import ActionClasses, GoalID, GoalStatus, GoalStatusArray
 from rostether.rospy.actionlib.goal_ids import GoalIDGenerator
 from rostether.rospy.actionlib.server_goal import ServedGoal, ServerGoalHandle
 from rostether.rospy.client.logs import logdebug, logwarn
@@ -54,7 +54,7 @@ class ActionServer:
         cancel_cb: Callable[[ServerGoalHandle], object] = no_cancel,
         auto_start: bool = True,
     ) -> None:
-        parts = ActionParts.of(ActionSpec)
+        parts = ActionClasses.of(ActionSpec)
         self.ns = ns
         self.ActionSpec = ActionSpec
         self.ActionGoal = parts.goal

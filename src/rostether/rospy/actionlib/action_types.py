@@ -18,7 +18,7 @@ class ActionException(Exception):  # noqa: N818 - the name is actionlib's
     """The type is not an action."""
 
 
-class ActionParts(Struct, frozen=True):
+class ActionClasses(Struct, frozen=True):
     """The classes that make up an action's class `NameAction`."""
 
     goal: type[Message]
@@ -27,7 +27,7 @@ class ActionParts(Struct, frozen=True):
     plain_result: type[Message]
 
     @classmethod
-    def of(cls, action: Any) -> ActionParts:
+    def of(cls, action: Any) -> ActionClasses:
         """Return the parts of the class `action` of an .action file. Raises ActionException."""
         try:
             example = action()

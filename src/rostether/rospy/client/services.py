@@ -98,7 +98,7 @@ class Service:
         try:
             request: Any = read_message(self.request_class, payload)
             request._connection_header = header
-            return message_bytes(response_of(self.handler(request), self.response_class))
+            return message_bytes(_response_of(self.handler(request), self.response_class))
         except ServiceException as error:
             raise ServiceCallError(f"service cannot process request: {error}") from None
         except Exception as error:  # noqa: BLE001 - the caller gets the error, the service continues
@@ -181,7 +181,7 @@ def parse_rosrpc_uri(uri: str) -> tuple[str, int]:
     return address.host, address.port
 
 
-def response_of(returned: Any, response_class: type[Message]) -> Message:
+def _response_of(returned: Any, response_class: type[Message]) -> Message:
     """Return what a handler returned as a response. Raises ServiceException."""
     if isinstance(returned, Message) and returned._type == response_class._type:
         return returned

@@ -76,7 +76,7 @@ class SharedTopic(ABC, Generic[_E]):
 _S = TypeVar("_S", bound=SharedTopic[Any])
 
 
-class Topics:
+class TopicTable:
     """The topics in use, each shared by all its handles."""
 
     def __init__(self) -> None:
@@ -108,7 +108,7 @@ class Topics:
             return list(dict.fromkeys(each.resolved_name for each in self._topics.values()))
 
 
-topics = Topics()
+topics = TopicTable()
 
 
 class Topic(Generic[_S]):

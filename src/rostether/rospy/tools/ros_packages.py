@@ -16,7 +16,7 @@ from rostether.packages.package_xml import (
     read_package_xml,
 )
 from rostether.packages.search_path import find_packages, ros_package_path, walk
-from rostether.rospy.import_hook import package_folders
+from rostether.rospy.import_hook import importable_packages
 
 
 class ResourceNotFound(Exception):  # noqa: N818 - the name is rospkg's
@@ -219,4 +219,4 @@ def _manifest_in(folder: Path) -> Manifest:
         raise InvalidManifest(f"{error}") from None
 
 
-_all_folders = cache(package_folders)
+_all_folders = cache(importable_packages)

@@ -18,7 +18,7 @@ from rostether.rospy.tools.master_tools import Master, master_required
 # As in rostopic.
 _POLL_S = 0.1
 
-Evaluate = Callable[[Any], Any]
+ReadField = Callable[[Any], Any]
 
 
 class ROSTopicException(Exception):  # noqa: N818 - the names are rostopic's
@@ -29,7 +29,7 @@ class ROSTopicIOException(ROSTopicException):
     """The master does not answer."""
 
 
-def get_topic_type(topic: str, blocking: bool = False) -> tuple[str | None, str | None, Evaluate | None]:
+def get_topic_type(topic: str, blocking: bool = False) -> tuple[str | None, str | None, ReadField | None]:
     """Return a topic's type, its full name, and a function that reads the field in the name, if there is one.
 
     All are None if the topic is unknown. With `blocking`, waits until it is known. Raises
@@ -46,7 +46,7 @@ def get_topic_type(topic: str, blocking: bool = False) -> tuple[str | None, str 
         time.sleep(_POLL_S)
 
 
-def get_topic_class(topic: str, blocking: bool = False) -> tuple[Any, str | None, Evaluate | None]:
+def get_topic_class(topic: str, blocking: bool = False) -> tuple[Any, str | None, ReadField | None]:
     """Return a topic's message class, full name and field reader, like `get_topic_type`.
 
     Raises ROSTopicException if the type is unknown.
@@ -78,7 +78,7 @@ def find_by_type(topic_type: str) -> list[str]:
     return [name for name, kind in _types() if kind == topic_type]
 
 
-def msgevalgen(pattern: str) -> Evaluate | None:
+def msgevalgen(pattern: str) -> ReadField | None:
     """Return a function that reads a field such as `/pose/position/x` or `/ranges[1:3]`.
 
     Returns None if the pattern names no field or is invalid.
@@ -157,7 +157,7 @@ def publish_message(
         spin()
 
 
-def _topic_type(topic: str) -> tuple[str | None, str | None, Evaluate | None]:
+def _topic_type(topic: str) -> tuple[str | None, str | None, ReadField | None]:
     types = _types()
     names = [(name, kind) for name, kind in types if name == topic]
     if not names:

@@ -15,7 +15,7 @@ from rostether.cli.gateway import foxglove
 from rostether.cli.gateway.foxglove import settings_of_parameters
 from rostether.errors import ConfigError
 from rostether.gateways.foxglove.settings import CAPABILITIES, FoxgloveLimits, FoxgloveSettings
-from rostether.launch.sources import bundled_packages
+from rostether.launch.sources import bundled_launch_packages
 from rostether.ros1.master.server import MasterServer
 from unit.gateways.foxglove.protocol_client import ProtocolClient
 
@@ -96,7 +96,7 @@ async def test_the_established_launch_file_needs_no_installation(tmp_path: Path)
 
 
 def test_our_packages_have_what_their_names_promise() -> None:
-    folder = bundled_packages()["foxglove_bridge"]
+    folder = bundled_launch_packages()["foxglove_bridge"]
     assert (folder / "package.xml").is_file()
     assert (folder / "launch" / "foxglove_bridge.launch").is_file()
 

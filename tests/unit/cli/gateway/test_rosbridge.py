@@ -16,7 +16,7 @@ from programs import started
 from rostether.cli.gateway.rosbridge import read_settings
 from rostether.errors import ConfigError
 from rostether.gateways.rosbridge.settings import RosbridgeSettings
-from rostether.launch.sources import bundled_packages
+from rostether.launch.sources import bundled_launch_packages
 from rostether.ros1.master.server import MasterServer
 
 
@@ -114,7 +114,7 @@ async def test_rosapi_is_a_separate_node_if_a_launch_file_starts_it() -> None:
 
 
 def test_our_packages_have_what_their_names_promise() -> None:
-    folder = bundled_packages()["rosbridge_server"]
+    folder = bundled_launch_packages()["rosbridge_server"]
     assert (folder / "package.xml").is_file()
     assert (folder / "launch" / "rosbridge_websocket.launch").is_file()
 
