@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Awaitable, Callable, Iterable, Mapping
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING
 
 import click
 from click.shell_completion import CompletionItem
@@ -23,13 +23,10 @@ ROS1_TIMEOUT_S = 1.0
 # DDS takes a second or two to discover other nodes.
 ROS2_TIMEOUT_S = 3.0
 
-# The state of the ROS 1 master: publishers, subscribers and services, each with their nodes.
-State: TypeAlias = tuple[Mapping[str, list[str]], Mapping[str, list[str]], Mapping[str, list[str]]]
-
 
 def complete_topics(ctx: click.Context, _param: click.Parameter, incomplete: str) -> list[str]:
     """Return the topics that begin with the typed text."""
-    return _complete_state(ctx, _topics, lambda view: view.topics(), incomplete)
+    return _complete(ctx, _topics, lambda view: view.topics(), incomplete)
 
 
 def complete_fields(ctx: click.Context, _param: click.Parameter, incomplete: str) -> list[str]:
@@ -37,7 +34,7 @@ def complete_fields(ctx: click.Context, _param: click.Parameter, incomplete: str
 
     async def names(client: MasterClient) -> Iterable[str]:
         found = field_names(_registry(ctx), await client.topic_types(), incomplete)
-        return {*_topics(await client.system_state()), *found}
+        return {*await _topics(client), *found}
 
     return _complete(ctx, names, lambda view: view.topics(), incomplete)
 
@@ -56,17 +53,14 @@ def complete_topic_type(ctx: click.Context, param: click.Parameter, incomplete: 
 
 def complete_nodes(ctx: click.Context, _param: click.Parameter, incomplete: str) -> list[str]:
     """Return the nodes that begin with the typed text."""
-    return _complete_state(
-        ctx,
-        lambda state: {node for part in state for nodes in part.values() for node in nodes},
-        _nodes,
-        incomplete,
-    )
+    from rostether.ros1.node.node_queries import node_names
+
+    return _complete(ctx, node_names, _nodes, incomplete)
 
 
 def complete_services(ctx: click.Context, _param: click.Parameter, incomplete: str) -> list[str]:
     """Return the services that begin with the typed text."""
-    return _complete_state(ctx, lambda state: state[2], lambda view: view.services(), incomplete)
+    return _complete(ctx, _services, lambda view: view.services(), incomplete)
 
 
 def complete_params(ctx: click.Context, _param: click.Parameter, incomplete: str) -> list[str]:
@@ -135,24 +129,17 @@ def _graph(ctx: click.Context) -> GraphOptions:
     )
 
 
-def _topics(state: State) -> Iterable[str]:
-    return state[0].keys() | state[1].keys()
+async def _topics(client: MasterClient) -> Iterable[str]:
+    publishers, subscribers, _ = await client.system_state()
+    return publishers.keys() | subscribers.keys()
+
+
+async def _services(client: MasterClient) -> Iterable[str]:
+    return (await client.system_state())[2]
 
 
 def _nodes(view: GraphView) -> Iterable[str]:
     return (node for node in view.nodes if not node.rpartition("/")[2].startswith("_"))
-
-
-def _complete_state(
-    ctx: click.Context,
-    names: Callable[[State], Iterable[str]],
-    ros2_names: Callable[[GraphView], Iterable[str]],
-    incomplete: str,
-) -> list[str]:
-    async def ask(client: MasterClient) -> Iterable[str]:
-        return names(await client.system_state())
-
-    return _complete(ctx, ask, ros2_names, incomplete)
 
 
 def _complete(

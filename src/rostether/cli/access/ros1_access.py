@@ -116,11 +116,9 @@ def no_master(environment: RosEnvironment, error: MasterUnreachableError) -> Mas
     """Return the error for a master that does not answer, with advice."""
     from rostether.transports.sockets import explain_reason
 
-    cause = error.__cause__
-    if isinstance(cause, ConnectionRefusedError) or not isinstance(cause, OSError):
-        reason = f"no ROS master answers at {environment.master_uri}"
-    else:
-        reason = f"no ROS master answers at {environment.master_uri} ({explain_reason(cause)})"
+    reason, cause = f"no ROS master answers at {environment.master_uri}", error.__cause__
+    if isinstance(cause, OSError) and not isinstance(cause, ConnectionRefusedError):
+        reason += f" ({explain_reason(cause)})"
     return MasterUnreachableError(
         f"{reason}; start one with `rostether core` or `rostether serve`, or set ROS_MASTER_URI"
     )

@@ -115,6 +115,7 @@ def _picture(boards: Sequence[BoardStatus], graph_name: str, width: int, height:
         return Text(f"{graph_name}: {NOTHING}; press Ctrl-C to stop")
     text = Text(no_wrap=True, overflow="crop", end="")
     count = counted(len(boards), "board")
+    # The line below the table and the cursor need room: a full screen would scroll.
     for line in table(boards, width, height - 3):
         for piece, style in line.pieces:
             text.append(piece, style)

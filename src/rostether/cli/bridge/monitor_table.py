@@ -197,6 +197,7 @@ def _endpoint(endpoint: EndpointStatus, name_width: int, width: int) -> Line:
     else:
         rate = f"{amount(endpoint.message_count)} call{'' if endpoint.message_count == 1 else 's'}"
     lost = f"  {amount(endpoint.dropped_count)} lost" if endpoint.dropped_count else ""
+    # The arrow, the rate and the losses need 32 characters.
     type_width = min(28, max(0, width - name_width - 32))
     return _fit(
         [
