@@ -45,7 +45,7 @@ from rostether.transports.peers import PeerEntry, PeerTransport
 from rostether.transports.transport import Listener, Transport
 from rostether.transports.web import WebTransport
 
-# The longest pause between attempts to reach a master: after its start, boards are expected in seconds.
+# The longest pause between attempts to reach a master or a radio; boards are expected soon after its start.
 MAX_JOIN_WAIT_S = 2.0
 # A board sends data within 2 s after it connects; a silent connection uses a session that another board
 # may need.
