@@ -161,6 +161,11 @@ class Record:
         shared = [slot for slot in self.ros1_slots if slot.side is Side.BOTH]
         return shared == [slot for slot in self.ros2_slots if slot.side is Side.BOTH]
 
+    @property
+    def is_empty_in_ros2(self) -> bool:
+        """Whether the ROS 2 message has no fields, so that it has only the placeholder."""
+        return [slot.ros2_name for slot in self.ros2_slots] == [DUMMY_NAME]
+
     def slots(self, side: Side) -> tuple[Slot, ...]:
         """Return the slots in the order of one side."""
         return self.ros1_slots if side is Side.ROS1 else self.ros2_slots

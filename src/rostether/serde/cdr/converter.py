@@ -8,7 +8,7 @@ from typing import Final
 from rostether.errors import SerializationError
 from rostether.mechanisms.text import counted
 from rostether.msgdef.ros2.spec import Ros2Message
-from rostether.serde.cdr.conversion_tree import DUMMY_NAME, Array, Node, Plain, Record, Side, Text
+from rostether.serde.cdr.conversion_tree import Array, Node, Plain, Record, Side, Text
 from rostether.serde.cdr.converter_source import ERRORS, LITTLE_ENDIAN, compile_conversion
 from rostether.serde.cdr.field_matching import Lookup, match_fields
 from rostether.serde.cdr.offset import UNIT_BYTES, widen
@@ -72,7 +72,7 @@ class CdrConverter:
         is_big_endian = cdr[:2] == _BIG_ENDIAN
         walker = PayloadWalker(cdr, Side.ROS2, is_big_endian=is_big_endian)
         try:
-            if self._has_fields:
+            if not self._tree.is_empty_in_ros2:
                 walker.over(self._tree)
         except (Misfit, *ERRORS) as reason:
             raise SerializationError(
@@ -81,10 +81,6 @@ class CdrConverter:
         if not is_big_endian:
             raise SerializationError(f"{self.ros2_name}: the CDR of {counted(len(cdr), 'byte')} does not fit")
         return self.from_cdr(LITTLE_ENDIAN + bytes(walker.payload[len(LITTLE_ENDIAN) :]))
-
-    @property
-    def _has_fields(self) -> bool:
-        return [slot.ros2_name for slot in self._tree.ros2_slots] != [DUMMY_NAME]
 
 
 def compile_message(ros1: Struct, ros2: Ros2Message, lookup: Lookup) -> CdrConverter:

@@ -24,7 +24,7 @@ from collections.abc import Callable
 from typing import Any, Final
 
 from rostether.errors import DefinitionError
-from rostether.serde.cdr.conversion_tree import DUMMY_NAME, Node, Record, Side, Translation
+from rostether.serde.cdr.conversion_tree import Node, Record, Side, Translation
 from rostether.serde.cdr.converting_body import ConvertingBody, row
 from rostether.serde.cdr.offset import Offset, narrow, widen
 from rostether.serde.generated_source import indented
@@ -63,7 +63,7 @@ def compile_conversion(tree: Record, target: Side, refuse: Callable[[bytes], byt
     lines = [*body.lines, f"if {end} {'!=' if to_cdr else '>'} len(b): raise overrun"]
     if not to_cdr:
         lines.insert(0, f"if b[:2] != {LITTLE_ENDIAN[:2]!r}: return refuse(b)")
-        if [slot.ros2_name for slot in tree.ros2_slots] == [DUMMY_NAME]:
+        if tree.is_empty_in_ros2:
             # Some peers omit the placeholder byte of an empty message.
             lines.pop()
     pieces = body.pieces.pop_all()
