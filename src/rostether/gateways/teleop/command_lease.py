@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Hashable
+from typing import Generic, TypeVar
+
+DriverT = TypeVar("DriverT", bound=Hashable)
 
 # The dashboard sends 25 commands a second: two in a row may be lost.
 KEEP_S = 0.125
@@ -11,16 +14,16 @@ KEEP_S = 0.125
 HOLD_S = 1.0
 
 
-class CommandLease:
+class CommandLease(Generic[DriverT]):
     """The lease of one command topic. Times are seconds of a monotonic clock."""
 
     def __init__(self) -> None:
-        self.driver: Hashable | None = None
+        self.driver: DriverT | None = None
         self._commanded_s = 0.0
         self._is_moving = False
         self._has_stopped = True
         # Drivers that were silent for `HOLD_S` while they moved the robot.
-        self._lapsed: set[Hashable] = set()
+        self._lapsed: set[DriverT] = set()
 
     @property
     def due_s(self) -> float | None:
@@ -29,7 +32,7 @@ class CommandLease:
             return None
         return self._commanded_s + (KEEP_S if self._is_moving else HOLD_S)
 
-    def admits(self, driver: Hashable, now_s: float, *, is_stop: bool) -> bool:
+    def admits(self, driver: DriverT, now_s: float, *, is_stop: bool) -> bool:
         """Return whether a driver's command may be published: every stop, and commands of the lease's driver.
 
         A driver that was silent for `HOLD_S` while it moved the robot must send a stop first: after a network
@@ -43,7 +46,7 @@ class CommandLease:
         is_silent = now_s >= self._commanded_s + HOLD_S
         return driver == self.driver and (self._has_stopped or not is_silent)
 
-    def command(self, driver: Hashable, now_s: float, *, is_stop: bool) -> None:
+    def command(self, driver: DriverT, now_s: float, *, is_stop: bool) -> None:
         """Give the lease to the driver of an admitted command, and keep it for this driver."""
         self.driver = driver
         self._commanded_s = now_s
@@ -63,7 +66,7 @@ class CommandLease:
             self.driver = None
         return must_stop
 
-    def release(self, driver: Hashable) -> bool:
+    def release(self, driver: DriverT) -> bool:
         """Free the lease if it is this driver's; return whether a stop must be published now."""
         self._lapsed.discard(driver)
         if self.driver != driver:

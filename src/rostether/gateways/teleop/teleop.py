@@ -40,8 +40,8 @@ class CommandTopic:
         self.commands = commands
         self._publisher = publisher
         self._codec = codec
-        self._lease = CommandLease()
-        self._holder: Driver | None = None
+        self._lease = CommandLease[Driver]()
+        self._reported: Driver | None = None
         self._last: Message | None = None
         self._loop = asyncio.get_running_loop()
         self._timer: asyncio.TimerHandle | None = None
@@ -54,7 +54,7 @@ class CommandTopic:
     @property
     def holder(self) -> str:
         """The name of the current driver, an empty string if there is none."""
-        return self._holder.name if self._holder is not None else ""
+        return self._lease.driver.name if self._lease.driver is not None else ""
 
     def is_stop(self, payload: bytes) -> bool:
         """Return whether a command is a stop. Raises RostetherError."""
@@ -70,8 +70,7 @@ class CommandTopic:
         self._lease.command(driver, now_s, is_stop=is_stop)
         self._last = message
         self._publisher.publish_raw([self._codec.encode(message)])
-        self._hold(driver)
-        self._schedule()
+        self._update()
         return True
 
     def leave(self, driver: Driver) -> None:
@@ -79,21 +78,20 @@ class CommandTopic:
         self.users.discard(driver)
         if self._lease.release(driver):
             self._stop()
-        self._settle()
+        self._update()
 
     async def close(self) -> None:
         """Stop, and unadvertise."""
         if self._timer is not None:
             self._timer.cancel()
-        if self._holder is not None:
-            self.leave(self._holder)
+        if self._lease.driver is not None:
+            self.leave(self._lease.driver)
         await self._publisher.close()
 
     def end(self, reason: str) -> None:
         """Drop everything: the node has left the graph."""
         if self._timer is not None:
             self._timer.cancel()
-        self._holder = None
         users = list(self.users)
         self.users.clear()
         for user in users:
@@ -103,19 +101,7 @@ class CommandTopic:
         self._timer = None
         if self._lease.expire(self._loop.time()):
             self._stop()
-        self._settle()
-
-    def _settle(self) -> None:
-        if self._lease.driver is None:
-            self._hold(None)
-        self._schedule()
-
-    def _hold(self, driver: Driver | None) -> None:
-        if driver is self._holder:
-            return
-        self._holder = driver
-        for user in list(self.users):
-            user.lease_changed(self.holder)
+        self._update()
 
     def _stop(self) -> None:
         if self._last is None:
@@ -126,7 +112,12 @@ class CommandTopic:
         except RostetherError as error:
             report_error(f"the stop on {self._publisher.topic}", error)
 
-    def _schedule(self) -> None:
+    def _update(self) -> None:
+        """Report a new driver to all, and schedule the next expiry."""
+        if self._lease.driver is not self._reported:
+            self._reported = self._lease.driver
+            for user in list(self.users):
+                user.lease_changed(self.holder)
         due_s = self._lease.due_s
         if self._timer is not None:
             if due_s is not None and self._timer.when() <= due_s:
