@@ -18,7 +18,7 @@ from rostether.recording.player import Player, PlaySettings
 from rostether.recording.recorded import RecordingReader
 from rostether.rostime import NS_PER_S
 
-MIN_RATE, MAX_RATE = 0.1, 10.0
+_MIN_RATE, _MAX_RATE = 0.1, 10.0
 
 # Recorded commands must not drive the robot by accident.
 PREFIX = "/playback"
@@ -44,8 +44,8 @@ class Playback:
 
     async def start(self, name: str, settings: PlaySettings) -> None:
         """Play a recording, after ending the current one. Raises ConfigError, RecordingError, GraphError."""
-        if not MIN_RATE <= settings.rate <= MAX_RATE:
-            raise ConfigError(f"the rate must be from {MIN_RATE:g} to {MAX_RATE:g}, not {settings.rate:g}")
+        if not _MIN_RATE <= settings.rate <= _MAX_RATE:
+            raise ConfigError(f"the rate must be from {_MIN_RATE:g} to {_MAX_RATE:g}, not {settings.rate:g}")
         async with self._lock:
             await self._end()
             path = await asyncio.to_thread(self._find, name)

@@ -23,14 +23,14 @@ from rostether.platform.status_frame import Refusal
 REPEAT_S = 0.05
 
 # A stop is sent for 0.2 s, faster than commands: Wi-Fi rarely loses all of these frames.
-STOP_PERIOD_S = 0.02
-STOP_FRAMES = 10
+_STOP_PERIOD_S = 0.02
+_STOP_FRAMES = 10
 
 # After a lost release, the robot is free when its time to live has passed.
 RELEASE_FRAMES = 3
 
 # A changed command is sent three times immediately, unless a change was sent three times within `REPEAT_S`.
-CHANGE_FRAMES = 3
+_CHANGE_FRAMES = 3
 
 _LAST_SEQUENCE = 0xFFFF_FFFF
 # A frame moves a robot only if ARMED is the only one of these flags that it has.
@@ -78,7 +78,7 @@ class CommandSender:
         """
         count = 1
         if payload != self._payload and now_s - self._copied_s >= REPEAT_S:
-            count = CHANGE_FRAMES
+            count = _CHANGE_FRAMES
             self._copied_s = now_s
         self._payload = payload
         self._stops_left = 0
@@ -97,7 +97,7 @@ class CommandSender:
         """Return the datagrams to repeat now."""
         if self._stops_left:
             self._stops_left -= 1
-            self._due_s = now_s + STOP_PERIOD_S if self._stops_left else None
+            self._due_s = now_s + _STOP_PERIOD_S if self._stops_left else None
             return [self._frame(self._stop_flags)]
         if self._payload is None:
             self._due_s = None
@@ -120,7 +120,7 @@ class CommandSender:
 
     def _end_motion(self, flags: Flags, now_s: float) -> list[bytes]:
         self._payload = None
-        self._stops_left, self._stop_flags = STOP_FRAMES, flags
+        self._stops_left, self._stop_flags = _STOP_FRAMES, flags
         return self.repeat(now_s)
 
     def _frame(self, flags: Flags, payload: bytes = b"") -> bytes:

@@ -14,7 +14,7 @@ from rostether.platform.igmp_querier import QUERY_INTERVAL_S
 from rostether.platform.robot_table import MAX_LOSS, Robot, RobotKey, hosts_of_duplicate_ids
 
 # With a weaker signal, Wi-Fi uses its slowest rates, and loses multicast first.
-WEAK_SIGNAL_DBM = -75
+_WEAK_SIGNAL_DBM = -75
 
 # A recording of one camera fills this in a few minutes.
 _MIN_FREE_BYTES = 500_000_000
@@ -79,7 +79,7 @@ def _robot_finding(key: RobotKey, robot: Robot, found: Examination) -> FleetFind
             f"{robot.loss:.0%}{compared or ' of the datagrams'} are lost; turn off Wi-Fi power saving on the "
             f"robot, or send to it by --unicast {host}"
         )
-    if status.signal_dbm is not None and status.signal_dbm < WEAK_SIGNAL_DBM:
+    if status.signal_dbm is not None and status.signal_dbm < _WEAK_SIGNAL_DBM:
         faults.append(f"the Wi-Fi signal of {status.signal_dbm} dBm is weak; move the access point closer")
     if status.host is not None and status.host.free_bytes < _MIN_FREE_BYTES:
         faults.append(

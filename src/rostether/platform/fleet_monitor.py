@@ -23,7 +23,7 @@ from rostether.rostime import Time
 from rostether.serde.values import Message
 
 # Fast enough for a display, and slow enough for the Wi-Fi of a large fleet.
-QUERY_PERIOD_S = 0.5
+_QUERY_PERIOD_S = 0.5
 
 # Bad Wi-Fi rarely loses all queries and answers in this time.
 LOST_S = 3.0
@@ -52,7 +52,7 @@ class FleetMonitor:
             ):
                 self._report(Level.INFO, f"asking the robots at {self._settings.address} for their state")
                 while True:
-                    await queries.query(QUERY_PERIOD_S, QUERY_PERIOD_S)
+                    await queries.query(_QUERY_PERIOD_S, _QUERY_PERIOD_S)
                     fleet.publish(robots=self._states(queries.robots, time.monotonic()))
 
     async def _stop(self, request: Message) -> dict[str, list[int]]:

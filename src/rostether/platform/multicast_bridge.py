@@ -24,7 +24,7 @@ from rostether.platform.multicast_socket import MAX_DATAGRAM_BYTES, GroupAddress
 from rostether.platform.status_frame import Refusal
 
 # At higher rates, pauses are too short for the event loop; 0 means no pauses.
-MAX_FREQUENCY_HZ = 10_000.0
+_MAX_FREQUENCY_HZ = 10_000.0
 
 # A datagram that could not be sent is tried again after this time at the earliest.
 _RETRY_S = 0.01
@@ -50,9 +50,9 @@ async def send_topic(
     graph: Graph, settings: BridgeNodeSettings, report: Callable[[Level, str], None]
 ) -> None:
     """Send the topic's messages until cancelled. Raises ConfigError, InvalidNameError, GraphError."""
-    if not 0 <= settings.frequency_hz <= MAX_FREQUENCY_HZ:
+    if not 0 <= settings.frequency_hz <= _MAX_FREQUENCY_HZ:
         raise ConfigError(
-            f"~frequency must be from 0 (no limit) to {MAX_FREQUENCY_HZ:g} Hz, not {settings.frequency_hz:g}"
+            f"~frequency must be from 0 (no limit) to {_MAX_FREQUENCY_HZ:g} Hz, not {settings.frequency_hz:g}"
         )
     if not 0 <= settings.input_timeout_s < float("inf"):
         raise ConfigError(

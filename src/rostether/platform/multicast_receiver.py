@@ -39,7 +39,7 @@ from rostether.transports.own_names import is_own_address
 
 # Joins are repeated if no datagram arrives, and once a minute: without a querier, switches forget a group.
 SILENCE_S = 2.0
-REJOIN_S = 60.0
+_REJOIN_S = 60.0
 # How long datagrams are handled before other tasks run: checking the tag of the longest takes 0.3 ms.
 _TURN_S = 0.005
 # No datagram is longer.
@@ -146,7 +146,7 @@ class _Receiver:
             while True:
                 await asyncio.sleep(SILENCE_S)
                 now_s = time.monotonic()
-                if has_failed or now_s - self._last_s >= SILENCE_S or now_s - joined_s >= REJOIN_S:
+                if has_failed or now_s - self._last_s >= SILENCE_S or now_s - joined_s >= _REJOIN_S:
                     break
 
     def _read(self, sock: socket.socket) -> None:

@@ -14,8 +14,8 @@ from rostether.platform.sensor_state import MAX_STATE_TEXT_CHARACTERS, REPORTED
 MAX_TEXT_CHARACTERS = 100
 
 # Shorter leases load the manager with renewals; with longer ones, a robot without power is listed too long.
-MIN_LEASE_S = 1.0
-MAX_LEASE_S = 3600.0
+_MIN_LEASE_S = 1.0
+_MAX_LEASE_S = 3600.0
 
 # No sensor publishes faster.
 MAX_RATE_HZ = 1e6
@@ -64,9 +64,9 @@ class Registration(Struct, frozen=True):
             raise ServiceCallError(
                 f"message_type must be a type such as std_msgs/Float64, not {self.message_type!r:.100}"
             )
-        if not MIN_LEASE_S <= self.lease_s <= MAX_LEASE_S:
+        if not _MIN_LEASE_S <= self.lease_s <= _MAX_LEASE_S:
             raise ServiceCallError(
-                f"lease_s must be {MIN_LEASE_S:g} to {MAX_LEASE_S:g}, not {self.lease_s:g}"
+                f"lease_s must be {_MIN_LEASE_S:g} to {_MAX_LEASE_S:g}, not {self.lease_s:g}"
             )
         if not 0 <= self.rate_hz <= MAX_RATE_HZ:
             raise ServiceCallError(f"rate_hz must be 0 (unknown) to {MAX_RATE_HZ:g}, not {self.rate_hz:g}")

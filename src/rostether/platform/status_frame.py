@@ -36,7 +36,7 @@ from rostether.platform.command_frame import NO_KEY
 from rostether.platform.siphash import TAG_BYTES, siphash_2_4
 
 # The length of an IPv6 address with the name of its interface, and a port.
-MAX_HOLDER_BYTES = 80
+_MAX_HOLDER_BYTES = 80
 
 _HEADER = struct.Struct("<2sBBIQIIIBbH")
 _HOST = struct.Struct("<QQ")
@@ -87,7 +87,7 @@ class RobotStatus(msgspec.Struct, frozen=True):
 
     def encode(self, key: bytes = NO_KEY) -> bytes:
         """Return the datagram; counts restart from 0 after 2^32."""
-        holder = self.holder.encode("ascii", "replace")[:MAX_HOLDER_BYTES]
+        holder = self.holder.encode("ascii", "replace")[:_MAX_HOLDER_BYTES]
         body = (
             _HEADER.pack(
                 MAGIC,
@@ -112,7 +112,7 @@ class RobotStatus(msgspec.Struct, frozen=True):
 
 def decode_status(datagram: bytes, key: bytes = NO_KEY) -> RobotStatus:
     """Return the status in a datagram. Raises RemoteProtocolError with the reason."""
-    if not _MIN_BYTES <= len(datagram) <= _MIN_BYTES + MAX_HOLDER_BYTES + _HOST.size + _EPOCH.size:
+    if not _MIN_BYTES <= len(datagram) <= _MIN_BYTES + _MAX_HOLDER_BYTES + _HOST.size + _EPOCH.size:
         raise RemoteProtocolError(f"a datagram of {len(datagram)} bytes is not a status")
     header = _HEADER.unpack_from(datagram)
     magic, version, state, robot_id, epoch_us, sequence, received, lost, refusal, signal, length = header

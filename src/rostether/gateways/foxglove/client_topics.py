@@ -19,8 +19,8 @@ from rostether.serde.codec import Codec
 from rostether.serde.store import TypeStore
 
 # The limit of messages that wait until a topic is advertised: a second of a flood, or two large images.
-MAX_EARLY_MESSAGES = 10_000
-MAX_EARLY_BYTES = 32 << 20
+_MAX_EARLY_MESSAGES = 10_000
+_MAX_EARLY_BYTES = 32 << 20
 
 # The limit of different errors per topic; each is reported once.
 MAX_REPORTED_ERRORS = 20
@@ -101,7 +101,7 @@ class ClientTopic:
         self._report_once(f"a message on {self.channel.topic} is not published: {error}")
 
     def _keep(self, payload: bytes) -> None:
-        if len(self._early) >= MAX_EARLY_MESSAGES or self._early_bytes + len(payload) > MAX_EARLY_BYTES:
+        if len(self._early) >= _MAX_EARLY_MESSAGES or self._early_bytes + len(payload) > _MAX_EARLY_BYTES:
             self._report_once(f"{self.channel.topic[:200]} is not advertised yet; some messages were dropped")
             return
         self._early_bytes += len(payload)

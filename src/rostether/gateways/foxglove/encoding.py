@@ -18,7 +18,7 @@ from rostether.serde.layout import Layout
 MAX_QUICK_JSON_BYTES: Final = 1 << 10
 
 # The check of each string in a list takes 0.3 µs, and an empty string has only 4 bytes.
-MAX_QUICK_ROS1_BYTES: Final = 32 << 10
+_MAX_QUICK_ROS1_BYTES: Final = 32 << 10
 
 # Types with more default values are slow in any JSON message.
 _MANY_DEFAULTS: Final = 1000
@@ -47,7 +47,7 @@ class Encoder(Struct, frozen=True):
                 raise SerializationError(layout.explain(payload))
             return payload
 
-        return cls(check, MAX_QUICK_ROS1_BYTES if layout.has_varying_elements else sys.maxsize)
+        return cls(check, _MAX_QUICK_ROS1_BYTES if layout.has_varying_elements else sys.maxsize)
 
     def is_slow(self, payload: bytes) -> bool:
         """Return whether a message may take longer than 10 ms."""

@@ -56,10 +56,10 @@ _MAX_SHOWN_STATUSES = 50
 _RETRY_S = 1.0
 
 # Pages of Foxglove's web application may always connect.
-FOXGLOVE_SITE = "foxglove.dev"
+_FOXGLOVE_SITE = "foxglove.dev"
 
 # Boards on the serial ports of devices that show the page.
-SERIAL_PATH = "/serial"
+_SERIAL_PATH = "/serial"
 
 # The WebSocket close code after which clients reconnect.
 _SERVICE_RESTART = 1012
@@ -102,13 +102,13 @@ class FoxgloveGateway(BlockClosable):
         )
         self._report = report or (lambda level, text: None)
         self._server = WebSocketServer(
-            ServedProtocol(settings.label, replies.SUBPROTOCOLS, viewer_site=FOXGLOVE_SITE),
+            ServedProtocol(settings.label, replies.SUBPROTOCOLS, viewer_site=_FOXGLOVE_SITE),
             settings,
             settings.limits,
             self._open_client,
             self._warn,
             site=parts.site,
-            routes={SERIAL_PATH: parts.boards.open if parts.boards is not None else None},
+            routes={_SERIAL_PATH: parts.boards.open if parts.boards is not None else None},
         )
         self._clients: dict[Client, None] = {}
         self._statuses: dict[str, str] = {}

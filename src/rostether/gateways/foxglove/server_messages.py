@@ -23,7 +23,7 @@ SUBPROTOCOLS = ("foxglove.sdk.v1", "foxglove.websocket.v1")
 
 ROS1_ENCODING = "ros1"
 JSON_ENCODING = "json"
-SCHEMA_ENCODING = "ros1msg"
+_SCHEMA_ENCODING = "ros1msg"
 
 _TIME = struct.Struct("<BQ")
 _SERVICE_RESPONSE = struct.Struct("<BIII")
@@ -99,7 +99,7 @@ def advertise(channels: Iterable[Channel]) -> str:
             "topic": channel.topic,
             "encoding": ROS1_ENCODING,
             "schemaName": channel.type.name,
-            "schemaEncoding": SCHEMA_ENCODING,
+            "schemaEncoding": _SCHEMA_ENCODING,
             "schema": channel.type.definition,
         }
         for channel in channels
@@ -203,7 +203,7 @@ def _schema(message: MessageType) -> dict[str, str]:
     return {
         "encoding": ROS1_ENCODING,
         "schemaName": message.name,
-        "schemaEncoding": SCHEMA_ENCODING,
+        "schemaEncoding": _SCHEMA_ENCODING,
         "schema": message.definition,
     }
 

@@ -16,7 +16,7 @@ from rostether.gateways.rosbridge.values import JsonText
 from rostether.gateways.type_names import short_type
 
 # Responses that the gateway computes for one client at once: a page with many requests must not delay others.
-MAX_LOCAL_CALLS = 2
+_MAX_LOCAL_CALLS = 2
 
 Send = Callable[[dict[str, Any], Delivery], None]
 
@@ -29,7 +29,7 @@ class ClientServices:
         self._send = send
         self._calls: dict[asyncio.Task[None], int] = {}
         self._call_bytes = 0
-        self._local_calls = asyncio.Semaphore(MAX_LOCAL_CALLS)
+        self._local_calls = asyncio.Semaphore(_MAX_LOCAL_CALLS)
 
     def call(self, request: Request) -> None:
         """Call a service; the answer is sent when it arrives, independently of other requests."""

@@ -23,7 +23,7 @@ _BYTES_PER_PIXEL: Final = {0: 1, 2: 3, 4: 2, 6: 4}
 _COLOR: Final = 2
 
 # Row filters are undone byte by byte, which takes 0.1 s for this size; packed texts need no row filters.
-MAX_FILTERED_BYTES: Final = 1 << 18
+_MAX_FILTERED_BYTES: Final = 1 << 18
 
 # Three times as fast as the default 6, and 10 % larger: boards wait while an image is packed.
 _LEVEL: Final = 1
@@ -92,11 +92,11 @@ def _text(picture: bytes, max_bytes: int) -> str:
 
 def _unfiltered(rows: bytes, size: int, pixel: int) -> bytes:
     """Return the bytes of all rows without their filters. Raises ValueError."""
-    if len(rows) > MAX_FILTERED_BYTES:
+    if len(rows) > _MAX_FILTERED_BYTES:
         filtered = sum(kind != 0 for kind in rows[:: size + 1]) * size
-        if filtered > MAX_FILTERED_BYTES:
+        if filtered > _MAX_FILTERED_BYTES:
             raise ValueError(
-                f"{filtered} of its bytes have row filters; at most {MAX_FILTERED_BYTES} are allowed"
+                f"{filtered} of its bytes have row filters; at most {_MAX_FILTERED_BYTES} are allowed"
             )
     content = bytearray()
     above = bytes(size)

@@ -8,7 +8,7 @@ from typing import Any
 from rostether.gateways.websocket.access_rules import Token, is_same_secret
 
 # The maximum age of a MAC, as in rosauth: an intercepted MAC cannot be used later.
-MAX_CLOCK_OFFSET_S = 5.0
+_MAX_CLOCK_OFFSET_S = 5.0
 
 
 def authenticates(token: Token, fields: dict[str, Any], now_s: float) -> bool:
@@ -26,5 +26,5 @@ def authenticates(token: Token, fields: dict[str, Any], now_s: float) -> bool:
         return False
     text = token.secret + "".join(map(str, parts))
     expected = hashlib.sha512(text.encode("utf-8", "surrogatepass")).hexdigest()
-    is_fresh = abs(now_s - sent_s) <= MAX_CLOCK_OFFSET_S and end_s > now_s
+    is_fresh = abs(now_s - sent_s) <= _MAX_CLOCK_OFFSET_S and end_s > now_s
     return is_same_secret(mac.lower(), expected) and is_fresh

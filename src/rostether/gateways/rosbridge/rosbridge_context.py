@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from rostether.gateways.rosbridge.service_types import ServiceTypes
 
 # As in rosbridge, a topic stays advertised for this time after its client disconnects: pages are reloaded.
-LINGER_S = 10.0
+_LINGER_S = 10.0
 
 # The limit of lingering publications; above it, the oldest end early.
 MAX_LINGERING = 1000
@@ -47,12 +47,12 @@ class RosbridgeContext(Struct, eq=False):
     _ending: set[asyncio.Task[None]] = field(default_factory=set)
 
     def linger(self, publication: ClientPublication) -> None:
-        """End a publication after `LINGER_S`."""
+        """End a publication after `_LINGER_S`."""
         while len(self._lingering) >= MAX_LINGERING:
             oldest = next(iter(self._lingering))
             self._lingering[oldest].cancel()
             self._end(oldest)
-        timer = asyncio.get_running_loop().call_later(LINGER_S, self._end, publication)
+        timer = asyncio.get_running_loop().call_later(_LINGER_S, self._end, publication)
         self._lingering[publication] = timer
 
     async def end_lingering(self, topic: str) -> bool:

@@ -37,7 +37,7 @@ from rostether.msgdef.search_waiting import definitions_searched
 from rostether.serde.store import TypeStore
 
 # The topic on which rosbridge publishes the number of its clients.
-CLIENT_COUNT = "client_count"
+_CLIENT_COUNT = "client_count"
 
 
 class RosbridgeServer:
@@ -106,7 +106,7 @@ class RosbridgeServer:
         registry = self._context.store.registry
         with contextlib.suppress(RostetherError):
             self._count_publisher = await self._context.graph.advertise(
-                CLIENT_COUNT, registry.message_type("std_msgs/Int32"), latch=True
+                _CLIENT_COUNT, registry.message_type("std_msgs/Int32"), latch=True
             )
         self._publish_count()
         self._leaving = asyncio.ensure_future(self._end_with_node())

@@ -16,10 +16,10 @@ from rostether.serde.store import TypeStore
 AskServer: TypeAlias = Callable[[str], Awaitable[str]]
 
 # A page that calls often asks the server once; a new type after a restart is seen soon.
-REMEMBERED_S = 5.0
+_REMEMBERED_S = 5.0
 
 # The limit of cached names, because they come from clients.
-MAX_REMEMBERED = 1000
+_MAX_REMEMBERED = 1000
 
 
 class ServiceTypes:
@@ -35,11 +35,11 @@ class ServiceTypes:
         """Return the type of a service. Raises ServiceUnavailableError, UnknownTypeError, DefinitionError."""
         now_s = asyncio.get_running_loop().time()
         found = self._known.get(service)
-        if found is not None and now_s - found[0] < REMEMBERED_S:
+        if found is not None and now_s - found[0] < _REMEMBERED_S:
             return found[1]
         service_type = self._store.registry.service_type(short_type(await self._name(service)))
         self.forget(service)
-        if len(self._known) >= MAX_REMEMBERED:
+        if len(self._known) >= _MAX_REMEMBERED:
             del self._known[next(iter(self._known))]
         self._known[service] = (now_s, service_type)
         return service_type

@@ -40,10 +40,10 @@ if TYPE_CHECKING:
     from rostether.gateways.rosbridge.rosbridge_context import RosbridgeContext
 
 # How often the client and the log receive a report that a topic is too fast for the client.
-REPORT_INTERVAL_S = 5.0
+_REPORT_INTERVAL_S = 5.0
 
 # Frames are written together up to this size: for small messages, system calls cost most.
-MAX_WRITE_BYTES = 64 << 10
+_MAX_WRITE_BYTES = 64 << 10
 
 # The limit of different errors of one client in the log; further errors are only sent as statuses.
 MAX_LOGGED = 10
@@ -52,7 +52,7 @@ MAX_LOGGED = 10
 MAX_DEPTH = 3
 
 # RFC 6455's code for a policy violation.
-CLOSE_POLICY = 1008
+_CLOSE_POLICY = 1008
 
 
 class Session:
@@ -155,7 +155,7 @@ class Session:
             return True
         reason = "this server requires a token; connect to ws://HOST:PORT/?token=TOKEN, or send op auth first"
         await self._connection.send(status_message(StatusLevel.ERROR, reason))
-        self._connection.close(CLOSE_POLICY, reason)
+        self._connection.close(_CLOSE_POLICY, reason)
         self._context.report(
             Level.WARN,
             f"rosbridge: {self.name} was disconnected without the token; give it the token",
@@ -237,7 +237,7 @@ class Session:
         turn_ends_s = loop.time() + TURN_S
         frames: list[Frame] = []
         size = 0
-        while size < MAX_WRITE_BYTES and loop.time() < turn_ends_s:
+        while size < _MAX_WRITE_BYTES and loop.time() < turn_ends_s:
             item = self._outbox.next()
             if item is None:
                 break
@@ -271,7 +271,7 @@ class Session:
         if not lost or now_s < subscription.next_report_s:
             return
         subscription.reported_count += lost
-        subscription.next_report_s = now_s + REPORT_INTERVAL_S
+        subscription.next_report_s = now_s + _REPORT_INTERVAL_S
         topic, messages = subscription.topic, counted(lost, "message")
         self._report_status(StatusLevel.WARNING, f"{topic} is too fast for this client: {messages} lost")
         self._context.report(Level.WARN, f"rosbridge: {self.name} reads {topic} too slowly: {messages} lost")

@@ -21,7 +21,7 @@ from rostether.serde.values import Message
 HEADER: Final = "std_msgs/Header"
 
 # The type of times in ROS 2's own definitions.
-ROS2_TIME: Final = "builtin_interfaces/Time"
+_ROS2_TIME: Final = "builtin_interfaces/Time"
 
 # The limit of messages and strings in the arrays of one message, enough for a path of many hours: larger
 # messages would delay all clients.
@@ -85,7 +85,7 @@ class _Reader:
 
     def struct(self, tree: Struct, value: object) -> Message:
         """Return a message whose missing fields are zero. Raises _MisfitError."""
-        if tree.name == ROS2_TIME:
+        if tree.name == _ROS2_TIME:
             value = self._ros2_time(value)
         if not isinstance(value, Mapping):
             raise _MisfitError(f"an object ({tree.name})", value)

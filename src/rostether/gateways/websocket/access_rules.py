@@ -18,7 +18,7 @@ from websockets.datastructures import Headers
 from rostether.gateways.websocket.settings import ServedProtocol, ServerSettings
 from rostether.transports.own_names import OwnNames
 
-ANY_PAGE = "*"
+_ANY_PAGE = "*"
 
 _LOOPBACK_NAMES = frozenset({"localhost", "127.0.0.1", "::1"})
 _WEB_SCHEMES = ("http", "https")
@@ -39,7 +39,7 @@ class PageRule(Struct, frozen=True):
 
     def admits(self, origin: str | None, host: str) -> bool:
         """Return whether a page, or a program without an `origin`, may connect to this Host."""
-        if ANY_PAGE in self.origins:
+        if _ANY_PAGE in self.origins:
             return True
         if origin is None:
             return not host or self.own_names.include(host)
@@ -60,7 +60,7 @@ class PageRule(Struct, frozen=True):
 
     def admits_host(self, host: str) -> bool:
         """Return whether pages are served for this Host: a name of this machine, or of an allowed page."""
-        if not host or ANY_PAGE in self.origins or self.own_names.include(host):
+        if not host or _ANY_PAGE in self.origins or self.own_names.include(host):
             return True
         return any(urlsplit(origin).netloc == host for origin in self.origins)
 

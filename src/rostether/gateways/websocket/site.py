@@ -22,7 +22,7 @@ from msgspec import Struct
 from websockets.datastructures import Headers
 
 INDEX = "index.html"
-DOWNLOADS = "/recordings/"
+_DOWNLOADS = "/recordings/"
 TILES = "/tiles/"
 _TILE = re.compile(r"/tiles/(\d{1,2})/(\d{1,9})/(\d{1,9})")
 
@@ -126,7 +126,7 @@ class Site:
         if method != "GET":
             return False
         is_tile = self._tiles is not None and path.startswith(TILES)
-        return is_tile or (self._downloads is not None and path.startswith(DOWNLOADS))
+        return is_tile or (self._downloads is not None and path.startswith(_DOWNLOADS))
 
     def open_download(self, path: str) -> tuple[Reply, BinaryIO | None]:
         """Return the header of the response, and the open file that follows it if there is one.
@@ -136,7 +136,7 @@ class Site:
         if path.startswith(TILES):
             return self._open_tile(path)
         assert self._downloads is not None
-        name = unquote(path.removeprefix(DOWNLOADS).partition("?")[0])
+        name = unquote(path.removeprefix(_DOWNLOADS).partition("?")[0])
         found = self._downloads.find(name)
         try:
             opened = found.open("rb") if found is not None else None

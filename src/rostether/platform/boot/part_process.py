@@ -15,13 +15,13 @@ from rostether.mechanisms.program import signal_group
 from rostether.platform.boot.robot_file import Part
 
 # The same as in the systemd units: a part whose event loop is blocked for this time is killed and restarted.
-WATCHDOG_S = 20.0
+_WATCHDOG_S = 20.0
 # How long a part may take to end. systemd waits 10 s for all parts together.
 END_LIMIT_S = 8.0
 # A part that ran for this time has started successfully: the restart delay is short again.
 SETTLED_S = 30.0
 # The exit code of a command with wrong arguments: a restart would not help.
-EXIT_USAGE = 2
+_EXIT_USAGE = 2
 # A longer line of output is reported in pieces.
 MAX_LINE_BYTES = 1 << 16
 
@@ -37,7 +37,7 @@ class PartProcess:
         report: Callable[[str, str], None],
         *,
         backoff: Backoff | None = None,
-        watchdog_s: float = WATCHDOG_S,
+        watchdog_s: float = _WATCHDOG_S,
     ) -> None:
         self.part = part
         self._command = [*command, *part.words]
@@ -53,7 +53,7 @@ class PartProcess:
         while True:
             started_s = loop.time()
             code = await self._run_once()
-            if code == EXIT_USAGE:
+            if code == _EXIT_USAGE:
                 self._report(
                     self.part.name,
                     "its arguments are wrong: it does not start again; correct the file and restart",

@@ -22,7 +22,7 @@ from rostether.platform.sensors.registered_sensor import (
 )
 
 MESSAGE_TYPE = "sensor_msgs/CompressedImage"
-DETECTIONS_TYPE = "sensing_platform/Detections"
+_DETECTIONS_TYPE = "sensing_platform/Detections"
 
 _HINT = "plug the camera in, or choose another ~source, such as test"
 
@@ -47,7 +47,7 @@ async def publish_pictures(
         if detector is None:
             await _Camera(graph, sensor, source, None, None).run(report)
             return
-        detections = await graph.publisher(f"{description.topic}/detections", DETECTIONS_TYPE)
+        detections = await graph.publisher(f"{description.topic}/detections", _DETECTIONS_TYPE)
         async with closed_at_end(detections):
             await _Camera(graph, sensor, source, detector, detections).run(report)
 

@@ -15,7 +15,7 @@ from rostether.platform.sensors.jpeg import DEFAULT_QUALITY
 # Where Debian and Raspberry Pi OS (package opencv-data) install the files that PyPI's OpenCV contains.
 _SYSTEM_FOLDER = Path("/usr/share/opencv4/haarcascades")
 # A noisy picture must not fill a message.
-MAX_REGIONS = 100
+_MAX_REGIONS = 100
 
 _GREEN_BGR = (0, 255, 0)
 _LINE_PIXELS = 2
@@ -68,7 +68,7 @@ class CascadeDetector:
             if image is None:
                 raise BoardError("a picture is damaged")
             gray = cv2.cvtColor(image, cv2.COLOR_BGR2GRAY)
-            found = self._classifier.detectMultiScale(gray)[:MAX_REGIONS]
+            found = self._classifier.detectMultiScale(gray)[:_MAX_REGIONS]
             regions = [Region(*(int(each) for each in box)) for box in found]
             if not regions:
                 return [], picture

@@ -14,7 +14,7 @@ from rostether.extras import install_command
 MAX_LINE_BYTES = 1024
 
 # The error of one range measurement of a simple receiver, in meters; HDOP multiplies it.
-RANGE_ERROR_M = 5.0
+_RANGE_ERROR_M = 5.0
 
 # sensor_msgs/NavSatStatus by the quality in GGA: 2 means corrections by satellites, 4 and 5 by ground
 # stations.
@@ -43,7 +43,7 @@ class Position(Struct, frozen=True):
     @property
     def fields(self) -> dict[str, Any]:
         """The fields of sensor_msgs/NavSatFix, without its header."""
-        variance = (self.hdop * RANGE_ERROR_M) ** 2
+        variance = (self.hdop * _RANGE_ERROR_M) ** 2
         is_known = not math.isnan(variance)
         return {
             "status": {"status": self.status, "service": _SERVICE_GPS},

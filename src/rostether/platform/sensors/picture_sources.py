@@ -13,7 +13,7 @@ from rostether.platform.sensors.jpeg import PictureChange, changed_jpeg, draw_te
 from rostether.platform.sensors.readings import Pace
 
 # Larger than the picture of any camera.
-MAX_PICTURE_BYTES = 32 << 20
+_MAX_PICTURE_BYTES = 32 << 20
 # The number of files in a folder, which is listed again for each round.
 MAX_FILES = 100_000
 
@@ -86,7 +86,7 @@ class PictureFolder:
 
     def _read(self, path: Path) -> bytes:
         with path.open("rb") as file:
-            data = file.read(MAX_PICTURE_BYTES)
+            data = file.read(_MAX_PICTURE_BYTES)
         if not data.startswith(b"\xff\xd8"):
             raise BoardError(f"{path} is not a JPEG picture")
         try:

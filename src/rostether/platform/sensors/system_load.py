@@ -18,7 +18,7 @@ from rostether.platform.sensors.readings import paced
 from rostether.platform.sensors.registered_sensor import SensorDescription
 from rostether.platform.sensors.value import MESSAGE_TYPE, Scaling, publish_values
 
-CELSIUS = "\N{DEGREE SIGN}C"
+_CELSIUS = "\N{DEGREE SIGN}C"
 
 # A Raspberry Pi slows down at 80 °C, and a full disk stops logs and recordings.
 _ALERT_ABOVE = {"memory": 95.0, "temperature": 80.0, "disk": 95.0}
@@ -95,7 +95,7 @@ async def publish_system_load(
     try:
         async with asyncio.TaskGroup() as group:
             for name, read in readers.items():
-                unit = CELSIUS if name == "temperature" else "%"
+                unit = _CELSIUS if name == "temperature" else "%"
                 what = SensorDescription(
                     f"{word}/{name}", platform, "ANALOG", MESSAGE_TYPE, name, unit, rate_hz=rate_hz
                 )

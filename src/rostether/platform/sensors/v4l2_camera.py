@@ -16,7 +16,7 @@ from rostether.extras import install_command
 from rostether.platform.sensors.jpeg import PictureChange, changed_jpeg, jpeg_of_yuyv, pillow
 
 # A USB camera needs up to 2 s for its first picture.
-FRAME_LIMIT_S = 5.0
+_FRAME_LIMIT_S = 5.0
 
 
 class V4l2Camera:
@@ -80,7 +80,7 @@ class V4l2Camera:
         async with aclosing(aiter(capture)) as frames:
             while True:
                 try:
-                    async with asyncio.timeout(FRAME_LIMIT_S):
+                    async with asyncio.timeout(_FRAME_LIMIT_S):
                         frame = await anext(frames)
                 except TimeoutError:
                     raise BoardError(f"{self._path} sends no pictures") from None

@@ -19,7 +19,7 @@ from rostether.serde.field_path import FieldPath
 MESSAGE_TYPE = "std_msgs/Float64"
 
 # How long an alert lasts at least: a value near its limit would change the state with each reading.
-ALERT_HOLD_S = 2.0
+_ALERT_HOLD_S = 2.0
 
 
 class Scaling(Struct, frozen=True):
@@ -63,7 +63,7 @@ async def publish_values(
             value = reading * scaling.scale + scaling.offset
             sensor.publish(data=value)
             if reason := scaling.alert(value, description.unit):
-                alert_until_s = loop.time() + ALERT_HOLD_S
+                alert_until_s = loop.time() + _ALERT_HOLD_S
                 sensor.set_state("alert", reason)
             elif loop.time() >= alert_until_s:
                 sensor.set_state("ready")

@@ -19,13 +19,13 @@ if TYPE_CHECKING:
 Allows: TypeAlias = Callable[[str], bool]
 
 # How long one server may take to send its type or host; a server may hang.
-ASK_LIMIT_S: Final = 3.0
+_ASK_LIMIT_S: Final = 3.0
 
 # The limit of concurrent requests to servers.
-MAX_ASKED: Final = 32
+_MAX_ASKED: Final = 32
 
 # Topics whose definitions one answer may contain: about 10 MB of text.
-MAX_TEXT_TOPICS: Final = 2000
+_MAX_TEXT_TOPICS: Final = 2000
 
 _ACTION_TOPICS: Final = ("goal", "cancel", "status", "feedback", "result")
 _ROS2_ACTION_TOPICS: Final = ("/_action/status", "/_action/feedback")
@@ -67,7 +67,7 @@ class GraphAnswers:
 
     async def topics_and_texts(self) -> tuple[list[str], list[str], list[str]]:
         """Return all topics, their types, and the full texts of the types."""
-        found = dict(list((await self._topic_types()).items())[:MAX_TEXT_TOPICS])
+        found = dict(list((await self._topic_types()).items())[:_MAX_TEXT_TOPICS])
         texts = {name: self._text(name) for name in set(found.values())}
         return list(found), list(found.values()), [texts[name] for name in found.values()]
 
@@ -203,7 +203,7 @@ class GraphAnswers:
         return found if found is not None and self._allows_service(found.name) else None
 
     async def _types_of(self, services: Iterable[ServiceEntry]) -> list[str]:
-        slots = asyncio.Semaphore(MAX_ASKED)
+        slots = asyncio.Semaphore(_MAX_ASKED)
 
         async def find(service: ServiceEntry) -> str:
             known = self.known_types.get(service.name, service.type)
@@ -218,7 +218,7 @@ class GraphAnswers:
         if ask is None:
             return ""
         try:
-            async with asyncio.timeout(ASK_LIMIT_S):
+            async with asyncio.timeout(_ASK_LIMIT_S):
                 return await ask(service)
         except (RostetherError, TimeoutError):
             return ""

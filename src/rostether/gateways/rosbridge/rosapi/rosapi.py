@@ -32,7 +32,7 @@ NODE_NAME: Final = "/rosapi"
 PACKAGE: Final = "rosapi"
 
 # The package of the same services in ROS 2.
-ROS2_PACKAGE: Final = "rosapi_msgs"
+_ROS2_PACKAGE: Final = "rosapi_msgs"
 
 LocalAnswer: TypeAlias = Callable[[Any], Awaitable[dict[str, Any]]]
 
@@ -73,12 +73,12 @@ class Rosapi:
             graph, store.registry, os.environ if environ is None else environ, is_ros2=is_ros2
         )
         rows = _service_rows(about_graph, parameters, system)
-        known = {short_type(name) for name in store.registry.services(ROS2_PACKAGE)} if is_ros2 else set()
-        self._package = ROS2_PACKAGE if known else PACKAGE
+        known = {short_type(name) for name in store.registry.services(_ROS2_PACKAGE)} if is_ros2 else set()
+        self._package = _ROS2_PACKAGE if known else PACKAGE
         self._rows = {
             f"{NODE_NAME}/{row.name}": row
             for row in rows
-            if not known or f"{ROS2_PACKAGE}/{row.type_name}" in known
+            if not known or f"{_ROS2_PACKAGE}/{row.type_name}" in known
         }
         about_graph.known_types = self.services
 

@@ -16,7 +16,7 @@ _DEFAULT_ROS1_DISTRO: Final = "noetic"
 _DISTRO_PARAMETER = "/rosdistro"
 
 # The limit of nested types; real types have about 30, and definitions also come from peers.
-MAX_TYPES: Final = 512
+_MAX_TYPES: Final = 512
 
 _STAMPS: Final = ("time", "duration")
 _EXAMPLES: Final = {"bool": "False", "string": "", "float32": "0.0", "float64": "0.0"}
@@ -67,7 +67,7 @@ def message_details(registry: Registry, name: str) -> list[dict[str, Any]]:
     details: list[dict[str, Any]] = []
     waiting = [name]
     seen: set[str] = set()
-    while waiting and len(details) < MAX_TYPES:
+    while waiting and len(details) < _MAX_TYPES:
         each = waiting.pop(0)
         if each in seen:
             continue
