@@ -73,7 +73,7 @@ async def test_rostopic_echo_of_a_board_that_is_well(roscore: Ros1Peers, tmp_pat
             listed = await roscore.run("rostopic", "info", "/diagnostics")
     assert "Type: diagnostic_msgs/DiagnosticArray" in listed
     assert "* /arm (" in listed
-    assert (status["name"], status["level"], status["message"]) == ("arm: rosserial", OK, "all is well")
+    assert (status["name"], status["level"], status["message"]) == ("arm: rosserial", OK, "no problem found")
     assert status["hardware_id"] == str(port)
     found = values(status)
     assert found["state"] == "connected"
@@ -93,8 +93,8 @@ async def test_several_boards_are_distinguishable_in_monitors(roscore: Ros1Peers
             serving = started("serve", *links, ROS_MASTER_URI=roscore.master_uri)
             serve = await serving.__aenter__()
             try:
-                await monitor.wait_for(f"arm: rosserial | {arm} | {OK} | all is well")
-                await monitor.wait_for(f"base: rosserial | {base} | {OK} | all is well")
+                await monitor.wait_for(f"arm: rosserial | {arm} | {OK} | no problem found")
+                await monitor.wait_for(f"base: rosserial | {base} | {OK} | no problem found")
                 await leaving.close()
                 await monitor.wait_for(f"arm: rosserial | {arm} | {ERROR} | not connected")
                 seen = len(monitor.lines)

@@ -75,7 +75,7 @@ async def test_logging(kind: str) -> None:
         round_ = [line for line in log.received if line.name == "/board" and line.level != 1][-4:]
         assert [line.level for line in round_] == [2, 4, 8, 16]
         assert [line.msg for line in round_] == [
-            "all is well",
+            "no problem found",
             "unusual",
             "broken",
             "nothing works",

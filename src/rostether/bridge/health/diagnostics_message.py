@@ -120,7 +120,7 @@ def _message(view: BoardView, findings: Sequence[Finding]) -> str:
     if findings:
         more = f" (and {len(findings) - 1} more)" if len(findings) > 1 else ""
         return shown_line(findings[0].seen) + more
-    return "all is well" if view.is_settled else state_of(view)
+    return "no problem found" if view.is_settled else state_of(view)
 
 
 def _scaled(value: float | None, factor: float, form: str) -> str:

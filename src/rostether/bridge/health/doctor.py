@@ -4,7 +4,7 @@
         │
       open ── failed ──> finding
         │
-      listen and ask ── frames ──> watch for a while ──> findings, or all is well
+      listen and ask ── frames ──> watch for a while ──> findings, or no problem found
         │
       none, on a real port: try the usual baud rates ── found ──> finding, and watch at that rate
 

@@ -72,7 +72,7 @@ def test_a_healthy_board_once_a_second() -> None:
         assert len(arrays) == 6
         (status,) = arrays[-1].status
         assert (status.level, status.name, status.hardware_id) == (0, "board: rosserial", "95530343")
-        assert status.message == "all is well"
+        assert status.message == "no problem found"
         reported = values(status)
         assert reported["state"] == "connected"
         assert reported["protocol version"] == "2"
