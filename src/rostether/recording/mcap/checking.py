@@ -128,16 +128,19 @@ class _Check:
             )
             return
         chunk = found.chunk
-        stated = (
-            *(index.start_ns, index.end_ns, index.length, index.compression),
-            *(index.compressed_bytes, index.size_bytes, index.indexes_bytes),
+        expected = ChunkIndex(
+            start_ns=chunk.start_ns,
+            end_ns=chunk.end_ns,
+            position=found.position,
+            length=found.length,
+            # The positions of message indexes are optional.
+            indexes=found.indexes if index.indexes else {},
+            indexes_bytes=found.indexes_end - found.position - found.length,
+            compression=chunk.compression,
+            compressed_bytes=chunk.data_end - chunk.data_start,
+            size_bytes=chunk.size_bytes,
         )
-        there = (
-            *(chunk.start_ns, chunk.end_ns, found.length, chunk.compression),
-            *(chunk.data_end - chunk.data_start, chunk.size_bytes),
-            found.indexes_end - found.position - found.length,
-        )
-        if stated != there or (dict(index.indexes) != found.indexes and index.indexes):
+        if index != expected:
             self.report(f"its summary describes the chunk at byte {index.position} wrongly")
 
     def _check_statistics(self, statistics: Statistics) -> None:
