@@ -11,8 +11,6 @@ import contextlib
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
-from msgspec import Struct, field
-
 from rostether.errors import RecordingError
 from rostether.graph.joint_marks import is_mark
 from rostether.graph.ports import Graph, OnMessages, Snapshot, Subscriber
@@ -20,23 +18,11 @@ from rostether.msgdef.interface import ANY_MESSAGE, ANY_TYPE
 from rostether.recording.background_writer import BackgroundWriter
 from rostether.recording.file_lock import ACTIVE_SUFFIX, FileLock, end_active, lock_active
 from rostether.recording.recorded import Connection, RecordingWriter
-from rostether.recording.recording_plan import RecordLimits, TopicChoice
+from rostether.recording.recording_plan import RecordingProgress, RecordLimits, TopicChoice
 from rostether.recording.recording_start import report_missing, wait_for_time
 
 # A killed process loses at most this time; each flush of a slow topic costs a chunk's 200 bytes.
 FLUSH_PERIOD_S = 0.5
-
-
-class RecordingProgress(Struct):
-    """The progress of a recording, over all files.
-
-    `finished_bytes` is the size of the closed files, and `counts` has the number of messages by topic.
-    """
-
-    message_count: int = 0
-    finished_bytes: int = 0
-    counts: dict[str, int] = field(default_factory=dict)
-    files: list[Path] = field(default_factory=list)
 
 
 class Recorder:

@@ -1,11 +1,12 @@
-"""The topics to record, and the limits of each file and of the whole recording."""
+"""The topics to record, the limits of each file and of the whole recording, and its progress."""
 
 from __future__ import annotations
 
 import re
 from collections.abc import Sequence
+from pathlib import Path
 
-from msgspec import Struct
+from msgspec import Struct, field
 
 
 class TopicChoice(Struct, frozen=True):
@@ -51,3 +52,15 @@ class RecordLimits(Struct, frozen=True):
     is_splitting: bool = False
     max_splits: int | None = None
     messages_per_topic: int | None = None
+
+
+class RecordingProgress(Struct):
+    """The progress of a recording, over all files.
+
+    `finished_bytes` is the size of the closed files, and `counts` has the number of messages by topic.
+    """
+
+    message_count: int = 0
+    finished_bytes: int = 0
+    counts: dict[str, int] = field(default_factory=dict)
+    files: list[Path] = field(default_factory=list)
