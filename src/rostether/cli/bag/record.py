@@ -47,7 +47,9 @@ from rostether.mechanisms.text import counted, misfit_text
 if TYPE_CHECKING:
     from rostether.graph.ports import Graph
     from rostether.recording.recorded import RecordingWriter
+    from rostether.recording.recorder import Recorder
     from rostether.recording.recording_plan import RecordLimits, TopicChoice
+    from rostether.recording.ros2.channels import UnfitMessages
 
 # As in rosbag.
 BEGIN_TOPIC = "/begin_write"
@@ -243,17 +245,23 @@ async def _record(
                     await run_until(recorder.run(), graph.raw.wait_closed())
         finally:
             line.clear()
-            # If the first file cannot be created, the error is enough.
-            if written := [str(each) for each in recorder.progress.files if each.exists()]:
-                total = counted(recorder.progress.message_count, "message")
-                report(f"{total}, {size_text(recorder.size_bytes)} in {', '.join(written)}")
-                for topic, count in unfit.counts.items():
-                    warn(f"WARNING: {topic}: {misfit_text(count)}; skipped")
-                if not recorder.progress.message_count and not unfit.counts:
-                    warn(
-                        "WARNING: no messages were received; `rostether topic list -v` shows which topics "
-                        "have publishers"
-                    )
+            _report_result(recorder, unfit, report)
+
+
+def _report_result(recorder: Recorder, unfit: UnfitMessages, report: Callable[[str], None]) -> None:
+    """Report the written files, and warn about messages that are missing in them."""
+    written = [str(each) for each in recorder.progress.files if each.exists()]
+    if not written:
+        # The error about the first file is enough.
+        return
+    total = counted(recorder.progress.message_count, "message")
+    report(f"{total}, {size_text(recorder.size_bytes)} in {', '.join(written)}")
+    for topic, count in unfit.counts.items():
+        warn(f"WARNING: {topic}: {misfit_text(count)}; skipped")
+    if not recorder.progress.message_count and not unfit.counts:
+        warn(
+            "WARNING: no messages were received; `rostether topic list -v` shows which topics have publishers"
+        )
 
 
 async def _reporting_begin(graph: Graph, files: NewFiles) -> Callable[[Path], RecordingWriter]:
@@ -266,6 +274,7 @@ async def _reporting_begin(graph: Graph, files: NewFiles) -> Callable[[Path], Re
     def create(path: Path) -> RecordingWriter:
         writer = files.create(path)
         name = str(path).removesuffix(ACTIVE_SUFFIX).encode(errors="surrogateescape")
+        # A std_msgs/String: the length of its text in bytes, and the text.
         publisher.publish_raw([len(name).to_bytes(4, "little") + name])
         return writer
 
