@@ -33,8 +33,9 @@ _GUARDED_OPERATORS: Final[Mapping[type[ast.operator], str]] = {
     ast.LShift: "<shift>",
 }
 
-
 _LOAD: Final = ast.Load()
+
+# Expressions that create containers or texts, whose sizes count as steps.
 _CREATED: Final = (ast.List, ast.Tuple, ast.Dict, ast.ListComp, ast.JoinedStr)
 
 

@@ -28,6 +28,7 @@ from rostether.mechanisms.text import write_failure
 # As in roslaunch: a node may have to stop a robot.
 SIGINT_LIMIT_S = 15.0
 SIGTERM_LIMIT_S = 2.0
+
 # Repeated restarts of a node that ends immediately must not keep a CPU busy.
 _RESPAWN_PAUSE_S = 0.1
 
@@ -37,8 +38,11 @@ _GROUP_POLL_S = 0.02
 # A killed group ends immediately, unless a driver blocks a process.
 _KILL_LIMIT_S = 1.0
 _SIGKILL = getattr(signal, "SIGKILL", signal.SIGTERM)
+
+# Constants of Linux's prctl().
 _PR_SET_PDEATHSIG = 1
 _PR_SET_CHILD_SUBREAPER = 36
+
 # Loaded before any fork: the child must not load libraries.
 _prctl = ctypes.CDLL(None).prctl if sys.platform == "linux" else None
 

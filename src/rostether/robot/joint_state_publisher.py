@@ -18,6 +18,8 @@ from rostether.robot.robot_description import read_model
 from rostether.robot.robot_model import Mimic, RobotModel
 
 STATE_TYPE = "sensor_msgs/JointState"
+
+# As in ROS.
 DEFAULT_RATE_HZ = 10.0
 
 # Sliders of other programs, such as the dashboard, publish positions on this topic.

@@ -15,6 +15,7 @@ PACKAGES_VARIABLE = "ROSTETHER_PACKAGE_FOLDERS"
 # The folders of rostether and of our rospy's dependencies, for scripts that run on another Python.
 IMPORT_VARIABLE = "ROSTETHER_IMPORT_PATH"
 
+# The packages that our rospy imports.
 _NEEDED = ("rostether", "h11", "msgspec", "yaml")
 
 # The folder on PYTHONPATH. Its only file is sitecustomize.py, which adds our rospy if there is no real one.

@@ -10,7 +10,10 @@ from rostether.rospy.actionlib.action_types import GoalID, GoalStatus
 from rostether.rospy.actionlib.comm_states import ENDED, TRANSITIONS, CommState
 from rostether.rospy.client.logs import logdebug, logerr, logwarn
 
+# The statuses that a server sends; the client itself sets LOST.
 _KNOWN_STATUSES = range(GoalStatus.PENDING, GoalStatus.RECALLED + 1)
+
+# In these states, the list of the server may lack the goal.
 _MAY_BE_UNKNOWN = (CommState.WAITING_FOR_GOAL_ACK, CommState.WAITING_FOR_RESULT)
 
 

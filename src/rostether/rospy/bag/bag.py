@@ -41,6 +41,7 @@ from rostether.rospy.client.message_types import message_type_of
 from rostether.rospy.client.stamps import Time
 from rostether.rostime import NS_PER_S
 
+# Version 2.0 of the format, as rosbag writes it.
 VERSION = 200
 
 

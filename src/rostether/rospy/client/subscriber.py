@@ -16,6 +16,7 @@ from rostether.rospy.client.node import node
 from rostether.rospy.client.shutdown import is_shutdown
 from rostether.rospy.client.topic import SharedTopic, Topic, topics
 
+# As in rospy; our buffers have their own sizes.
 DEFAULT_BUFF_SIZE = 65536
 
 

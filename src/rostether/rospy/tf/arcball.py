@@ -8,7 +8,6 @@ from typing import Any
 
 from rostether.rospy.tf import rotations
 
-_EPSILON = 4 * 2.0**-52
 _Vector = Sequence[float]
 
 
@@ -25,7 +24,7 @@ def arcball_constrain_to_axis(point: _Vector, axis: _Vector) -> Any:
     """Return the nearest point to a point of the sphere on the great circle perpendicular to an axis."""
     along = _dot(point, axis)
     across = [value - along * part for value, part in zip(point, axis, strict=True)]
-    if rotations.vector_norm(across) > _EPSILON:
+    if rotations.vector_norm(across) > rotations.EPSILON:
         # Of two opposite points, this is the one on the visible half.
         return rotations.unit_vector([-value for value in across] if across[2] < 0.0 else across)
     if axis[2] == 1.0:
@@ -88,7 +87,7 @@ class Arcball:
         axis = [b * f - c * e, c * d - a * f, a * e - b * d]
         self._before = self._now
         self._now = self._down
-        if _dot(axis, axis) >= _EPSILON:
+        if _dot(axis, axis) >= rotations.EPSILON:
             self._now = rotations.quaternion_multiply([*axis, _dot(self._start, end)], self._down)
 
     def next(self, acceleration: float = 0.0) -> None:

@@ -14,6 +14,7 @@ from rostether.rospy.client.ros_time import get_rostime
 from rostether.rospy.client.subscriber import DEFAULT_BUFF_SIZE, Subscriber
 from rostether.rospy.tf.buffer import Buffer
 
+# As in tf2_ros.
 QUEUE_SIZE = 100
 UNKNOWN_AUTHORITY = "default_authority"
 

@@ -16,7 +16,8 @@ from typing import Any
 from rostether.robot.transform import conjugated, multiply, slerp
 from rostether.robot.transform import quaternion_from_matrix as _from_matrix
 
-_EPSILON = 4 * 2.0**-52
+# As in tf.transformations: four times the precision of a double.
+EPSILON = 4 * 2.0**-52
 _LETTERS = "xyz"
 
 
@@ -84,13 +85,13 @@ def euler_from_matrix(matrix: Any, axes: str = "sxyz") -> tuple[float, float, fl
     m = _rows(matrix)
     if is_first_repeated:
         size = math.hypot(m[i][j], m[i][k])
-        if size > _EPSILON:
+        if size > EPSILON:
             angles = math.atan2(m[i][j], m[i][k]), math.atan2(size, m[i][i]), math.atan2(m[j][i], -m[k][i])
         else:
             angles = math.atan2(-m[j][k], m[j][j]), math.atan2(size, m[i][i]), 0.0
     else:
         size = math.hypot(m[i][i], m[j][i])
-        if size > _EPSILON:
+        if size > EPSILON:
             angles = math.atan2(m[k][j], m[k][k]), math.atan2(-m[k][i], size), math.atan2(m[j][i], m[i][i])
         else:
             angles = math.atan2(-m[j][k], m[j][j]), math.atan2(-m[k][i], size), 0.0
@@ -126,7 +127,7 @@ def quaternion_matrix(quaternion: Sequence[float]) -> Any:
     """Return the 4x4 matrix of a quaternion of any length."""
     x, y, z, w = (float(part) for part in quaternion)
     norm = x * x + y * y + z * z + w * w
-    if norm < _EPSILON:
+    if norm < EPSILON:
         return identity_matrix()
     s = 2.0 / norm
     return as_array(
@@ -172,7 +173,7 @@ def quaternion_slerp(
     if shortestpath and not spin:
         return as_array(slerp(start, end, fraction))
     cosine = sum(one * two for one, two in zip(start, end, strict=True))
-    if abs(abs(cosine) - 1.0) < _EPSILON:
+    if abs(abs(cosine) - 1.0) < EPSILON:
         return as_array(start)
     if shortestpath and cosine < 0.0:
         cosine, end = -cosine, (-end[0], -end[1], -end[2], -end[3])
