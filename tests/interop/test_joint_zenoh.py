@@ -78,7 +78,7 @@ async def test_topics_both_ways_and_its_own_once(world: World) -> None:
         talker.publish_raw([string(f"from {number}")])
     expected = sorted([string("hello"), string("from 0"), string("from 1")])
     await until(lambda: sorted(mine.payloads) == expected)
-    # Anything else would be a duplicate of its own message.
+    # Anything else would be a duplicate of the node's message.
     await asyncio.sleep(0.05)
     assert sorted(mine.payloads) == expected
 

@@ -260,7 +260,7 @@ def main() -> None:
         words = json.loads(line)
         try:
             reply = {"answer": getattr(peer, words.pop("verb"))(**words)}
-        except Exception as error:  # noqa: BLE001 - the test is told
+        except Exception as error:  # noqa: BLE001 - the test gets it
             reply = {"error": f"{type(error).__name__}: {error}"}
         print(json.dumps(reply), flush=True)
     peer.close()

@@ -45,7 +45,7 @@ class ManualTimer:
 
 
 class ManualLoop:
-    """The part of an event loop that the outbox needs, with a clock that tests turn."""
+    """The part of an event loop that the outbox needs, with a clock that tests advance."""
 
     def __init__(self) -> None:
         self.now_s = 0.0
@@ -65,13 +65,13 @@ class ManualLoop:
         return cast(asyncio.TimerHandle, timer)
 
     def turn(self) -> None:
-        """Run what is due now, once."""
+        """Run the callbacks that are due now, once."""
         soon, self._soon = self._soon, []
         for callback in soon:
             callback()
 
     def run_until(self, end_s: float) -> None:
-        """Turn the clock on, running everything in its order."""
+        """Advance the clock, and run all callbacks in order."""
         while True:
             while self._soon:
                 self.turn()
@@ -86,7 +86,7 @@ class ManualLoop:
 
 
 class FakeTransport:
-    """Takes what is written; `unsent` is what it claims to hold back."""
+    """Collects written bytes; `unsent` is the number of bytes that it reports as unsent."""
 
     def __init__(self, *, can_pause: bool = True) -> None:
         self.can_pause = can_pause
@@ -120,7 +120,7 @@ class FakeTransport:
 
 
 class FakeSerialPort(FakeTransport):
-    """A port whose line carries `bytes_per_s` on the manual clock; it knows what it still holds."""
+    """A port whose line carries `bytes_per_s` on the manual clock; it reports its unsent bytes."""
 
     def __init__(self, loop: ManualLoop, bytes_per_s: float) -> None:
         self._loop = loop
@@ -142,7 +142,7 @@ class FakeSerialPort(FakeTransport):
 
 
 class FakeLink:
-    """Encodes a message as `<id>:payload;`, so that tests can read what left."""
+    """Encodes a message as `<id>:payload;`, so that tests can read what was sent."""
 
     def __init__(self) -> None:
         self.control: list[bytes] = []
@@ -168,7 +168,7 @@ class FakeLink:
 
 
 class FakeSource:
-    """A subscription that notes whether it was told to wait."""
+    """A subscription that records whether it was paused."""
 
     topic = "/chatter"
     publisher_count = 1

@@ -1,4 +1,4 @@
-"""How much later than asked this process gets to run: what a busy machine adds to all that is measured."""
+"""How late this process runs on a busy machine, which is added to every measurement."""
 
 from __future__ import annotations
 
@@ -26,9 +26,10 @@ class Lateness:
 
 @contextlib.asynccontextmanager
 async def lateness() -> AsyncIterator[Lateness]:
-    """Measure as long as the block lasts.
+    """Measure until the block ends.
 
-    Work of this process that holds its loop counts as well: where that may be, measure processor time.
+    Work of this process that blocks its loop also counts; if that is possible, measure processor time
+    instead.
     """
     measured = Lateness()
     watching = asyncio.create_task(measured.watch())

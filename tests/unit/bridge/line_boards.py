@@ -1,4 +1,4 @@
-"""Boards on real lines and a bridge that serves them, for tests that break the line in every way."""
+"""Boards on real lines and a bridge that serves them, for tests of faults of the line."""
 
 from __future__ import annotations
 
@@ -30,12 +30,12 @@ TIME_REQUEST = encode_frame(ids.TIME, bytes(8))
 
 
 def numbered(number: int, topic_id: int = 125) -> bytes:
-    """Return the frame of a message that is a number."""
+    """Return the frame of a message with a number."""
     return encode_frame(topic_id, struct.pack("<I", number))
 
 
 class Bridge:
-    """A supervisor that serves links, a TCP listener if none is named, and a graph where all is heard."""
+    """A supervisor that serves links (by default a TCP listener), and a graph with a subscriber."""
 
     def __init__(self, settings: BridgeSettings | None = None, *links: str) -> None:
         self.network = MemoryNetwork()
@@ -60,7 +60,7 @@ class Bridge:
         await self.peer.close()
 
     async def listen(self, topic: str) -> list[int]:
-        """Return a list that gets the number of every message of a topic."""
+        """Subscribe to a topic; return the list of the received numbers."""
         received: list[int] = []
 
         def take(payloads: Sequence[bytes]) -> None:
@@ -73,9 +73,10 @@ class Bridge:
 
 
 class Board:
-    """One board, as long as it is not mute: it answers topic requests with its announcements.
+    """A board that, unless it is mute, answers topic requests with its announcements.
 
-    Before the first one on a connection it answers probes with a time request, as boards after a reset do.
+    Before the first request of a connection, it answers probes with a time request, like boards after a
+    reset.
     """
 
     reader: asyncio.StreamReader
@@ -111,7 +112,7 @@ class Board:
         raise NotImplementedError
 
     async def hang_up(self) -> None:
-        """Stop speaking and end the connection."""
+        """Stop sending and close the connection."""
         await self.fall_silent()
         self._answering.cancel()
         with contextlib.suppress(asyncio.CancelledError):
@@ -121,7 +122,7 @@ class Board:
             await self.writer.wait_closed()
 
     async def fall_silent(self) -> None:
-        """Send no more numbers; `number` is the one that would have been next."""
+        """Send no more numbers; `number` is the next one."""
         chatter, self.chatter = self.chatter, None
         if chatter is not None:
             chatter.cancel()
@@ -129,16 +130,18 @@ class Board:
                 await chatter
 
     async def send(self, data: bytes) -> None:
-        """Send bytes, at the pace at which the bridge reads them."""
+        """Send bytes as fast as the bridge reads them."""
         self.writer.write(data)
         await self.writer.drain()
 
     def count_from(self, first: int, *, period_s: float = 0.02) -> None:
-        """Send numbers from now on, each `period_s`, in a task of its own."""
+        """Send numbers every `period_s` in a new task."""
         self.chatter = asyncio.create_task(self._count(first, period_s))
 
     async def settle(self, received: list[int], first: int = 0) -> None:
-        """Send a number until the bridge passes it on: from then on it is known and subscribed."""
+        """Send a number until the bridge forwards it: from then on, the board is known and has a
+        subscriber.
+        """
 
         async def speak() -> None:
             while True:
@@ -188,7 +191,7 @@ class TcpBoard(Board):
 
 
 class PtyBoard(Board):
-    """A board that opens the pseudo-terminal which the bridge has made at a path."""
+    """A board that opens the pseudo-terminal that the bridge has created at a path."""
 
     def __init__(self, path: Path, *announcements: tuple[int, TopicInfo]) -> None:
         super().__init__(*announcements)
@@ -212,20 +215,20 @@ class PtyBoard(Board):
         self.writer = asyncio.StreamWriter(outgoing, protocol, self.reader, loop)
 
     async def hang_up(self) -> None:
-        """Stop speaking and close the terminal."""
+        """Stop sending and close the terminal."""
         await super().hang_up()
         self._incoming.close()
 
 
 class SerialBoard(PtyBoard):
-    """A board whose serial port appears at a path when it is plugged in, and goes with it."""
+    """A board whose serial port exists at a path while the board is plugged in."""
 
     async def _open(self) -> None:
         near, far = os.openpty()
         tty.setraw(far)
         self._path.symlink_to(os.ttyname(far))
         os.set_blocking(near, False)
-        # Without an opener a terminal reads as hung up: it stays open until the bridge has it.
+        # A terminal that no process has open reports a hang-up: it stays open until the bridge has opened it.
         self._far = far
         await self._use(near)
 
@@ -254,5 +257,5 @@ async def line(
 
 
 def gone_missing(received: list[int], sent: range, is_damaged: Callable[[int], bool]) -> list[int]:
-    """Return the numbers that were sent whole and not heard."""
+    """Return the numbers that were sent undamaged and not received."""
     return sorted({number for number in sent if not is_damaged(number)} - set(received))

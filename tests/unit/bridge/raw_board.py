@@ -1,4 +1,6 @@
-"""A board made of bytes: it answers topic requests, keeps what it is sent, sends what a test likes."""
+"""A board for tests that works with bytes: it answers topic requests, stores what it receives, and sends any
+bytes.
+"""
 
 from __future__ import annotations
 
@@ -27,7 +29,7 @@ class RawBoard:
         transport.start(self)
 
     def data_received(self, data: bytes) -> None:
-        """Cut what the host sent into frames; it sends no noise but probes and guards between them."""
+        """Split the host's data into frames; only probes and guards may be between them."""
         unread = self._unread + data
         start = 0
         while len(unread) - start >= 8:
@@ -65,7 +67,7 @@ class RawBoard:
         """A test that floods watches the transport itself."""
 
     def resume_writing(self) -> None:
-        """As above."""
+        """Ignored, as above."""
 
     def _take(self, topic_id: int, payload: bytes) -> None:
         self.received[topic_id].append(payload)

@@ -1,6 +1,6 @@
-"""A board with a fault: a sketch whose loop(), clock, RAM, buffers or wiring are not as they should be.
+"""A board with a fault: a sketch with a wrong loop(), clock, RAM, buffers or wiring.
 
-It takes and gives bytes at each turn of its loop(), as a board does whose spinOnce() is called there.
+It receives and sends bytes at each run of its loop(), where a sketch calls spinOnce().
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ Turn = Callable[["SketchBoard", float], None]
 
 
 class SketchBoard:
-    """`turn` is what the sketch does in its loop(), every `loop_s`; the clock is `clock_ppm` too fast."""
+    """`turn` is the sketch's loop(), which runs every `loop_s`; the clock is `clock_ppm` too fast."""
 
     def __init__(
         self,
@@ -114,7 +114,7 @@ class SketchBoard:
 
 
 def every(period_s: float, action: Callable[[SketchBoard], None]) -> Turn:
-    """Do something in loop() whenever that much time has passed."""
+    """Run an action in loop() every `period_s`."""
     due_s = 0.0
 
     def turn(board: SketchBoard, now_s: float) -> None:
@@ -131,7 +131,7 @@ def publish(topic: str, payload: Callable[[SketchBoard], bytes]) -> Callable[[Sk
 
 
 def void(_value: object) -> None:
-    """Let a lambda return nothing."""
+    """Discard a value, so that a lambda returns None."""
 
 
 def hello(_board: SketchBoard) -> bytes:
@@ -139,13 +139,13 @@ def hello(_board: SketchBoard) -> bytes:
 
 
 def stamped(board: SketchBoard) -> bytes:
-    """A sensor_msgs/Range with the board's own time."""
+    """Return a sensor_msgs/Range with the board's time."""
     stamp = board.link.time(board.now_s())
     return struct.pack("<IIII", 0, stamp.secs, stamp.nsecs, 0) + bytes(1 + 4 * 4)
 
 
 def announce_raw(kind: int, payload: bytes) -> bytes:
-    """The frame of an announcement that says what it likes."""
+    """Return the frame of an announcement with any payload."""
     return encode_frame(kind, payload)
 
 

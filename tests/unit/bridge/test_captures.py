@@ -1,6 +1,7 @@
-"""Recorded sessions of established boards, replayed: ROS gets exactly the messages that they hold.
+"""Replays recorded sessions of established boards: ROS gets exactly their messages.
 
-What they hold is read here by the words of the wire's description alone, without the rooms under test.
+The expected messages are read here with a decoder written from the wire's description, without the tested
+packages.
 """
 
 from __future__ import annotations
@@ -66,7 +67,7 @@ def _frame_at(data: bytes, at: int, version: int) -> Frame | None:
 
 
 class Held(NamedTuple):
-    """What a capture holds: messages by topic, log lines."""
+    """The content of a capture: messages by topic, log lines."""
 
     messages: dict[str, list[bytes]]
     logs: list[tuple[Level, str]]
@@ -90,7 +91,7 @@ def held_by(capture: Capture) -> Held:
 
 
 async def replay(capture: Capture, store: TypeStore = STORE) -> tuple[dict[str, list[bytes]], World]:
-    """Give a session what the board sent, at the times it did; return what ROS got."""
+    """Replay the board's bytes to a session at their times; return the messages that ROS got."""
     world = await World().open()
     received = {
         "/" + topic.name.lstrip("/"): await world.listen(topic.name, topic.type)
@@ -125,7 +126,7 @@ def test_ros_gets_exactly_what_the_capture_holds(name: str) -> None:
 
 @pytest.mark.parametrize("name", names())
 def test_the_capture_holds_something(name: str) -> None:
-    """The reading above is worth something only if it finds what the capture's description promises."""
+    """The decoder above finds the messages that the capture's description names."""
     capture = load(name)
     held = held_by(capture)
     publishers = {

@@ -1,7 +1,7 @@
 """Each finding, with its real cause: a board with that fault, at the doctor's line.
 
-The clock is virtual, so that a minute of watching passes at once. What needs a real port is in the tests of
-the command.
+The clock is virtual, so a minute of examination takes no time. Findings that need a real port are in the
+tests of the command.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ MakeBoard = Callable[[Transport], SketchBoard]
 
 
 class SlowLine:
-    """A board's end of the wire whose bytes leave it as fast as its UART sends them, four at a time."""
+    """A board's end of the line, which sends bytes at the speed of its UART, four at a time."""
 
     can_pause = False
     has_baud = False
@@ -75,7 +75,7 @@ class SlowLine:
 
 
 class Bench:
-    """A port with a board at it, which speaks at `board_baud`; every opening connects the same board anew."""
+    """A port with a board at `board_baud`; each time it is opened, the same board is connected again."""
 
     def __init__(self, make_board: MakeBoard | None, board_baud: int = 57600) -> None:
         self._make_board = make_board
@@ -249,7 +249,7 @@ def test_ram_that_is_overwritten() -> None:
 
 def test_stale_headers_of_an_earlier_message() -> None:
     def board(transport: Transport) -> SketchBoard:
-        # sensor_msgs/BatteryState as it was before `temperature` came in.
+        # sensor_msgs/BatteryState before the field `temperature` was added.
         stale = "476f837fa6771f6e16e3bf4ef96f8770"
         return talker(transport).publisher("battery", "sensor_msgs/BatteryState", stale)
 
@@ -480,7 +480,7 @@ def test_a_port_that_goes_away_between_two_openings() -> None:
     ],
 )
 def test_recorded_boards(name: str, expected: set[Code]) -> None:
-    """What established boards sent, byte for byte, at the times they did."""
+    """Replays the bytes of established boards, at their times."""
     capture = load(name)
 
     class Recording(SketchBoard):

@@ -1,4 +1,4 @@
-"""What a line may do to us, on TCP, pseudo-terminal and serial port: how soon messages flow again."""
+"""Faults of a line over TCP, pseudo-terminal and serial port, and how soon messages flow again."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ pytestmark = pytest.mark.slow
 
 GARBAGE = random.Random(4).randbytes(64 * 1024)
 AT_ONCE_S = 0.5
-# A machine that is busy with other work may miss it now and then, a bridge that is slow misses it each time.
+# A busy machine may exceed it sometimes, a slow bridge always does.
 TRIES = 6
 
 every_line = pytest.mark.parametrize("kind", ["tcp", "pty", "serial"])
@@ -173,7 +173,7 @@ def test_twenty_seconds_of_silence() -> None:
         now_s = max(now_s, due_s)
         link.handle_timer(now_s)
         requests += len(link.data_to_send()) // 8
-    assert requests < 60  # the board is looked for, but not a hundred times a second
+    assert requests < 60  # the bridge searches for the board, but not a hundred times a second
     events = link.receive_data(encode_frame(125, b"\0\0\0\0"), end_s)
     assert MessagesReceived(125, [b"\0\0\0\0"]) in events
 
@@ -234,10 +234,10 @@ async def test_seconds_of_garbage_at_ten_megabytes_a_second(name: str) -> None:
             await until(lambda: len(set(received)) > 1, "messages after the garbage")
         ended_s, ended_used_s = time.monotonic(), _cpu_s()
         slow = slowness()
-        # At once by what it has to do; a busy machine lets it do so later.
+        # Immediately, except on a busy machine.
         assert ended_used_s - back_used_s < 2 * AT_ONCE_S * slow
         assert ended_s - back_s - late.total_s < 4 * AT_ONCE_S * slow
-        # One second, and twice as much again for a busy machine: judged header by header it took four.
+        # One second, and three on a busy machine: with a check of each header it took four.
         # If the test is slower, more headers are checked: some in each second.
         assert ended_used_s - used_s < max(3.0 * slow, 0.5 * (ended_s - began_s))
         await asyncio.sleep(0.2)
@@ -246,7 +246,7 @@ async def test_seconds_of_garbage_at_ten_megabytes_a_second(name: str) -> None:
 
 
 async def _flows_behind(board: Board, header: bytes, received: list[int]) -> None:
-    """Send a header, then numbers: the first is heard at once, and none is lost."""
+    """Send a header, then numbers: the first one arrives immediately, and none is lost."""
     took_s: list[float] = []
     sent = set(received)
     while len(took_s) < TRIES and min(took_s, default=AT_ONCE_S) >= AT_ONCE_S:

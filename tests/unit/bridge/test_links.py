@@ -1,4 +1,4 @@
-"""The bridge over real wires of this machine: TCP, UDP, a pseudo-terminal made by us, one made by others."""
+"""The bridge on real links of this machine: TCP, UDP, its own pseudo-terminal, and one of another program."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ STRING = STORE.registry.message_type("std_msgs/String")
 
 
 class Site:
-    """A supervisor on real wires and a graph in memory."""
+    """A supervisor on real links, and a graph in memory."""
 
     def __init__(self) -> None:
         self.network = MemoryNetwork()
@@ -45,7 +45,7 @@ async def site() -> AsyncIterator[Site]:
 
 
 async def carry_both_ways(site: Site, link: str, node: str) -> None:
-    """Let a device on a link say something, and hear something."""
+    """Send a message from a device on a link, and one to it."""
     peer = await site.network.join("/peer")
     reported: list[bytes] = []
     received: list[Any] = []

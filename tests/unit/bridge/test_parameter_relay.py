@@ -39,7 +39,7 @@ class Answers:
 
 
 class BrokenGraph:
-    """A graph whose master is away for the first calls."""
+    """A graph whose master does not answer the first calls."""
 
     def __init__(self, failures: int, value: ParamValue = 7) -> None:
         self.failures = failures

@@ -22,7 +22,7 @@ CHUNK = 64 << 10
 
 
 class Subscriber:
-    """A backlog that is set by hand."""
+    """A subscriber whose backlog the test sets."""
 
     def __init__(
         self, publication: PublicationFlow, limit_bytes: int = LIMIT, reader: Reader | None = None

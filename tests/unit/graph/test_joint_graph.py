@@ -1,4 +1,4 @@
-"""One node in several graphs: what comes from which, and graphs that come late, hang or refuse."""
+"""A node in several graphs, also if a graph is late, hangs or refuses calls."""
 
 from __future__ import annotations
 

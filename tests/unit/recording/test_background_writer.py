@@ -66,7 +66,7 @@ def test_messages_beyond_the_limit_are_lost_and_reported() -> None:
     number = writer.add_connection(connection())
     writer.write(number, 1, [b""])
     assert inner.is_entered.wait(60)
-    writer.write(number, 2, [bytes(5000)])  # alone it may always wait
+    writer.write(number, 2, [bytes(5000)])  # a single message may always wait
     writer.write(number, 3, [bytes(5)] * 3)
     writer.write(number, 4, [bytes(5)])
     reason = "data arrives faster than it can be compressed; choose a faster compression, or record less"

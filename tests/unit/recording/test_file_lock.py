@@ -109,7 +109,7 @@ def _count(path: Path) -> int:
 
 def test_a_file_that_sqlite_could_not_close_keeps_its_log(tmp_path: Path) -> None:
     active, path = tmp_path / "a.db3.active", tmp_path / "a.db3"
-    for count in (3, 5):  # the second over the first
+    for count in (3, 5):  # the second file replaces the first
         _unclosed(active, count)
         assert active.with_name("a.db3.active-wal").stat().st_size
         end_active(active, path)

@@ -31,7 +31,7 @@ from waiting import until
 
 
 class Table(World):
-    """A world with the board's endpoint table in it."""
+    """A world with the board's endpoint table."""
 
     table: EndpointTable
 
@@ -197,7 +197,7 @@ async def test_two_ids_of_a_lost_board_both_give_way_to_another_type(world: Tabl
 
 async def test_one_name_with_two_types_is_one_line_and_the_last_is_served(world: Table) -> None:
     line = FakeLine()
-    # In one chunk: the first is still on its way into the graph when it must leave it.
+    # In one chunk: the first endpoint is not completely in the graph when it must leave it.
     world.table.announce_topic(publisher("level", topic_id=125), line)
     world.table.announce_topic(publisher("level", "std_msgs/UInt16", topic_id=126), line)
     world.table.settle()
@@ -297,7 +297,7 @@ async def test_a_reset_board_gets_latched_messages_again(world: Table) -> None:
 
 
 class RefusingGraph:
-    """Passes on to a real node, but refuses to advertise a few times."""
+    """Forwards calls to a real node, but refuses to advertise a few times."""
 
     def __init__(self, graph: MemoryGraph, refusals: int) -> None:
         self._graph = graph

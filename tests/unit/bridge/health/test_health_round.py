@@ -22,7 +22,7 @@ from unit.bridge.virtual_time import run
 
 
 class Rounds(World):
-    """A world in which the round goes through one board."""
+    """A world with one board in the round."""
 
     async def begin(self, *, publishes: bool = True) -> None:
         await self.open()
@@ -68,7 +68,7 @@ def test_a_healthy_board_once_a_second() -> None:
         board = SketchBoard(wire, turn=every(0.05, publish("range", stamped)))
         board.publisher("range", "sensor_msgs/Range").subscriber("led").plug_in()
         arrays = await world.statuses()
-        # Five rounds, and one at once for the new subscriber.
+        # Five rounds, and one immediately for the new subscriber.
         assert len(arrays) == 6
         (status,) = arrays[-1].status
         assert (status.level, status.name, status.hardware_id) == (0, "board: rosserial", "95530343")

@@ -39,7 +39,7 @@ def test_the_wait_ends_when_half_of_the_window_is_free() -> None:
 def line_rate(true_bytes_per_s: float, *, adapter_bytes: int = 0, seconds: float = 2.0) -> tuple[float, int]:
     """Feed a 57600 baud port with a line of another speed, and an adapter's buffer, behind it.
 
-    Returns bytes a second that left, and the most bytes that ever waited in port and adapter.
+    Return the bytes sent per second, and the largest number of bytes that waited in port and adapter.
     """
     pacer, now_s = LinePacer(57600), 0.0
     waiting, left, max_waiting = 0.0, 0.0, 0.0

@@ -1,4 +1,6 @@
-"""Boards on pseudo-terminals come, go, and come back as other ports; other devices are never touched."""
+"""Boards on pseudo-terminals are found, removed, and found again on other ports; other devices are never
+opened.
+"""
 
 from __future__ import annotations
 
@@ -73,7 +75,7 @@ class Site:
         return set(self.network.nodes)
 
     async def received(self, topic: str = "/chatter") -> list[bytes]:
-        """Messages of a topic, as another node gets them; the list grows."""
+        """Subscribe to a topic with another node; return the list of the received messages."""
         graph = await self.network.join("/listener")
         got: list[bytes] = []
         await graph.subscribe(topic, STORE.registry.message_type("std_msgs/String"), got.extend)
@@ -97,7 +99,7 @@ def now_s() -> float:
 
 
 async def talk(device: Device, stop: asyncio.Event) -> None:
-    """Publish without end, as a sketch does: what the host does not hear is lost."""
+    """Publish until `stop` is set, like a sketch: messages that the host does not receive are lost."""
     publisher = device.publisher("chatter", "std_msgs/String")
     while not stop.is_set():
         publisher.publish(data="hello")
@@ -378,7 +380,7 @@ async def test_a_list_that_fails_once_is_made_again(site: Site, monkeypatch: pyt
 
 
 class open_terminal:
-    """A device that is no board: a terminal that only the test reads and writes."""
+    """A device that is not a board: a terminal that only the test reads and writes."""
 
     def __init__(self, link: str) -> None:
         self._link = Path(link)
