@@ -85,7 +85,7 @@ async def test_a_board_that_reconnects_all_day_causes_few_lines(world: World) ->
     assert 1 < len(summaries) <= clock.now_s / SUMMARY_PERIOD_S + 1
 
 
-async def test_a_board_that_calms_down_gets_all_of_its_lines_again(world: World) -> None:
+async def test_a_board_that_stops_flooding_is_reported_completely_again(world: World) -> None:
     clock = Clock()
     lines = SetupLines(world.notices, clock)
     for _ in range(SAVED_LINES + 10):

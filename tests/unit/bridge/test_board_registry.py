@@ -79,7 +79,7 @@ async def test_a_node_that_leaves_slowly_leaves_completely(monkeypatch: pytest.M
     await boards.close()
 
 
-async def test_a_board_that_comes_before_the_news_that_it_left_is_the_same() -> None:
+async def test_a_board_that_reconnects_before_its_disconnect_is_noticed_is_the_same() -> None:
     boards = BoardRegistry(60.0, lambda: 0.0)
     board, _ = await served(boards, "/arm")
     coming = asyncio.create_task(boards.claim("/arm"))

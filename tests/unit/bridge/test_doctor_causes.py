@@ -285,13 +285,13 @@ def test_a_slow_loop(loop_s: float) -> None:
     assert late_ms <= loop_s * 1000 + 50
 
 
-def test_a_loop_that_sleeps_a_second_matters_only_to_boards_that_listen() -> None:
+def test_a_loop_that_sleeps_a_second_is_reported_only_for_listeners() -> None:
     assert diagnose(lambda transport: talker(transport, loop_s=1.0)).is_ok
     diagnosis = diagnose(lambda transport: talker(transport, loop_s=1.0).subscriber("led"))
     assert codes(diagnosis) == [Code.SLOW_LOOP]
 
 
-def test_a_quick_loop_is_not_blamed() -> None:
+def test_a_fast_loop_is_not_reported() -> None:
     assert diagnose(lambda transport: talker(transport, loop_s=0.05)).is_ok
 
 

@@ -56,7 +56,7 @@ async def test_garbage_between_frames_costs_no_frame(kind: str, tmp_path: Path) 
 
 
 @every_line
-async def test_of_damaged_frames_none_is_delivered_and_no_other_is_lost(kind: str, tmp_path: Path) -> None:
+async def test_damaged_frames_are_dropped_and_others_delivered(kind: str, tmp_path: Path) -> None:
     rng = random.Random(11)
     total = 5000
     damaged = set(rng.sample(range(1, total), total // 100))
@@ -181,7 +181,7 @@ def test_twenty_seconds_of_silence() -> None:
 @pytest.mark.parametrize("topic_id", [125, 126, 9999])
 @pytest.mark.parametrize("size", [65535, 32767, 500])
 @every_line
-async def test_a_length_that_never_comes(kind: str, size: int, topic_id: int, tmp_path: Path) -> None:
+async def test_a_length_that_is_never_reached(kind: str, size: int, topic_id: int, tmp_path: Path) -> None:
     async with line(kind, tmp_path) as (bridge, board), board:
         received = await bridge.listen("/count")
         await board.settle(received)
@@ -190,7 +190,7 @@ async def test_a_length_that_never_comes(kind: str, size: int, topic_id: int, tm
 
 @pytest.mark.parametrize("size", [65535, 32767])
 @every_line
-async def test_a_possible_length_that_never_comes_on_a_board_that_streams(
+async def test_a_possible_length_that_is_never_reached_on_a_board_that_streams(
     kind: str, size: int, tmp_path: Path
 ) -> None:
     text = (ids.PUBLISHER, topic_info("text", "std_msgs/String", topic_id=126, buffer_size=65535))

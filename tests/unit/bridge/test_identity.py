@@ -66,7 +66,7 @@ def test_a_file_names_boards_that_the_address_does_not() -> None:
         ("/dev/ttyACM0", "/dev/ttyACM0", BoardIdentity(usb_location="1-2"), "1-2"),
     ],
 )
-def test_what_stays_when_a_board_comes_back(
+def test_endpoints_stay_when_a_board_reconnects(
     address: str, peer: str, identity: BoardIdentity, lasting: str
 ) -> None:
     assert hardware_id(parse_address(address), peer, identity) == lasting

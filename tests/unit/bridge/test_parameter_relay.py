@@ -116,7 +116,7 @@ async def test_a_private_name_is_the_boards_own(world: World) -> None:
 
 
 @pytest.mark.parametrize("name", ["missing", "no spaces", "tree", ""])
-async def test_unknown_answers_are_empty_with_one_line(world: World, name: str) -> None:
+async def test_missing_parameters_are_answered_empty_with_one_line(world: World, name: str) -> None:
     await world.peer.set_param("/tree", {"a": 1})
     answers = Answers()
     asking = relay(world, answers)
@@ -149,7 +149,7 @@ async def test_a_master_that_was_away_for_a_moment_is_asked_again(world: World) 
     assert world.reporter.texts == []
 
 
-async def test_a_master_that_stays_away_costs_the_board_less_than_its_patience(world: World) -> None:
+async def test_a_missing_master_delays_an_answer_less_than_the_board_waits(world: World) -> None:
     answers = Answers()
     relay(world, answers, BrokenGraph(1000), timeout_s=0.15).ask("gain")
     await until(lambda: answers.given, "the answer")
@@ -185,7 +185,7 @@ async def test_a_board_that_accepts_no_answer_is_reported_and_later_requests_are
     assert answers.given == [ParameterResponse(ints=(2,))]
 
 
-async def test_a_defect_costs_one_answer_and_is_one_line(world: World) -> None:
+async def test_a_defect_loses_one_answer_and_is_one_line(world: World) -> None:
     class Defective(BrokenGraph):
         async def get_param(self, name: str) -> ParamValue:
             if name == "odd":

@@ -99,7 +99,7 @@ async def board(place: tuple[str, int]) -> AsyncIterator[None]:
 
 
 @pytest.mark.parametrize("name", names())
-def test_what_boards_send_first_is_a_frame(name: str) -> None:
+def test_the_first_bytes_of_boards_have_a_frame(name: str) -> None:
     reported = b""
     for chunk in load(name).of_device()[:50]:
         reported += chunk.data
@@ -114,7 +114,7 @@ def test_bytes_that_are_no_frame_of_a_board(data: bytes) -> None:
 
 
 @pytest.mark.parametrize("name", names())
-def test_what_boards_send_when_they_were_asked_is_an_answer(name: str) -> None:
+def test_the_bytes_after_a_request_have_an_answer(name: str) -> None:
     reported = b"".join(chunk.data for chunk in load(name).of_device()[:50])
     assert holds_answer(reported)
 

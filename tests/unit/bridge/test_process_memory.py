@@ -49,7 +49,7 @@ async def test_the_collector_inspects_objects_of_many_boards_no_more() -> None:
 
 
 @pytest.mark.usefixtures("_soon")
-async def test_what_many_boards_left_behind_is_collected() -> None:
+async def test_the_garbage_of_many_boards_is_collected() -> None:
     objects = BoardObjects()
     for _ in range(4 * FEW_BOARDS):
         objects.connected()
@@ -97,7 +97,7 @@ async def test_a_supervisor_counts_its_boards() -> None:
 
 
 @pytest.mark.usefixtures("_soon")
-async def test_what_nodes_leave_behind_is_collected_and_given_back_once(
+async def test_the_garbage_of_nodes_is_collected_and_released_once(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     released: list[int] = []

@@ -64,7 +64,7 @@ def test_a_new_episode_reports_what_the_last_one_omitted(
     assert reporter.texts == ["damaged", "damaged (and 41 more the last time)"]
 
 
-def test_an_ended_episode_is_news_again(notices: Notices, reporter: RecordingReporter) -> None:
+def test_an_ended_episode_is_reported_again(notices: Notices, reporter: RecordingReporter) -> None:
     notices.report_episode("silent", Level.WARN, "silent")
     notices.end_episode("silent")
     notices.report_episode("silent", Level.WARN, "silent")
@@ -93,7 +93,7 @@ def test_a_text_is_made_only_when_it_is_reported(notices: Notices) -> None:
         ("x" * 600, "x" * (MAX_LINE_CHARS - 3) + "..."),
     ],
 )
-def test_a_peers_text_cannot_steer_a_terminal(text: str, shown: str) -> None:
+def test_a_peers_text_cannot_control_a_terminal(text: str, shown: str) -> None:
     assert shown_line(text) == shown
 
 

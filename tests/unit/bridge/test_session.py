@@ -313,7 +313,7 @@ async def test_the_plug_pulled_within_a_message(bridge: Bridge) -> None:
     assert arrived[1] == text("back")
 
 
-async def test_garbage_is_endured_in_few_lines(bridge: Bridge) -> None:
+async def test_garbage_causes_few_lines(bridge: Bridge) -> None:
     arrived = await bridge.listen("/chatter")
     board = await bridge.connect(CHATTER)
     await bridge.settled()
@@ -358,7 +358,7 @@ async def test_messages_of_topics_without_an_endpoint_are_ignored(bridge: Bridge
     assert len(bridge.reporter.having("my_robot")) == 1
 
 
-async def test_what_cannot_be_bridged_is_reported_in_one_line(bridge: Bridge) -> None:
+async def test_a_topic_that_cannot_be_bridged_is_reported_in_one_line(bridge: Bridge) -> None:
     wheel = TopicInfo(126, "left-wheel", "std_msgs/String", STRING.md5sum, 280)
     await bridge.connect(CHATTER, (ids.PUBLISHER, wheel))
     await bridge.settled()
@@ -382,7 +382,7 @@ async def test_a_slow_subscriber_pauses_a_board_that_can_be_paused(bridge: Bridg
     await until(lambda: board.transport.write_buffer_bytes == 0, "the board to go on")
 
 
-async def test_a_subscriber_that_hangs_pauses_the_board_for_a_moment_only(bridge: Bridge) -> None:
+async def test_a_subscriber_that_hangs_pauses_the_board_only_briefly(bridge: Bridge) -> None:
     arrived = await bridge.listen("/chatter")
     hanging = await bridge.network.join("/hanging")
     subscription = await hanging.subscribe("/chatter", STRING, lambda _: None)
@@ -414,7 +414,7 @@ async def test_a_hanging_board_stops_no_publisher_for_long(bridge: Bridge) -> No
     await until(lambda: board.received[100][-1:] == [text("last")], "the newest message")
 
 
-async def test_a_fault_within_ends_this_session_only(bridge: Bridge, monkeypatch: pytest.MonkeyPatch) -> None:
+async def test_a_defect_ends_only_this_session(bridge: Bridge, monkeypatch: pytest.MonkeyPatch) -> None:
     board = await bridge.connect(CHATTER)
     await bridge.settled()
 

@@ -253,7 +253,7 @@ def _has(items: list[bool], count: int) -> bool:
     return len(items) == count
 
 
-async def test_what_connects_from_this_machine_is_a_program(
+async def test_a_connection_from_this_machine_is_a_program(
     site: Site, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     endings: list[bool] = []
@@ -397,7 +397,7 @@ async def test_a_node_to_keep_waits_for_the_master_before_anything_listens(site:
     assert site.nodes() == set()
 
 
-async def test_names_that_are_none_are_refused_at_the_start(site: Site) -> None:
+async def test_invalid_names_are_refused_at_the_start(site: Site) -> None:
     with pytest.raises(InvalidNameError):
         await site.start("tcp://:11411", f"{PORT}?ns=no-dashes")
     assert site.listeners == []
@@ -473,7 +473,7 @@ async def test_a_client_that_never_sends_a_frame_is_disconnected(
     assert "/tcp_192_168_1_7" in site.connected(), "who speaks stays"
 
 
-async def test_who_hangs_up_without_a_frame_leaves_no_node_behind() -> None:
+async def test_a_peer_that_disconnects_without_a_frame_leaves_no_node() -> None:
     site = Site(BridgeSettings(grace_s=3600))
     await site.start("tcp://:11411")
     silent, theirs = memory_pair()

@@ -78,13 +78,13 @@ def test_marks_have_a_distance(backlogs: list[int], is_open: bool) -> None:
 
 
 @pytest.mark.parametrize("taken", [MIN_READ_BYTES, 3 * MIN_READ_BYTES, 10 * MIN_READ_BYTES])
-def test_who_reads_slowly_loses_nothing(taken: int) -> None:
+def test_a_slow_subscriber_loses_nothing(taken: int) -> None:
     subscriber = Subscriber(PublicationFlow())
     subscriber.flood(2000, taken)
     assert subscriber.lost == 0
 
 
-def test_who_hangs_pauses_the_publisher_a_few_times_and_loses_its_oldest() -> None:
+def test_a_subscriber_that_hangs_pauses_the_publisher_a_few_times_and_loses_its_oldest_messages() -> None:
     subscriber = Subscriber(PublicationFlow())
     assert STEPS <= subscriber.flood(2000, 0) <= STEPS + 1
     assert subscriber.flow.hangs
@@ -102,7 +102,7 @@ def test_one_message_larger_than_the_queue_pauses_no_longer() -> None:
 
 
 @pytest.mark.parametrize("taken", [MIN_READ_BYTES, 10 * MIN_READ_BYTES])
-def test_who_reads_again_is_waited_for_again(taken: int) -> None:
+def test_a_subscriber_that_reads_again_pauses_the_publisher_again(taken: int) -> None:
     subscriber = Subscriber(PublicationFlow())
     subscriber.flood(2000, 0)
     lost = subscriber.lost
@@ -138,7 +138,7 @@ def test_a_node_that_reads_others_first_is_waited_for_longer_but_not_for_ever() 
     assert SMALL_STEPS <= pauses <= SMALL_STEPS + 2
 
 
-async def test_waiting_ends_with_the_time_of_a_pause() -> None:
+async def test_waiting_ends_after_the_time_of_a_pause() -> None:
     publication = PublicationFlow()
     subscriber = Subscriber(publication)
     subscriber.set(HIGH + CHUNK)
@@ -149,7 +149,7 @@ async def test_waiting_ends_with_the_time_of_a_pause() -> None:
     assert not publication.is_open
 
 
-async def test_only_who_was_behind_when_the_waiting_began_has_had_its_pause() -> None:
+async def test_a_pause_counts_only_for_subscribers_that_were_behind_at_its_start() -> None:
     publication = PublicationFlow()
     first, second = Subscriber(publication), Subscriber(publication)
     first.set(HIGH + 1)
@@ -163,7 +163,7 @@ async def test_only_who_was_behind_when_the_waiting_began_has_had_its_pause() ->
 
 
 @pytest.mark.parametrize("ending", ["drains", "ends"])
-async def test_waiting_ends_when_no_subscriber_lags_behind(ending: str) -> None:
+async def test_waiting_ends_when_no_subscriber_is_behind(ending: str) -> None:
     publication = PublicationFlow()
     subscribers = [Subscriber(publication) for _ in range(3)]
     await publication.drained(60.0)

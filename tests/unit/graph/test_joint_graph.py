@@ -119,7 +119,7 @@ async def test_nodes_in_the_same_two_graphs_receive_messages_once() -> None:
     assert not join._own_nodes
 
 
-async def test_a_slow_subscriber_of_either_graph_is_felt() -> None:
+async def test_a_slow_subscriber_of_either_graph_pauses_the_publisher() -> None:
     world = await make_world()
     publisher = await world.joint.advertise("/chat", STRING)
     slow = await world.others[1].subscribe("/chat", STRING, Inbox().take)
@@ -243,7 +243,7 @@ class ConnectionLimiter:
 
 
 @pytest.mark.parametrize("position", [0, 1])
-async def test_a_graph_that_comes_late_gets_everything(
+async def test_a_graph_that_joins_late_gets_all_handles(
     position: int, caplog: pytest.LogCaptureFixture, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("rostether.graph.joint_handle.FIRST_RETRY_S", 0.01)
@@ -375,7 +375,7 @@ async def test_a_graph_that_hangs_does_not_delay_others(monkeypatch: pytest.Monk
     await asyncio.wait_for(joint.close(), 60)
 
 
-async def test_what_all_refuse_is_refused() -> None:
+async def test_a_handle_that_all_graphs_refuse_is_refused() -> None:
     joint = JointGraph([BrokenGraph("/board"), BrokenGraph("/board")])
     with pytest.raises(MasterUnreachableError):
         await joint.advertise("/chat", BOOL)
@@ -415,7 +415,7 @@ async def test_clients_are_listed_where_the_graph_lists_them() -> None:
     await joint.close()
 
 
-async def test_what_relays_and_boards_of_other_programs_publish_comes_once() -> None:
+async def test_messages_of_relays_and_boards_of_other_programs_arrive_once() -> None:
     networks = [MemoryNetwork(), MemoryNetwork()]
     joins = [JointJoin([network.join for network in networks]) for _ in range(2)]
     board, other = await joins[0]("/board"), await joins[1]("/other")

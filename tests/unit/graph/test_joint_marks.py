@@ -41,7 +41,7 @@ def test_marks_are_names_and_show_the_age() -> None:
     assert not is_mark("/rostether/other")
 
 
-def test_a_set_keeps_what_stays() -> None:
+def test_a_set_keeps_unchanged_names() -> None:
     names = {"/a", "/b"}
     same = names
     replace_names(names, {"/b", "/c"})

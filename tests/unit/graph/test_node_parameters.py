@@ -36,7 +36,7 @@ async def test_the_first_place_with_a_value_is_used(
     assert await NodeParameters(graph, "camera/", "").value(9, "rate") == expected
 
 
-async def test_a_parameter_may_have_several_spellings(graph: TypedGraph) -> None:
+async def test_a_parameter_may_have_several_names(graph: TypedGraph) -> None:
     await graph.set_param("~ip", "a, b,")
     parameters = NodeParameters(graph)
     assert await parameters.text("", "address", "ip") == "a, b,"

@@ -82,7 +82,7 @@ async def test_messages_of_an_unknown_type(network: MemoryNetwork, listener: Typ
     assert (message.temperature, message.tags) == (21.5, ["a", "b"])
 
 
-async def test_a_type_that_is_another_one_there_is_read_as_its_publisher_means_it(
+async def test_a_type_with_another_definition_is_decoded_with_its_publishers(
     network: MemoryNetwork, listener: TypedGraph
 ) -> None:
     registry = Registry(bundled=False)
@@ -109,7 +109,9 @@ def test_another_md5sum_without_a_definition_is_a_mismatch() -> None:
         types.codec({"type": "std_msgs/String", "md5sum": "0" * 32})
 
 
-async def test_a_busy_loop_loses_the_oldest_and_counts_them(talker: TypedGraph, listener: TypedGraph) -> None:
+async def test_a_busy_loop_loses_the_oldest_messages_and_counts_them(
+    talker: TypedGraph, listener: TypedGraph
+) -> None:
     publisher = await talker.publisher("/count", "std_msgs/UInt32")
     stream = listener.messages("/count", queue_size=2)
     async with aclosing(aiter(stream)) as messages:
@@ -125,7 +127,7 @@ async def test_a_busy_loop_loses_the_oldest_and_counts_them(talker: TypedGraph, 
     assert publisher.subscriber_count == 0
 
 
-async def test_what_does_not_fit_the_type_is_skipped_and_counted(
+async def test_messages_without_their_types_layout_are_skipped_and_counted(
     talker: TypedGraph, listener: TypedGraph
 ) -> None:
     publisher = await talker.publisher("/chatter", "std_msgs/String")
@@ -364,7 +366,7 @@ async def test_async_callbacks_are_awaited_one_after_the_other(
     await subscriber.close()
 
 
-async def test_a_message_that_does_not_come_in_time_is_named(listener: TypedGraph) -> None:
+async def test_a_missing_message_is_named_in_the_error(listener: TypedGraph) -> None:
     with pytest.raises(TimeoutError, match=r"no message on /nothing within 0\.01 s"):
         await listener.wait_for_message("/nothing", timeout_s=0.01)
 

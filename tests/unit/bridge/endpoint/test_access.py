@@ -43,7 +43,9 @@ LIMITED = Access(
         (ServiceRole.CLIENT, "/lab/estop", 'may not call /lab/estop: access.call.deny has "/lab/estop"'),
     ],
 )
-def test_each_direction_has_its_rule(role: TopicRole | ServiceRole, name: str, reason: str | None) -> None:
+def test_each_direction_has_its_permission(
+    role: TopicRole | ServiceRole, name: str, reason: str | None
+) -> None:
     check_endpoint(ANY_ACCESS, role, name)
     if reason is None:
         check_endpoint(LIMITED, role, name)
@@ -53,7 +55,7 @@ def test_each_direction_has_its_rule(role: TopicRole | ServiceRole, name: str, r
     assert reason in str(caught.value)
 
 
-def test_parameters_have_a_rule() -> None:
+def test_parameters_have_a_permission() -> None:
     check_parameter(LIMITED, "/gains/p")
     with pytest.raises(AccessDeniedError, match=r"may not read /secret: access\.parameters\.allow"):
         check_parameter(LIMITED, "/secret")

@@ -42,7 +42,7 @@ async def world() -> World:
     return await World().open()
 
 
-async def test_the_old_leaves_before_the_new_comes_in(world: World) -> None:
+async def test_the_old_endpoint_closes_before_the_new_one_opens(world: World) -> None:
     done: list[str] = []
     openings = EndpointOpenings(world.notices)
     old: Any = Endpoint("old", done)
@@ -58,7 +58,7 @@ async def test_the_old_leaves_before_the_new_comes_in(world: World) -> None:
     await until(lambda: done == ["old in", "old out", "new in"], "the new")
 
 
-async def test_what_leaves_before_it_came_in_waits_for_nothing(world: World) -> None:
+async def test_an_endpoint_closed_before_it_opened_waits_for_nothing(world: World) -> None:
     done: list[str] = []
     openings = EndpointOpenings(world.notices)
     endpoints: list[Any] = [Endpoint(str(number), done) for number in range(3)]
@@ -69,7 +69,7 @@ async def test_what_leaves_before_it_came_in_waits_for_nothing(world: World) -> 
     assert done == ["0 out", "1 out", "2 out"]
 
 
-async def test_what_was_refused_for_its_type_opens_when_another_has_left(world: World) -> None:
+async def test_an_endpoint_refused_for_its_type_opens_when_another_has_left(world: World) -> None:
     done: list[str] = []
     openings = EndpointOpenings(world.notices)
     holder: Any = Endpoint("/level", done)

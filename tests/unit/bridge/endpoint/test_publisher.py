@@ -51,7 +51,7 @@ async def test_messages_reach_the_graph_in_order(world: World) -> None:
     assert chatter.message_count == 3
 
 
-async def test_what_comes_before_the_topic_is_advertised_is_kept(world: World) -> None:
+async def test_messages_before_the_topic_is_advertised_are_kept(world: World) -> None:
     received, line, chatter = await world.listen("/chatter"), FakeLine(), endpoint(world)
     chatter.attach(line, chatter.info)
     line.receivers[125]([text("early")])
@@ -100,7 +100,7 @@ async def test_damaged_messages_never_reach_the_graph(world: World) -> None:
     assert "std_msgs/String" in world.reporter.texts[0]
 
 
-async def test_a_chunk_of_nothing_but_damage_is_not_published(world: World) -> None:
+async def test_a_chunk_with_only_damaged_messages_is_not_published(world: World) -> None:
     received, line, level = (
         await world.listen("/chatter", "std_msgs/UInt16"),
         FakeLine(),
@@ -135,7 +135,7 @@ async def test_a_congested_subscriber_pauses_the_board(world: World) -> None:
     assert chatter.lost_count == 0
 
 
-async def test_a_slow_subscriber_loses_its_own_and_that_is_counted(world: World) -> None:
+async def test_a_slow_subscriber_loses_only_its_own_messages_and_they_are_counted(world: World) -> None:
     received, line, chatter = await world.listen("/chatter"), FakeLine(can_pause=False), endpoint(world)
     slow = await world.network.join("/slow")
     subscription = await slow.subscribe(

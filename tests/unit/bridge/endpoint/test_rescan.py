@@ -49,7 +49,7 @@ async def test_nested_searches_are_limited(monkeypatch: pytest.MonkeyPatch) -> N
     await node.close()
 
 
-async def test_header_garbage_between_messages_loses_hardly_any() -> None:
+async def test_headers_of_noise_between_messages_cost_few_messages() -> None:
     world = await World().open()
     received = await world.listen("/chatter")
     loop = asyncio.get_running_loop()

@@ -65,7 +65,7 @@ async def test_time_answers_wait_from_the_moment_of_the_request(world: World) ->
     assert line.calls_started == 1
 
 
-async def test_a_defect_costs_one_response_and_is_one_line(
+async def test_a_defect_loses_one_response_and_is_one_line(
     world: World, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     async def answer(request: bytes) -> bytes:

@@ -119,7 +119,7 @@ async def test_a_board_that_was_silent_for_a_call_and_asks_for_the_time_again_ge
 
 
 @on_virtual_time
-async def test_a_board_that_asks_for_the_time_all_along_may_still_answer() -> None:
+async def test_a_board_that_requests_the_time_during_a_call_may_still_answer() -> None:
     world = await World().open()
     line, switch, loop = FakeLine(), endpoint(world, timeout_s=0.05), asyncio.get_running_loop()
     switch.attach(line, switch.info)

@@ -36,7 +36,7 @@ async def test_messages_reach_the_board_in_order(world: World) -> None:
     assert led.message_count == 2
 
 
-async def test_what_does_not_fit_the_boards_buffer_is_not_sent(world: World) -> None:
+async def test_messages_larger_than_the_boards_buffer_are_not_sent(world: World) -> None:
     line, led = FakeLine(), endpoint(world, buffer_size=20)
     led.attach(line, led.info)
     for _ in range(50):
@@ -68,7 +68,7 @@ async def test_a_publishers_malformed_message_never_reaches_the_board(world: Wor
     assert "304 bytes" in world.reporter.texts[1]
 
 
-async def test_while_detached_messages_go_nowhere(world: World) -> None:
+async def test_messages_are_dropped_while_detached(world: World) -> None:
     line, led = FakeLine(), endpoint(world)
     led.attach(line, led.info)
     await led.open()

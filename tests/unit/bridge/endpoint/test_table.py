@@ -122,7 +122,7 @@ async def test_an_illegal_name_is_one_line(world: Table) -> None:
     assert "1st" in world.reporter.texts[0]
 
 
-async def test_a_board_that_comes_back_finds_its_topics_as_they_were(world: Table) -> None:
+async def test_a_board_that_reconnects_has_its_topics_unchanged(world: Table) -> None:
     received, old, new = await world.listen("/chatter"), FakeLine(), FakeLine()
     connections: list[Mapping[str, str]] = []
     await world.peer.subscribe(
@@ -270,7 +270,7 @@ async def test_a_service_that_comes_back_under_other_ids_is_the_same(world: Tabl
     assert len(list(world.table)) == 1
 
 
-async def test_the_old_ids_of_a_service_go_and_it_stays(world: Table) -> None:
+async def test_a_service_stays_when_its_old_ids_are_withdrawn(world: Table) -> None:
     line = FakeLine()
     old = service(ServiceRole.SERVER, first_id=110)
     world.table.announce_service(old, line)
@@ -325,7 +325,7 @@ async def test_a_graph_that_refuses_is_asked_again(world: Table) -> None:
     assert len(world.reporter.having("the master said no")) == 1
 
 
-async def test_a_topic_that_goes_while_the_graph_refuses_it_is_given_up(world: Table) -> None:
+async def test_a_topic_withdrawn_while_the_graph_refuses_it_is_not_retried(world: Table) -> None:
     refusing: Any = RefusingGraph(world.board, 10_000)
     table = EndpointTable(EndpointFactory(refusing, STORE, world.notices, DEFAULT_SETTINGS), world.notices)
     table.announce_topic(publisher(), FakeLine())

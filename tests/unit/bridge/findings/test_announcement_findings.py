@@ -15,14 +15,14 @@ def refused(info: TopicInfo) -> FrameDiscarded:
     return FrameDiscarded(DiscardReason.REFUSED, info.encode())
 
 
-def test_names_that_no_compiler_has_put_there() -> None:
+def test_overwritten_names_are_detected() -> None:
     assert is_overwritten(GARBLED)
     assert is_overwritten(replace(GARBLED, topic_name="temp", md5sum=""))
     assert not is_overwritten(replace(GARBLED, topic_name="temp"))
     assert not is_overwritten(replace(GARBLED, topic_name="my topic"))
 
 
-def test_once_may_be_the_line_and_twice_is_the_board() -> None:
+def test_one_case_may_be_the_line_and_two_are_the_board() -> None:
     announcements = AnnouncementFindings()
     announcements.discarded(refused(GARBLED))
     assert announcements.find() == []
@@ -51,7 +51,7 @@ def test_it_is_reported_which_packets_are_damaged() -> None:
     assert finding.seen.startswith("log lines are damaged inside the board (empty), but the")
 
 
-def test_a_readable_name_that_is_wrong_is_the_sketch() -> None:
+def test_a_wrong_but_readable_name_is_a_fault_of_the_sketch() -> None:
     announcements = AnnouncementFindings()
     reason = "a name must start with a letter; write my_topic in the sketch"
     announcements.refused(AnnouncementRefused("my topic", "std_msgs/String", reason))
@@ -68,7 +68,7 @@ def test_a_damaged_name_is_reported_once() -> None:
     assert announcements.find() == []
 
 
-def test_a_board_that_makes_up_names_fills_no_memory() -> None:
+def test_invented_names_do_not_fill_the_memory() -> None:
     announcements = AnnouncementFindings()
     for number in range(1000):
         announcements.discarded(refused(replace(GARBLED, topic_name=f"\x00{number}")))

@@ -98,7 +98,7 @@ def test_findings_of_several_subjects_are_all_reported() -> None:
     assert ledger.due(both, 1.0) == both[1:]
 
 
-def test_a_board_that_makes_up_names_fills_no_memory() -> None:
+def test_invented_names_do_not_fill_the_memory() -> None:
     ledger = FindingLedger()
     for number in range(2 * MAX_KEYS):
         ledger.due([error(Code.NOT_BRIDGED, "", "", str(number))], 0.0)

@@ -56,7 +56,7 @@ def test_damage_without_a_valid_frame_after_it_is_not_the_lines_fault() -> None:
     assert damage.find(111, 3.0) is not None
 
 
-def test_what_was_repaired_is_over_after_a_while() -> None:
+def test_a_repaired_problem_is_forgotten_after_a_while() -> None:
     damage = Damage()
     damage.find(0, 0.0)
     for number in range(10):
@@ -67,7 +67,7 @@ def test_what_was_repaired_is_over_after_a_while() -> None:
     assert finding is None
 
 
-def test_what_resets_cut_in_two_is_not_the_lines_fault() -> None:
+def test_frames_that_resets_cut_are_not_damage() -> None:
     damage = Damage()
     damage.find(0, 0.0)
     for number in range(6):

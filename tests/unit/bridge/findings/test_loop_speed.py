@@ -13,13 +13,13 @@ def requests(period_s: float, count: int = 6) -> LoopSpeed:
     return speed
 
 
-def test_a_prompt_board() -> None:
+def test_a_fast_board() -> None:
     speed = requests(2.503)
     assert speed.late_s == pytest.approx(0.003)
     assert speed.find(is_listener=True) is None
 
 
-def test_a_board_that_is_late() -> None:
+def test_a_board_that_starts_late() -> None:
     finding = requests(2.8).find(is_listener=True)
     assert finding is not None
     assert finding.code is Code.SLOW_LOOP
@@ -45,14 +45,14 @@ def test_a_request_that_was_overdue_counts_whatever_was_asked() -> None:
     assert speed.late_s == pytest.approx(0.9)
 
 
-def test_one_request_that_was_lost_is_not_a_rule() -> None:
+def test_one_lost_request_is_not_a_slow_loop() -> None:
     speed = LoopSpeed()
     for time_s in (0.0, 2.5, 5.0, 10.0, 12.5, 15.0):
         speed.request(time_s, 0)
     assert speed.find(is_listener=True) is None
 
 
-def test_datagrams_that_were_lost_are_not_a_rule() -> None:
+def test_lost_datagrams_are_not_a_slow_loop() -> None:
     for may_lose in (False, True):
         speed = LoopSpeed(may_lose=may_lose)
         found = []
@@ -70,7 +70,7 @@ def test_after_a_reset_it_begins_again() -> None:
     assert speed.late_s is None
 
 
-def test_a_single_late_request_is_worth_another_look() -> None:
+def test_a_single_late_request_is_checked_again() -> None:
     speed = LoopSpeed()
     speed.request(0.0, 0)
     speed.request(3.3, 0)
@@ -79,7 +79,7 @@ def test_a_single_late_request_is_worth_another_look() -> None:
     assert not speed.is_suspect
 
 
-def test_our_own_library_asks_sooner() -> None:
+def test_rostethers_library_requests_sooner() -> None:
     speed = LoopSpeed()
     speed.has_own_library = True
     for number in range(5):
@@ -103,7 +103,7 @@ def test_jitter_does_not_hide_an_established_library() -> None:
     assert speed.find(is_listener=True) is None
 
 
-def test_pauses_of_a_simulator_are_not_the_sketch() -> None:
+def test_pauses_of_a_simulator_are_not_faults_of_the_sketch() -> None:
     speed = LoopSpeed()
     for number in range(12):
         speed.request(number * 2.8, 0)

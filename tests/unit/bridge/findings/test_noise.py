@@ -15,7 +15,7 @@ def noise(data: bytes, reason: DiscardReason = DiscardReason.NOISE) -> FrameDisc
 
 
 @pytest.mark.parametrize("text", ["Hello from setup()\r\n", "t=21.5\tp=1013\n", "Température: 21 °C"])
-def test_what_sketches_print_is_text(text: str) -> None:
+def test_printed_lines_of_sketches_are_text(text: str) -> None:
     assert is_text(text.encode())
 
 
@@ -113,7 +113,7 @@ def test_the_last_of_several_crashes_is_reported() -> None:
     assert watched.crash_line() == "abort() was called"
 
 
-def test_looking_for_a_crash_costs_little_in_noise_without_an_end_of_line() -> None:
+def test_the_search_for_a_crash_is_cheap_in_noise_without_an_end_of_line() -> None:
     watched = Noise()
     watched.handle_discarded(noise(bytes(KEPT_BYTES)), 0.0, is_alive=False)
     times_s = []

@@ -15,7 +15,7 @@ def noise(data: bytes) -> FrameDiscarded:
     return FrameDiscarded(DiscardReason.NOISE, data)
 
 
-def test_the_third_one_is_the_rule() -> None:
+def test_the_third_case_is_reported() -> None:
     oversizes = Oversizes()
     for number in range(3):
         assert oversizes.of(125, number) is None
@@ -34,7 +34,7 @@ def test_once_in_a_while_is_damage() -> None:
         assert oversizes.of(125, number * (RECENT_S + 1)) is None
 
 
-def test_what_follows_is_the_rest() -> None:
+def test_following_bytes_are_the_rest_of_the_message() -> None:
     oversizes = Oversizes()
     assert not oversizes.handle_discarded(noise(b"hello"), 2, 0.0)
     oversizes.handle_discarded(head(50), 2, 0.0)
@@ -43,13 +43,13 @@ def test_what_follows_is_the_rest() -> None:
     assert not oversizes.handle_discarded(noise(b"hello"), 2, 0.1)
 
 
-def test_what_comes_much_later_is_not() -> None:
+def test_bytes_that_arrive_much_later_are_not_the_rest() -> None:
     oversizes = Oversizes()
     oversizes.handle_discarded(head(50), 2, 0.0)
     assert not oversizes.handle_discarded(noise(b"hello"), 2, REST_GAP_S * 1.1)
 
 
-def test_a_header_that_seems_to_hold_another() -> None:
+def test_a_header_that_seems_to_contain_another() -> None:
     """511 is ff 01: the length could be the beginning of a frame."""
     frame = encode_frame(125, b"x" * 511)
     oversizes = Oversizes()

@@ -45,7 +45,7 @@ def test_permission_with_the_exact_command() -> None:
     assert f"run: sudo chmod a+rw {PORT}" in reported(PortFacts(PORT, may_open=False))
 
 
-def test_who_has_it() -> None:
+def test_programs_that_use_a_port() -> None:
     line = reported(PortFacts(PORT, holders=(Holder(4711, "screen"), Holder(4712, "cat"))))
     assert "screen (PID 4711), cat (PID 4712)" in line
     assert "kill 4711 4712" in line
@@ -75,7 +75,7 @@ def test_why_a_port_did_not_open(code: int, expected: Code) -> None:
     assert finding.next_step
 
 
-def test_a_failure_in_its_own_words() -> None:
+def test_a_failure_is_shown_with_its_own_text() -> None:
     finding = open_error_finding(PortFacts(PORT), TransportOpenError("robot:11411 refuses; start it"))
     assert (finding.code, finding.seen, finding.next_step) == (
         Code.CANNOT_OPEN,

@@ -11,7 +11,7 @@ def resolve(name: str) -> str:
     return name if name.startswith("/") else f"/{name}"
 
 
-def test_nothing_is_required_unless_somebody_is_reported() -> None:
+def test_nothing_is_required_by_default() -> None:
     required = RequiredTopics()
     required.compare([])
     assert required.find() == []

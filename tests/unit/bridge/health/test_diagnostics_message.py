@@ -20,7 +20,7 @@ def test_a_counter_that_is_new_or_began_again() -> None:
     assert rates.update({"a": 10, "b": 5}, 1.0) == {"a": 10.0, "b": 5.0}
 
 
-def test_what_stops_is_seen_within_some_seconds() -> None:
+def test_a_board_that_stops_is_detected_within_seconds() -> None:
     rates = Rates()
     for second in range(10):
         rates.update({"a": 10 * second}, float(second))

@@ -116,7 +116,7 @@ async def test_events_wait_in_their_order(workspace: Path, event: TopicAnnounced
     assert not held.hold_back(event)
 
 
-async def test_what_waits_ends_with_its_connection(workspace: Path) -> None:
+async def test_held_events_end_with_their_connection(workspace: Path) -> None:
     handled: list[HostEvent] = []
     registry = Registry.from_environment(environ={})
     held = HeldEvents(registry, handled.append, fail)
@@ -127,7 +127,7 @@ async def test_what_waits_ends_with_its_connection(workspace: Path) -> None:
     assert handled == []
 
 
-async def test_a_fault_within_ends_with_its_session(workspace: Path) -> None:
+async def test_a_defect_ends_with_its_session(workspace: Path) -> None:
     faults: list[Exception] = []
 
     def handle(_: HostEvent) -> None:

@@ -13,7 +13,7 @@ def test_a_slow_line_still_accepts_a_small_frame() -> None:
     assert LinePacer(300).room_bytes(0.0) == MIN_WINDOW_BYTES
 
 
-def test_room_comes_back_at_line_speed() -> None:
+def test_room_returns_at_the_speed_of_the_line() -> None:
     pacer = LinePacer(100_000)
     pacer.written(200, 1.0)
     assert pacer.room_bytes(1.0) == 0
@@ -21,7 +21,7 @@ def test_room_comes_back_at_line_speed() -> None:
     assert pacer.room_bytes(1.020) == 200
 
 
-def test_a_message_larger_than_the_window_is_paid_for_afterwards() -> None:
+def test_a_message_larger_than_the_window_delays_the_next() -> None:
     pacer = LinePacer(100_000)
     pacer.written(1000, 0.0)
     assert pacer.room_bytes(0.0) == -800

@@ -67,7 +67,7 @@ def test_types_without_a_stamp_cost_nothing() -> None:
         ("tf/tfMessage", False),
     ],
 )
-def test_what_ros_clients_count(type_name: str, expected: bool) -> None:
+def test_ros_clients_count_messages_with_a_header(type_name: str, expected: bool) -> None:
     assert has_header(STORE.registry, type_name) is expected
 
 

@@ -11,14 +11,14 @@ def filled(*payloads: bytes) -> TopicQueue:
     return lane
 
 
-def test_take_all_that_fits() -> None:
+def test_all_messages_that_fit_are_removed() -> None:
     lane = filled(b"a", b"bb", b"ccc")
     assert lane.pop_ready(1000) == [b"a", b"bb", b"ccc"]
     assert lane.queued_bytes == 0
     assert not lane.payloads
 
 
-def test_take_the_oldest_in_order_and_at_least_one() -> None:
+def test_the_oldest_messages_are_removed_in_order_and_at_least_one() -> None:
     lane = filled(b"a" * 92, b"b" * 92, b"c" * 92)
     assert lane.pop_ready(1) == [b"a" * 92]
     assert lane.pop_ready(150) == [b"b" * 92, b"c" * 92]

@@ -323,7 +323,7 @@ async def test_another_device_is_probed_once_and_again_after_another_program_use
         await until(lambda: site.machine.opens["ttyACM0"] == 2, "another question")
 
 
-async def test_a_board_that_was_one_before_is_asked_again(
+async def test_a_port_that_had_a_board_before_is_probed_again(
     site: Site, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("rostether.rosserial.baud_probe.BOOT_S", 0.1)

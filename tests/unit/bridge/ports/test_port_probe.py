@@ -76,7 +76,7 @@ async def test_the_last_speed_is_tried_first() -> None:
     assert line.bauds == [38400]
 
 
-async def test_a_speed_that_the_port_cannot_have_is_passed_over() -> None:
+async def test_a_rate_that_the_port_does_not_support_is_skipped() -> None:
     line = Line(115200, refused=(57600,))
     assert await probe_port(line) == BoardFound(115200, 2, ANSWER)
 
