@@ -25,7 +25,7 @@ def test_jitter_only_shortens() -> None:
     assert len(set(delays)) > 40
 
 
-def test_two_backoffs_do_not_march_in_step() -> None:
+def test_two_backoffs_have_different_delays() -> None:
     assert (
         Backoff(first_s=1.0, limit_s=9.0).next_delay_s() != Backoff(first_s=1.0, limit_s=9.0).next_delay_s()
     )

@@ -46,7 +46,7 @@ def in_fork(call: Callable[[], object]) -> bool:
 
 
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="Windows does not fork")
-def test_a_forked_process_has_an_error_instead_of_waiting_for_ever(loop: LoopThread) -> None:
+def test_a_forked_process_gets_an_error_instead_of_waiting_forever(loop: LoopThread) -> None:
     loop.call(asyncio.sleep(0))
     assert in_fork(lambda: loop.call(asyncio.sleep(0)))
     assert in_fork(lambda: loop.post(print))
@@ -107,7 +107,7 @@ def test_handlers_may_wait_for_one_another(loop: LoopThread) -> None:
     assert sorted(loop.call(run(), timeout_s=60)) == list(range(count))
 
 
-def test_an_exit_in_a_handler_ends_nothing(loop: LoopThread) -> None:
+def test_an_exit_in_a_handler_does_not_end_the_program(loop: LoopThread) -> None:
     def leave() -> None:
         raise SystemExit(3)
 

@@ -19,7 +19,7 @@ async def test_output_input_and_exit_code() -> None:
     assert merged.errors == b""
 
 
-async def test_a_program_that_is_not_there() -> None:
+async def test_a_program_that_does_not_exist() -> None:
     with pytest.raises(FileNotFoundError):
         await run_program(["/nowhere/program"])
 

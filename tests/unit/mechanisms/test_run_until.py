@@ -16,14 +16,14 @@ async def _note(notes: list[str], note: str) -> None:
         notes.append(note)
 
 
-async def test_each_ends_the_other() -> None:
+async def test_the_end_of_each_ends_the_other() -> None:
     notes: list[str] = []
     await run_until(asyncio.sleep(0), _note(notes, "end"))
     await run_until(_note(notes, "work"), asyncio.sleep(0))
     assert notes == ["end", "work"]
 
 
-async def test_a_cancelled_caller_ends_both() -> None:
+async def test_cancelling_the_caller_cancels_both() -> None:
     notes: list[str] = []
     with pytest.raises(TimeoutError):
         async with asyncio.timeout(0.01):

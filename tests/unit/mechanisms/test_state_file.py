@@ -36,14 +36,14 @@ def test_a_disk_that_fails_leaves_the_old_file(tmp_path: Path, monkeypatch: pyte
 
 
 @pytest.mark.parametrize("text", ["", "{", "[]", '{"format": 2, "a": 1}', "[" * 100_000])
-def test_another_content_counts_as_none(tmp_path: Path, text: str) -> None:
+def test_a_file_with_other_content_counts_as_missing(tmp_path: Path, text: str) -> None:
     path = tmp_path / "state.json"
     assert load_state(path, 1000) == {}
     path.write_text(text)
     assert load_state(path, 1_000_000) == {}
 
 
-def test_a_longer_file_counts_as_none(tmp_path: Path) -> None:
+def test_a_file_that_is_too_long_counts_as_missing(tmp_path: Path) -> None:
     path = tmp_path / "state.json"
     store_state(path, {"a": "long" * 100})
     assert load_state(path, 100) == {}

@@ -75,7 +75,7 @@ def test_what_is_invisible_shows_and_stays_json(hidden: str) -> None:
 
 
 @pytest.mark.parametrize("text", ["grün 水", "a\u00a0b\u3000c", "🤖"])
-def test_what_people_write_stays(text: str) -> None:
+def test_typed_values_are_unchanged(text: str) -> None:
     assert escape_line(text) == text
 
 

@@ -40,7 +40,7 @@ def test_a_full_disk_leaves_no_part_of_a_file(tmp_path: Path) -> None:
     assert list(tmp_path.iterdir()) == [path]
 
 
-def test_what_a_name_refers_to_is_written(tmp_path: Path) -> None:
+def test_the_target_of_a_link_is_written(tmp_path: Path) -> None:
     path, link, pipe = tmp_path / "file", tmp_path / "link", tmp_path / "pipe"
     path.write_text("old")
     path.chmod(0o640)

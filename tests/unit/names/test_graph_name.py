@@ -33,7 +33,7 @@ def test_illegal_names_are_refused_with_one_line(name: str) -> None:
     assert "\n" not in str(raised.value)
 
 
-def test_the_empty_name_is_legal_but_nothing_is_called_so() -> None:
+def test_the_empty_name_is_legal_but_names_nothing() -> None:
     assert is_legal_name("")
     with pytest.raises(InvalidNameError, match="empty"):
         validate_name("")
@@ -54,7 +54,7 @@ def test_the_reason_is_named(name: str, reason: str) -> None:
         validate_name(name)
 
 
-def test_the_error_about_an_endless_name_is_short() -> None:
+def test_the_error_about_a_long_name_is_short() -> None:
     with pytest.raises(InvalidNameError) as raised:
         validate_name("a" * 100_000 + "-")
     assert len(str(raised.value)) < 200

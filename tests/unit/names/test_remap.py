@@ -6,7 +6,7 @@ from rostether.errors import ConfigError
 from rostether.names.remap import Arguments, parse_arguments
 
 
-def test_every_argument_finds_its_place() -> None:
+def test_every_argument_is_classified() -> None:
     parsed = parse_arguments(
         [
             "/dev/ttyACM0",
@@ -62,7 +62,7 @@ def test_empty_sides_are_never_remappings(argument: str) -> None:
 
 
 @pytest.mark.parametrize("argument", ["tcp://:11411", "a=b", "pty:/tmp/board", "-x", "", "a b:=c", "1:=2"])
-def test_other_arguments_are_left_alone(argument: str) -> None:
+def test_other_arguments_are_unchanged(argument: str) -> None:
     assert parse_arguments([argument]) == Arguments(rest=[argument])
 
 

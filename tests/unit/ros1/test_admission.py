@@ -26,7 +26,7 @@ def nobody_is_trusted(monkeypatch: pytest.MonkeyPatch) -> None:
     trust_nobody(monkeypatch)
 
 
-async def test_xmlrpc_server_hangs_up_on_strangers_and_answers_this_machine() -> None:
+async def test_the_xmlrpc_server_disconnects_other_networks_and_answers_this_machine() -> None:
     called: list[str] = []
 
     def note(text: str) -> int:
@@ -53,7 +53,7 @@ async def test_xmlrpc_server_answers_the_networks_allowed() -> None:
         assert (await reader.read(100)).startswith(b"HTTP/1.1 200")
 
 
-async def test_tcpros_listener_hangs_up_on_strangers() -> None:
+async def test_the_tcpros_listener_disconnects_other_networks() -> None:
     admission = Admission(["10.0.0.0/8"])
     listener = TcprosListener(never, never, lambda *_: None, admission)
     await listener.start(["127.0.0.1"])

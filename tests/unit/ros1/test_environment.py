@@ -38,7 +38,7 @@ def test_the_process_environment_is_the_default(monkeypatch: pytest.MonkeyPatch)
     assert RosEnvironment.read().master == RpcUri("robot", 11312, "/")
 
 
-def test_a_master_that_is_set_is_known_to_be() -> None:
+def test_a_chosen_master_is_marked_as_chosen() -> None:
     environment = RosEnvironment.read({"ROS_MASTER_URI": " http://localhost:11311 "})
     assert environment.master_uri_is_set
     assert environment.master_uri == "http://localhost:11311"
@@ -57,7 +57,7 @@ def test_a_master_that_is_set_is_known_to_be() -> None:
         ({"ROS_HOSTNAME": "robot", "ROS_IP": "10.0.0.3"}, "robot", ("0.0.0.0",)),
     ],
 )
-def test_who_names_an_address_listens_there(
+def test_servers_listen_at_the_named_address(
     variables: dict[str, str], advertised: str, listen: tuple[str, ...]
 ) -> None:
     environment = RosEnvironment.read(variables)
@@ -84,7 +84,7 @@ def test_listen_option(address: str, advertised: str, listen: tuple[str, ...]) -
     assert (environment.advertised_host, environment.listen_hosts) == (advertised, listen)
 
 
-def test_listen_everywhere_keeps_what_ros_ip_advertises() -> None:
+def test_listening_everywhere_keeps_the_advertised_host_of_ros_ip() -> None:
     environment = RosEnvironment.read({"ROS_IP": "10.0.0.3"}).listening_on("0.0.0.0")
     assert (environment.advertised_host, environment.listen_hosts) == ("10.0.0.3", ("0.0.0.0",))
 
@@ -126,7 +126,7 @@ def test_namespaces_are_made_global(text: str, namespace: str) -> None:
         ("ROS_NAMESPACE", "ro bot"),
     ],
 )
-def test_nonsense_names_its_variable(variable: str, value: str) -> None:
+def test_an_invalid_value_is_reported_with_its_variable(variable: str, value: str) -> None:
     with pytest.raises(ConfigError, match=variable) as raised:
         RosEnvironment.read({variable: value})
     assert "\n" not in str(raised.value)
@@ -141,7 +141,7 @@ def test_nonsense_names_its_variable(variable: str, value: str) -> None:
         ("http://[fd00::7]:5/", RpcUri("fd00::7", 5)),
     ],
 )
-def test_uris_are_taken_apart(uri: str, parts: RpcUri) -> None:
+def test_uris_are_parsed(uri: str, parts: RpcUri) -> None:
     assert parse_rpc_uri(uri) == parts
 
 
@@ -151,7 +151,7 @@ def test_service_uris() -> None:
         parse_rpc_uri("http://robot:5", scheme="rosrpc")
 
 
-def test_uris_are_put_together_as_peers_write_them() -> None:
+def test_uris_are_formatted_as_peers_write_them() -> None:
     assert format_uri("robot", 5) == "http://robot:5/"
     assert format_uri("fd00::7", 5) == "http://[fd00::7]:5/"
     assert format_uri("robot", 5, scheme="rosrpc") == "rosrpc://robot:5"
@@ -162,6 +162,6 @@ def test_loopback_is_reported_without_a_resolver() -> None:
     assert not any(is_loopback(host) for host in ("robot", "127.example.com", "0.0.0.0", "10.0.0.1"))
 
 
-def test_localhost_is_connected_to_by_number() -> None:
+def test_connections_to_localhost_use_its_number() -> None:
     assert connect_host("localhost") == "127.0.0.1"
     assert connect_host("robot") == "robot"

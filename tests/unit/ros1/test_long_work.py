@@ -126,7 +126,7 @@ async def test_the_answers_of_a_multicall_have_one_limit_together() -> None:
         assert len(called) <= 10, "what comes after is not computed"
 
 
-async def test_a_call_that_fails_leaves_the_answers_around_it() -> None:
+async def test_a_failed_call_of_a_multicall_does_not_change_the_other_answers() -> None:
     methods = {"good": lambda: "good", "bad": lambda: [1, "x" * 70_000, 2**40]}
     async with serving(methods) as server, client_of(server) as client:
         calls = [{"methodName": name} for name in ("good", "bad", "good")]

@@ -56,7 +56,7 @@ async def test_the_graph_looks_as_roscore_s(node: Ros1Graph) -> None:
     assert "/rosout" in snapshot.topics["/rosout"].subscribers
 
 
-async def test_rosout_comes_back_when_it_is_killed(core: Roscore, node: Ros1Graph) -> None:
+async def test_rosout_starts_again_when_it_is_killed(core: Roscore, node: Ros1Graph) -> None:
     first = core._rosout
     assert first is not None
     killer = XmlRpcClient(first.node_uri)

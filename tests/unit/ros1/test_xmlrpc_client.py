@@ -114,7 +114,7 @@ async def test_a_restarted_server_is_reached_again() -> None:
     await second.close()
 
 
-async def test_a_connection_closed_under_the_request_is_tried_once_more() -> None:
+async def test_a_request_on_a_connection_that_closes_is_repeated_once() -> None:
     count = 0
 
     async def session(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
@@ -134,7 +134,7 @@ async def test_a_connection_closed_under_the_request_is_tried_once_more() -> Non
     assert count == 2
 
 
-async def test_a_fresh_connection_that_breaks_is_not_tried_again() -> None:
+async def test_a_request_on_a_new_connection_that_breaks_is_not_repeated() -> None:
     count = 0
 
     async def session(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
@@ -149,7 +149,7 @@ async def test_a_fresh_connection_that_breaks_is_not_tried_again() -> None:
     assert count == 1
 
 
-async def test_half_an_answer_is_not_asked_for_twice() -> None:
+async def test_a_request_is_not_repeated_after_half_an_answer() -> None:
     count = 0
 
     async def session(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
@@ -240,7 +240,7 @@ async def test_a_name_that_cannot_be_resolved() -> None:
         ),
     ],
 )
-async def test_somebody_else_there(answer: bytes, reason: str) -> None:
+async def test_another_program_at_the_address(answer: bytes, reason: str) -> None:
     async def session(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
         await read_request(reader)
         writer.write(answer)
@@ -291,7 +291,7 @@ async def test_a_cancelled_call_closes_its_connection(server: XmlRpcServer) -> N
         await asyncio.wait_for(ended.wait(), 60)
 
 
-async def test_a_call_under_way_survives_close(server: XmlRpcServer) -> None:
+async def test_a_running_call_survives_close(server: XmlRpcServer) -> None:
     client = XmlRpcClient(server.uri)
     task = asyncio.create_task(client.call("echo", 1))
     await asyncio.sleep(0)
@@ -302,7 +302,7 @@ async def test_a_call_under_way_survives_close(server: XmlRpcServer) -> None:
             await asyncio.sleep(0.001)
 
 
-async def test_what_cannot_be_sent_never_leaves(server: XmlRpcServer) -> None:
+async def test_a_value_that_cannot_be_sent_is_not_sent(server: XmlRpcServer) -> None:
     client = XmlRpcClient(server.uri)
     with pytest.raises(SerializationError, match="32 bits"):
         await client.call("echo", 2**40)

@@ -15,7 +15,7 @@ from unit.ros1.xmlrpc_stage import RawClient, client_of, later, request, serving
 from waiting import until
 
 
-async def test_nonsense_in_the_body_is_a_fault() -> None:
+async def test_an_invalid_body_is_a_fault() -> None:
     async with serving({}) as server:
         raw = await RawClient.connect(server)
         raw.writer.write(HttpClientSide("localhost").send_request(b"<methodCall>"))
@@ -36,7 +36,7 @@ async def test_pipelined_requests_are_answered_in_order() -> None:
         await raw.close()
 
 
-async def test_a_client_that_closed_its_half_still_gets_its_answer() -> None:
+async def test_a_client_that_closed_its_sending_side_still_gets_its_answer() -> None:
     async with serving({"now": lambda x: x}) as server:
         raw = await RawClient.connect(server)
         raw.writer.write(request("now", "x"))
@@ -65,7 +65,7 @@ async def test_a_method_ends_with_its_connection() -> None:
         await raw.close()
 
 
-async def test_who_does_not_read_is_not_read_from() -> None:
+async def test_a_client_that_does_not_read_is_not_read_from() -> None:
     calls = 0
 
     def big() -> str:

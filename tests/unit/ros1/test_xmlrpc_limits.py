@@ -20,7 +20,7 @@ async def test_a_silent_connection_is_closed(monkeypatch: pytest.MonkeyPatch) ->
         await silent.close()
 
 
-async def test_a_connection_that_has_spoken_may_rest(monkeypatch: pytest.MonkeyPatch) -> None:
+async def test_a_connection_that_has_sent_a_request_may_be_silent(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(xmlrpc_server, "FIRST_BYTE_LIMIT_S", 0.5)
     async with serving({"ping": lambda: 1}) as server:
         resting = await RawClient.connect(server)
@@ -35,7 +35,7 @@ async def test_a_connection_that_has_spoken_may_rest(monkeypatch: pytest.MonkeyP
 
 
 @pytest.mark.parametrize("part", [b"POST / HTTP/1.1\r\n", request("ping")[:-1]], ids=["head", "body"])
-async def test_a_request_that_trickles_in_is_given_up(part: bytes) -> None:
+async def test_a_request_that_arrives_too_slowly_is_aborted(part: bytes) -> None:
     async with serving({"ping": lambda: 1}, limits=GraphLimits(xmlrpc_request_s=0.1)) as server:
         slow = await RawClient.connect(server)
 
@@ -61,7 +61,7 @@ async def test_a_header_without_end_is_refused() -> None:
         await peer.close()
 
 
-async def test_one_address_displaces_only_its_own(monkeypatch: pytest.MonkeyPatch) -> None:
+async def test_connections_of_one_address_replace_only_each_other(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(xmlrpc_server, "is_loopback", lambda host: host != "127.0.0.2")
     async with (
         serving({"ping": lambda: 1}, limits=GraphLimits(xmlrpc_connections_per_host=1)) as server,
@@ -93,7 +93,7 @@ async def test_one_address_displaces_only_its_own(monkeypatch: pytest.MonkeyPatc
     ],
     ids=["method", "plain text", "form", "web page", "body"],
 )
-async def test_what_need_not_be_accepted_is_refused(head: bytes, status: bytes) -> None:
+async def test_illegal_requests_are_refused(head: bytes, status: bytes) -> None:
     async with serving({}) as server:
         peer = await RawClient.connect(server)
         peer.writer.write(head)

@@ -66,7 +66,7 @@ async def test_our_errors_become_status_triplets() -> None:
         assert await client.call_status("later") == (-1, "no such topic", 0)
 
 
-async def test_a_bug_is_a_fault_of_one_line_and_a_log(caplog: pytest.LogCaptureFixture) -> None:
+async def test_a_bug_in_a_method_is_a_fault_and_logged(caplog: pytest.LogCaptureFixture) -> None:
     def broken() -> None:
         raise ZeroDivisionError("by zero")
 
@@ -118,7 +118,7 @@ async def test_methods_are_listed() -> None:
         assert await client.call("system.listMethods") == ["a", "b", "system.listMethods", "system.multicall"]
 
 
-async def test_the_idlest_connection_makes_room() -> None:
+async def test_the_longest_idle_connection_makes_room() -> None:
     async with serving({"ping": lambda: 1}, limits=GraphLimits(xmlrpc_connections=2)) as server:
         first = await RawClient.connect(server)
         second = await RawClient.connect(server)
@@ -135,7 +135,7 @@ async def test_the_idlest_connection_makes_room() -> None:
             await raw.close()
 
 
-async def test_half_open_requests_displace_each_other_and_no_client_in_use() -> None:
+async def test_incomplete_requests_replace_each_other_and_no_active_client() -> None:
     async with serving({"ping": lambda: 1}, limits=GraphLimits(xmlrpc_connections=4)) as server:
         resting = await RawClient.connect(server)
         resting.writer.write(request("ping"))
@@ -161,7 +161,7 @@ async def test_a_busy_port_is_named() -> None:
         await second.close()
 
 
-async def test_a_foreign_address_is_named() -> None:
+async def test_an_address_of_another_machine_is_reported() -> None:
     server = XmlRpcServer({}, hosts=["192.0.2.1"])
     with pytest.raises(ConfigError, match=r"192\.0\.2\.1: not an address of this machine; check ROS_IP"):
         await server.start()

@@ -100,7 +100,7 @@ def test_service_headers() -> None:
         handshake.check_server(server | {"md5sum": "1"}, "/s", SERVICE)
 
 
-def test_a_publisher_without_a_type_has_any_type() -> None:
+def test_the_type_of_a_publisher_without_a_type_is_any() -> None:
     assert handshake.type_of({}) == MessageType("*", "*", "")
     answer = handshake.publisher_fields("/a", STRING, caller_id="/you", latch=False)
     assert handshake.type_of(answer) == STRING

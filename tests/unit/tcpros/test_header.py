@@ -55,7 +55,7 @@ def test_broken_fields_are_refused(body: bytes, reason: str) -> None:
         decode_fields(body)
 
 
-def test_a_length_above_the_limit_is_refused_before_its_bytes_come() -> None:
+def test_a_length_above_the_limit_is_refused_before_its_bytes_arrive() -> None:
     with pytest.raises(RemoteProtocolError, match="not a TCPROS peer"):
         HeaderDecoder().feed(struct.pack("<I", MAX_HEADER_BYTES + 1))
     with pytest.raises(RemoteProtocolError):

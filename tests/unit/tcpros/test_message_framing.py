@@ -43,7 +43,7 @@ def test_batches_come_back_however_they_are_cut(payloads: list[bytes]) -> None:
     st.lists(st.binary(max_size=12) | st.just(b"same length!"), max_size=40),
     st.lists(st.integers(min_value=0, max_value=500), max_size=8),
 )
-def test_any_chunking_gives_the_same_payloads(payloads: list[bytes], cuts: list[int]) -> None:
+def test_chunks_of_any_size_give_the_same_payloads(payloads: list[bytes], cuts: list[int]) -> None:
     wire = encode_messages(payloads)
     edges = sorted({0, len(wire), *(cut for cut in cuts if cut < len(wire))})
     assert decode([wire[a:b] for a, b in itertools.pairwise(edges)]) == payloads
@@ -69,7 +69,7 @@ def test_a_length_above_the_limit_ends_the_stream(count: int, lead: list[bytes])
     )
 
 
-def test_a_huge_length_takes_no_memory() -> None:
+def test_a_huge_length_allocates_no_memory() -> None:
     decoder = MessageDecoder(max_message_bytes=0xFFFF_FFFF)
     assert decoder.feed(b"\xff\xff\xff\xff" + b"a bit") == []
 

@@ -35,7 +35,7 @@ def test_long_error_texts_are_cut() -> None:
     assert len(answer.payload) == MAX_ERROR_TEXT_BYTES
 
 
-def test_a_length_above_the_limit_is_refused_before_its_bytes_come() -> None:
+def test_a_length_above_the_limit_is_refused_before_its_bytes_arrive() -> None:
     with pytest.raises(RemoteProtocolError, match="more than 10"):
         AnswerDecoder(max_message_bytes=10).feed(struct.pack("<BI", 1, 11))
 

@@ -32,7 +32,7 @@ def test_allow(networks: list[str], host: str, allowed: bool) -> None:
     assert AllowList(networks).allows(host) is allowed
 
 
-def test_a_connection_between_two_ends_of_one_address_is_this_machines() -> None:
+def test_a_connection_between_two_ends_of_one_address_is_local() -> None:
     allow = AllowList(["10.0.0.7"])
     assert allow.allows_connection("192.0.2.5", "192.0.2.5")
     assert not allow.allows_connection("192.0.2.5", "192.0.2.6")

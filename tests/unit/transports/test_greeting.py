@@ -80,7 +80,7 @@ async def carry(arrivals: Arrivals, text: str) -> None:
     await host_seen.until_lost()
 
 
-async def test_a_board_with_the_key_is_let_in(key: Path) -> None:
+async def test_a_board_with_the_key_is_admitted(key: Path) -> None:
     async with listening(f"tcp://:0?psk={key}") as (listener, arrivals, port):
         await carry(arrivals, f"tcp://:{port}?connect=yes&psk={key}")
         assert listener.refusals.count == 0
@@ -254,7 +254,7 @@ async def test_silent_connections_of_one_address_do_not_block_others(
             writer.close()
 
 
-async def test_an_address_that_is_silent_leaves_the_places_of_others(
+async def test_silent_connections_of_one_address_do_not_replace_those_of_others(
     key: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(tcp, "MAX_UNPROVEN_PER_HOST", 2)

@@ -39,7 +39,7 @@ async def test_a_listener_is_found_by_its_service_type() -> None:
     ("host", "reachable"),
     [("0.0.0.0", True), ("192.168.1.2", True), ("127.0.0.1", False), ("::1", False), ("localhost", False)],
 )
-def test_what_the_network_reaches(host: str, reachable: bool) -> None:
+def test_addresses_that_the_network_reaches(host: str, reachable: bool) -> None:
     assert mdns.is_reachable(host) is reachable
 
 

@@ -120,7 +120,7 @@ async def test_close_delivers_written_bytes_and_notifies_both_ends_once() -> Non
     assert len(far.losses) == len(near.losses) == 1
 
 
-async def test_a_receiver_that_starts_after_the_end_learns_of_it() -> None:
+async def test_a_receiver_that_starts_after_the_end_gets_connection_lost() -> None:
     first, second = memory_pair()
     first.write(b"bye")
     first.close()
@@ -130,7 +130,7 @@ async def test_a_receiver_that_starts_after_the_end_learns_of_it() -> None:
     assert bytes(far.data) == b"bye"
 
 
-async def test_nothing_arrives_after_our_own_close() -> None:
+async def test_no_data_is_delivered_after_close() -> None:
     first, second = memory_pair()
     near, far = Recorder(), Recorder()
     first.start(near)

@@ -50,7 +50,7 @@ async def test_what_is_opened_is_not_listened_on(address: str) -> None:
         await listen(address, Arrivals())
 
 
-async def test_an_xbee_without_its_port_is_reported() -> None:
+async def test_a_missing_port_of_an_xbee_is_reported() -> None:
     with pytest.raises(TransportOpenError, match="no serial port /dev/nothing"):
         await listen("xbee:/dev/nothing", Arrivals())
 

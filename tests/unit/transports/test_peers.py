@@ -89,7 +89,7 @@ async def test_the_held_bytes_come_before_the_loss(medium: FakeMedium) -> None:
     assert (medium.sent, peer.write_buffer_bytes) == ([], 0)
 
 
-async def test_after_our_own_close_nothing_comes(medium: FakeMedium) -> None:
+async def test_nothing_is_delivered_after_close(medium: FakeMedium) -> None:
     peer, seen = await medium.peer("a")
     peer.pause_reading()
     medium.table.receive("a", b"unread")
@@ -100,7 +100,7 @@ async def test_after_our_own_close_nothing_comes(medium: FakeMedium) -> None:
     assert (bytes(seen.data), seen.losses) == (b"", [None])
 
 
-async def test_a_full_medium_pauses_every_writer_and_those_who_come_meanwhile(medium: FakeMedium) -> None:
+async def test_a_full_medium_pauses_all_writers_and_new_ones(medium: FakeMedium) -> None:
     _, first = await medium.peer("a")
     medium.table.pause_writing()
     late: list[Recorder] = []
@@ -131,7 +131,7 @@ async def test_only_the_silent_expire(medium: FakeMedium) -> None:
     medium.table.end_all(None)
 
 
-async def test_a_peer_too_many_is_refused() -> None:
+async def test_a_peer_beyond_the_limit_is_refused() -> None:
     medium = FakeMedium(max_peers=2)
     for key in ("a", "b", "c"):
         medium.table.receive(key, b"x")
@@ -180,7 +180,7 @@ async def test_a_frame_in_two_datagrams_counts() -> None:
     medium.table.end_all(None)
 
 
-async def test_who_has_not_answered_is_sent_no_more_than_came() -> None:
+async def test_a_peer_that_has_not_answered_gets_no_more_than_it_sent() -> None:
     medium = entering()
     for _ in range(10):
         medium.table.receive("a", b"x")
@@ -213,7 +213,7 @@ async def test_an_answer_in_two_datagrams_counts() -> None:
     medium.table.end_all(None)
 
 
-async def test_an_answer_before_the_question_proves_nothing() -> None:
+async def test_an_answer_before_the_request_does_not_prove_the_address() -> None:
     medium = entering()
     medium.table.receive("a", b"FA")
     peer, _ = await medium.arrivals.next_started()
@@ -222,7 +222,7 @@ async def test_an_answer_before_the_question_proves_nothing() -> None:
     medium.table.end_all(None)
 
 
-async def test_candidates_take_no_place_and_are_bounded() -> None:
+async def test_candidates_are_no_peers_and_are_limited() -> None:
     medium = entering(max_peers=2)
     for number in range(1000):
         medium.table.receive(str(number), b"x")

@@ -11,7 +11,7 @@ from rostether.transports.port_facts import group_of, near_names, read_port_fact
 from rostether.transports.serial_port import SerialPort
 
 
-def test_a_port_that_is_not_there_has_neighbors() -> None:
+def test_a_port_that_does_not_exist_has_ports_with_similar_names() -> None:
     ports = [SerialPort(path, "Arduino Uno") for path in ("/dev/ttyACM0", "/dev/ttyUSB3")]
     facts = read_port_facts("/dev/ttyACM9", lambda: ports)
     assert not facts.exists
@@ -39,7 +39,7 @@ def test_a_file_is_not_a_device(tmp_path: Path) -> None:
     assert not facts.is_device
 
 
-def test_a_port_of_ours() -> None:
+def test_a_port_that_this_process_has_open() -> None:
     master, slave = os.openpty()
     facts = read_port_facts(os.ttyname(slave), list)
     assert facts.is_device

@@ -52,7 +52,7 @@ class Peer:
         self._process.communicate("", timeout=60)
 
 
-def test_who_holds_a_port_is_named(pty: str) -> None:
+def test_the_holder_of_a_port_is_named(pty: str) -> None:
     peer = Peer(HOLD, pty)
     try:
         (holder,) = find_holders(pty)
@@ -78,7 +78,7 @@ def test_a_script_is_named_by_its_file(tmp_path: Path, pty: str) -> None:
     assert holder.name.endswith(" serial_node.py")
 
 
-def test_the_own_process_is_not_another_program(pty: str) -> None:
+def test_this_process_is_not_another_program(pty: str) -> None:
     descriptor = os.open(pty, os.O_RDWR | os.O_NOCTTY)
     assert find_holders(pty) == []
     os.close(descriptor)
@@ -92,7 +92,7 @@ def test_the_simulator_that_made_a_terminal_is_not_a_competitor() -> None:
         peer.end()
 
 
-def test_who_listens_is_named() -> None:
+def test_the_listener_of_a_port_is_named() -> None:
     peer = Peer(LISTEN)
     try:
         holder = find_listener(int(peer.reported))

@@ -98,7 +98,7 @@ async def test_a_new_opener_does_not_read_what_was_written_before(tmp_path: Path
             await write_until_taken(transport, b"fresh", board)
 
 
-async def test_a_board_that_does_not_read_pauses_writing_and_costs_nothing(tmp_path: Path) -> None:
+async def test_a_board_that_does_not_read_pauses_writing_and_uses_no_cpu(tmp_path: Path) -> None:
     async with terminal_at(tmp_path / "board") as (transport, seen):
         with opened(tmp_path / "board") as board:
             await until(lambda: transport._is_open)
@@ -116,7 +116,7 @@ async def test_a_board_that_does_not_read_pauses_writing_and_costs_nothing(tmp_p
             assert transport.write_buffer_bytes == 0
 
 
-async def test_a_full_terminal_whose_board_leaves_is_noticed(tmp_path: Path) -> None:
+async def test_a_board_that_closes_a_full_terminal_is_detected(tmp_path: Path) -> None:
     async with terminal_at(tmp_path / "board") as (transport, seen):
         with opened(tmp_path / "board"):
             await until(lambda: transport._is_open)
@@ -145,7 +145,7 @@ async def test_pausing_blocks_the_board_and_loses_nothing(tmp_path: Path) -> Non
             await seen.until_received(bytes(sent))
 
 
-async def test_last_words_arrive(tmp_path: Path) -> None:
+async def test_bytes_before_the_end_arrive(tmp_path: Path) -> None:
     async with terminal_at(tmp_path / "board") as (_, seen):
         with opened(tmp_path / "board") as board:
             os.write(board, b"last words")
@@ -171,7 +171,7 @@ async def test_close_removes_the_link_and_flushes(tmp_path: Path) -> None:
     assert seen.losses == [None]
 
 
-async def test_close_gives_up_on_a_board_that_does_not_read(tmp_path: Path) -> None:
+async def test_close_drops_data_for_a_board_that_does_not_read(tmp_path: Path) -> None:
     async with terminal_at(tmp_path / "board") as (transport, seen):
         with opened(tmp_path / "board"):
             await until(lambda: transport._is_open)
@@ -196,7 +196,7 @@ async def test_replace_a_stale_link_but_never_a_file(tmp_path: Path) -> None:
     assert link.is_symlink()
 
 
-async def test_take_over_the_link_of_another_terminal_and_leave_it_to_the_last(tmp_path: Path) -> None:
+async def test_the_link_points_to_the_newest_terminal(tmp_path: Path) -> None:
     link = tmp_path / "board"
     async with terminal_at(link) as (first, _):
         async with terminal_at(link) as (second, _):

@@ -19,7 +19,7 @@ def test_a_flood_that_costs_little_is_read_in_large_pieces_after_few_reads() -> 
     assert turn.size_bytes == MAX_BYTES
 
 
-def test_what_costs_much_is_read_in_pieces_that_fit_a_turn() -> None:
+def test_expensive_data_is_read_in_pieces_that_fit_in_a_turn() -> None:
     turn = ReadTurn(MAX_BYTES)
     price_s = TURN_S / 10_000
     read(turn, price_s, 10)
@@ -27,20 +27,20 @@ def test_what_costs_much_is_read_in_pieces_that_fit_a_turn() -> None:
     assert turn.size_bytes > 9_000
 
 
-def test_no_piece_is_too_small_to_be_worth_it() -> None:
+def test_no_read_is_smaller_than_the_minimum() -> None:
     turn = ReadTurn(MAX_BYTES)
     read(turn, HOSTILE_S)
     assert turn.size_bytes == MIN_READ_BYTES
 
 
-def test_bytes_that_cost_much_now_and_then_are_not_trusted_between() -> None:
+def test_after_expensive_bytes_reads_stay_small_for_some_time() -> None:
     turn = ReadTurn(MAX_BYTES)
     read(turn, HOSTILE_S)
     read(turn, CHEAP_S, 30)
     assert turn.size_bytes * HOSTILE_S < 2 * TURN_S
 
 
-def test_a_price_is_forgotten() -> None:
+def test_a_high_cost_is_forgotten() -> None:
     turn = ReadTurn(MAX_BYTES)
     read(turn, HOSTILE_S)
     read(turn, CHEAP_S, 500)
@@ -54,7 +54,7 @@ def test_after_quiet_the_first_read_is_small() -> None:
     assert turn.size_bytes == FIRST_READ_BYTES
 
 
-def test_quiet_makes_no_piece_larger() -> None:
+def test_quiet_makes_no_read_larger() -> None:
     turn = ReadTurn(MAX_BYTES)
     read(turn, HOSTILE_S)
     turn.note_quiet()

@@ -5,7 +5,7 @@ import pytest
 from rostether.transports.refusals import RefusalLog
 
 
-def test_a_scanner_does_not_write_our_log(caplog: pytest.LogCaptureFixture) -> None:
+def test_a_scan_does_not_fill_the_log(caplog: pytest.LogCaptureFixture) -> None:
     now_s = 0.0
     refusals = RefusalLog("tcp://:1", lambda: now_s)
     for _ in range(100):

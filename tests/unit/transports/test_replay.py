@@ -92,7 +92,7 @@ def test_without_pauses(tmp_path: Path) -> None:
     assert host.chunks[-1][0] < 0.1
 
 
-def test_a_link_that_opens_twice_is_another(tmp_path: Path) -> None:
+def test_a_link_that_opens_again_is_a_new_link(tmp_path: Path) -> None:
     opened = '{"t": 1, "event": "opened"}'
     host = run(played(capture_of(tmp_path, device(0.5, "aa"), opened, device(1.5, "bb"))))
     assert [number for _, number, _ in host.chunks] == [1, 2]

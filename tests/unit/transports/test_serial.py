@@ -121,7 +121,7 @@ async def test_writing_to_a_port_just_unplugged_does_not_raise(board: Board) -> 
     assert isinstance(await seen.until_lost(), TransportClosedError)
 
 
-async def test_a_port_opens_once_and_names_who_has_it(board: Board) -> None:
+async def test_a_port_opens_once_and_the_error_names_its_holder(board: Board) -> None:
     transport, _ = await opened(board)
     with pytest.raises(TransportOpenError, match=f"{board.path} is in use by this program; close"):
         await open_serial(SerialAddress(board.path))
@@ -167,7 +167,7 @@ async def test_pausing_blocks_the_board_and_loses_nothing(board: Board) -> None:
     await transport.wait_closed()
 
 
-async def test_close_flushes_what_a_reading_board_takes(board: Board) -> None:
+async def test_close_flushes_data_to_a_board_that_reads(board: Board) -> None:
     transport, seen = await opened(board)
     data = os.urandom(200_000)
     transport.write(data)
@@ -179,7 +179,7 @@ async def test_close_flushes_what_a_reading_board_takes(board: Board) -> None:
     assert await seen.until_lost() is None
 
 
-async def test_close_gives_up_on_a_board_that_does_not_read(board: Board) -> None:
+async def test_close_drops_data_for_a_board_that_does_not_read(board: Board) -> None:
     transport, seen = await opened(board)
     transport.write(bytes(200_000))
     loop = asyncio.get_running_loop()
@@ -190,7 +190,7 @@ async def test_close_gives_up_on_a_board_that_does_not_read(board: Board) -> Non
 
 
 @pytest.mark.parametrize(("reset", "hangs_up"), [(True, True), (False, False)])
-async def test_without_reset_the_line_stays_as_it_is_at_close(
+async def test_without_reset_the_lines_do_not_change_at_close(
     board: Board, reset: bool, hangs_up: bool
 ) -> None:
     transport, _ = await opened(board, reset=reset)
@@ -326,11 +326,11 @@ def test_list_ports_with_what_they_are(monkeypatch: pytest.MonkeyPatch) -> None:
     ]
 
 
-def test_the_real_list_can_be_had() -> None:
+def test_the_real_ports_can_be_listed() -> None:
     assert all(port.path and port.description for port in list_ports())
 
 
-async def test_a_lock_of_ours_keeps_others_out(board: Board) -> None:
+async def test_an_open_port_is_locked_for_others(board: Board) -> None:
     transport, _ = await opened(board)
     fd = os.open(board.path, os.O_RDWR | os.O_NOCTTY)
     with pytest.raises(BlockingIOError):

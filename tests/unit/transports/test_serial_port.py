@@ -19,6 +19,6 @@ def test_the_socket_is_found_in_the_kernel_table(tmp_path: Path) -> None:
     assert find_usb_location("COM3", sys_folder=folder) is None
 
 
-def test_the_id_is_written_as_people_do() -> None:
+def test_the_usb_id_is_written_in_the_usual_form() -> None:
     assert SerialPort("/dev/x", "", usb_vendor_id=0x1A86, usb_product_id=0x7523).usb_id == "1a86:7523"
     assert SerialPort("/dev/x", "").usb_id is None

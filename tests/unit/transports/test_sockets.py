@@ -42,7 +42,7 @@ async def test_a_foreign_address_is_named_by_the_system(host: str) -> None:
     )
 
 
-async def test_an_error_without_a_number_is_asked_of_the_system() -> None:
+async def test_an_error_without_a_number_is_replaced_by_that_of_the_system() -> None:
     with pytest.raises(OSError) as caught:
         async with system_bind_errors("192.0.2.1", 0):
             # What Python 3.13 raises.
@@ -50,7 +50,7 @@ async def test_an_error_without_a_number_is_asked_of_the_system() -> None:
     assert caught.value.errno == errno.EADDRNOTAVAIL
 
 
-async def test_a_taken_port_is_reported_in_the_words_of_the_system() -> None:
+async def test_a_port_in_use_is_reported_in_the_words_of_the_system() -> None:
     with socket.create_server(("127.0.0.1", 0)) as taken:
         port = taken.getsockname()[1]
         with pytest.raises(OSError) as caught:
@@ -59,7 +59,7 @@ async def test_a_taken_port_is_reported_in_the_words_of_the_system() -> None:
     assert (caught.value.errno, caught.value.strerror) == (errno.EADDRINUSE, os.strerror(errno.EADDRINUSE))
 
 
-async def test_a_host_without_an_address_is_a_matter_of_the_name_server() -> None:
+async def test_a_host_without_an_address_is_an_error_of_the_resolver() -> None:
     with pytest.raises(socket.gaierror):
         async with system_bind_errors("no such host", 0):
             await asyncio.get_running_loop().create_server(asyncio.Protocol, "no such host", 0)
@@ -77,7 +77,7 @@ def test_why_a_peer_cannot_be_reached(error: OSError, reported: str) -> None:
     assert reported in str(explain_connect_error("robot:1", error))
 
 
-def test_the_shortest_words_of_an_error() -> None:
+def test_the_text_of_an_error() -> None:
     assert explain_reason(OSError(5, "Input/output error", "/dev/x")) == "Input/output error"
     assert explain_reason(ValueError("odd")) == "odd"
     assert explain_reason(ValueError()) == "ValueError"
@@ -94,7 +94,7 @@ async def test_a_failed_connection_has_the_text_of_the_system() -> None:
 
 
 @pytest.mark.skipif(not hasattr(socket, "TCP_KEEPIDLE"), reason="this system names its options otherwise")
-def test_a_vanished_peer_is_noticed_within_about_eleven_seconds() -> None:
+def test_a_peer_that_disappears_is_detected_within_about_eleven_seconds() -> None:
     with socket.socket() as sock:
         tune_stream(sock)
         idle, interval, probes = (
@@ -105,7 +105,7 @@ def test_a_vanished_peer_is_noticed_within_about_eleven_seconds() -> None:
 
 
 @pytest.mark.skipif(not hasattr(socket, "TCP_NOTSENT_LOWAT"), reason="this system cannot be told")
-def test_what_a_slow_board_has_not_taken_waits_with_us() -> None:
+def test_unread_data_for_a_slow_board_waits_in_this_process() -> None:
     with socket.socket() as sock:
         tune_stream(sock)
         assert sock.getsockopt(socket.IPPROTO_TCP, socket.TCP_NOTSENT_LOWAT) == 16 * 1024

@@ -91,7 +91,7 @@ async def test_keep_what_came_before_start() -> None:
         await seen.until_received(b"early")
 
 
-async def test_sockets_send_at_once_and_notice_half_open_peers() -> None:
+async def test_sockets_send_immediately_and_detect_half_open_peers() -> None:
     async with listening() as (listener, arrivals), connected_to(listener):
         host = await arrivals.next()
         assert isinstance(host, TcpTransport)
@@ -166,7 +166,7 @@ async def test_reports_a_reset_connection() -> None:
         assert type(await host_seen.until_lost()) is TransportClosedError
 
 
-async def test_a_receiver_that_starts_after_the_end_learns_of_it() -> None:
+async def test_a_receiver_that_starts_after_the_end_gets_connection_lost() -> None:
     async with listening() as (listener, arrivals), connected_to(listener) as (board, _):
         await arrivals.next()
         board.abort()
@@ -187,7 +187,7 @@ async def test_close_flushes_for_a_peer_that_reads() -> None:
         assert board_seen.losses == [None]
 
 
-async def test_close_gives_up_on_a_peer_that_does_not_read() -> None:
+async def test_close_drops_data_for_a_peer_that_does_not_read() -> None:
     async with listening() as (listener, arrivals), connected_to(listener) as (board, board_seen):
         await arrivals.next()
         while not board_seen.write_pauses:
@@ -267,7 +267,7 @@ async def test_this_machine_is_always_allowed() -> None:
         await listener.close()
 
 
-async def test_a_taken_port_names_itself_and_the_way_out() -> None:
+async def test_the_error_about_a_port_in_use_names_the_port_and_the_next_step() -> None:
     async with listening() as (listener, arrivals):
         port = port_of(listener)
         with pytest.raises(TransportOpenError, match=rf"port {port} is already in use .*tcp://:PORT"):
@@ -286,7 +286,9 @@ async def test_a_missing_listener_is_reported() -> None:
         await connect_tcp(TcpAddress("127.0.0.1", port, connect=True))
 
 
-async def test_a_peer_that_does_not_answer_is_given_up(monkeypatch: pytest.MonkeyPatch) -> None:
+async def test_a_peer_that_does_not_answer_is_reported(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     monkeypatch.setattr("rostether.transports.tcp.CONNECT_LIMIT_S", 0.2)
     with socket.socket() as full:
         full.bind(("127.0.0.1", 0))

@@ -33,7 +33,7 @@ def _refused(address: str) -> str:
         ("/dev/ttyACM98:115200", "/dev/ttyACM98?baud=115200"),
     ],
 )
-def test_what_was_meant_is_reported(typed: str, meant: str) -> None:
+def test_the_meant_port_is_reported(typed: str, meant: str) -> None:
     assert _refused(typed).endswith(f"; did you mean {meant}?")
 
 

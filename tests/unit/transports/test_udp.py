@@ -55,7 +55,7 @@ async def connected_to(listener: UdpListener) -> AsyncIterator[tuple[Transport, 
         await transport.wait_closed()
 
 
-async def test_each_peer_is_a_transport_of_its_own() -> None:
+async def test_each_peer_has_a_separate_transport() -> None:
     async with (
         listening() as (listener, arrivals),
         connected_to(listener) as (left, left_seen),
@@ -98,7 +98,7 @@ def test_split_into_as_few_datagrams_as_possible(length: int) -> None:
     assert len(pieces) == -(-length // MAX_DATAGRAM_BYTES)
 
 
-async def test_silent_peers_expire_and_come_back_as_new_ones() -> None:
+async def test_silent_peers_expire_and_return_as_new_ones() -> None:
     clock = Clock()
     async with listening(clock=clock) as (listener, arrivals), connected_to(listener) as (board, _):
         board.write(b"a")
@@ -216,7 +216,7 @@ async def test_send_from_the_port_a_board_expects() -> None:
         await board.wait_closed()
 
 
-async def test_a_taken_port_names_itself() -> None:
+async def test_the_error_about_a_port_in_use_names_the_port() -> None:
     async with listening() as (listener, arrivals):
         with pytest.raises(TransportOpenError, match=r"already in use .*udp://:PORT"):
             await UdpListener.start(UdpAddress("127.0.0.1", port_of(listener)), arrivals)

@@ -19,10 +19,10 @@ uvloop = pytest.importorskip("uvloop")
         test_tcp.test_keep_what_came_before_start,
         test_tcp.test_pausing_stops_the_sender_and_loses_nothing,
         test_tcp.test_reports_when_the_board_disconnects,
-        test_tcp.test_a_taken_port_names_itself_and_the_way_out,
-        test_udp.test_each_peer_is_a_transport_of_its_own,
+        test_tcp.test_the_error_about_a_port_in_use_names_the_port_and_the_next_step,
+        test_udp.test_each_peer_has_a_separate_transport,
         test_udp.test_send_from_the_port_a_board_expects,
-        test_udp.test_a_taken_port_names_itself,
+        test_udp.test_the_error_about_a_port_in_use_names_the_port,
     ],
 )
 def test_the_same_under_uvloop(scenario: Callable[[], Coroutine[Any, Any, None]]) -> None:

@@ -107,7 +107,7 @@ async def test_only_a_window_is_sent_ahead_of_the_port() -> None:
 
 
 @on_virtual_time
-async def test_a_page_that_does_not_report_is_away_within_5_seconds() -> None:
+async def test_a_page_that_does_not_report_is_disconnected_within_5_seconds() -> None:
     bridge = Bridge()
     page = Page(bridge.boards)
     page.connect()
@@ -124,7 +124,7 @@ async def test_a_page_that_does_not_report_is_away_within_5_seconds() -> None:
 
 
 @on_virtual_time
-async def test_a_page_is_not_blamed_while_it_is_not_read() -> None:
+async def test_a_page_is_not_disconnected_while_its_messages_are_not_read() -> None:
     bridge = Bridge()
     page = Page(bridge.boards)
     page.connect()

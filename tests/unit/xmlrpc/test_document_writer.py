@@ -40,7 +40,7 @@ def test_what_is_written_in_pieces_reads_as_one(value: str | bytes) -> None:
         assert xmlrpc.client.loads(dump_response(value))[0] == (value,)
 
 
-def test_an_iterator_is_an_array_without_its_nones() -> None:
+def test_an_iterator_is_written_as_an_array_without_none() -> None:
     assert load_response(dump_response([iter([1, None, [2]]), 3])) == [[1, [2]], 3]
     with pytest.raises(SerializationError, match="cannot carry None"):
         dump_response([None])
@@ -55,7 +55,7 @@ def test_a_document_has_a_limit() -> None:
     assert written < 20, "an endless value ends at the limit"
 
 
-def test_what_was_written_since_a_mark_is_dropped() -> None:
+def test_a_rewind_drops_everything_after_the_mark() -> None:
     writer = DocumentWriter(max_bytes=100_000)
     writer.begin_response_array()
     writer.write_value(1)

@@ -87,7 +87,7 @@ def test_a_response_is_one_that_roscpp_reads() -> None:
 
 
 @pytest.mark.parametrize("header", [b"Connection: close", b"connection: Close"])
-def test_a_client_that_wants_to_close_is_obeyed(header: bytes) -> None:
+def test_the_connection_closes_when_a_client_requests_it(header: bytes) -> None:
     server = HttpServerSide()
     server.receive_data(b"POST / HTTP/1.1\r\nHost: x\r\n" + header + b"\r\nContent-Length: 1\r\n\r\nx")
     server.next_request()
@@ -216,7 +216,7 @@ def test_bytes_beyond_the_answer_end_the_connection() -> None:
     assert not client.is_reusable
 
 
-def test_the_path_of_the_uri_is_asked_for() -> None:
+def test_the_path_of_the_uri_is_requested() -> None:
     assert HttpClientSide("x", path="/RPC2").send_request(b"").startswith(b"POST /RPC2 HTTP/1.1\r\n")
 
 
@@ -229,7 +229,7 @@ def test_the_path_of_the_uri_is_asked_for() -> None:
         (b"HTTP/1.1 200 OK\r\nContent-Length: 11\r\n\r\n12345678901", "larger than 10 bytes"),
     ],
 )
-def test_bad_answers_are_named(response: bytes, reason: str) -> None:
+def test_invalid_answers_are_reported(response: bytes, reason: str) -> None:
     client = HttpClientSide("x", max_body_bytes=10 if "larger" in reason else 1000)
     client.send_request(b"")
     with pytest.raises(RemoteProtocolError, match=reason):
@@ -309,7 +309,7 @@ def test_an_answer_in_tiny_chunks_is_refused() -> None:
         client.receive_data(b"HTTP/1.1 200 OK\r\nTransfer-Encoding: chunked\r\n\r\n" + b"1\r\nx\r\n" * 2000)
 
 
-def test_much_at_once_is_read_in_parts() -> None:
+def test_large_data_is_read_in_parts() -> None:
     server = HttpServerSide()
     server.receive_data(
         b"POST / HTTP/1.1\r\nHost: x\r\nTransfer-Encoding: chunked\r\n\r\n"
@@ -341,7 +341,7 @@ def test_a_type_that_only_mentions_xml_is_refused(content_type: bytes) -> None:
 
 
 @pytest.mark.parametrize("content_type", [b"text/xml", b"Text/XML; charset=utf-8", b"application/xml"])
-def test_types_of_xml_are_taken(content_type: bytes) -> None:
+def test_types_of_xml_are_accepted(content_type: bytes) -> None:
     server = HttpServerSide()
     server.receive_data(
         b"POST / HTTP/1.1\r\nHost: x\r\nContent-Length: 1\r\nContent-Type: " + content_type + b"\r\n\r\nx"

@@ -43,7 +43,7 @@ def test_a_large_document_is_read_in_steps() -> None:
     ],
     ids=["name", "attributes", "comment", "instruction"],
 )
-def test_a_tag_without_an_end_is_given_up_soon(document: bytes) -> None:
+def test_a_tag_without_an_end_is_refused_soon(document: bytes) -> None:
     steps = 0
     with pytest.raises(RemoteProtocolError, match=f"must not have tags of more than {MAX_TAG_BYTES} bytes"):
         for _ in DocumentReader(document).steps():

@@ -143,7 +143,7 @@ def test_declared_encodings_are_read(encoding: str) -> None:
     assert load_response(text.encode(encoding)) == "Grün"
 
 
-def test_dates_go_back_as_they_came() -> None:
+def test_dates_are_sent_back_unchanged() -> None:
     date = xmlrpc.client.DateTime(datetime.datetime(2024, 5, 6, 7, 8, 9))
     answer = load_response(xmlrpc.client.dumps((date,), methodresponse=True).encode())
     assert answer == "20240506T07:08:09"
@@ -172,7 +172,7 @@ def _list(value: XmlRpcValue) -> list[XmlRpcValue]:
     return value
 
 
-def test_subclasses_are_written_as_what_they_are() -> None:
+def test_subclasses_are_written_like_their_base_classes() -> None:
     class Name(str):
         __slots__ = ()
 
@@ -259,7 +259,7 @@ def test_document_types_are_refused(declaration: str) -> None:
         (dump_call("x", [1]), "not a response"),
     ],
 )
-def test_nonsense_is_refused(document: bytes, reason: str) -> None:
+def test_invalid_documents_are_refused(document: bytes, reason: str) -> None:
     with pytest.raises(RemoteProtocolError, match=reason):
         load_response(document)
 

@@ -60,14 +60,14 @@ async def queue(gone: list[str], monkeypatch: pytest.MonkeyPatch) -> AsyncIterat
     await queue.close()
 
 
-async def test_news_arrives_in_order(node: FakeNode, queue: NodeCallQueue) -> None:
+async def test_updates_arrive_in_order(node: FakeNode, queue: NodeCallQueue) -> None:
     for number in range(5):
         queue.param_update(node.server.uri, f"/{number}/", number)
     await until(lambda: len(node.received) == 5)
     assert node.received == [("paramUpdate", f"/{number}/", number) for number in range(5)]
 
 
-async def test_only_the_newest_news_of_a_topic_waits(node: FakeNode, queue: NodeCallQueue) -> None:
+async def test_only_the_newest_update_of_a_topic_waits(node: FakeNode, queue: NodeCallQueue) -> None:
     node.gate.clear()
     api = node.server.uri
     queue.publisher_update(api, "/t", ["http://0/"])
@@ -83,7 +83,7 @@ async def test_only_the_newest_news_of_a_topic_waits(node: FakeNode, queue: Node
     ]
 
 
-async def test_newer_news_goes_after_what_came_between(node: FakeNode, queue: NodeCallQueue) -> None:
+async def test_a_newer_update_is_sent_after_updates_in_between(node: FakeNode, queue: NodeCallQueue) -> None:
     node.gate.clear()
     api = node.server.uri
     queue.ping(api)
@@ -96,7 +96,7 @@ async def test_newer_news_goes_after_what_came_between(node: FakeNode, queue: No
     assert node.received[1:] == [("paramUpdate", "/a/", {"b": 2}), ("paramUpdate", "/a/b/", 3)]
 
 
-async def test_news_during_its_own_call_is_not_lost(node: FakeNode, queue: NodeCallQueue) -> None:
+async def test_an_update_during_its_call_is_not_lost(node: FakeNode, queue: NodeCallQueue) -> None:
     node.gate.clear()
     queue.param_update(node.server.uri, "/p/", 1)
     await until(lambda: node.received)
@@ -153,7 +153,7 @@ async def test_one_refusal_is_a_restart(
     assert gone == []
 
 
-async def test_a_death_is_noticed_by_the_kept_connection(
+async def test_the_end_of_a_node_is_detected_by_the_kept_connection(
     node: FakeNode, queue: NodeCallQueue, gone: list[str]
 ) -> None:
     queue.ping(node.server.uri)
@@ -195,7 +195,7 @@ async def test_a_shutdown_of_a_dead_node_is_not_repeated(
     assert gone == []
 
 
-async def test_what_a_node_answers_does_not_matter(node: FakeNode, queue: NodeCallQueue) -> None:
+async def test_the_answer_of_a_node_is_ignored(node: FakeNode, queue: NodeCallQueue) -> None:
     node.answer = [-1, "not subscribed", 0]
     for number in (1, 2):
         queue.param_update(node.server.uri, "/p/", number)
@@ -213,7 +213,7 @@ async def test_a_fault_is_not_repeated(queue: NodeCallQueue, gone: list[str]) ->
     await server.close()
 
 
-async def test_what_waits_for_a_node_is_bounded(
+async def test_the_updates_that_wait_for_a_node_are_limited(
     node: FakeNode, queue: NodeCallQueue, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(module, "_MAX_PENDING", 3)
@@ -243,7 +243,7 @@ async def test_unregistered_nodes_are_forgotten(node: FakeNode, queue: NodeCallQ
 
 
 @pytest.mark.parametrize("api", ["rosrpc://x:1", "http://", "http://x", "nonsense"])
-async def test_a_uri_that_cannot_be_called_is_left_alone(queue: NodeCallQueue, api: str) -> None:
+async def test_a_uri_that_cannot_be_called_is_ignored(queue: NodeCallQueue, api: str) -> None:
     queue.publisher_update(api, "/t", [])
     assert queue._outboxes == {}
 
@@ -255,7 +255,7 @@ async def test_a_value_that_cannot_be_sent_is_dropped(node: FakeNode, queue: Nod
     assert node.received == [("paramUpdate", "/p/", 1)]
 
 
-async def test_close_ends_calls_under_way(node: FakeNode, queue: NodeCallQueue) -> None:
+async def test_close_ends_running_calls(node: FakeNode, queue: NodeCallQueue) -> None:
     node.gate.clear()
     queue.ping(node.server.uri)
     await until(lambda: node.received)

@@ -44,7 +44,7 @@ def test_a_dict_replaces_the_namespace() -> None:
     assert [name for name in tree.names() if name] == ["/z"]
 
 
-def test_a_value_on_the_way_becomes_a_namespace() -> None:
+def test_a_value_above_a_new_parameter_becomes_a_namespace() -> None:
     tree = tree_of(a=1)
     tree.set("/a/b", 2)
     assert tree.get("/") == {"a": {"b": 2}}
@@ -120,7 +120,7 @@ def test_depth_is_bounded_by_name_and_value_together() -> None:
     )
 
 
-def test_size_is_bounded_and_given_back() -> None:
+def test_the_size_is_limited_and_decreases_after_a_deletion() -> None:
     tree = ParameterTree(GraphLimits(parameters_bytes=5000, parameter_bytes=6000))
     for _ in range(100):
         tree.set("/a/b/text", "x" * 2000)

@@ -30,7 +30,7 @@ def test_registering_twice_is_registering_once() -> None:
     assert not tables.unregister(EntryKind.PUBLISHER, "/t", "/a", "http://a/")
 
 
-def test_who_is_registered_comes_in_the_order_of_registration() -> None:
+def test_members_are_in_the_order_of_registration() -> None:
     tables = Registrations()
     for name in ("/c", "/a", "/b"):
         tables.register(EntryKind.SUBSCRIBER, "/t", name, f"http:/{name}/")
@@ -46,7 +46,7 @@ def test_only_the_registered_uri_unregisters(api: str) -> None:
     assert tables.apis(EntryKind.PUBLISHER, "/t") == ["http://a/"]
 
 
-def test_a_new_uri_replaces_the_node_with_all_it_had() -> None:
+def test_a_new_uri_replaces_the_node_with_all_its_registrations() -> None:
     tables = Registrations()
     tables.register(EntryKind.PUBLISHER, "/t", "/a", "http://old/")
     tables.register(EntryKind.SUBSCRIBER, "/u", "/a", "http://old/")
@@ -84,7 +84,7 @@ def test_a_node_that_lost_its_service_can_still_be_looked_up() -> None:
     assert tables.service_api("/s") == "rosrpc://b"
 
 
-def test_dropping_takes_everything() -> None:
+def test_dropping_removes_everything() -> None:
     tables = Registrations()
     tables.register(EntryKind.PUBLISHER, "/t", "/a", "http://a/")
     tables.register(EntryKind.PUBLISHER, "/u", "/a", "http://a/")
@@ -109,7 +109,7 @@ def test_dropping_takes_everything() -> None:
         ([("*", True), ("a/A", False)], "*"),
     ],
 )
-def test_a_publisher_knows_the_type_best(learned: list[tuple[str, bool]], known: str | None) -> None:
+def test_the_type_of_a_publisher_wins(learned: list[tuple[str, bool]], known: str | None) -> None:
     tables = Registrations()
     for name, from_publisher in learned:
         tables.learn_type("/t", name, from_publisher=from_publisher)

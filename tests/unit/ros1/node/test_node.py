@@ -73,7 +73,7 @@ async def test_no_graph_to_join() -> None:
 
 
 @pytest.mark.parametrize("name", ["", "bad name", "1st", "a-b"])
-async def test_a_name_that_is_none_is_refused(name: str) -> None:
+async def test_an_illegal_node_name_is_refused(name: str) -> None:
     with pytest.raises(InvalidNameError):
         await join_ros1(name, environment=LOOPBACK.with_master("http://127.0.0.1:1/"))
 
@@ -139,7 +139,7 @@ async def test_what_is_advertised_while_the_master_is_away_is_registered_later(s
         await asyncio.sleep(0.01)
 
 
-async def test_a_node_cleaned_away_by_mistake_comes_back(stage: Stage) -> None:
+async def test_a_node_that_was_removed_by_mistake_registers_again(stage: Stage) -> None:
     node, other = await stage.join("/node"), await stage.join("/other")
     await node.advertise("/chat", STRING)
     client = XmlRpcClient(stage.uri)
@@ -208,7 +208,7 @@ async def test_leaving_is_quick_when_the_master_hangs(stage: Stage, monkeypatch:
 
 
 @pytest.mark.slow
-async def test_joining_and_leaving_leaves_nothing_behind(stage: Stage) -> None:
+async def test_leaving_ends_all_tasks_and_connections(stage: Stage) -> None:
     witness = await stage.join("/witness")
     await witness.advertise("/back", STRING)
 
@@ -234,7 +234,7 @@ async def test_joining_and_leaving_leaves_nothing_behind(stage: Stage) -> None:
     assert (await witness.snapshot()).nodes == ("/witness",)
 
 
-async def test_a_join_that_fails_leaves_nothing_behind() -> None:
+async def test_a_failed_join_leaves_no_tasks_and_descriptors() -> None:
     before = descriptors()
     for _ in range(20):
         with pytest.raises(MasterUnreachableError):

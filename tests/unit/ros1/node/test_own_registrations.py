@@ -77,7 +77,7 @@ async def test_a_removal_that_was_cancelled_is_done_at_the_end(monkeypatch: pyte
     await server.close()
 
 
-async def test_nodes_ask_a_master_one_after_the_other(monkeypatch: pytest.MonkeyPatch) -> None:
+async def test_nodes_check_the_master_at_different_times(monkeypatch: pytest.MonkeyPatch) -> None:
     server = await MasterServer.start(port=0)
     asked_s: list[float] = []
     clock = asyncio.get_running_loop().time
@@ -112,7 +112,7 @@ async def test_nodes_ask_a_master_one_after_the_other(monkeypatch: pytest.Monkey
     await server.close()
 
 
-async def test_many_nodes_ask_a_master_less_often_each(monkeypatch: pytest.MonkeyPatch) -> None:
+async def test_with_many_nodes_each_checks_the_master_less_often(monkeypatch: pytest.MonkeyPatch) -> None:
     async def lookup_node(_master: MasterClient, name: str) -> str:
         return NODE_URI
 

@@ -84,7 +84,7 @@ async def test_another_type_is_refused_with_a_reason_and_one_warning(stage: Stag
     assert not stage.topic.connections
 
 
-async def test_a_latecomer_gets_the_latched_message_behind_the_header() -> None:
+async def test_a_late_subscriber_gets_the_latched_message_after_the_header() -> None:
     async with Stage(latch=True) as stage:
         stage.topic.publish([b"old", b"new"])
         async with RawPeer.subscribing(stage.listener.port, "/chat") as peer:

@@ -105,7 +105,7 @@ async def test_a_persistent_client_keeps_its_connection(stage: Stage) -> None:
     await client.close()
 
 
-async def test_a_persistent_client_connects_again_after_a_hang_up(stage: Stage) -> None:
+async def test_a_persistent_client_connects_again_after_its_connection_ends(stage: Stage) -> None:
     async def answer_one(peer: RawPeer) -> None:
         peer.writer.write(encode_response(await peer.read_message()))
 
@@ -119,7 +119,7 @@ async def test_a_persistent_client_connects_again_after_a_hang_up(stage: Stage) 
     assert stage.server.connections == 3
 
 
-async def test_a_hang_up_during_the_call_is_an_error(stage: Stage) -> None:
+async def test_a_connection_that_ends_during_the_call_is_an_error(stage: Stage) -> None:
     async def hang_up(peer: RawPeer) -> None:
         await peer.read_message()
 
@@ -133,7 +133,7 @@ async def test_a_hang_up_during_the_call_is_an_error(stage: Stage) -> None:
         assert client._kept is None
 
 
-async def test_a_late_answer_is_never_taken_for_another_call(stage: Stage) -> None:
+async def test_a_late_answer_is_never_used_for_another_call(stage: Stage) -> None:
     go_on = asyncio.Event()
 
     async def answer_late(peer: RawPeer) -> None:
@@ -152,7 +152,7 @@ async def test_a_late_answer_is_never_taken_for_another_call(stage: Stage) -> No
     await client.close()
 
 
-async def test_an_error_keeps_the_servers_words(stage: Stage) -> None:
+async def test_an_error_has_the_text_of_the_server(stage: Stage) -> None:
     async def refuse(peer: RawPeer) -> None:
         await peer.read_message()
         peer.writer.write(encode_error("motor too hot"))
@@ -164,7 +164,7 @@ async def test_an_error_keeps_the_servers_words(stage: Stage) -> None:
 
 
 @pytest.mark.parametrize("answer", [b"\x01\xff\xff\xff\xff", encode_response(b"1") + encode_response(b"2")])
-async def test_answers_that_make_no_sense_are_errors(stage: Stage, answer: bytes) -> None:
+async def test_malformed_answers_are_errors(stage: Stage, answer: bytes) -> None:
     async def confuse(peer: RawPeer) -> None:
         await peer.read_message()
         peer.writer.write(answer)
@@ -196,7 +196,7 @@ async def test_a_server_that_refuses_or_has_ended_is_unavailable(stage: Stage) -
         await stage.client().call(b"on")
 
 
-async def test_waiting_ends_when_the_server_comes(stage: Stage, monkeypatch: pytest.MonkeyPatch) -> None:
+async def test_waiting_ends_when_a_server_answers(stage: Stage, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(service_client, "POLL_INTERVAL_S", 0.01)
     client = ServiceClient("/later", SET_BOOL, stage.master)
     with pytest.raises(ServiceUnavailableError, match="no node offers the service /later"):

@@ -58,7 +58,7 @@ async def stage() -> AsyncIterator[Stage]:
 
 
 @pytest.mark.parametrize("md5sum", [SET_BOOL.md5sum, "*"])
-async def test_a_single_call_is_answered_and_hung_up(stage: Stage, md5sum: str) -> None:
+async def test_a_single_call_is_answered_and_disconnected(stage: Stage, md5sum: str) -> None:
     peer = await stage.call(md5sum=md5sum)
     assert await peer.read_header() == {
         "callerid": "/server",
@@ -75,7 +75,7 @@ async def test_a_single_call_is_answered_and_hung_up(stage: Stage, md5sum: str) 
     await peer.close()
 
 
-async def test_a_persistent_connection_takes_many_calls(stage: Stage) -> None:
+async def test_a_persistent_connection_serves_many_calls(stage: Stage) -> None:
     peer = await stage.call(persistent="1")
     await peer.read_header()
     for number in range(3):
@@ -91,7 +91,7 @@ async def test_a_persistent_connection_takes_many_calls(stage: Stage) -> None:
     await until(lambda: not stage.server._connections)
 
 
-async def test_a_probe_is_answered_and_hung_up(stage: Stage) -> None:
+async def test_a_probe_is_answered_and_disconnected(stage: Stage) -> None:
     peer = await RawPeer.connect(stage.listener.port)
     peer.send_header(probe_fields("/switch", caller_id="/raw"))
     assert (await peer.read_header())["type"] == "std_srvs/SetBool"
@@ -107,7 +107,7 @@ async def test_another_type_is_refused(stage: Stage) -> None:
     await peer.close()
 
 
-async def test_a_client_that_closes_its_sending_half_gets_its_answer(stage: Stage) -> None:
+async def test_a_client_that_closes_its_sending_side_gets_its_answer(stage: Stage) -> None:
     stage.go_on.clear()
     peer = await stage.call()
     await peer.read_header()
@@ -120,7 +120,7 @@ async def test_a_client_that_closes_its_sending_half_gets_its_answer(stage: Stag
     await peer.close()
 
 
-async def test_a_client_that_goes_away_does_not_stop_its_handler(stage: Stage) -> None:
+async def test_a_client_that_disconnects_does_not_stop_its_handler(stage: Stage) -> None:
     stage.go_on.clear()
     peer = await stage.call()
     await peer.read_header()

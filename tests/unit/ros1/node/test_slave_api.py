@@ -47,7 +47,7 @@ async def stage() -> AsyncIterator[Stage]:
     await master.close()
 
 
-async def test_who_it_is(stage: Stage) -> None:
+async def test_identity_of_a_node(stage: Stage) -> None:
     assert await stage.ask("getPid") == os.getpid()
     assert await stage.ask("getName") == "/node"
     assert await stage.ask("getUri") == stage.node.node_uri

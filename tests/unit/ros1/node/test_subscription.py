@@ -163,7 +163,7 @@ async def test_an_error_header_is_reported_as_a_mismatch() -> None:
         assert "[std_msgs/String] vs. [std_msgs/Bool]" in stage.reports[0][1]
 
 
-async def test_any_type_is_taken_on_demand() -> None:
+async def test_a_subscriber_of_any_type_accepts_each_type() -> None:
     other = {"md5sum": "1" * 32, "type": "other/Type"}
     async with fake(other) as publisher, subscribed(ANY_MESSAGE) as stage:
         stage.topic.add_publishers([publisher.uri])
@@ -212,7 +212,7 @@ async def test_a_publisher_that_registers_again_keeps_its_connection() -> None:
 
 
 @pytest.mark.parametrize("uri", ["http://127.0.0.1:1/", "nonsense", "rosrpc://127.0.0.1:1"])
-async def test_a_publisher_that_is_not_there_is_reported_once(uri: str) -> None:
+async def test_a_publisher_that_does_not_answer_is_reported_once(uri: str) -> None:
     async with fake() as publisher, subscribed() as stage:
         stage.topic.set_publishers([uri, publisher.uri])
         await until(lambda: stage.topic.publisher_count == 1 and stage.reports)
@@ -226,7 +226,7 @@ async def test_a_publisher_that_is_not_there_is_reported_once(uri: str) -> None:
         stage.topic.set_publishers([publisher.uri])
 
 
-async def test_a_message_right_behind_the_header_waits_for_a_paused_subscriber() -> None:
+async def test_a_message_right_after_the_header_waits_for_a_paused_subscriber() -> None:
     async with fake() as publisher, subscribed() as stage:
         stage.topic.pause()
         publisher.header["latching"] = "1"
@@ -239,7 +239,7 @@ async def test_a_message_right_behind_the_header_waits_for_a_paused_subscriber()
         await until(lambda: stage.inbox.payloads == [b"latched"])
 
 
-async def test_closing_hangs_up_for_good() -> None:
+async def test_closing_ends_the_connection_permanently() -> None:
     async with fake() as publisher, subscribed() as stage:
         stage.topic.add_publishers([publisher.uri])
         await until(lambda: stage.topic.publisher_count == 1)

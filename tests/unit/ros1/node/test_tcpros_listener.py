@@ -132,7 +132,7 @@ async def test_connections_that_stay_are_counted(
     await listener.close()
 
 
-async def test_closing_hangs_up_and_frees_the_port(listener: TcprosListener) -> None:
+async def test_closing_ends_connections_and_frees_the_port(listener: TcprosListener) -> None:
     port = listener.port
     peer = await RawPeer.connect(port)
     await until(lambda: listener._handshakes)

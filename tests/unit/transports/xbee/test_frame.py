@@ -40,7 +40,7 @@ def test_damage_costs_one_frame() -> None:
     assert XbeeFrameDecoder().feed(bytes(bad) + encode_frame(b"good")) == [b"good"]
 
 
-def test_a_cut_frame_costs_only_itself() -> None:
+def test_a_cut_frame_damages_no_other_frame() -> None:
     good = encode_frame(b"good")
     assert XbeeFrameDecoder().feed(good[:5] + good) == [b"good"]
 
@@ -55,7 +55,7 @@ def test_a_damaged_length_is_not_waited_for() -> None:
     frames=st.lists(st.binary(min_size=1, max_size=116), max_size=8),
     cuts=st.lists(st.integers(1, 40), min_size=1, max_size=30),
 )
-def test_any_cutting_gives_the_same_frames(frames: list[bytes], cuts: list[int]) -> None:
+def test_chunks_of_any_size_give_the_same_frames(frames: list[bytes], cuts: list[int]) -> None:
     stream = b"".join(encode_frame(frame) for frame in frames)
     decoder = XbeeFrameDecoder()
     found, position, turn = [], 0, 0

@@ -96,7 +96,7 @@ async def listener(coordinator: Coordinator, arrivals: Arrivals) -> AsyncIterato
     await listener.close()
 
 
-async def test_each_source_is_a_transport_of_its_own(
+async def test_each_source_has_a_separate_transport(
     listener: XbeeListener, coordinator: Coordinator, arrivals: Arrivals
 ) -> None:
     assert coordinator.opened == [SerialAddress("/dev/radio", 9600)]
@@ -121,7 +121,7 @@ async def test_long_writes_become_packets_of_a_hundred_bytes(
     await until(lambda: coordinator.sent == packets, "the packets")
 
 
-async def test_peers_named_beforehand_are_there_at_once(coordinator: Coordinator, arrivals: Arrivals) -> None:
+async def test_peers_of_the_address_exist_at_the_start(coordinator: Coordinator, arrivals: Arrivals) -> None:
     listener = await coordinator.start(arrivals, peers=(3, 4))
     assert [(await arrivals.next()).peer for _ in range(2)] == ["xbee 0x0003", "xbee 0x0004"]
     listener.peers.expire(1e9)
@@ -150,9 +150,7 @@ async def test_an_unplugged_coordinator_ends_all_and_comes_back(
     await seen_again.until_received(b"again")
 
 
-async def test_a_port_that_is_not_there_is_reported_by_start(
-    coordinator: Coordinator, arrivals: Arrivals
-) -> None:
+async def test_start_reports_a_port_that_does_not_exist(coordinator: Coordinator, arrivals: Arrivals) -> None:
     coordinator.missing = True
     with pytest.raises(TransportOpenError):
         await coordinator.start(arrivals)

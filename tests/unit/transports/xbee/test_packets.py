@@ -31,7 +31,7 @@ def test_encode_a_packet(destination: int, is_mesh: bool, frame: str) -> None:
     assert encoded == bytes.fromhex(frame).replace(b"\x00\x13\xa2", b"\x00\x7d\x33\xa2")
 
 
-def test_encode_refuses_what_no_packet_holds() -> None:
+def test_encode_refuses_a_payload_that_fits_in_no_packet() -> None:
     with pytest.raises(ValueError, match="100 bytes, not 101"):
         encode_packet(1, bytes(101), frame_id=1, limit_bytes=100)
 

@@ -57,7 +57,7 @@ def test_two_packets_wait_for_their_status() -> None:
     assert radio.queue.waiting_bytes("a") == 0
 
 
-def test_boards_that_do_not_answer_share_one_place() -> None:
+def test_boards_that_do_not_answer_share_one_slot() -> None:
     radio = Radio()
     for board in ("dead", "gone"):
         radio.queue.put(board, bytes(10))
@@ -77,7 +77,7 @@ def test_boards_that_do_not_answer_share_one_place() -> None:
     assert [key for key, _ in radio.sent] == ["dead", "well", "gone"]
 
 
-def test_a_packet_without_a_report_is_given_up() -> None:
+def test_a_packet_without_a_report_counts_as_lost_after_the_limit() -> None:
     radio = Radio()
     radio.queue.put("a", bytes(10))
     radio.send(now_s=5.0)

@@ -39,7 +39,7 @@ class Bench:
         return [self.radio.registers[name] for name in names]
 
 
-def test_a_fresh_radio_becomes_a_coordinator_and_then_a_boards() -> None:
+def test_a_new_radio_is_set_up_as_a_coordinator_and_then_for_a_board() -> None:
     async def main() -> None:
         bench = Bench()
         found, commands = await bench.set_up(COORDINATOR)
