@@ -72,20 +72,20 @@ class KeyedClient : public NetworkClient {
   static const char* word() { return "RSPSK1 "; }
 
   Refusal greet() {
-    char theirs[NONCE_HEX + 1], ours[NONCE_HEX + 1], proof[PROOF_HEX + 1], received[PROOF_HEX + 1];
+    char host_nonce[NONCE_HEX + 1], board_nonce[NONCE_HEX + 1], proof[PROOF_HEX + 1], received[PROOF_HEX + 1];
     const uint32_t began_ms = millis();
-    Refusal refusal = readLine(theirs, NONCE_HEX, began_ms);
+    Refusal refusal = readLine(host_nonce, NONCE_HEX, began_ms);
     if (refusal != NONE) return refusal;
-    makeNonce(theirs, ours);
-    prove("connector ", theirs, ours, proof);
+    makeNonce(host_nonce, board_nonce);
+    prove("connector ", host_nonce, board_nonce, proof);
     char line[WORD + NONCE_HEX + 1 + PROOF_HEX + 1];
     memcpy(line, word(), WORD);
-    memcpy(line + WORD, ours, NONCE_HEX);
+    memcpy(line + WORD, board_nonce, NONCE_HEX);
     line[WORD + NONCE_HEX] = ' ';
     memcpy(line + WORD + NONCE_HEX + 1, proof, PROOF_HEX);
     line[sizeof line - 1] = '\n';
     NetworkClient::write(reinterpret_cast<const uint8_t*>(line), sizeof line);
-    prove("listener ", theirs, ours, proof);
+    prove("listener ", host_nonce, board_nonce, proof);
     refusal = readLine(received, PROOF_HEX, began_ms);
     if (refusal != NONE) return refusal;
     uint8_t differing = 0;
@@ -111,26 +111,26 @@ class KeyedClient : public NetworkClient {
   static bool isHex(int byte) { return (byte >= '0' && byte <= '9') || (byte >= 'a' && byte <= 'f'); }
 
   // A new nonce for each hello: it need not be secret, but must not repeat.
-  void makeNonce(const char* theirs, char* ours) {
+  void makeNonce(const char* host_nonce, char* board_nonce) {
     const uint32_t now_us = micros();
     HmacSha256 mac(key_);
     mac.text().add("nonce ");
-    mac.text().add(theirs);
+    mac.text().add(host_nonce);
     mac.text().add(&now_us, sizeof now_us);
     mac.text().add(&seed_, sizeof seed_);
     uint8_t digest[Sha256::DIGEST_BYTES];
     mac.finish(digest);
     memcpy(&seed_, digest + NONCE_HEX / 2, sizeof seed_);
-    toHex(digest, NONCE_HEX, ours);
+    toHex(digest, NONCE_HEX, board_nonce);
   }
 
-  void prove(const char* role, const char* theirs, const char* ours, char* hex) {
+  void prove(const char* role, const char* host_nonce, const char* board_nonce, char* hex) {
     HmacSha256 mac(key_);
     mac.text().add("rostether psk1 ");
     mac.text().add(role);
-    mac.text().add(theirs);
+    mac.text().add(host_nonce);
     mac.text().add(' ');
-    mac.text().add(ours);
+    mac.text().add(board_nonce);
     uint8_t digest[Sha256::DIGEST_BYTES];
     mac.finish(digest);
     toHex(digest, PROOF_HEX, hex);

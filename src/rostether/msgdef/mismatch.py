@@ -50,8 +50,8 @@ def explain_mismatch(types: Registry, name: str, md5sum: str) -> str:
 
     Raises the errors of `types` for a type that is unknown or broken here.
     """
-    ours = types.message_type(name)
-    start = f"{name}: the device's md5sum {md5sum} is not the known one ({ours.md5sum})"
+    known_type = types.message_type(name)
+    start = f"{name}: the device's md5sum {md5sum} is not the known one ({known_type.md5sum})"
     advice = "rebuild its message headers, or give its definition with --msg-path DIR"
     if known := name_of_md5sum(types, md5sum):
         return f"{start}; it belongs to {known}; {advice}"
@@ -83,11 +83,11 @@ def guess_definition(types: Registry, name: str, md5sum: str) -> MessageSpec | N
 
     The answer is another version of `name`, or (see its `full_name`) of one of its nested messages.
     """
-    ours = types.message(name)
-    below = dependencies(ours, types.message)
+    root = types.message(name)
+    below = dependencies(root, types.message)
     sums = {each.full_name: types.message_type(each.full_name).md5sum for each in below}
     sums[_HEADER.type.base] = types.message_type(_HEADER.type.base).md5sum
-    for text, version, affected in islice(_candidates(ours, below, sums), MAX_CANDIDATES):
+    for text, version, affected in islice(_candidates(root, below, sums), MAX_CANDIDATES):
         found = digest(text)
         if affected:
             known = {**sums, version.spec.full_name: found}
@@ -130,11 +130,11 @@ def _earlier(spec: MessageSpec) -> Iterator[tuple[str, MessageSpec]]:
 
 
 def _candidates(
-    ours: MessageSpec, below: Sequence[MessageSpec], sums: Mapping[str, str]
+    root: MessageSpec, below: Sequence[MessageSpec], sums: Mapping[str, str]
 ) -> Iterator[tuple[str, _Version, Sequence[MessageSpec]]]:
     """Yield each candidate's text, the candidate, and the messages that contain it, innermost first."""
-    version = _Version.of(ours, sums)
-    ordered = _bottom_up(ours, below)
+    version = _Version.of(root, sums)
+    ordered = _bottom_up(root, below)
     header = (declarations_text((), [_HEADER], sums), _HEADER)
     for once in _changed(version, header):
         yield once.text(), once, ()
@@ -189,7 +189,7 @@ def _other_bases(base: str) -> tuple[str, ...]:
     return tuple(other for group in _ALTERNATIVES if base in group for other in group if other != base)
 
 
-def _bottom_up(ours: MessageSpec, below: Sequence[MessageSpec]) -> list[MessageSpec]:
+def _bottom_up(root: MessageSpec, below: Sequence[MessageSpec]) -> list[MessageSpec]:
     """Return all messages in an order in which each follows those that it contains."""
     specs = {each.full_name: each for each in below}
     ordered: dict[str, MessageSpec] = {}
@@ -201,7 +201,7 @@ def _bottom_up(ours: MessageSpec, below: Sequence[MessageSpec]) -> list[MessageS
                 visit(specs[base])
         ordered[spec.full_name] = spec
 
-    visit(ours)
+    visit(root)
     return list(ordered.values())
 
 
@@ -216,14 +216,14 @@ def _holders(nested: MessageSpec, ordered: Sequence[MessageSpec]) -> list[Messag
     return holders
 
 
-def difference(ours: MessageSpec, theirs: MessageSpec) -> str:
-    """Describe the missing, additional and different declarations of `theirs`; empty if all are the same."""
+def difference(known: MessageSpec, found: MessageSpec) -> str:
+    """Describe the missing, additional and different declarations of `found`; empty if all are the same."""
     differences = [
-        *_declaration_differences(_fields_by_name(ours), _fields_by_name(theirs), ""),
-        *_declaration_differences(_constants_by_name(ours), _constants_by_name(theirs), "the constant "),
+        *_declaration_differences(_fields_by_name(known), _fields_by_name(found), ""),
+        *_declaration_differences(_constants_by_name(known), _constants_by_name(found), "the constant "),
     ]
-    if not differences and (ours.fields, ours.constants) != (theirs.fields, theirs.constants):
-        differences = [_order_difference(ours, theirs)]
+    if not differences and (known.fields, known.constants) != (found.fields, found.constants):
+        differences = [_order_difference(known, found)]
     if len(differences) > _MAX_LISTED:
         differences[_MAX_LISTED:] = [f"and {len(differences) - _MAX_LISTED} more differences"]
     return ", ".join(differences)
@@ -234,14 +234,14 @@ def declarations(spec: MessageSpec) -> str:
     return _listed(spec.fields) or "no fields"
 
 
-def _declaration_differences(ours: Mapping[str, str], theirs: Mapping[str, str], noun: str) -> Iterable[str]:
-    for name, text in ours.items():
-        if name not in theirs:
+def _declaration_differences(known: Mapping[str, str], found: Mapping[str, str], noun: str) -> Iterable[str]:
+    for name, text in known.items():
+        if name not in found:
             yield f"lacks {noun}'{text}'"
-        elif theirs[name] != text:
-            yield f"has '{theirs[name]}' instead of '{text}'"
-    for name, text in theirs.items():
-        if name not in ours:
+        elif found[name] != text:
+            yield f"has '{found[name]}' instead of '{text}'"
+    for name, text in found.items():
+        if name not in known:
             yield f"also has {noun}'{text}'"
 
 
@@ -253,10 +253,10 @@ def _constants_by_name(spec: MessageSpec) -> dict[str, str]:
     return {each.name: f"{each.type} {each.name}={each.text}" for each in spec.constants}
 
 
-def _order_difference(ours: MessageSpec, theirs: MessageSpec) -> str:
-    if ours.fields == theirs.fields:
+def _order_difference(known: MessageSpec, found: MessageSpec) -> str:
+    if known.fields == found.fields:
         return "declares the constants in another order"
-    return f"declares the fields in another order: {_listed(theirs.fields)}"
+    return f"declares the fields in another order: {_listed(found.fields)}"
 
 
 def _listed(fields: Iterable[Field]) -> str:
