@@ -150,11 +150,9 @@ class Client:
                 limit = self._context.limits.subscriptions
                 self.report_error(f"a client may have at most {limit} subscriptions; unsubscribe some")
             else:
-                subscription = Subscription(
-                    subscription_id, channel, self.sender, self._context.channels, self._context.clock.now_ns
+                self._subscriptions[subscription_id] = self._by_channel[channel_id] = Subscription(
+                    subscription_id, channel, self._context, self.sender, self.report_error
                 )
-                self._subscriptions[subscription_id] = self._by_channel[channel_id] = subscription
-                subscription.open(self._context.shared, self.report_error)
 
     def _unsubscribe(self, request: requests.Unsubscribe) -> None:
         for subscription_id in request.subscription_ids:
@@ -178,14 +176,13 @@ class Client:
                     "~client_topic_whitelist"
                 )
             else:
-                topic = self._topics[channel.id] = self._topic(channel)
-                topic.open(self._context.graph, self._context.store)
+                self._topics[channel.id] = self._topic(channel)
 
     def _topic(self, channel: requests.ClientChannel) -> ClientTopic | DrivenTopic:
-        teleop = self._context.teleop
-        if channel.driver is None or teleop is None:
-            return ClientTopic(channel, self.report_error)
-        return DrivenTopic(channel, self.sender.connection.peer, teleop, self.sender.send, self.report_error)
+        context = self._context
+        if channel.driver is None or context.teleop is None:
+            return ClientTopic(channel, context.graph, context.store, self.report_error)
+        return DrivenTopic(channel, context, context.teleop, self.sender, self.report_error)
 
     def _may_publish(self, topic: str) -> bool:
         try:

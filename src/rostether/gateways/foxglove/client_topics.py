@@ -27,24 +27,22 @@ MAX_REPORTED_ERRORS = 20
 
 
 class ClientTopic:
-    """One channel of one client; `report` gets a line for each kind of error, once."""
+    """One channel of one client, which it advertises; `report` gets a line for each kind of error, once."""
 
-    def __init__(self, channel: ClientChannel, report: Callable[[str], None]) -> None:
+    def __init__(
+        self, channel: ClientChannel, graph: Graph, store: TypeStore, report: Callable[[str], None]
+    ) -> None:
         self.channel = channel
         self._report_once = report_once(report)
         self._publisher: Publisher | None = None
         self._encoder: Encoder | None = None
         self._early: deque[bytes] = deque()
         self._early_bytes = 0
-        self._opening: asyncio.Task[None] | None = None
-
-    def open(self, graph: Graph, store: TypeStore) -> None:
-        """Advertise the topic; errors are reported to the client."""
         self._opening = asyncio.ensure_future(self._open(graph, store))
 
     def publish(self, payload: bytes) -> Awaitable[object] | None:
         """Publish a message; return what the client must await before its next message, None if nothing."""
-        if self._opening is not None and not self._opening.done():
+        if not self._opening.done():
             self._keep(payload)
             # The task is shared: only the wait for it may be cancelled.
             return asyncio.wait([self._opening]) if len(payload) > MAX_QUICK_JSON_BYTES else None
@@ -64,8 +62,7 @@ class ClientTopic:
 
     async def close(self) -> None:
         """Unadvertise."""
-        if self._opening is not None:
-            await asyncio.wait([self._opening])
+        await asyncio.wait([self._opening])
         if self._publisher is not None:
             publisher, self._publisher = self._publisher, None
             await publisher.drained(DRAIN_S)

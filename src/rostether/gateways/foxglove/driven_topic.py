@@ -3,19 +3,17 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Awaitable, Callable, Coroutine
+from collections.abc import Awaitable, Callable
 from contextlib import suppress
-from functools import partial
-from typing import Any
 
 from rostether.errors import RostetherError
 from rostether.gateways.foxglove import server_messages as replies
 from rostether.gateways.foxglove.client_messages import ClientChannel
+from rostether.gateways.foxglove.client_sender import ClientSender
 from rostether.gateways.foxglove.client_topics import channel_encoder, report_once, types_of
+from rostether.gateways.foxglove.foxglove_context import FoxgloveContext
 from rostether.gateways.teleop.teleop import CommandTopic, Teleop
-from rostether.graph.ports import Graph
 from rostether.mechanisms.text import fold_line
-from rostether.serde.store import TypeStore
 
 # A display name that fits in a line of the page.
 _MAX_NAME_CHARACTERS = 60
@@ -27,38 +25,33 @@ _MAX_COMMAND_BYTES = 1 << 10
 class DrivenTopic:
     """One channel of one client, and the driver of its topic.
 
-    `send` sends the state of the lease to the client, and `warn` reports an error.
+    `sender` sends the state of the lease to the client, and `warn` reports an error.
     """
 
     def __init__(
         self,
         channel: ClientChannel,
-        peer: str,
+        context: FoxgloveContext,
         teleop: Teleop,
-        send: Callable[[str], None],
+        sender: ClientSender,
         warn: Callable[[str], None],
     ) -> None:
+        driver = fold_line((channel.driver or "")[:_MAX_NAME_CHARACTERS]) or "a page"
         self.channel = channel
-        self.name = f"{fold_line((channel.driver or '')[:_MAX_NAME_CHARACTERS]) or 'a page'} ({peer})"
+        self.name = f"{driver} ({sender.connection.peer})"
+        self._context = context
         self._teleop = teleop
-        self._send = send
+        self._sender = sender
         self._warn = warn
         self._warn_once = report_once(warn)
         self._topic = ""
         self._commands: CommandTopic | None = None
         self._encode: Callable[[bytes], bytes] | None = None
-        self._opening: asyncio.Task[None] | None = None
         self._reported: tuple[str, str] | None = None
         # The last command that arrived before the topic was open.
         self._early: bytes | None = None
-        # Opens the topic; called again after the topic's node was shut down.
-        self._start: Callable[[], Coroutine[Any, Any, None]] | None = None
         self._has_ended = False
-
-    def open(self, graph: Graph, store: TypeStore) -> None:
-        """Prepare the topic; errors are reported to the client."""
-        self._start = partial(self._open, graph, store)
-        self._opening = asyncio.ensure_future(self._start())
+        self._opening = asyncio.ensure_future(self._open())
 
     def publish(self, payload: bytes) -> Awaitable[object] | None:
         """Publish a command, unless another client drives; the client need not wait for anything.
@@ -73,9 +66,9 @@ class DrivenTopic:
             return None
         if self._commands is None or self._encode is None:
             self._early = payload
-            if self._has_ended and self._start is not None:
+            if self._has_ended:
                 self._has_ended = False
-                self._opening = asyncio.ensure_future(self._start())
+                self._opening = asyncio.ensure_future(self._open())
             return None
         try:
             may_drive = self._commands.command(self, self._encode(payload))
@@ -91,7 +84,7 @@ class DrivenTopic:
         state = "free" if not holder else "driving" if holder == self.name else "taken"
         if self._reported != (state, holder):
             self._reported = (state, holder)
-            self._send(replies.drive(self.channel.id, state, holder))
+            self._sender.send(replies.drive(self.channel.id, state, holder))
 
     def ended(self, reason: str) -> None:
         """Report that the topic can no longer be driven."""
@@ -107,16 +100,15 @@ class DrivenTopic:
         commands, self._commands = self._commands, None
         if commands is not None:
             commands.leave(self)
-        if self._opening is not None:
-            await asyncio.wait([self._opening])
+        await asyncio.wait([self._opening])
         if self._topic:
             await self._teleop.leave(self, self._topic)
 
-    async def _open(self, graph: Graph, store: TypeStore) -> None:
+    async def _open(self) -> None:
         try:
-            codec, message_type = await types_of(self.channel, store)
+            codec, message_type = await types_of(self.channel, self._context.store)
             encode = channel_encoder(self.channel, codec).encode
-            topic = graph.resolve(self.channel.topic)
+            topic = self._context.graph.resolve(self.channel.topic)
             commands = await self._teleop.enter(self, topic, message_type, codec)
         except RostetherError as error:
             self._warn_once(f"{self.channel.topic[:200]} cannot be driven: {error}")

@@ -6,62 +6,54 @@ import asyncio
 from collections.abc import Callable
 
 from rostether.errors import RostetherError
-from rostether.gateways.foxglove.channels import Channels
 from rostether.gateways.foxglove.client_sender import ClientSender
+from rostether.gateways.foxglove.foxglove_context import FoxgloveContext
 from rostether.gateways.foxglove.server_messages import Channel
-from rostether.gateways.shared_subscriptions import (
-    Batch,
-    PublisherConnection,
-    SharedSubscription,
-    SharedSubscriptions,
-)
+from rostether.gateways.shared_subscriptions import Batch, PublisherConnection, SharedSubscription
 from rostether.msgdef.interface import ANY_MD5SUM
 
 
 class Subscription:
-    """Sends a topic's messages to a client unchanged."""
+    """Sends a topic's messages to a client unchanged; `report_error` gets an error of the graph."""
 
     def __init__(
         self,
         subscription_id: int,
         channel: Channel,
+        context: FoxgloveContext,
         sender: ClientSender,
-        channels: Channels,
-        now_ns: Callable[[], int],
+        report_error: Callable[[str], None],
     ) -> None:
         self.id = subscription_id
         self.channel = channel
+        self._context = context
         self._sender = sender
-        self._channels = channels
-        self._now_ns = now_ns
+        self._report_error = report_error
         self._md5sums = (channel.type.md5sum, ANY_MD5SUM)
         self._share: SharedSubscription | None = None
-        self._opening: asyncio.Task[None] | None = None
         self._is_closed = False
-
-    def open(self, shared: SharedSubscriptions, report: Callable[[str], None]) -> None:
-        """Subscribe on the graph, unless another client has; `report` gets an error of the graph."""
-        self._opening = asyncio.ensure_future(self._open(shared, report))
+        self._opening = asyncio.ensure_future(self._open())
 
     async def close(self) -> None:
         """Unsubscribe; nothing is sent from now on."""
         self._is_closed = True
         self._sender.data.forget(self.id)
-        if self._opening is not None:
-            await asyncio.wait([self._opening])
+        await asyncio.wait([self._opening])
         if self._share is not None:
             await self._share.close()
 
-    async def _open(self, shared: SharedSubscriptions, report: Callable[[str], None]) -> None:
+    async def _open(self) -> None:
         try:
-            self._share = await shared.subscribe(self.channel.topic, self._send_batch, self._report_publisher)
+            self._share = await self._context.shared.subscribe(
+                self.channel.topic, self._send_batch, self._report_publisher
+            )
         except RostetherError as error:
-            report(f"cannot subscribe to {self.channel.topic}: {error}")
+            self._report_error(f"cannot subscribe to {self.channel.topic}: {error}")
 
     def _report_publisher(self, connection: PublisherConnection) -> None:
-        self._channels.check_publisher(self.channel, connection)
+        self._context.channels.check_publisher(self.channel, connection)
 
     def _send_batch(self, batch: Batch) -> None:
         # Clients would decode messages of another type incorrectly.
         if not self._is_closed and batch.connection.type.md5sum in self._md5sums:
-            self._sender.data.send(self.id, self._now_ns(), batch.payloads)
+            self._sender.data.send(self.id, self._context.clock.now_ns(), batch.payloads)
