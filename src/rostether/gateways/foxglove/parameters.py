@@ -17,7 +17,7 @@ from rostether.errors import (
 )
 from rostether.gateways.foxglove.client_messages import GivenParameter
 from rostether.gateways.foxglove.settings import NameFilter
-from rostether.graph.ports import Graph, ParamValue, Watch
+from rostether.graph.ports import Graph, ParamValue
 from rostether.serde.plain_form import base64_text, plain_value
 
 # The limit in one response; a large robot has a few thousand parameters.
@@ -90,12 +90,12 @@ class Parameters:
         self._check(name)
         watched = self._watched.get(name)
         if watched is None:
-            watched = self._watched[name] = _WatchedParameter(name)
+            watched = self._watched[name] = _WatchedParameter(name, self._graph)
         watched.listeners.append(on_change)
         if watched.latest is not None:
             on_change(watched.latest)
         try:
-            await watched.open(self._graph)
+            await asyncio.shield(watched.opening)
         except BaseException:
             await self.unwatch(name, on_change)
             raise
@@ -151,23 +151,16 @@ class Parameters:
 class _WatchedParameter:
     """A parameter that is watched once for all clients, and its latest value."""
 
-    def __init__(self, name: str) -> None:
+    def __init__(self, name: str, graph: Graph) -> None:
         self.listeners: list[Callable[[dict[str, Any]], None]] = []
-        self._name = name
         self.latest: dict[str, Any] | None = None
-        self._opening: asyncio.Future[Watch] | None = None
-
-    async def open(self, graph: Graph) -> None:
-        if self._opening is None:
-            self._opening = asyncio.ensure_future(graph.watch_param(self._name, self._handle_change))
-        await asyncio.shield(self._opening)
+        self.opening = asyncio.ensure_future(graph.watch_param(name, self._handle_change))
+        self._name = name
 
     async def close(self) -> None:
-        if self._opening is None:
-            return
-        await asyncio.wait([self._opening])
-        if not self._opening.cancelled() and self._opening.exception() is None:
-            await self._opening.result().close()
+        await asyncio.wait([self.opening])
+        if not self.opening.cancelled() and self.opening.exception() is None:
+            await self.opening.result().close()
 
     def _handle_change(self, value: ParamValue) -> None:
         self.latest = describe(self._name, value)
