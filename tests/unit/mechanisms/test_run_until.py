@@ -1,4 +1,4 @@
-"""`run_until`: how the work and its end end each other."""
+"""`run_until`: the end of either the work or the other awaitable ends both."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What peers send is shown, and controls no terminal."""
+"""Texts of peers are shown, but do not control the terminal."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""--allow at every server of a graph: strangers are hung up on before a byte of theirs is read."""
+"""--allow at every server of a graph: other networks are disconnected before any of their bytes is read."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Connections that arrive in the moment in which a server closes."""
+"""Connections that arrive while a server closes."""
 
 from __future__ import annotations
 

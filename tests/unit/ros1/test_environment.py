@@ -1,4 +1,4 @@
-"""What the ROS environment variables mean."""
+"""The meaning of the ROS environment variables."""
 
 from __future__ import annotations
 

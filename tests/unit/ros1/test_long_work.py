@@ -1,4 +1,4 @@
-"""Large requests and answers of an XML-RPC server: bounded, and other clients are answered meanwhile."""
+"""Large requests and answers of an XML-RPC server are limited, and other clients are answered meanwhile."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ MANY = 50_000
 
 
 class Diary:
-    """Methods that note when they are called; `ping` is called by another client as soon as a test may."""
+    """Methods that record the time of their calls; another client calls `ping` repeatedly."""
 
     def __init__(self) -> None:
         self.entries: list[str] = []

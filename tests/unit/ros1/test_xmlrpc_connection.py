@@ -1,4 +1,4 @@
-"""One connection to an XML-RPC server: order, ends, and clients that do not read or never finish."""
+"""One connection to an XML-RPC server: order, end, and clients that do not read or never finish a request."""
 
 from __future__ import annotations
 

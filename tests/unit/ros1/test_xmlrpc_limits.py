@@ -1,4 +1,4 @@
-"""The XML-RPC server against peers that hold on to it: slow, silent, or many."""
+"""The XML-RPC server with slow, silent and many peers."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Handshake rules: what a first header makes of a connection, and who agrees with whom."""
+"""Handshake rules: the purpose of a connection by its first header, and which types agree."""
 
 from __future__ import annotations
 

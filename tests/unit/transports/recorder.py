@@ -1,4 +1,4 @@
-"""A receiver that writes down what a transport tells it, and lets a test wait for it."""
+"""A receiver that records the events of a transport, and lets a test wait for them."""
 
 from __future__ import annotations
 

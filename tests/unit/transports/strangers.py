@@ -1,4 +1,4 @@
-"""A peer that counts as another machine: nothing is trusted, and it has an address of its own."""
+"""A peer that counts as another machine: its address is different and not trusted."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ STRANGER = "127.0.0.2"
 
 
 def trust_nobody(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Let loopback addresses need permission too; call it before the listener is made."""
+    """Require permission for loopback addresses too; call it before the listener is made."""
     monkeypatch.setattr(allow_list, "ALWAYS_ALLOWED", ())
 
 
@@ -31,7 +31,7 @@ async def stranger(port: int) -> AsyncIterator[tuple[asyncio.StreamReader, async
 
 
 async def is_hung_up(reader: asyncio.StreamReader) -> bool:
-    """Tell whether the other side ends the connection without a byte."""
+    """Return whether the other side ends the connection without a byte."""
     async with asyncio.timeout(60):
         with contextlib.suppress(ConnectionResetError):
             return await reader.read(1) == b""

@@ -1,4 +1,4 @@
-"""Boards that each have a key or a certificate of their own, over real sockets."""
+"""Boards with individual keys and certificates, over real sockets."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from rostether.transports.transport import Transport
 
 
 class ConnectionLimiter:
-    """A listener, and who came through it."""
+    """A listener, and the transports that it has created."""
 
     def __init__(self) -> None:
         self.came: asyncio.Queue[Transport] = asyncio.Queue()

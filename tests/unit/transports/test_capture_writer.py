@@ -68,7 +68,7 @@ async def test_both_directions_pass_and_are_noted(tmp_path: Path) -> None:
 
 
 async def test_a_killed_recorder_keeps_what_it_has_written(tmp_path: Path) -> None:
-    """Nobody closes the writer: the file itself has all, a moment later."""
+    """The writer is not closed: the file has everything a moment later."""
     desk = Desk(tmp_path / "arm.jsonl")
     ours, theirs = memory_pair()
     desk.writer.tap(ours).start(Recorder())

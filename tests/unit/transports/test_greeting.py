@@ -1,4 +1,4 @@
-"""TLS and pre-shared keys on real sockets: who lacks either never gets a rosserial byte through."""
+"""TLS and pre-shared keys on real sockets: a board without them cannot send any rosserial byte."""
 
 from __future__ import annotations
 
@@ -65,7 +65,7 @@ async def listening(text: str) -> AsyncIterator[tuple[TcpListener, Arrivals, int
 
 
 async def carry(arrivals: Arrivals, text: str) -> None:
-    """Connect, and see that bytes go both ways; what comes in one piece with the greeting too."""
+    """Connect, and check that bytes pass both ways, also those in one piece with the greeting."""
     board, board_seen = await open_transport(text), Recorder()
     try:
         board.start(board_seen)

@@ -1,4 +1,4 @@
-"""Which Host headers mean this machine."""
+"""The Host headers that mean this machine."""
 
 from __future__ import annotations
 

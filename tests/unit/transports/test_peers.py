@@ -155,7 +155,7 @@ async def test_a_radio_that_stopped_sending_gives_its_place_to_a_new_one() -> No
 
 
 def entering(max_peers: int = 4) -> FakeMedium:
-    """A medium whose senders become peers by data with `F` in it, and are asked by `????`."""
+    """A medium whose senders become peers by data that contains `F`; `????` asks for it."""
     medium = FakeMedium(max_peers)
     medium.table.entry = PeerEntry(lambda data: b"F" in data, b"????", lambda data: b"A" in data)
     return medium

@@ -71,7 +71,7 @@ def test_an_answer_to_an_earlier_hello_is_refused() -> None:
 
 
 def test_an_echo_of_our_own_proof_is_refused() -> None:
-    """The role is in the proof: a reflected challenge helps nobody."""
+    """The role is in the proof: a reflected challenge proves nothing."""
     listener = ListenerHello({None: KEY}, NONCES[0])
     mirrored = ListenerHello({None: KEY}, NONCES[0])
     connector = ConnectorHello(KEY, NONCES[0])

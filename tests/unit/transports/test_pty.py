@@ -41,7 +41,7 @@ def opened(link: Path) -> Iterator[int]:
 
 
 async def write_until_taken(transport: PtyTransport, data: bytes, board: int) -> None:
-    """Write once the transport has noticed that somebody opened the terminal."""
+    """Write as soon as the transport has detected that a program opened the terminal."""
     await until(lambda: transport._is_open)
     transport.write(data)
     assert await read(board, len(data)) == data

@@ -16,7 +16,7 @@ FIRST = '{"capture": "arm"}'
 
 
 class Host:
-    """Takes each link that comes."""
+    """Accepts each new link."""
 
     def __init__(self) -> None:
         self.peers: list[str] = []

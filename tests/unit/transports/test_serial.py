@@ -1,4 +1,4 @@
-"""The slave of a pseudo-terminal stands for the port; what only real ports do is checked on fakes."""
+"""The slave of a pseudo-terminal replaces the port; fakes replace real ports where they differ."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The files of TLS: each fault is named in one line, without a question on the terminal."""
+"""The files of TLS: each fault is one line, without a question on the terminal."""
 
 from __future__ import annotations
 

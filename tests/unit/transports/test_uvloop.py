@@ -1,4 +1,4 @@
-"""uvloop's transports differ from asyncio's in when they begin to read and in what their errors say."""
+"""uvloop's transports begin to read at another time than asyncio's, and their errors have other texts."""
 
 from __future__ import annotations
 

@@ -34,7 +34,7 @@ RESPONSES = {
 
 
 def in_pieces(data: bytes) -> Iterable[list[bytes]]:
-    """Return the ways a stream may be cut that have caught readers out."""
+    """Return ways to cut a stream that have revealed faults of readers."""
     yield [data]
     yield [data[index : index + 1] for index in range(len(data))]
     yield [data[: len(data) // 2], data[len(data) // 2 :]]

@@ -1,4 +1,4 @@
-"""Documents that are large or have what is meant to cost much: read in short steps, or refused."""
+"""Large documents, and those that are expensive on purpose, are read in short steps or refused."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The XML-RPC codec, against the standard library's and against what ROS peers really send."""
+"""The XML-RPC codec, compared with the standard library's and with documents of real ROS peers."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the Master API takes for names, types and URIs."""
+"""The names, types and URIs that the Master API accepts."""
 
 from __future__ import annotations
 

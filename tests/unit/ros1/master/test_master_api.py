@@ -17,7 +17,7 @@ A, B = "http://a:1/", "http://b:2/"
 
 
 class RecordedCalls:
-    """Notes every call to a node."""
+    """Records every call to a node."""
 
     def __init__(self) -> None:
         self.calls: list[tuple[Any, ...]] = []

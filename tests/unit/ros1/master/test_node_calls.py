@@ -1,4 +1,4 @@
-"""Calls from the master to nodes: order, coalescing, patience, and who counts as gone."""
+"""Calls from the master to nodes: order, replaced updates, retries, and nodes that have ended."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from waiting import until
 
 
 class FakeNode:
-    """A node that notes what it hears; `gate` holds its answers back."""
+    """A node that records the calls; `gate` delays its answers."""
 
     def __init__(self) -> None:
         self.received: list[tuple[Any, ...]] = []

@@ -1,4 +1,4 @@
-"""The parameter tree and who hears of its changes."""
+"""The parameter tree, and the watchers that receive its changes."""
 
 from __future__ import annotations
 

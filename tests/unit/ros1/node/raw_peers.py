@@ -1,4 +1,4 @@
-"""Peers made of bare sockets: they say exactly what a test wants, right or wrong."""
+"""Peers with raw sockets: they send exactly the bytes of a test, correct or not."""
 
 from __future__ import annotations
 
@@ -61,14 +61,14 @@ class RawPeer:
         return ok, await self.reader.readexactly(length)
 
     async def is_hung_up(self) -> bool:
-        """Wait for the other side to hang up; False when it says something instead."""
+        """Wait until the other side disconnects; return False if it sends something instead."""
         try:
             return await asyncio.wait_for(self.reader.read(1), 60) == b""
         except ConnectionError:
             return True
 
     async def close(self) -> None:
-        """Hang up."""
+        """Disconnect."""
         self.writer.close()
         with contextlib.suppress(ConnectionError):
             await self.writer.wait_closed()

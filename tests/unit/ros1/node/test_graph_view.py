@@ -1,4 +1,4 @@
-"""The graph as a real master reports it, while the master is there and while it is not."""
+"""The graph as a real master reports it, while the master is running and while it is not."""
 
 from __future__ import annotations
 

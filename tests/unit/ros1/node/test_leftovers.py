@@ -1,4 +1,4 @@
-"""Registrations of nodes that ended without leaving."""
+"""Registrations of nodes that ended without unregistering."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A node and its master: joining, being replaced, a master that goes and comes back, and leaving."""
+"""A node and its master: joining, replacement, a restarted master, and leaving."""
 
 from __future__ import annotations
 

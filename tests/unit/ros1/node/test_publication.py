@@ -1,4 +1,4 @@
-"""A publication, heard through bare sockets."""
+"""A publication, tested with raw sockets."""
 
 from __future__ import annotations
 

@@ -27,7 +27,7 @@ from waiting import until
 
 
 class FakeServer:
-    """A provider of /switch whose side of each connection is `serve`."""
+    """A provider of /switch; `serve` is its side of each connection."""
 
     def __init__(self) -> None:
         self.connections = 0

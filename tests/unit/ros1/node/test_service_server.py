@@ -1,4 +1,4 @@
-"""A service, called through bare sockets."""
+"""A service, called with raw sockets."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The TCPROS port of a node against strangers."""
+"""The TCPROS port of a node, with peers that misbehave."""
 
 from __future__ import annotations
 
