@@ -68,7 +68,7 @@ def test_garbage_is_refused_or_read_but_nothing_else_happens(data: bytes) -> Non
         HeaderDecoder().feed(data)
     with contextlib.suppress(RemoteProtocolError):
         fields = decode_fields(data)
-        # A key that comes twice has its last value; the others come back.
+        # The last value of a repeated key counts; all others are equal.
         assert decode_fields(encode_header(fields)[4:]) == fields
 
 

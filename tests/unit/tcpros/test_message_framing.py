@@ -79,5 +79,5 @@ def test_the_oldest_messages_are_measured_whole() -> None:
     assert measure_oldest(wire, 1) == (6, 1)
     assert measure_oldest(wire, 6) == (6, 1)
     assert measure_oldest(wire, 7) == (14, 2)
-    # The newest one stays, whatever is asked for.
+    # The newest message stays, however large the excess is.
     assert measure_oldest(wire, 1000) == (18, 3)

@@ -88,7 +88,7 @@ async def test_a_board_is_known_by_its_certificate(tmp_path: Path) -> None:
             await board.wait_closed()
         boards: list[TcpTransport] = []
         try:
-            # With TLS 1.3 who connects learns only later that its certificate was refused.
+            # With TLS 1.3, a connector detects only later that its certificate was refused.
             tls = TlsFiles(foreign[0], foreign[1], cert)
             boards.append(await connect_tcp(TcpAddress("127.0.0.1", port, connect=True, tls=tls)))
         except TransportError:

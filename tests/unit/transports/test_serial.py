@@ -346,7 +346,7 @@ async def test_the_speed_of_an_open_port_is_changed(board: Board, monkeypatch: p
     assert transport.set_baud(115200)
     transport.close()
     await transport.wait_closed()
-    # To the kernel a pseudo-terminal takes any speed; only we know that it has none.
+    # The kernel accepts any speed for a pseudo-terminal, although it has none.
     monkeypatch.setattr(serial, "is_pseudo_terminal", lambda path: False)
     port = await open_serial(SerialAddress(board.path, 57600))
     assert port.has_baud

@@ -109,7 +109,7 @@ async def test_bytes_are_acknowledged_at_once_after_answers_too() -> None:
         assert host._wire is not None
         sock = host._wire.get_extra_info("socket")
         for turn in range(1, 6):
-            # Who answers soon after it has heard something is taken for a party of a conversation.
+            # The kernel treats a socket that answers soon as interactive.
             board.write(b"?")
             await host_seen.until_received(b"?" * turn)
             host.write(b"!")

@@ -19,7 +19,7 @@ async def test_only_nodes_that_have_ended_are_forgotten() -> None:
     node = await join_ros1("/alive", environment=environment)
     await node.advertise("/chat", STRING)
     await node.advertise_service("/switch", SET_BOOL, agreeing)
-    # A port that was free a moment ago: nobody answers there.
+    # A port that was just free: no program answers there.
     listener = await asyncio.start_server(lambda _, writer: writer.close(), "127.0.0.1", 0)
     uri = f"http://127.0.0.1:{listener.sockets[0].getsockname()[1]}/"
     killed = MasterClient(master.uri, "/killed")
@@ -29,7 +29,7 @@ async def test_only_nodes_that_have_ended_are_forgotten() -> None:
     leftovers = Leftovers(master.uri, "/relay")
     assert not await leftovers.forget_if_gone("/alive")
     assert not await leftovers.forget_if_gone("/unknown")
-    # One that answers with nonsense may only be slow to start; after three times it counts as gone.
+    # A node with an invalid answer may still be starting; after three of them it counts as gone.
     assert not await leftovers.forget_if_gone("/killed")
     assert "/killed" in (await node.snapshot()).nodes
     await close_servers([listener])

@@ -115,13 +115,13 @@ async def test_a_master_that_restarts_gets_everything_again(
     assert snapshot.topics["/chat"].subscribers == ("/listener",)
     assert snapshot.topics["/chat"].type == STRING.name
     assert await listener.call_service("/switch", SET_BOOL, b"on") == b"on"
-    # The new master knows no parameters, and tells of new ones.
+    # The new master has no parameters, and reports new ones.
     await talker.set_param("/rate", 2)
     await until(lambda: seen == [1, None, 2])
     publisher.publish_raw([b"afterwards"])
     await until(lambda: inbox.payloads == [b"meanwhile", b"afterwards"])
     assert subscriber.connections[0] is connection
-    # Told once by each node, however often it looked.
+    # Reported once by each node, however often it checked.
     assert caplog.text.count("waiting for it") <= 2
 
 

@@ -150,7 +150,7 @@ async def test_a_peer_that_hangs_gets_whole_messages_and_loses_the_oldest(per_ba
             received.append(number)
         assert len(received) == sent - stage.topic.dropped_count
         assert received == sorted(received)
-        # The newest of the queue's worth are all there.
+        # The newest messages that fit in the queue are all there.
         assert received[-20:] == list(range(sent - 20, sent))
         assert connection.dropped_count == stage.topic.dropped_count
         assert len(stage.reports) == 1

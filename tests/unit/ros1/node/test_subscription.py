@@ -147,7 +147,7 @@ async def test_a_type_that_differs_is_reported_once_and_not_tried_again() -> Non
         assert level is Level.WARN
         assert "cannot subscribe to /chat" in text
         assert "other/Type" in text
-        # Were it tried again, it would be before three rounds of somebody who breaks all the time.
+        # A retry would come before three rounds of a publisher that always fails.
         for count in range(1, 4):
             await until(lambda: len(right.peers) == count)  # noqa: B023 - awaited at once
             await right.peers[-1].close()
