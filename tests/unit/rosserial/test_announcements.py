@@ -81,7 +81,7 @@ def test_too_many_and_too_often_are_not_taken() -> None:
     assert known.handle_packet(ids.PUBLISHER, other.encode(), 0.0) == (None, [ControlFlood(ids.PUBLISHER, 1)])
 
 
-def test_a_negotiation_leaves_what_it_found() -> None:
+def test_a_negotiation_keeps_the_endpoints_that_it_found() -> None:
     known, table = announcements()
     known.handle_packet(ids.PUBLISHER, CHATTER.encode(), 0.0)
     assert known.withdraw_all_but({key_of(ids.PUBLISHER, CHATTER)}) == []
@@ -117,14 +117,14 @@ def test_memory_is_bounded() -> None:
     assert len(unknown._pauses) == MAX_IDS
 
 
-def test_what_came_once_may_be_noise() -> None:
+def test_one_refused_announcement_may_be_noise() -> None:
     refusals = Refusals()
     assert refusals.refuse(ids.PUBLISHER, WHEEL, "why") == []
     assert refusals.refuse(ids.PUBLISHER, replace(WHEEL, topic_name="left-whee-"), "why") == []
     assert not refusals.is_sender(125)
 
 
-def test_what_came_twice_is_reported_once() -> None:
+def test_a_repeated_refused_announcement_is_reported_once() -> None:
     refusals = Refusals()
     found = [refusals.refuse(ids.PUBLISHER, WHEEL, "why") for _ in range(5)]
     assert found == [[], REFUSED, [], [], []]
@@ -160,7 +160,7 @@ def test_an_incomplete_service_is_reported_once_with_the_missing_part() -> None:
     assert "client announces its request, but no response of" in event.reason
 
 
-def test_endless_inventions_fill_no_memory_and_are_not_reported_for_ever() -> None:
+def test_invented_names_do_not_fill_the_memory_and_are_reported_to_a_limit() -> None:
     refusals = Refusals()
     reported = 0
     for number in range(3 * MAX_REFUSALS):

@@ -66,7 +66,7 @@ def test_intervals_that_a_busy_line_has_spoilt_do_not_count() -> None:
     assert estimate.drift_ppm == pytest.approx(500, abs=50)
 
 
-def test_the_offset_is_what_the_clock_is_off_before_it_is_set_again() -> None:
+def test_the_offset_is_that_just_before_the_clock_is_set_again() -> None:
     estimate = ClockEstimate()
     run(estimate, ppm=4000)
     offset_s = estimate.offset_s(round_trip_s=0.002)
@@ -99,7 +99,7 @@ def test_simulated_time_reveals_nothing_about_the_board() -> None:
     assert estimate.drift_ppm is None
 
 
-def test_what_came_before_a_reset_is_forgotten() -> None:
+def test_stamps_before_a_reset_are_forgotten() -> None:
     estimate = ClockEstimate()
     estimate.answered(EPOCH_NS, 0.0)
     estimate.stamped(EPOCH_NS + 10**9, EPOCH_NS + 10**9, 1.0)
@@ -109,7 +109,7 @@ def test_what_came_before_a_reset_is_forgotten() -> None:
     assert estimate.offset_s() is None
 
 
-def test_without_answers_memory_stays_bounded() -> None:
+def test_memory_is_limited_without_answers() -> None:
     estimate = ClockEstimate()
     estimate.answered(EPOCH_NS, 0.0)
     for tenth in range(10, 10_000):

@@ -75,7 +75,7 @@ def test_a_device_without_endpoints() -> None:
     assert play(Completeness(), *[[]] * (1 + EMPTY_CONFIRMATIONS)) == [False, False, True]
 
 
-def test_what_was_complete_before_needs_no_confirmation() -> None:
+def test_a_known_complete_state_needs_no_confirmation() -> None:
     completeness = Completeness()
     play(completeness, [ONE, TWO], [ONE, TWO])
     completeness.accept(is_confirmed=True)
@@ -111,7 +111,7 @@ def test_nothing_continues_a_negotiation_that_has_begun_again() -> None:
     assert not completeness.is_continued_by(*TWO)
 
 
-def test_a_device_that_makes_up_ids_fills_no_memory() -> None:
+def test_invented_ids_do_not_fill_the_memory() -> None:
     completeness = Completeness()
     play(completeness, [publisher(100 + number) for number in range(MAX_ANNOUNCED + 9)])
     completeness.accept(is_confirmed=True)
@@ -146,7 +146,7 @@ def test_a_changed_announcement_is_news() -> None:
     ]
 
 
-def test_what_equal_rounds_do_not_repeat_is_removed() -> None:
+def test_endpoints_missing_in_equal_rounds_are_removed() -> None:
     completeness = Completeness()
     rounds = [[ONE, TWO, THREE], *[[ONE, TWO]] * EQUAL_ROUNDS]
     assert play(completeness, *rounds) == [False] * EQUAL_ROUNDS + [True]
@@ -154,7 +154,7 @@ def test_what_equal_rounds_do_not_repeat_is_removed() -> None:
     assert {key.topic_id for key in completeness.endpoints} == {125, 126}
 
 
-def test_what_rounds_of_a_lossy_line_do_not_repeat_is_kept() -> None:
+def test_endpoints_missing_in_rounds_of_a_lossy_line_are_kept() -> None:
     completeness = Completeness()
     rounds = [[ONE, TWO, THREE], [ONE, TWO], [ONE], [ONE, TWO]]
     assert play(completeness, *rounds) == [False, False, False, True]

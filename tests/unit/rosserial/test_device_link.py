@@ -98,7 +98,7 @@ def test_a_request_in_the_middle_of_a_session_is_answered_again() -> None:
     assert link.publish(publisher, [b""])
 
 
-def test_requests_that_come_together_are_answered_once() -> None:
+def test_requests_that_arrive_together_are_answered_once() -> None:
     link, _, _ = device()
     assert link.receive_data(REQUEST * 4, 100.0) == [TopicsRequested()]
 
@@ -130,7 +130,7 @@ def test_publishes_only_when_configured() -> None:
     assert link.data_to_send() == frame(publisher, b"\x01\0\0\0a") + frame(publisher, b"\0\0\0\0")
 
 
-def test_what_cannot_be_published() -> None:
+def test_messages_that_cannot_be_published() -> None:
     link, publisher, subscriber = configured(output_buffer_bytes=280)
     assert link.publish(publisher, [bytes(272)])
     with pytest.raises(
@@ -258,7 +258,7 @@ def test_a_host_that_reads_nothing_does_not_fill_the_memory() -> None:
     assert link.data_to_send()
 
 
-def test_logs_go_out_even_unconfigured_and_are_cut_to_the_buffer() -> None:
+def test_logs_are_sent_even_unconfigured_and_truncated_to_the_buffer() -> None:
     link, _, _ = device(output_buffer_bytes=150)
     link.log(LogLevel.ERROR, "motor stuck")
     link.log(LogLevel.INFO, "ä" * 200)
@@ -328,7 +328,7 @@ class TestDeclarations:
             ("x" * 300, STRING, STRING_MD5),
         ],
     )
-    def test_what_no_host_believes(self, name: str, message_type: str, md5sum: str) -> None:
+    def test_announcements_that_hosts_refuse(self, name: str, message_type: str, md5sum: str) -> None:
         with pytest.raises(LocalProtocolError, match="a host would reject"):
             DeviceLink().add_publisher(name, message_type, md5sum)
 

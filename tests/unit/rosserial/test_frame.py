@@ -51,6 +51,6 @@ def test_header_with_wrong_length_check_is_not_read() -> None:
     ("topic_id", "size", "version", "what"),
     [(-1, 0, 2, "topic id"), (65536, 0, 2, "topic id"), (1, 65536, 2, "65535"), (1, 0, 3, "version 3")],
 )
-def test_what_no_frame_can_hold(topic_id: int, size: int, version: int, what: str) -> None:
+def test_contents_that_no_frame_can_hold(topic_id: int, size: int, version: int, what: str) -> None:
     with pytest.raises(LocalProtocolError, match=what):
         encode_frame(topic_id, bytes(size), version)

@@ -112,7 +112,7 @@ def test_one_group_for_each_topic_of_a_chunk() -> None:
     assert decoded == [Frames(125, [b"alpha"] * 5), Frames(126, [b"beta"] * 5)]
 
 
-def test_what_cannot_become_a_frame_is_not_kept_waiting() -> None:
+def test_invalid_headers_are_rejected_immediately() -> None:
     decoder = FrameDecoder()
     assert decoder.feed(b"\xff", 0.0) == []
     assert decoder.feed(b"\x00", 0.0) == [FrameDiscarded(DiscardReason.VERSION, b"\xff\x00")]
@@ -156,7 +156,7 @@ def test_every_single_damaged_byte_is_caught() -> None:
 class TestUnfinishedFrames:
     CLAIM = frame(777, bytes(60000))[:20]
 
-    def test_noise_that_claims_much_delays_what_follows_only_briefly(self) -> None:
+    def test_noise_that_claims_a_large_length_delays_the_next_frames_only_briefly(self) -> None:
         decoder = FrameDecoder(limits=PayloadLimits({125: 100}))
         assert decoder.feed(self.CLAIM + A + A, 10.0) == []
         due_s = decoder.get_timer()

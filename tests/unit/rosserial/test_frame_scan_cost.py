@@ -112,7 +112,7 @@ def test_every_byte_is_reported_if_the_middle_is_not_searched() -> None:
     assert scan.false_starts < 400
 
 
-def test_headers_that_come_once_cost_no_layout(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_headers_that_occur_once_need_no_layout(monkeypatch: pytest.MonkeyPatch) -> None:
     made: list[str] = []
 
     def counted(layout: str) -> Struct:

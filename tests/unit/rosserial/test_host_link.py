@@ -61,7 +61,7 @@ class TestMessages:
             with pytest.raises(LocalProtocolError, match="has not announced a subscriber with"):
                 link.encode_message(topic_id, b"")
 
-    def test_messages_of_a_chunk_come_behind_its_announcements(self) -> None:
+    def test_messages_of_a_chunk_are_reported_after_its_announcements(self) -> None:
         link = HostLink()
         link.start(0.0)
         events = link.receive_data(frame(125, b"a") + BURST + frame(125, b"b"), 0.0)
@@ -143,7 +143,7 @@ class TestServices:
         assert topic_id == ids.TIME
         assert decode_time(payload) == Time(1700000000, 500_000_000)
 
-    def test_but_not_for_ever(self) -> None:
+    def test_held_frames_wait_for_a_limited_time(self) -> None:
         link, now_s = settled_link()
         link.service_call_started()
         link.answer_time(Time(1700000000, 0), now_s)

@@ -205,9 +205,7 @@ class TestNegotiation:
     @pytest.mark.parametrize(
         "wrong", [{"topic_name": "left-wheel"}, {"message_type": "String"}, {"buffer_size": -5}]
     )
-    def test_what_cannot_be_bridged_is_reported_once_and_not_asked_for_again(
-        self, wrong: dict[str, Any]
-    ) -> None:
+    def test_a_refused_topic_is_reported_once_and_not_requested_again(self, wrong: dict[str, Any]) -> None:
         bad = replace(CHATTER, topic_id=126, **wrong)
         burst = BURST + frame(ids.PUBLISHER, bad.encode())
         link, now_s, events = settle_on(burst)
@@ -228,7 +226,7 @@ class TestNegotiation:
         assert not only(events, AnnouncementRefused, TopicWithdrawn)
         assert can_send(link, 100)
 
-    def test_a_topic_that_is_renamed_to_what_cannot_be_bridged_is_withdrawn(self) -> None:
+    def test_a_topic_that_gets_an_invalid_name_is_withdrawn(self) -> None:
         link, now_s = settled_link()
         link.receive_data(frame(130, b""), now_s)
         burst = TIME + frame(ids.PUBLISHER, CHATTER.encode())

@@ -84,7 +84,7 @@ class TestResetAndSilence:
             now_s, _ = run_to_settled(link, now_s + pause_s, BURST)
             assert can_send(link, 100)
 
-    def test_an_answer_that_comes_twice_is_not_a_reset(self) -> None:
+    def test_a_repeated_answer_is_not_a_reset(self) -> None:
         link, now_s = settled_link()
         events = link.receive_data(BURST, now_s + 0.5)
         events += link.receive_data(TIME, now_s + 2.5)
@@ -178,7 +178,7 @@ class TestResetAndSilence:
         assert DeviceReset() in found
         assert link.is_settled
 
-    def test_without_answers_a_device_falls_silent_and_is_configured_again(self) -> None:
+    def test_a_device_without_answers_stops_sending_and_is_configured_again(self) -> None:
         device, publisher, _ = small_device()
         line = line_to(device, answers_time=False)
         line.run(11.5)

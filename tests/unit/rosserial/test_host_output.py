@@ -42,7 +42,7 @@ def test_a_time_answer_that_waits_is_replaced_by_the_next() -> None:
     assert one.pop_ready() == frame(ids.TIME, b"\x04\0\0\0\x00\x65\xcd\x1d")
 
 
-def test_a_reset_lets_go_what_a_dead_call_holds() -> None:
+def test_a_reset_releases_the_frames_that_a_call_held() -> None:
     one = output()
     one.call_started()
     one.queue_topic_request(2, 0.0, is_guess=False)

@@ -106,7 +106,7 @@ def test_a_healthy_board_is_asked_twice_at_the_start_and_once_later() -> None:
     assert negotiation.requests == 1
 
 
-def test_unanswered_requests_are_repeated_ever_more_slowly() -> None:
+def test_unanswered_requests_are_repeated_less_and_less_often() -> None:
     negotiation = Negotiation()
     negotiation.set_version(2, 0.0)
     negotiation.ask(0.0)

@@ -132,7 +132,7 @@ def test_silence_is_reported_once() -> None:
     assert presence.state is State.PRESENT
 
 
-def test_a_device_that_answers_every_probe_is_believed_ever_more_rarely() -> None:
+def test_resets_of_a_device_that_answers_every_probe_are_detected_less_and_less_often() -> None:
     presence = present()
     now_s, resets = 0.0, []
     while now_s < 300:

@@ -32,7 +32,7 @@ def test_each_request_has_one_answer() -> None:
     assert take_time(answers, 7.0) is TimeRequestMeaning.ALONE
 
 
-def test_a_request_is_lost_when_nothing_comes_for_long() -> None:
+def test_a_request_without_an_answer_for_long_is_lost() -> None:
     answers = asked(3)
     assert take_time(answers, LATE_ANSWER_S + 0.1) is TimeRequestMeaning.ALONE
 

@@ -194,7 +194,7 @@ WRONG: list[tuple[str, dict[str, Any], str, str]] = [
 
 @pytest.mark.parametrize("form", ["mapping", "message"])
 @pytest.mark.parametrize(("name", "value", "field", "wants"), WRONG)
-def test_what_does_not_fit_is_named(
+def test_a_value_that_does_not_fit_is_named(
     name: str, value: dict[str, Any], field: str, wants: str, form: str
 ) -> None:
     codec = STORE.codec(name)

@@ -52,7 +52,7 @@ def test_now_and_auto() -> None:
     assert parse_values(times, "{at: [now, 5]}", now=lambda: NOW).at == [NOW, Time(0, 5)]
 
 
-def test_now_is_asked_again_for_every_message() -> None:
+def test_now_reads_the_clock_for_every_message() -> None:
     clock = iter([Time(1), Time(2)])
     codec, values = STORE.codec("std_msgs/Time"), load_arguments(["now"])
     filled = [fill_message(codec, values, now=lambda: next(clock)).data for _ in range(2)]

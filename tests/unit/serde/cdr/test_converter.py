@@ -98,7 +98,7 @@ def test_padding_after_cdr_is_not_part_of_it(name: str) -> None:
     assert pair(ros1, ros2).from_cdr(HEAD + cdr + bytes(3)) == payload
 
 
-def test_what_one_side_lacks() -> None:
+def test_fields_of_one_side() -> None:
     converter = pair("uint8 a\nuint16 gone\nstring lost", "uint8 a")
     assert own_fields(converter)[0] == ("gone", "lost")
     assert converter.to_cdr(b"\7\1\1" + text(b"abc")) == HEAD + b"\7"
@@ -240,7 +240,7 @@ def test_types_that_double_at_each_level_stay_small() -> None:
     assert converter.from_cdr(converter.to_cdr(u32(1) + bytes(12))) == u32(1) + bytes(12)
 
 
-def test_what_python_cannot_compile_is_reported(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_type_that_python_cannot_compile_is_reported(monkeypatch: pytest.MonkeyPatch) -> None:
     def gives_up(*_: object) -> None:
         raise RecursionError("maximum recursion depth exceeded during compilation")
 

@@ -155,7 +155,7 @@ def test_log_severities_between_two() -> None:
         ("int32 speed", "int32 velocity", "only ROS 1 has 'speed' and only ROS 2 has 'velocity'"),
     ],
 )
-def test_what_does_not_fit(ros1: str, ros2: str, reason: str) -> None:
+def test_types_that_do_not_fit(ros1: str, ros2: str, reason: str) -> None:
     with pytest.raises(TypeMismatchError) as caught:
         Pairs({"M": ros1}, {"M": ros2, "N": "int32 x"}).converter()
     assert reason in str(caught.value)
@@ -163,7 +163,7 @@ def test_what_does_not_fit(ros1: str, ros2: str, reason: str) -> None:
     assert "\n" not in str(caught.value)
 
 
-def test_what_does_not_fit_is_reported_with_its_path() -> None:
+def test_a_value_that_does_not_fit_is_reported_with_its_path() -> None:
     pairs = Pairs({"M": "N[] parts", "N": "int32 speed"}, {"M": "N[] parts", "N": "int32 velocity"})
     with pytest.raises(TypeMismatchError, match=r"in 'parts\[\]'"):
         pairs.converter()
