@@ -53,13 +53,13 @@ def test_recording_lasts_until_the_launch_ends(graph: LiveGraph, tmp_path: Path)
         graph.wait_until(lambda: (chat.subscriber_count, new.subscriber_count) == (2, 2))
         assert {"/arm/keeper", "/all"} <= set(graph.do(node.snapshot()).nodes)
 
-        async def say() -> None:
+        async def publish() -> None:
             chat.publish_raw([text("hello")])
             new.publish_raw([text("new")])
             await chat.drained(60)
             await new.drained(60)
 
-        graph.do(say())
+        graph.do(publish())
         graph.wait_until(lambda: all(_message_count(each) == 2 for each in tmp_path.glob("*.active")))
         process.send_signal(signal.SIGINT)
         output, _ = process.communicate(timeout=LIMIT_S)

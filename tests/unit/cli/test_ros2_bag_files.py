@@ -122,8 +122,8 @@ def test_a_bag_without_its_summary_is_mended(bag: Path, tmp_path: Path, shell: S
 
 
 def test_types_that_only_a_recording_knows_are_played_unchanged(tmp_path: Path) -> None:
-    written = foreign_bag(tmp_path / "theirs", StoragePlugin.MCAP)
-    reader = open_recording(tmp_path / "theirs", is_native=True)
+    written = foreign_bag(tmp_path / "foreign", StoragePlugin.MCAP)
+    reader = open_recording(tmp_path / "foreign", is_native=True)
     types = recording_types(each.origin for each in reader.counts if each.origin is not None)
     for topic, _, payload in reader.messages():
         support = types.message(topic.type)
@@ -143,7 +143,7 @@ def test_a_killed_recording_has_the_messages_before_its_end(
     words = ("bag", "record", "--format", "ros2", "--storage", storage, "-O", str(folder), "/chat")
     with running(*words, ROS_MASTER_URI=graph.uri) as process:
         graph.wait_until(lambda: publisher.subscriber_count == 1)
-        graph.do(_say(publisher, 20))
+        graph.do(_publish_numbers(publisher, 20))
         graph.wait_until(lambda: _count(folder) == 20)
         process.kill()
         process.wait()
@@ -172,7 +172,7 @@ async def _publish(publisher: Publisher, payloads: list[bytes]) -> None:
     publisher.publish_raw(payloads)
 
 
-async def _say(publisher: Publisher, count: int) -> None:
+async def _publish_numbers(publisher: Publisher, count: int) -> None:
     publisher.publish_raw([text(str(number)) for number in range(count)])
 
 

@@ -21,8 +21,8 @@ pytestmark = [
 KEY = ("-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:prime256v1", "-nodes")
 AUTHORITY = """
 [ca]
-default_ca = ours
-[ours]
+default_ca = trusted
+[trusted]
 database = issued
 new_certs_dir = .
 default_md = sha256
@@ -31,7 +31,7 @@ policy = names
 [names]
 commonName = supplied
 """
-OURS: dict[str, object] = {"root_ca_certificate": "ours.pem"}
+TRUSTED: dict[str, object] = {"root_ca_certificate": "trusted.pem"}
 
 
 def run(folder: Path, *arguments: str) -> None:
@@ -72,17 +72,17 @@ def certify(folder: Path, name: str, authority: str, *, host: str = "localhost",
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("certificates")
-    for authority in ("ours", "others"):
+    for authority in ("trusted", "others"):
         subject = ("-subj", f"/CN={authority}")
         run(
             folder,
             *("req", "-x509", *KEY, "-days", "1", *subject),
             *("-keyout", f"{authority}.key", "-out", f"{authority}.pem"),
         )
-    for name, authority in (("robot", "ours"), ("laptop", "ours"), ("stranger", "others")):
+    for name, authority in (("robot", "trusted"), ("laptop", "trusted"), ("stranger", "others")):
         certify(folder, name, authority)
-    certify(folder, "elsewhere", "ours", host="elsewhere")
-    certify(folder, "expired", "ours", until="20200201000000Z")
+    certify(folder, "elsewhere", "trusted", host="elsewhere")
+    certify(folder, "expired", "trusted", until="20200201000000Z")
     return folder
 
 
@@ -109,9 +109,9 @@ def configured(folder: Path, name: str, tls: dict[str, object], **endpoints: lis
     return {"ZENOH_ROUTER_CONFIG_URI": str(path), "ZENOH_CONFIG_OVERRIDE": ""}
 
 
-def ours(name: str) -> dict[str, object]:
+def trusted(name: str) -> dict[str, object]:
     return {
-        **OURS,
+        **TRUSTED,
         "enable_mtls": True,
         "connect_certificate": f"{name}.pem",
         "connect_private_key": f"{name}.key",
@@ -121,14 +121,14 @@ def ours(name: str) -> dict[str, object]:
 @pytest.mark.parametrize(
     ("tls", "here", "there", "robot_certificate"),
     [
-        (ours("laptop"), "", "", "robot"),
+        (trusted("laptop"), "", "", "robot"),
         (
-            ours("stranger"),
+            trusted("stranger"),
             "it refuses the client certificate",
             "its certificate is not from the configured authority",
             "robot",
         ),
-        (OURS, "it asks for a certificate", "it has no certificate", "robot"),
+        (TRUSTED, "it asks for a certificate", "it has no certificate", "robot"),
         (
             {"root_ca_certificate": "others.pem"},
             "others.pem is not its authority",
@@ -137,21 +137,26 @@ def ours(name: str) -> dict[str, object]:
         ),
         ({}, "no authority is given", "it does not know the authority", "robot"),
         (
-            ours("laptop") | {"connect_private_key": "stranger.key"},
+            trusted("laptop") | {"connect_private_key": "stranger.key"},
             "stranger.key is not the key of the certificate",
             "",
             "robot",
         ),
-        (OURS | {"root_ca_certificate": "none.pem"}, "none.pem cannot be read (No such file", "", "robot"),
-        (ours("expired"), "refuses the client certificate", "its certificate has expired (invalid", "robot"),
+        (TRUSTED | {"root_ca_certificate": "none.pem"}, "none.pem cannot be read (No such file", "", "robot"),
         (
-            ours("laptop"),
+            trusted("expired"),
+            "refuses the client certificate",
+            "its certificate has expired (invalid",
+            "robot",
+        ),
+        (
+            trusted("laptop"),
             "(certificate has expired); renew it, or set the clock",
             "this machine's certificate has expired (received fatal alert: CertificateExpired); renew it",
             "expired",
         ),
         (
-            ours("laptop"),
+            trusted("laptop"),
             "its certificate is for another machine (Hostname mismatch",
             "it does not accept this machine's certificate (received fatal alert: BadCertificate); check",
             "elsewhere",
@@ -163,7 +168,7 @@ async def test_both_sides_report_the_reason(
 ) -> None:
     port, tcp_port = free_port(), free_port()
     robot = {
-        **OURS,
+        **TRUSTED,
         "enable_mtls": True,
         "listen_certificate": f"{robot_certificate}.pem",
         "listen_private_key": f"{robot_certificate}.key",
@@ -205,13 +210,13 @@ async def test_both_sides_report_the_reason(
 
 async def test_the_wrong_protocol(folder: Path) -> None:
     port, tcp_port = free_port(), free_port()
-    robot = {**OURS, "listen_certificate": "robot.pem", "listen_private_key": "robot.key"}
+    robot = {**TRUSTED, "listen_certificate": "robot.pem", "listen_private_key": "robot.key"}
     listening = [f"tcp/localhost:{tcp_port}", f"tls/localhost:{port}"]
     router = await start_command(
         "core", "--ros2", "zenoh", environment=configured(folder, "both", robot, listen=listening)
     )
     connecting = [f"tcp/localhost:{port}", f"tls/localhost:{tcp_port}"]
-    variables = configured(folder, "wrong", OURS, listen=[], connect=connecting)
+    variables = configured(folder, "wrong", TRUSTED, listen=[], connect=connecting)
     try:
         await router.wait_for("Press Ctrl-C")
         doctor = await start_command("doctor", "--ros2", "zenoh", environment=variables)
@@ -267,7 +272,7 @@ async def test_an_endpoint_that_does_not_answer(folder: Path) -> None:
     port = free_port()
     places = {"listen": [f"tcp/localhost:{free_port()}"], "connect": [f"tls/localhost:{port}"]}
     other = await start_command(
-        "core", "--ros2", "zenoh", environment=configured(folder, "dead", OURS, **places)
+        "core", "--ros2", "zenoh", environment=configured(folder, "dead", TRUSTED, **places)
     )
     try:
         await other.wait_for(f"no zenoh router answers at tls/localhost:{port} yet")

@@ -65,7 +65,7 @@ def complete_services(ctx: click.Context, _param: click.Parameter, incomplete: s
 
 def complete_params(ctx: click.Context, _param: click.Parameter, incomplete: str) -> list[str]:
     """Return the parameters that begin with the typed text."""
-    # On ROS 2, commands take the name of the node first.
+    # On ROS 2, the first argument of the commands is a node.
     return _complete(ctx, lambda client: client.param_names(), _nodes, incomplete)
 
 

@@ -204,7 +204,7 @@ def graph_options(
         master: Whether to add --master.
         ros: Whether to add --ros1 and --ros2; without them the graph is ROS 1.
         allow: Whether to add --allow.
-        zenoh: Whether to add --zenoh-connect and --zenoh-listen; such a command can use both graphs at once.
+        zenoh: Whether to add --zenoh-connect and --zenoh-listen; the command can then use both graphs.
     """
     options: list[Callable[[Any], Any]] = []
     takes_both = served or zenoh

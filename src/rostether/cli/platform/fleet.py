@@ -28,7 +28,7 @@ _VERBS = verb_entries(
         "status": ("fleet:status", "Show loss, signal and sender of robots."),
         "doctor": ("fleet_doctor:doctor", "Find out why robots do not obey."),
         "drive": ("fleet:drive", "Drive robots in a direction."),
-        "stop": ("fleet:stop", "Stop robots, whichever sender drives them."),
+        "stop": ("fleet:stop", "Stop robots, even those of other senders."),
     },
 )
 _robot = click.argument("robot", type=click.IntRange(1, MAX_ROBOT), required=False, metavar="[ROBOT]")

@@ -40,7 +40,7 @@ _DASHBOARD = "http://127.0.0.1:8765"
 
 @dataclass(frozen=True, slots=True)
 class Answers:
-    """What the user says about this machine; the command asks for what is missing."""
+    """The description of this machine; the command asks the user for missing parts."""
 
     machine: str | None = option(
         "--machine", "Set up a base station, a robot, or both.", type=click.Choice(_KINDS)

@@ -26,7 +26,7 @@ class EchoPrinter(ABC):
         self.shown_count = 0
         self._topic = topic
         self._filter = options.compiled_filter()
-        self._problem = ""
+        self._reported_problem = ""
 
     @property
     def is_done(self) -> bool:
@@ -41,9 +41,9 @@ class EchoPrinter(ABC):
         try:
             value = message if path is None else path.read(message)
         except SerializationError as error:
-            if str(error) != self._problem:
-                self._problem = str(error)
-                warn(self._problem)
+            if str(error) != self._reported_problem:
+                self._reported_problem = str(error)
+                warn(self._reported_problem)
             return
         self.shown_count += 1
         if self.options.clear and not (self.options.as_json or self.options.plot or self.options.csv):

@@ -90,19 +90,19 @@ async def test_json_continues(tmp_path: Path) -> None:
 
 async def test_live_in_a_terminal(tmp_path: Path) -> None:
     async with asyncio.timeout(60), bridged(tmp_path) as environ:
-        ours, theirs = pty.openpty()
+        controller, terminal = pty.openpty()
         process = await asyncio.create_subprocess_exec(
             sys.executable,
             "-m",
             "rostether",
             "monitor",
             env={**os.environ, "TERM": "xterm", "COLUMNS": "80", "LINES": "24", **environ},
-            stdin=theirs,
-            stdout=theirs,
+            stdin=terminal,
+            stdout=terminal,
             stderr=subprocess.STDOUT,
         )
-        os.close(theirs)
-        os.set_blocking(ours, False)
+        os.close(terminal)
+        os.set_blocking(controller, False)
         seen = ""
         try:
             # Two pictures: the table stays, its figures change.
@@ -110,7 +110,7 @@ async def test_live_in_a_terminal(tmp_path: Path) -> None:
                 assert process.returncode is None, seen
                 await asyncio.sleep(0.05)
                 try:
-                    seen += os.read(ours, 65536).decode()
+                    seen += os.read(controller, 65536).decode()
                 except BlockingIOError:
                     continue
             assert "1 board on http://" in seen
@@ -119,7 +119,7 @@ async def test_live_in_a_terminal(tmp_path: Path) -> None:
             while process.returncode is None:
                 await asyncio.sleep(0.05)
                 try:
-                    seen += os.read(ours, 65536).decode()
+                    seen += os.read(controller, 65536).decode()
                 except OSError:
                     continue
             assert process.returncode == 130
@@ -128,7 +128,7 @@ async def test_live_in_a_terminal(tmp_path: Path) -> None:
             if process.returncode is None:
                 process.kill()
                 await process.wait()
-            os.close(ours)
+            os.close(controller)
 
 
 def test_no_board_to_monitor(shell: Shell, graph: LiveGraph) -> None:

@@ -48,10 +48,10 @@ def bag(tmp_path: Path) -> Path:
 )
 @pytest.mark.ros1
 def test_messages_are_printed_as_rostopic_does(shell: Shell, bag: Path, arguments: list[str]) -> None:
-    theirs = subprocess.run(
+    expected = subprocess.run(
         ["/usr/bin/rostopic", "echo", "-b", str(bag), *arguments], capture_output=True, text=True, check=True
     )
-    assert shell.output("topic", "echo", "-b", str(bag), *arguments) == theirs.stdout
+    assert shell.output("topic", "echo", "-b", str(bag), *arguments) == expected.stdout
 
 
 def test_a_filter(shell: Shell, bag: Path) -> None:
