@@ -58,7 +58,7 @@ class ClientTopics:
             publication = await self._advertise(topic, message_type, latch=request.flag("latch"))
         message = request.fields.get("msg", {})
         payload = await self._context.forms.payload(publication.type.name, message, request)
-        await publication.publish([payload])
+        await publication.publish(payload)
 
     async def subscribe(self, request: Request) -> None:
         """Subscribe to a topic, which need not exist yet."""
@@ -115,13 +115,13 @@ class ClientTopics:
         graph = self._context.graph
         await self._check_type(topic, message_type)
         try:
-            publication = await ClientPublication.open(graph, topic, message_type, latch=latch)
+            publisher = await graph.advertise(topic, message_type, latch=latch)
         except TypeMismatchError:
             # A reloaded page may choose another type.
             if not await self._context.end_lingering(graph.resolve(topic)):
                 raise
-            publication = await ClientPublication.open(graph, topic, message_type, latch=latch)
-        self._publications[topic] = publication
+            publisher = await graph.advertise(topic, message_type, latch=latch)
+        publication = self._publications[topic] = ClientPublication(graph, publisher, is_latching=latch)
         return publication
 
     async def _type_of(self, topic: str) -> MessageType:
