@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Runs each word of a flash full of random words twice from the same random state, by the runner's own instructions and by
- * the simulator's, and compares all that an instruction can change. Prints how many of each kind were compared.
+ * Runs each word of a flash with random words twice from the same random state: with the runner's instructions and with
+ * the simulator's. Compares everything that an instruction can change, and prints the number of each kind.
  */
 #include <stdio.h>
 #include <stdlib.h>
@@ -55,7 +55,7 @@ static void put_word(uint32_t place, uint32_t value) {
     board.avr->data[place + 1] = (uint8_t)(value >> 8);
 }
 
-/* Pointers mostly into RAM, now and then at its edges or anywhere. */
+/* Returns a pointer, mostly into RAM, sometimes to its edges or to any address. */
 static uint32_t pick_pointer(void) {
     uint32_t first = board.avr->ioend + 1u, end = board.avr->ramend + 1u;
     switch (pick(16)) {
@@ -78,7 +78,7 @@ static void randomise(uint32_t pc) {
     for (int i = 26; i < 32; i += 2) put_word((uint32_t)i, pick_pointer());
     uint32_t stack = pick_pointer(), target = pick((avr->flashend + 1) / 2);
     put_word(R_SPL, stack);
-    /* Something to return to. */
+    /* An address to return to. */
     for (int i = avr->address_size; pick(8) && i > 0; i--, target >>= 8) avr->data[stack + (uint32_t)i] = (uint8_t)target;
     if (!pick(2)) put_word(30, pick((avr->flashend + 1) / 2));
     for (int i = 0; i < 8; i++) avr->sreg[i] = (uint8_t)pick(2);
@@ -87,7 +87,7 @@ static void randomise(uint32_t pc) {
     avr->interrupt_state = pick(2) ? 0 : 1;
 }
 
-/* Few of all opcodes, but common in programs. */
+/* These are few of all opcodes, but common in programs. */
 static const uint16_t rare[][2] = {
     {0x9508, 0x0000}, {0x9409, 0x0000}, {0x9509, 0x0000}, {0x940c, 0x0001}, {0x940e, 0x0001}, {0x9000, 0x01f0},
     {0x9200, 0x01f0}, {0x900f, 0x01f0}, {0x920f, 0x01f0}, {0x9004, 0x01f1}, {0x95c8, 0x0000}, {0x9408, 0x00f0},
@@ -114,34 +114,35 @@ static void fill_flash(void) {
 }
 
 /*
- * libsimavr 1.6 takes ADIW and SBIW with certain operands for instructions of two words when it skips them. The chip, and
- * we, do not.
+ * When libsimavr 1.6 skips ADIW and SBIW with certain operands, it treats them as instructions of two words. The chip and
+ * the runner do not.
  */
-static bool is_their_error(uint32_t pc) {
+static bool is_simulator_error(uint32_t pc) {
     const uint8_t *next = board.avr->flash + pc + 2;
     return (next[1] & 0xfe) == 0x96 && (next[0] & 0x0c) == 0x0c;
 }
 
-static bool same(const struct state *ours, const struct state *theirs) {
-    return memcmp(ours->data, theirs->data, board.avr->ramend + 1u) == 0 && memcmp(ours->flags, theirs->flags, 8) == 0 &&
-           ours->pc == theirs->pc && ours->cycle == theirs->cycle && ours->interrupt_state == theirs->interrupt_state;
+static bool same(const struct state *runner, const struct state *simavr) {
+    return memcmp(runner->data, simavr->data, board.avr->ramend + 1u) == 0 &&
+           memcmp(runner->flags, simavr->flags, 8) == 0 && runner->pc == simavr->pc &&
+           runner->cycle == simavr->cycle && runner->interrupt_state == simavr->interrupt_state;
 }
 
-static void explain(const char *name, const struct state *before, const struct state *ours, const struct state *theirs) {
+static void explain(const char *name, const struct state *before, const struct state *runner, const struct state *simavr) {
     const uint8_t *code = board.avr->flash + before->pc;
-    printf("%s %02x%02x: pc %x, ours %x, theirs %x; cycles %d, %d; interrupts %d, %d; flags", name, code[1], code[0],
-           before->pc, ours->pc, theirs->pc, (int)(ours->cycle - before->cycle), (int)(theirs->cycle - before->cycle),
-           ours->interrupt_state, theirs->interrupt_state);
-    for (int i = 0; i < 8; i++) printf(" %d/%d", ours->flags[i], theirs->flags[i]);
+    printf("%s %02x%02x: pc %x, runner %x, simavr %x; cycles %d, %d; interrupts %d, %d; flags", name, code[1], code[0],
+           before->pc, runner->pc, simavr->pc, (int)(runner->cycle - before->cycle), (int)(simavr->cycle - before->cycle),
+           runner->interrupt_state, simavr->interrupt_state);
+    for (int i = 0; i < 8; i++) printf(" %d/%d", runner->flags[i], simavr->flags[i]);
     for (int i = 0; i <= board.avr->ramend; i++)
-        if (ours->data[i] != theirs->data[i]) printf("; %x: %02x/%02x", (unsigned)i, ours->data[i], theirs->data[i]);
+        if (runner->data[i] != simavr->data[i]) printf("; %x: %02x/%02x", (unsigned)i, runner->data[i], simavr->data[i]);
     printf("\n");
 }
 
 int main(int count, char **arguments) {
     static const char *const names[] = {OPERATIONS(AS_NAME)};
     static unsigned long compared[sizeof names / sizeof *names];
-    static struct state before, ours, theirs;
+    static struct state before, runner, simavr;
     int wrong = 0;
     if (count != 3) return 2;
     avr_t *avr = board.avr = avr_make_mcu_by_name(arguments[1]);
@@ -155,19 +156,19 @@ int main(int count, char **arguments) {
             randomise(pc);
             save(&before);
             bool done = instructions_run(avr->cycle + 1);
-            save(&ours);
+            save(&runner);
             if (!done) {
-                if (!same(&before, &ours)) wrong++, explain("changed by one left alone", &before, &ours, &before);
+                if (!same(&before, &runner)) wrong++, explain("changed by one left alone", &before, &runner, &before);
                 continue;
             }
             restore(&before);
             avr->run_cycle_count = 0;
             avr->state = cpu_Running;
             avr->pc = avr_run_one(avr);
-            save(&theirs);
+            save(&simavr);
             unsigned kind = operations[pc >> 1].kind;
             compared[kind]++;
-            if (!same(&ours, &theirs) && !is_their_error(pc)) wrong++, explain(names[kind], &before, &ours, &theirs);
+            if (!same(&runner, &simavr) && !is_simulator_error(pc)) wrong++, explain(names[kind], &before, &runner, &simavr);
         }
     }
     for (size_t i = 1; i < sizeof names / sizeof *names; i++) printf("compared %s %lu\n", names[i], compared[i]);

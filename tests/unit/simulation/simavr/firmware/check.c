@@ -1,4 +1,4 @@
-/* Receives bytes that count up, by interrupt or polling, and sends others; keeps account of what was wrong. */
+/* Receives bytes that count up, by interrupt or polling, and sends others; counts the errors. */
 #include "usart.h"
 
 volatile uint16_t received, wrong, overruns;

@@ -1,4 +1,4 @@
-/* Looks at its UART once in 20 ms, then takes all that is there and sends it back. */
+/* Checks its UART every 20 ms, and then sends all received bytes back. */
 #include <util/delay.h>
 
 #include "usart.h"

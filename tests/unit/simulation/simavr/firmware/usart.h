@@ -1,4 +1,4 @@
-/* The board's own UART, polled: USART0, and USART1 on a chip that has no other. BAUD is the bit rate. */
+/* The board's UART, by polling: USART0, or USART1 on a chip without it. BAUD is the bit rate. */
 #ifndef USART_H
 #define USART_H
 

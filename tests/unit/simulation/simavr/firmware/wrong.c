@@ -1,4 +1,4 @@
-/* Goes wrong in the way that the byte it receives asks for; keeps alive what it was, in memory no start clears. */
+/* The received byte chooses a fault. The starts are counted in memory that no start clears. */
 #include <stdlib.h>
 
 #include <avr/sleep.h>
