@@ -5,7 +5,7 @@
     NAME/include/NAME/   with the dependency roscpp
     NAME/src/            with the dependency roscpp or rospy
 
-The dependencies decide which build lines are active. Those for messages and services are comments.
+The dependencies determine which build lines are active. The lines for messages and services are comments.
 """
 
 from __future__ import annotations
