@@ -42,23 +42,20 @@ class CommandChannel:
         self._unicast = [(GroupAddress(host, address.port).checked().group, address.port) for host in unicast]
         self._report = report
         self._reports_refusals = reports_refusals
-        self._refused: dict[int, Refusal] = {}
+        # The robots that refuse this sender, with the reasons.
+        self.refused: dict[int, Refusal] = {}
         self._duplicates: set[int] = set()
         self.table = RobotTable(key)
         # Statuses must answer this epoch.
         self.epoch_us = 0
         self._last_epoch_us = 0
 
-    def send(self, datagram: bytes) -> bool:
-        """Send to the group, and to the robots that need unicast; return False if no interface could send."""
+    def send(self, datagram: bytes) -> None:
+        """Send to the group, and to the robots that need unicast."""
         # Unicast first: it arrives even while multicast is delayed by a sleeping station.
         for address in (*self._unicast, *self.table.unicast_addresses(time.monotonic())[:MAX_UNICAST]):
             self._sender.send_to(datagram, address)
-        return self._sender.send(datagram)
-
-    def refusals(self) -> dict[int, Refusal]:
-        """Return the robots that refuse this sender, with the reasons."""
-        return dict(self._refused)
+        self._sender.send(datagram)
 
     @property
     def is_overtaken(self) -> bool:
@@ -71,7 +68,7 @@ class CommandChannel:
         If the clock of an earlier sender was ahead, robots would otherwise refuse this sender and its stops.
         """
         self.epoch_us = max(time.time_ns() // 1000, self._last_epoch_us + 1)
-        self._refused.clear()
+        self.refused.clear()
         return CommandSender(settings, self.epoch_us)
 
     def close(self) -> None:
@@ -86,9 +83,9 @@ class CommandChannel:
         if status.last_epoch_us <= _LAST_EPOCH_US:
             self._last_epoch_us = max(self._last_epoch_us, status.last_epoch_us)
         if status.refusal is Refusal.NONE:
-            self._refused.pop(status.robot_id, None)
-        elif self._refused.get(status.robot_id) is not status.refusal:
-            self._refused[status.robot_id] = status.refusal
+            self.refused.pop(status.robot_id, None)
+        elif self.refused.get(status.robot_id) is not status.refusal:
+            self.refused[status.robot_id] = status.refusal
             if self._reports_refusals:
                 self._report(Level.WARN, refusal_text(status))
         if len(self.table.robots) == robot_count:

@@ -169,7 +169,7 @@ class _FramedBridge:
                 self._silent_at_s = now_s + self._timeout_s
             elif self._silent_at_s is not None and now_s >= self._silent_at_s:
                 datagrams, self._silent_at_s = self._commands.halt(now_s), None
-                if Refusal.OLDER in self._channel.refusals().values():
+                if Refusal.OLDER in self._channel.refused.values():
                     # Another program has stopped the robots; the next message may command them again.
                     self._commands = self._channel.start_sender(self._settings)
             elif self._commands.due_s is not None and now_s >= self._commands.due_s:
