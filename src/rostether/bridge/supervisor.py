@@ -158,16 +158,18 @@ class Supervisor:
                 self._run(keeper.run())
 
     def discover(
-        self, known: KnownBoards, *, ports: MachinePorts = THIS_MACHINE, taken: Sequence[Address] = ()
+        self, known: KnownBoards, *, ports: MachinePorts = THIS_MACHINE, excluded: Sequence[Address] = ()
     ) -> None:
-        """Serve the boards on this machine's serial ports as they appear, except the ports `taken`."""
+        """Serve the boards on this machine's serial ports as they appear, except the ports `excluded`."""
         discovery = Discovery(
             devices=self._devices,
             known=known,
             serve=self._serve,
             spawn=self._run,
             reporter=self._reporter,
-            taken=[address.path for address in taken if isinstance(address, SerialAddress | XbeeAddress)],
+            excluded=[
+                address.path for address in excluded if isinstance(address, SerialAddress | XbeeAddress)
+            ],
             ports=ports,
         )
         self._run(discovery.run())

@@ -164,9 +164,9 @@ class _Body:
 
     def run(self) -> tuple[str, list[str]]:
         """Return the format and variables of the run, and clear it."""
-        taken = "".join(self._codes), self._variables
+        run = "".join(self._codes), self._variables
         self._codes, self._variables = [], []
-        return taken
+        return run
 
     def position(self) -> str:
         """Read the run, and return the position of the next byte."""

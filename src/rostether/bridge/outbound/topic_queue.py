@@ -48,18 +48,18 @@ class TopicQueue:
         """Remove and return the oldest messages that fill the room, at least one."""
         payloads = self.payloads
         if self.queued_bytes <= room_bytes:
-            taken = list(payloads)
+            popped = list(payloads)
             payloads.clear()
             self.queued_bytes = 0
-            return taken
-        taken = []
+            return popped
+        popped = []
         while room_bytes > 0 and payloads:
             payload = payloads.popleft()
             size = len(payload) + FRAME_OVERHEAD_BYTES
             self.queued_bytes -= size
             room_bytes -= size
-            taken.append(payload)
-        return taken
+            popped.append(payload)
+        return popped
 
     def drop_oldest(self, limit_bytes: int) -> int:
         """Drop whole messages until the queue fits, but never the newest. Return how many."""

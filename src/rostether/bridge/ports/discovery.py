@@ -25,7 +25,7 @@ MAX_OFFERS = 256
 class Discovery:
     """The search for boards on this machine's serial ports.
 
-    `taken` are paths that are already served. `run` never ends by itself; `spawn` creates its tasks.
+    `excluded` are paths that are already served. `run` never ends by itself; `spawn` creates its tasks.
     """
 
     def __init__(
@@ -36,7 +36,7 @@ class Discovery:
         serve: ServeLink,
         spawn: Callable[[Awaitable[object]], asyncio.Task[None]],
         reporter: Reporter,
-        taken: Sequence[str] = (),
+        excluded: Sequence[str] = (),
         ports: MachinePorts = THIS_MACHINE,
     ) -> None:
         self._devices = devices
@@ -44,7 +44,7 @@ class Discovery:
         self._serve = serve
         self._spawn = spawn
         self._reporter = reporter
-        self._taken = tuple(taken)
+        self._excluded = tuple(excluded)
         self._ports = ports
         marked = [device.match.port for device in devices.devices if device.match is not None]
         entries = (*devices.discovery.probe, *(port for port in marked if port is not None))
@@ -77,9 +77,9 @@ class Discovery:
             if has_left or task.done() or (path in present and not is_here):
                 task.cancel()
                 del self._kept[path]
-        taken = {os.path.realpath(path) for path in self._taken}
+        excluded = {os.path.realpath(path) for path in self._excluded}
         for port in ports:
-            if port.path not in self._kept and os.path.realpath(port.path) not in taken:
+            if port.path not in self._kept and os.path.realpath(port.path) not in excluded:
                 self._consider(port)
 
     def _is_here(self, port: SerialPort) -> bool:

@@ -267,7 +267,7 @@ async def _serve(
                 optional_dashboard(settings.dashboard, graphs, msg_paths, reporter.report),
             ):
                 if settings.discovers:
-                    supervisor.discover(KnownBoards(known_boards_path()), taken=opened)
+                    supervisor.discover(KnownBoards(known_boards_path()), excluded=opened)
                 # Existing objects are permanent. A garbage collection that searched them would take 20 ms.
                 gc.freeze()
                 await supervisor.wait_done()

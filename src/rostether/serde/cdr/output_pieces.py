@@ -41,8 +41,8 @@ class OutputPieces:
 
     def pop_all(self) -> list[str]:
         """Return all expressions, and clear them."""
-        taken, self._pieces = self._pieces, []
-        return [_expression(piece) for piece in taken]
+        pieces, self._pieces = self._pieces, []
+        return [_expression(piece) for piece in pieces]
 
 
 def _expression(piece: str | bytes | tuple[str, str]) -> str:

@@ -58,7 +58,7 @@ class Site:
         )
         links = [parse_address(address) for address in addresses]
         await self.supervisor.start(links)
-        self.supervisor.discover(self.known, ports=self.machine.ports, taken=links)
+        self.supervisor.discover(self.known, ports=self.machine.ports, excluded=links)
 
     async def join(
         self, node_name: str, *, namespace: str = "/", remappings: Mapping[str, str] | None = None
