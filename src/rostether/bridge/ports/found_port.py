@@ -39,7 +39,7 @@ FIRST_REPROBE_S = 5.0
 MAX_REPROBE_S = 60.0
 
 # How often an ignored port is checked (not opened) for signs that another program used it.
-LOOK_PERIOD_S = 1.0
+CHECK_PERIOD_S = 1.0
 
 # A lost port disappears from the list of ports after a moment.
 AFTER_LOSS_S = 0.1
@@ -163,7 +163,7 @@ class FoundPort:
         while _use_mark(self.port.path) == mark:
             if reprobe_s is not None and loop.time() - left_s >= reprobe_s:
                 return
-            await asyncio.sleep(LOOK_PERIOD_S)
+            await asyncio.sleep(CHECK_PERIOD_S)
 
     def _first_baud(self) -> int:
         return self._settings.baud or self._known.baud_of(self.identity.key) or DEFAULT_BAUD

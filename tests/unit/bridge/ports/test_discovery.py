@@ -304,7 +304,7 @@ async def test_another_device_is_probed_once_and_again_after_another_program_use
 ) -> None:
     monkeypatch.setattr("rostether.rosserial.baud_probe.BOOT_S", 0.1)
     monkeypatch.setattr("rostether.rosserial.baud_probe.PATIENT_DWELL_S", 0.1)
-    monkeypatch.setattr("rostether.bridge.ports.found_port.LOOK_PERIOD_S", 0.02)
+    monkeypatch.setattr("rostether.bridge.ports.found_port.CHECK_PERIOD_S", 0.02)
     await site.start()
     path = site.machine.path("ttyACM0")
     with open_terminal(path) as board:
@@ -328,7 +328,7 @@ async def test_a_port_that_had_a_board_before_is_probed_again(
 ) -> None:
     monkeypatch.setattr("rostether.rosserial.baud_probe.BOOT_S", 0.1)
     monkeypatch.setattr("rostether.rosserial.baud_probe.PATIENT_DWELL_S", 0.1)
-    monkeypatch.setattr("rostether.bridge.ports.found_port.LOOK_PERIOD_S", 0.02)
+    monkeypatch.setattr("rostether.bridge.ports.found_port.CHECK_PERIOD_S", 0.02)
     monkeypatch.setattr("rostether.bridge.ports.found_port.FIRST_REPROBE_S", 0.1)
     site.known.remember("usb 2341:0043 7533", 57600)
     await site.start()
