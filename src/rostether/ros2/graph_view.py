@@ -18,12 +18,12 @@ class GraphView(Struct, frozen=True):
     """The names of nodes, repeated if several nodes share one, and the endpoints of topics and services."""
 
     nodes: Sequence[str]
-    ends: Sequence[EndpointInfo]
+    endpoints: Sequence[EndpointInfo]
 
     def names(self, kinds: Iterable[EndpointKind], *, with_hidden: bool = False) -> list[str]:
         """Return the names that have endpoints of these kinds, sorted."""
         wanted = set(kinds)
-        found = {end.name for end in self.ends if end.kind in wanted}
+        found = {endpoint.name for endpoint in self.endpoints if endpoint.kind in wanted}
         return sorted(name for name in found if with_hidden or not is_hidden(name))
 
     def topics(self, *, with_hidden: bool = False) -> list[str]:
@@ -36,12 +36,12 @@ class GraphView(Struct, frozen=True):
 
     def of(self, kind: EndpointKind, name: str) -> list[EndpointInfo]:
         """Return the endpoints of a topic or service of one kind, in a stable order."""
-        found = [end for end in self.ends if end.kind is kind and end.name == name]
-        return sorted(found, key=lambda end: (end.node_name, end.gid))
+        found = [endpoint for endpoint in self.endpoints if endpoint.kind is kind and endpoint.name == name]
+        return sorted(found, key=lambda endpoint: (endpoint.node_name, endpoint.gid))
 
     def types(self, kinds: Iterable[EndpointKind], name: str) -> list[str]:
         """Return the types that a topic or service has, sorted."""
-        return sorted({end.type for kind in kinds for end in self.of(kind, name)})
+        return sorted({endpoint.type for kind in kinds for endpoint in self.of(kind, name)})
 
     def shown_type(self, kinds: Iterable[EndpointKind], name: str) -> str | list[str]:
         """Return the only type of a topic or service, or the list of its types."""
@@ -50,9 +50,9 @@ class GraphView(Struct, frozen=True):
     def of_node(self, kind: EndpointKind, node: str) -> Iterator[tuple[str, list[str]]]:
         """Yield the names and types of a node's endpoints of one kind, sorted."""
         types: dict[str, set[str]] = {}
-        for end in self.ends:
-            if end.kind is kind and end.node_name == node:
-                types.setdefault(end.name, set()).add(end.type)
+        for endpoint in self.endpoints:
+            if endpoint.kind is kind and endpoint.node_name == node:
+                types.setdefault(endpoint.name, set()).add(endpoint.type)
         for name in sorted(types):
             yield name, sorted(types[name])
 
@@ -85,4 +85,4 @@ def as_snapshot(view: GraphView) -> Snapshot:
 
 
 def _nodes(view: GraphView, kind: EndpointKind, name: str) -> tuple[str, ...]:
-    return tuple(sorted({end.node_name for end in view.of(kind, name)}))
+    return tuple(sorted({endpoint.node_name for endpoint in view.of(kind, name)}))

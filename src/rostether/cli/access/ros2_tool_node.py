@@ -127,8 +127,8 @@ class ToolNode:
 
 def _looks_complete(view: GraphView) -> bool:
     """Return whether a node and the endpoints of each node are known: nodes are announced first."""
-    with_ends = {end.node_name for end in view.ends}
-    return any(not is_hidden(node) for node in view.nodes) and with_ends.issuperset(view.nodes)
+    with_endpoints = {endpoint.node_name for endpoint in view.endpoints}
+    return any(not is_hidden(node) for node in view.nodes) and with_endpoints.issuperset(view.nodes)
 
 
 @asynccontextmanager

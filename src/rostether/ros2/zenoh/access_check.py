@@ -35,15 +35,15 @@ _log = logging.getLogger("rostether.ros2")
 
 
 async def find_denied_topics(
-    configuration: zenoh.Config, endpoint: str, domain_id: int, ends: Iterable[Token] | None = None
+    configuration: zenoh.Config, endpoint: str, domain_id: int, tokens: Iterable[Token] | None = None
 ) -> list[str] | None:
     """Return the topics that the router at an endpoint denies, sorted, or None if zenoh cannot connect to it.
 
-    Without `ends`, the topics of the whole graph are checked.
+    Without `tokens`, the topics of the whole graph are checked.
     """
     ended = threading.Event()
     try:
-        return await asyncio.to_thread(_find, configuration, endpoint, domain_id, ends, ended)
+        return await asyncio.to_thread(_find, configuration, endpoint, domain_id, tokens, ended)
     finally:
         # The thread ends early, because the program waits for it when it exits.
         ended.set()
@@ -53,7 +53,7 @@ def _find(
     configuration: zenoh.Config,
     endpoint: str,
     domain_id: int,
-    ends: Iterable[Token] | None,
+    tokens: Iterable[Token] | None,
     ended: threading.Event,
 ) -> list[str] | None:
     keep_thread_state()
@@ -65,7 +65,7 @@ def _find(
         except zenoh.ZError as error:
             _log.debug("access at %s is not checked: %s", endpoint, error)
             return None
-        keys = _keys(_listed(sender, domain_id) if ends is None else ends)
+        keys = _keys(_listed(sender, domain_id) if tokens is None else tokens)
         missing = _missing(sender, receiver, keys, ended)
         return sorted({topic for key, topic in keys.items() if key in missing})
 
@@ -76,12 +76,12 @@ def _listed(session: zenoh.Session, domain_id: int) -> Iterable[Token]:
     return [token for token in map(parse_token, texts) if token is not None]
 
 
-def _keys(ends: Iterable[Token]) -> dict[str, str]:
+def _keys(tokens: Iterable[Token]) -> dict[str, str]:
     """Return the topics by the keys of their probes."""
     found = {
-        f"{data_key(end.domain_id, end.name, end.type, end.type_hash)}/{_PROBE}": end.name
-        for end in ends
-        if end.kind in _TOPICS
+        f"{data_key(token.domain_id, token.name, token.type, token.type_hash)}/{_PROBE}": token.name
+        for token in tokens
+        if token.kind in _TOPICS
     }
     return dict(list(found.items())[:MAX_TOPICS])
 

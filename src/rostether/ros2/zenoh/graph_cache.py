@@ -37,10 +37,10 @@ class GraphCache:
         self._service_entries: dict[str, ServiceEntry] = {}
         self._problem = ""
 
-    def apply_tokens(self, news: Sequence[tuple[str, bool]]) -> None:
+    def apply_tokens(self, updates: Sequence[tuple[str, bool]]) -> None:
         """Apply changes: key expressions of tokens, each with True if the token is new, False if removed."""
         touched: dict[EndpointKey, None] = {}
-        for text, is_there in news:
+        for text, is_there in updates:
             token = self._add(text) if is_there else self._tokens.pop(text, None)
             if token is None:
                 continue

@@ -20,27 +20,27 @@ class Mismatches:
         self._report = report
         self._reported: set[Token] = set()
 
-    def report(self, ends: Sequence[Token]) -> None:
+    def report(self, tokens: Sequence[Token]) -> None:
         """Report the mismatches among the current endpoints; forget endpoints that have ended."""
-        wrong = {end for end in ends if not self._matches(end)}
-        for end in wrong - self._reported:
-            self._report(Level.WARN, self._explain(end))
+        wrong = {token for token in tokens if not self._matches(token)}
+        for token in wrong - self._reported:
+            self._report(Level.WARN, self._explain(token))
         self._reported = wrong
 
-    def _matches(self, end: Token) -> bool:
-        return end.type == self._type_name and end.type_hash == self._support.type_hash
+    def _matches(self, token: Token) -> bool:
+        return token.type == self._type_name and token.type_hash == self._support.type_hash
 
-    def _explain(self, end: Token) -> str:
-        verb = "publishes" if end.kind is TokenKind.PUBLISHER else "subscribes to"
-        node = end.node_name[:200]
-        if end.type != self._type_name:
-            other = type_of_dds_name(end.type) or end.type
+    def _explain(self, token: Token) -> str:
+        verb = "publishes" if token.kind is TokenKind.PUBLISHER else "subscribes to"
+        node = token.node_name[:200]
+        if token.type != self._type_name:
+            other = type_of_dds_name(token.type) or token.type
             return (
                 f"{node} {verb} {self._topic} as {other:.200}, but this node uses {self._support.name},"
                 " so they do not connect; make both use the same type"
             )
         return (
             f"{node} {verb} {self._topic} with another definition of {self._support.name} "
-            f"({end.type_hash:.80}, not {self._support.type_hash}), so they do not connect; set ROS_DISTRO "
+            f"({token.type_hash:.80}, not {self._support.type_hash}), so they do not connect; set ROS_DISTRO "
             "to its distribution, or give its definition with --msg-path"
         )

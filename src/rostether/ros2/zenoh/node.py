@@ -147,8 +147,8 @@ class ZenohGraph(Ros2Membership):
     async def distribution(self) -> str:
         """Return "humble" if an endpoint of another session has no type hash, else an empty string."""
         own = self._session.session_id
-        ends = (end for _, end in self._session.graph.all_endpoints() if end.session_id != own)
-        is_humble = any(end.type_hash == TYPE_HASH_NOT_SUPPORTED for end in ends)
+        tokens = (token for _, token in self._session.graph.all_endpoints() if token.session_id != own)
+        is_humble = any(token.type_hash == TYPE_HASH_NOT_SUPPORTED for token in tokens)
         return "humble" if is_humble else ""
 
     async def other_domains(self) -> list[int]:

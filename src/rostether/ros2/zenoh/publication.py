@@ -219,11 +219,13 @@ class ZenohPublication:
         return cast(zenoh.MatchingStatus, self._publisher.matching_status).matching
 
     def _update_subscribers(self) -> None:
-        ends = self._node.session.graph.endpoints(TokenKind.SUBSCRIBER, self.topic)
+        tokens = self._node.session.graph.endpoints(TokenKind.SUBSCRIBER, self.topic)
         self._subscribers = [
-            end for end in ends if end.type == self._type_name and end.type_hash == self._support.type_hash
+            token
+            for token in tokens
+            if token.type == self._type_name and token.type_hash == self._support.type_hash
         ]
-        self._mismatches.report(ends)
+        self._mismatches.report(tokens)
 
     def _refuse(self, count: int, error: SerializationError) -> None:
         self._lost_count += count

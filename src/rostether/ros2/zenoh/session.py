@@ -43,7 +43,7 @@ from rostether.ros2.zenoh.thread_state import keep_thread_state
 from rostether.ros2.zenoh.tokens import all_tokens
 
 # The limit of changes of the graph that wait for the event loop: twice the limit of tokens.
-MAX_WAITING_NEWS = 200_000
+MAX_WAITING_TOKENS = 200_000
 
 # How long a new session waits for the state of the graph; a running router answers immediately.
 FIRST_QUERY_TIMEOUT_S = 2.0
@@ -73,7 +73,9 @@ class ZenohSession(SharedSession):
         self.listens_on: tuple[str, ...] = ()
         self.connects_to: tuple[str, ...] = ()
         self._is_closed = False
-        self._wakeup: Handover[tuple[str, bool]] = Handover(self.graph.apply_tokens, limit=MAX_WAITING_NEWS)
+        self._token_queue: Handover[tuple[str, bool]] = Handover(
+            self.graph.apply_tokens, limit=MAX_WAITING_TOKENS
+        )
         self._watch: zenoh.Subscriber[None] | None = None
         self._tasks: list[asyncio.Task[None]] = []
 
@@ -131,7 +133,7 @@ class ZenohSession(SharedSession):
         for task in self._tasks:
             task.cancel()
         await asyncio.gather(*(graph.close("the session ended") for graph in list(self.nodes)))
-        self._wakeup.close()
+        self._token_queue.close()
         await asyncio.to_thread(self._end)
 
     def _end(self) -> None:
@@ -179,8 +181,8 @@ class ZenohSession(SharedSession):
         await self._report_unreachable(named, tls_of(configuration))
         await asyncio.sleep(ACCESS_CHECK_AFTER_S)
         for endpoint in named if self.is_linked() else ():
-            ends = [end for _, end in self.graph.all_endpoints() if end.session_id == self.session_id]
-            denied = await find_denied_topics(configuration, endpoint, self.domain_id, ends)
+            tokens = [token for _, token in self.graph.all_endpoints() if token.session_id == self.session_id]
+            denied = await find_denied_topics(configuration, endpoint, self.domain_id, tokens)
             if denied:
                 _log.warning(
                     "access denied: the router at %s does not forward %s for this program; allow it in the "
@@ -205,7 +207,7 @@ class ZenohSession(SharedSession):
         # The session's own tokens are ignored here: zenoh reports them as removed to a client that loses its
         # router.
         if f"/{self.session_id}/" not in key:
-            self._wakeup.put((key, sample.kind == zenoh.SampleKind.PUT))
+            self._token_queue.put((key, sample.kind == zenoh.SampleKind.PUT))
 
 
 async def _replaces_router(environment: Ros2Environment, reach: Reach) -> bool:

@@ -191,21 +191,21 @@ class ZenohSubscriber:
         return self._own_gids is None and self._skip_nodes == ()
 
     def _update_publishers(self) -> None:
-        ends = self._node.session.graph.endpoints(TokenKind.PUBLISHER, self.topic)
+        tokens = self._node.session.graph.endpoints(TokenKind.PUBLISHER, self.topic)
         if self._skip_nodes != ():
-            self._node_names = {gid_of(end.format()): end.node_name for end in ends}
+            self._node_names = {gid_of(token.format()): token.node_name for token in tokens}
         if self._mismatches is not None:
-            self._mismatches.report(ends)
-        if not any(self._is_of_learned_type(end) for end in ends):
+            self._mismatches.report(tokens)
+        if not any(self._is_of_learned_type(token) for token in tokens):
             self._learned_type = None
         known, self._publishers = self._publishers, set()
-        for end in sorted(ends, key=lambda end: end.format()):
-            support = self._of_token(end)
+        for token in sorted(tokens, key=lambda token: token.format()):
+            support = self._of_token(token)
             if support is None:
                 continue
-            self._publishers.add(end)
-            if end not in known:
-                self._connect(support, end.node_name, end.qos)
+            self._publishers.add(token)
+            if token not in known:
+                self._connect(support, token.node_name, token.qos)
 
     def _connect(self, support: MessageSupport, node_name: str, qos: Qos) -> None:
         if self._support is None:
@@ -222,18 +222,18 @@ class ZenohSubscriber:
             )
             call_safely(f"on_connection of {self.topic}", self._receiver.on_connection, fields)
 
-    def _of_token(self, end: Token) -> MessageSupport | None:
+    def _of_token(self, token: Token) -> MessageSupport | None:
         if self._support is None:
-            return self._only_learned(self._types.find(end.type, end.type_hash, end.node_name))
-        is_own = end.type == dds_name(self._support.name) and end.type_hash == self._support.type_hash
+            return self._only_learned(self._types.find(token.type, token.type_hash, token.node_name))
+        is_own = token.type == dds_name(self._support.name) and token.type_hash == self._support.type_hash
         return self._support if is_own else None
 
-    def _is_of_learned_type(self, end: Token) -> bool:
+    def _is_of_learned_type(self, token: Token) -> bool:
         support = self._learned_type
         return (
             support is not None
-            and self._types.find(end.type, end.type_hash, end.node_name) is support
-            and end.node_name not in self._skip_nodes
+            and self._types.find(token.type, token.type_hash, token.node_name) is support
+            and token.node_name not in self._skip_nodes
         )
 
     def _only_learned(self, support: MessageSupport | None) -> MessageSupport | None:
