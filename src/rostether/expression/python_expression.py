@@ -66,8 +66,9 @@ class PythonEvaluator:
     def evaluate(self, expression: str, names: dict[str, Any], local_names: Any = None) -> Any:
         """Return the value of an expression, evaluated like `eval(expression, names, local_names)`.
 
-        Only the built-in functions in `names` are available. Raises SyntaxError, ValueError for a name that
-        begins with `__`, OverflowError beyond a limit, and the errors of the expression itself.
+        Only the built-in functions in `names` are available; the guards are added to it. Raises SyntaxError,
+        ValueError for a name that begins with `__`, OverflowError beyond a limit, and the errors of the
+        expression itself.
         """
         code = _compile(expression.strip())
         names.update(__builtins__=self._guards)

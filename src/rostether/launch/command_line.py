@@ -74,7 +74,7 @@ def ros_home(environ: Mapping[str, str]) -> Path:
 
 
 def log_folder(environ: Mapping[str, str], run_id: str) -> Path:
-    """Create and return the log folder of a run, and link `latest` next to it to the folder.
+    """Create and return the log folder of a run; the link `latest` next to it then points to it.
 
     Raises ConfigError if the folder cannot be created.
     """

@@ -55,7 +55,10 @@ class StopLimits(Struct, frozen=True):
 
 
 class NodeProcess:
-    """A node's process; `name` is used for its output lines and logs, such as `arm/mover-2`."""
+    """A node's process; `name` is its name in lines and log files, such as `arm/mover-2`.
+
+    `logs` is the folder of the log files; `report` gets each line with its level.
+    """
 
     def __init__(
         self,

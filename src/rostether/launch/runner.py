@@ -52,8 +52,9 @@ async def run_plan(
 ) -> bool:
     """Run a plan to its end, and end all its processes, even when cancelled.
 
-    Returns False if a required node failed, or if no node could be started. Raises GraphError, such as
-    MasterUnreachableError, and ConfigError before it starts any node.
+    `locate` finds the programs of nodes, `report` gets each line with its level. Returns False if a required
+    node failed, or if no node could be started. Raises GraphError, such as MasterUnreachableError, and
+    ConfigError before it starts any node.
     """
     async with closed_at_end(MasterClient(master_uri, CALLER_ID)) as client:
         logs = log_folder(environ, await _ensure_run_id(client))

@@ -47,7 +47,8 @@ class TransformBuffer:
     ) -> str:
         """Store a transform; return tf2's error message if it was refused, or an empty string.
 
-        The first transform decides whether a frame is moving or static.
+        `authority` is the name of the node that sent it. The first transform of a frame determines whether
+        the frame is moving or static.
         """
         parent, child = stamped.parent.removeprefix("/"), stamped.child.removeprefix("/")
         problem = _defect(parent, child, stamped.transform, authority)

@@ -52,8 +52,8 @@ def parse_mappings(words: Iterable[str]) -> dict[str, str]:
 def expand_xacro(file: Path, mappings: Mapping[str, str], *, packages: Mapping[str, Path]) -> str:
     """Return the URDF that a xacro file expands to.
 
-    `packages` are the folders for $(find). Raises RobotModelError, for example if the package xacro is not
-    installed.
+    `mappings` are the values of its arguments, `packages` the folders for $(find). Raises RobotModelError,
+    for example if the package xacro is not installed.
     """
     xacro = _xacro(file)
     try:
