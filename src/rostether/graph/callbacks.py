@@ -4,20 +4,22 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Callable
-from typing import ParamSpec
+from typing import ParamSpec, TypeVar
 
 _Args = ParamSpec("_Args")
+_Result = TypeVar("_Result")
 _log = logging.getLogger("rostether.graph")
 
 
 def call_safely(
-    what: str, callback: Callable[_Args, object], *args: _Args.args, **kwargs: _Args.kwargs
-) -> None:
-    """Call back; an exception becomes one line in the log that names `what`."""
+    what: str, callback: Callable[_Args, _Result], *args: _Args.args, **kwargs: _Args.kwargs
+) -> _Result | None:
+    """Return a callback's result; log its exception in one line that names `what`, and return None."""
     try:
-        callback(*args, **kwargs)
+        return callback(*args, **kwargs)
     except Exception as error:  # noqa: BLE001 - an error in a callback must not end a connection
         report_error(what, error)
+        return None
 
 
 def report_error(what: str, error: BaseException) -> None:

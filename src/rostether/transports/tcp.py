@@ -156,7 +156,10 @@ class TcpListener:
         try:
             async with system_bind_errors(address.host, address.port):
                 listener._server = await loop.create_server(
-                    listener._make_protocol, address.host, address.port, backlog=_ACCEPTED_AT_ONCE
+                    lambda: _AcceptedTransport(listener),
+                    address.host,
+                    address.port,
+                    backlog=_ACCEPTED_AT_ONCE,
                 )
         except OSError as error:
             raise explain_bind_error("tcp", address.host, address.port, error) from error
@@ -186,9 +189,6 @@ class TcpListener:
         if self._greetings:
             await asyncio.wait(list(self._greetings))
         await server.wait_closed()
-
-    def _make_protocol(self) -> _AcceptedTransport:
-        return _AcceptedTransport(self)
 
     def _accepted(self, transport: TcpTransport) -> None:
         if self._is_closed:

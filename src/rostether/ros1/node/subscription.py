@@ -131,46 +131,30 @@ class Subscription:
         check_publisher(fields, self.topic, self.type)
         if self._learns_type and node_name not in self._skip_nodes:
             self.type = type_of(fields)
-        record = ConnectionRecord(transport, peer=uri, topic=self.topic, direction="i")
-        on_messages = self._report_connection(fields)
-        if self._skip_nodes != ():
-            on_messages = self._without_node(node_name, on_messages)
         connection = PublisherConnection(
-            transport, record, on_messages, self._limits.message_bytes, node_name=node_name
+            transport,
+            ConnectionRecord(transport, peer=uri, topic=self.topic, direction="i"),
+            self._receiver_of(fields),
+            self._limits.message_bytes,
+            node_name=node_name,
         )
         if self._is_paused:
             connection.pause()
         return connection
 
-    def _report_connection(self, fields: Mapping[str, str]) -> OnMessages:
+    def _receiver_of(self, fields: Mapping[str, str]) -> OnMessages:
         """Report a connection; return the function that receives its messages."""
-        own: list[OnMessages | None] = []
+        own: OnMessages | None = None
         if self._on_connection is not None:
-            on_connection = self._on_connection
-            call_safely(
-                f"on_connection of {self.topic}", lambda given: own.append(on_connection(given)), fields
-            )
-        on_messages = own[0] if own else None
-        if on_messages is None:
-            return self._deliver
+            own = call_safely(f"on_connection of {self.topic}", self._on_connection, fields)
+        on_messages, node_name = own or self._on_messages, fields.get("callerid", "")
 
-        def deliver_own(payloads: Sequence[bytes]) -> None:
-            if not self._is_closed:
+        def deliver(payloads: Sequence[bytes]) -> None:
+            # A publisher that is omitted stays connected: otherwise it would be asked repeatedly.
+            if not self._is_closed and node_name not in self._skip_nodes:
                 call_safely(self._what, on_messages, payloads)
 
-        return deliver_own
-
-    def _deliver(self, payloads: Sequence[bytes]) -> None:
-        if not self._is_closed:
-            call_safely(self._what, self._on_messages, payloads)
-
-    def _without_node(self, node_name: str, on_messages: OnMessages) -> OnMessages:
-        # A publisher that is omitted stays connected: otherwise it would be asked repeatedly.
-        def deliver_wanted(payloads: Sequence[bytes]) -> None:
-            if node_name not in self._skip_nodes:
-                on_messages(payloads)
-
-        return deliver_wanted
+        return deliver
 
     def _report_problem(self, problem: str) -> None:
         self._report(Level.WARN, f"cannot subscribe to {self.topic}: {problem}")
