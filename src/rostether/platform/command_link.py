@@ -161,8 +161,7 @@ class CommandReceiver:
         # has no effect.
         self._refused = (0, 0)
         self.is_moving = False
-        self.lost_count = 0
-        self.refused_count = 0
+        # Why the last frame was refused, as text; empty if it was obeyed or ignored.
         self.last_refusal = ""
         # The last frame for this robot with a valid tag, and the reason if it was refused.
         self.last_frame: CommandFrame | None = None
@@ -184,27 +183,25 @@ class CommandReceiver:
         return None if self._deadline_s is None else self._epoch_us
 
     def receive(self, datagram: bytes, now_s: float) -> CommandFrame | None:
-        """Return the frame to obey, None if it is for others or refused (`last_refusal` has the reason).
+        """Return the frame to obey, None if it is refused (see `last_refusal`), repeated, or for others.
 
         A frame with the flag STOP or RELEASE, or without ARMED, ends all motion.
         """
         self.expire(now_s)
-        self.last_frame, self.refusal = None, Refusal.NONE
+        self.last_frame, self.refusal, self.last_refusal = None, Refusal.NONE, ""
         try:
             frame = decode_frame(datagram, self._settings.key)
         except RemoteProtocolError as error:
-            self._refuse(str(error))
+            self.last_refusal = str(error)
             return None
         if not self._is_meant(frame):
             return None
         self.last_frame = frame
-        if Flags.QUERY in frame.flags:
+        if Flags.QUERY in frame.flags or self._is_repeated(frame):
             return None
-        if reason := self._refusal_reason(frame):
-            self._refuse(reason)
+        self.last_refusal = self._refusal_reason(frame)
+        if self.last_refusal:
             return None
-        if frame.epoch_us == self._epoch_us:
-            self.lost_count += frame.sequence - self._sequence - 1
         self._epoch_us, self._sequence = frame.epoch_us, frame.sequence
         self._deadline_s = None if Flags.RELEASE in frame.flags else now_s + frame.ttl_ms / 1000
         self.is_moving = frame.flags & _MOTION == Flags.ARMED
@@ -223,16 +220,17 @@ class CommandReceiver:
             return bool(frame.target & self._settings.groups)
         return frame.target == self._settings.robot_id
 
+    def _is_repeated(self, frame: CommandFrame) -> bool:
+        newest = self._sequence if frame.epoch_us == self._epoch_us else 0
+        if frame.epoch_us == self._refused[0]:
+            newest = max(newest, self._refused[1])
+        return frame.epoch_us >= self._epoch_us and frame.sequence <= newest
+
     def _refusal_reason(self, frame: CommandFrame) -> str:
         is_stop = Flags.STOP in frame.flags
         if frame.epoch_us < self._epoch_us:
             self.refusal = Refusal.OLDER
             return "the sender started before the last one: restart it (or this is a replayed command)"
-        newest = self._sequence if frame.epoch_us == self._epoch_us else 0
-        if frame.epoch_us == self._refused[0]:
-            newest = max(newest, self._refused[1])
-        if frame.sequence <= newest:
-            return "the command is not newer than the last one"
         if frame.epoch_us > self._epoch_us and self._deadline_s is not None and not is_stop:
             self.refusal = Refusal.HELD
             self._refused = max(self._refused, (frame.epoch_us, frame.sequence))
@@ -242,7 +240,3 @@ class CommandReceiver:
             self.refusal = Refusal.OTHER_TYPE
             return f"the command is of another type: its MD5 sum begins with {frame.kind.hex()}"
         return ""
-
-    def _refuse(self, reason: str) -> None:
-        self.refused_count += 1
-        self.last_refusal = reason

@@ -190,9 +190,9 @@ class _Receiver:
         host = source[0]
         # A busy loop may read a query before it runs the watchdog.
         self._stop_if_expired(commands, self._last_s)
-        was_moving, refused_count = commands.is_moving, commands.refused_count
+        was_moving = commands.is_moving
         frame = commands.receive(datagram, self._last_s)
-        if commands.refused_count > refused_count and "not newer" not in commands.last_refusal:
+        if commands.last_refusal:
             self._refuse(f"a command from {host}: {commands.last_refusal}")
         self._answer(commands, source)
         if commands.last_frame is not None and Flags.FORWARD in commands.last_frame.flags:
