@@ -107,7 +107,7 @@ def run_host(
     allowed: tuple[str, ...] = (),
     config: Path | None = None,
 ) -> None:
-    """Serve the boards on a host's link until cancelled.
+    """Serve the boards on a host's link until cancelled. Raises ConfigError, GraphError, TransportOpenError.
 
     Args:
         host: The host to replace.
@@ -115,8 +115,6 @@ def run_host(
         listen: The value of `--listen`, None without it.
         allowed: The networks of `--allow`.
         config: The settings file, None for the user's.
-
-    Raises ConfigError, GraphError, TransportOpenError.
     """
     reporter = ConsoleReporter(show_node=False)
     for name in parsed.private_params.keys() - set(host.parameters):
@@ -151,7 +149,9 @@ async def _serve(
             raise ConfigError(
                 f"serial-node does not serve simulated boards; use `rostether serve {shlex.quote(link)}`"
             )
-        consent = "listen:=0.0.0.0" if "listen" in host.parameters else "--listen 0.0.0.0"
+        consent = "--listen 0.0.0.0"
+        if "listen" in host.parameters:
+            consent = "_listen:=0.0.0.0 (with roslaunch, listen:=0.0.0.0)"
         for line in loopback_lines(used.environment, links, consent=consent):
             reporter.report(Level.INFO, line)
         if isinstance(links[0], TcpAddress):

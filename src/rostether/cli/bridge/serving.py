@@ -36,14 +36,13 @@ def check_addresses(_ctx: click.Context, _param: click.Parameter, texts: tuple[s
 def read_links(text: str, hosts: Sequence[str] = (LOOPBACK,), allowed: tuple[str, ...] = ()) -> list[Address]:
     """Return the links of a link address, several for a listener without a host.
 
-    ROS_IP and ROS_HOSTNAME do not allow boards from the network: scripts set them for the graph.
+    ROS_IP and ROS_HOSTNAME do not allow boards from the network: scripts set them for the graph. Raises
+    ConfigError, for example for a mistyped serial port.
 
     Args:
         text: The link address.
         hosts: The hosts of a listener without a host, from --listen.
         allowed: The networks whose boards a listener without `allow=` accepts, from --allow.
-
-    Raises ConfigError, for example for a mistyped serial port.
     """
     link = parse_address(text)
     check_typed_port(link, list_serial_ports)

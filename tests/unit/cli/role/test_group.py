@@ -137,7 +137,9 @@ async def test_boards_at_the_launch_file_of_rosserial_server(
     port = free_port()
     environ = {"ROS_MASTER_URI": master.uri, "ROS_LOG_DIR": str(tmp_path)}
     async with started("launch", "rosserial_server", "socket.launch", f"port:={port}", **environ) as launched:
-        await launched.wait_for("add listen:=0.0.0.0 for boards on the network")
+        await launched.wait_for(
+            "add _listen:=0.0.0.0 (with roslaunch, listen:=0.0.0.0) for boards on the network"
+        )
         await launched.wait_for(f"Waiting for boards on tcp://127.0.0.1:{port}")
         async with Device(f"tcp://127.0.0.1:{port}") as device:
             device.publisher("chatter", "std_msgs/String")
