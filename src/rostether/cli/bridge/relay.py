@@ -136,7 +136,16 @@ async def relay_between(
     master_port: int | None = None,
     msg_paths: Sequence[Path] = (),
 ) -> None:
-    """Relay until cancelled. Raises GraphError, ConfigError."""
+    """Relay until cancelled. Raises GraphError, ConfigError, and UnknownTypeError for a service.
+
+    Args:
+        environment: The ROS 1 environment.
+        graph: Both graphs.
+        choice: The topics, services and actions to relay.
+        report: Gets lines for the user.
+        master_port: The port of a new ROS 1 master, None for that of the environment's URI.
+        msg_paths: Folders with definitions.
+    """
     from rostether.relay.relay import Relay
     from rostether.relay.side import Side
     from rostether.ros2.actions.board_graph import BoardJoin
@@ -176,7 +185,10 @@ async def relay_between(
 
 
 def finding_types(types: Ros2Types, probe: Callable[[str], Awaitable[str]] | None = None) -> FindServiceType:
-    """Return a function that finds a service's type: by its name in either ROS, or by asking its server."""
+    """Return a function that finds a service's type: by its name in either ROS, or with `probe`.
+
+    `probe` asks the server of a service for the name of the type.
+    """
 
     async def find(service: str, name: str) -> ServiceType:
         if name == ANY_TYPE and probe is not None:
