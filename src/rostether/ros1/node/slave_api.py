@@ -7,7 +7,7 @@ Source: https://wiki.ros.org/ROS/Slave_API
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from typing import Protocol
 
 from rostether.ros1.node.publication import Publication
@@ -57,27 +57,14 @@ class SlaveNode(Protocol):
 
 
 def slave_dispatch(node: SlaveNode) -> Dispatch:
-    """Return the methods of a node's XML-RPC server."""
+    """Return the methods of a node's XML-RPC server, by their names."""
     api = _SlaveApi(node)
-    methods: tuple[Callable[..., Answer], ...] = (
-        api.getBusStats,
-        api.getBusInfo,
-        api.getMasterUri,
-        api.getUri,
-        api.getName,
-        api.getPid,
-        api.getPublications,
-        api.getSubscriptions,
-        api.paramUpdate,
-        api.publisherUpdate,
-        api.requestTopic,
-        api.shutdown,
-    )
-    return {method.__name__: method for method in methods}
+    return {name: getattr(api, name) for name in vars(_SlaveApi) if not name.startswith("_")}
 
 
 class _SlaveApi:
-    # The methods have the names of the API.
+    """Its public methods are those of the API, with the same names."""
+
     # ruff: noqa: N802
     def __init__(self, node: SlaveNode) -> None:
         self._node = node
