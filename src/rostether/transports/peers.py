@@ -238,7 +238,7 @@ class PeerTable(Generic[PeerKey]):
                     return
                 data, sent_bytes = bytes(candidate.data), candidate.sent_bytes
             if len(self._peers) >= self._max_peers:
-                self._make_room(self.now_s())
+                self._make_room()
             if len(self._peers) >= self._max_peers:
                 self.refusals.refuse(self.medium.show(key), f"{self._max_peers} boards are already connected")
                 return
@@ -265,11 +265,11 @@ class PeerTable(Generic[PeerKey]):
         self._candidates[key] = candidate
         return False
 
-    def _make_room(self, now_s: float) -> None:
-        self.expire(now_s)
+    def _make_room(self) -> None:
+        self.expire()
         if len(self._peers) < self._max_peers:
             return
-        silent = [peer for peer in self._peers.values() if peer.is_replaceable(now_s)]
+        silent = [peer for peer in self._peers.values() if peer.is_replaceable(self.now_s())]
         if silent:
             peer = min(silent, key=lambda peer: (peer.has_answered, peer.received_at_s))
             peer.end(
@@ -296,8 +296,9 @@ class PeerTable(Generic[PeerKey]):
             if self._on_forget is not None:
                 self._on_forget(peer.key)
 
-    def expire(self, now_s: float) -> None:
+    def expire(self) -> None:
         """End every peer that was silent for too long."""
+        now_s = self.now_s()
         for peer in list(self._peers.values()):
             if peer.expires and now_s - peer.received_at_s >= IDLE_LIMIT_S:
                 silence = f"{peer.peer} was silent for {IDLE_LIMIT_S:g} s"
@@ -329,6 +330,6 @@ class PeerTable(Generic[PeerKey]):
 
     def _sweep(self) -> None:
         self._sweep_timer = None
-        self.expire(self.now_s())
+        self.expire()
         if any(peer.expires for peer in self._peers.values()):
             self._schedule_sweep()

@@ -123,7 +123,7 @@ async def test_only_the_silent_expire(medium: FakeMedium) -> None:
     medium.now_s = 29.0
     medium.table.receive("b", b"here")
     medium.now_s = 30.0
-    medium.table.expire(medium.now_s)
+    medium.table.expire()
     assert "peer a was silent for 30 s" in str(await silent.until_lost())
     assert not lively.losses
     assert known.write_buffer_bytes == 0

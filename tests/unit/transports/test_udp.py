@@ -104,10 +104,10 @@ async def test_silent_peers_expire_and_return_as_new_ones() -> None:
         board.write(b"a")
         host, seen = await arrivals.next_started()
         clock.now_s = 29.0
-        listener.peers.expire(clock.now_s)
+        listener.peers.expire()
         assert not seen.losses
         clock.now_s = 30.0
-        listener.peers.expire(clock.now_s)
+        listener.peers.expire()
         error = await seen.until_lost()
         assert isinstance(error, TransportClosedError)
         assert "silent for 30 s" in str(error)
