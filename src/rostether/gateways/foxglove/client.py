@@ -139,7 +139,7 @@ class Client:
             subscription_id, channel_id = given.id, given.channel_id
             channel = self._context.channels.by_id.get(channel_id)
             if channel is None:
-                # The channel may have just ended, which is not an error of the client.
+                # The client may not know yet that the channel has ended.
                 self.report_error(f"there is no channel {channel_id}")
             elif subscription_id in self._subscriptions or channel_id in self._by_channel:
                 self.report_error(

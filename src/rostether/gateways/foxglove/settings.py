@@ -53,7 +53,7 @@ class FoxgloveLimits(ConnectionLimits, frozen=True):
     # Service calls and parameter requests of one client at once, the same limit as in Foxglove's own server.
     calls: int = 32
 
-    # Requests of one client at once, read one after another: all meshes of a robot's description.
+    # Waiting requests of one client for files, which are read one after another: all meshes of a robot.
     assets: int = 1024
 
     # Subscriptions of one client: more than any graph has topics.

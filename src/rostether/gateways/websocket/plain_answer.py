@@ -39,7 +39,7 @@ class PlainAnswer:
 
     @property
     def is_download(self) -> bool:
-        """Whether a file is sent in pieces; this goes on after the client has ended its side."""
+        """Whether a file is sent in pieces, which continues after the client has ended its side."""
         return self._download is not None
 
     def send(self, response: Response, limit_s: float) -> None:

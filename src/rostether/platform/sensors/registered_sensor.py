@@ -135,6 +135,7 @@ class RegisteredSensor:
             return False
         self._is_refused = bool(answer.refusal)
         if self._is_refused:
+            # Without the remaining time of the lease, which differs in each refusal.
             self._report_once(
                 Level.ERROR, f"not publishing: {answer.refusal.partition(' for ')[0]}; choose another ~id"
             )
