@@ -78,9 +78,8 @@ class TopicRelay:
         """Wait for a publisher of a new type, and relay this type. Raises RostetherError."""
         await self._type_changed.wait()
         self._type_changed.clear()
-        old, self._publisher = self._publisher, None
-        if old is not None:
-            await old.close()
+        if self._publisher is not None:
+            await self._publisher.close()
         self._publisher = publisher = await self._target.graph.advertise(
             self._topic, self._type, latch=self._is_latched
         )

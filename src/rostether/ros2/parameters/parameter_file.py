@@ -25,7 +25,7 @@ from rostether.bounded_yaml import YamlError, has_alias, load, safe_loader
 from rostether.errors import ConfigError, SerializationError
 from rostether.graph.ports import ParamValue
 from rostether.mechanisms.text import read_failure
-from rostether.ros2.parameters.typed_value import NOT_SET, TypedValue, flatten
+from rostether.ros2.parameters.typed_value import NOT_SET, TypedValue, flatten, show_value
 
 PARAMETERS_KEY = "ros__parameters"
 
@@ -96,7 +96,7 @@ def parse_parameters(text: str, source: str) -> ParameterRules:
 
 def _collect(node: str, content: Any, entries: list[_Entry]) -> None:
     if not isinstance(content, dict):
-        value = "nothing" if content is None else f"{content!r:.60}"
+        value = "nothing" if content is None else show_value(content)
         what = f"{node} holds {value}" if node else "it has no mapping"
         raise SerializationError(
             f"{what}; write node names, `{PARAMETERS_KEY}:` below each, and the parameters below that"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Mapping
 from enum import IntEnum
 from typing import Any
@@ -10,6 +11,7 @@ from msgspec import Struct
 
 from rostether.errors import SerializationError
 from rostether.graph.ports import ParamValue
+from rostether.mechanisms.text import escape_line
 from rostether.serde.values import Message
 
 _INT64 = range(-(2**63), 2**63)
@@ -112,6 +114,13 @@ def value_of_message(message: Message) -> TypedValue:
     return TypedValue(kind, value)
 
 
+def show_value(value: object) -> str:
+    """Return a value for an error: one short line in JSON, as users write it."""
+    return escape_line(
+        json.dumps(value, ensure_ascii=False, skipkeys=True, default=str), _MAX_SHOWN_CHARACTERS
+    )
+
+
 def flatten(path: str, value: ParamValue) -> dict[str, TypedValue]:
     """Return the parameters of a value or mapping, by their names with dots.
 
@@ -151,9 +160,7 @@ def _scalar_type(value: ParamValue) -> ParameterType | None:
 
 
 def _refusal(name: str, value: ParamValue) -> SerializationError:
-    shown = repr(value)
-    shown = shown if len(shown) <= _MAX_SHOWN_CHARACTERS else shown[:_MAX_SHOWN_CHARACTERS] + "..."
     return SerializationError(
-        f"parameter {name} cannot be {shown} in ROS 2; use a bool, 64-bit integer, float, string, bytes, "
-        "or a list of one type of them"
+        f"parameter {name} cannot be {show_value(value)} in ROS 2; use a bool, 64-bit integer, float, "
+        "string, bytes, or a list of one type of them"
     )

@@ -65,6 +65,11 @@ def test_values_that_ros2_does_not_support_are_refused(value: ParamValue) -> Non
     assert len(str(caught.value)) < 250
 
 
+def test_refused_values_are_shown_as_users_write_them() -> None:
+    with pytest.raises(SerializationError, match=r'cannot be \[null, true, "ä"\] in ROS 2'):
+        typed_value("a", [None, True, "ä"])
+
+
 def test_a_mapping_is_flattened() -> None:
     assert flatten("arm", {"p": 1, "d": {"i": "x"}, "c/e": True, "none": {}}) == {
         "arm.p": typed_value("", 1),
