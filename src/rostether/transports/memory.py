@@ -14,11 +14,7 @@ from typing import TypeAlias
 
 from rostether.errors import TransportClosedError, TransportError
 from rostether.transports.board_keys import NO_PROOF, Proof
-from rostether.transports.transport import Receiver
-
-# The same limits as asyncio's sockets, so that tests show the behavior of sockets.
-HIGH_WATER_BYTES = 64 * 1024
-LOW_WATER_BYTES = 16 * 1024
+from rostether.transports.transport import HIGH_WATER_BYTES, LOW_WATER_BYTES, Receiver
 
 
 class Direction(Enum):

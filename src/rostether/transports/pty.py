@@ -21,7 +21,7 @@ from rostether.transports.board_keys import NO_PROOF, Proof
 from rostether.transports.pty_link import PtyLink
 from rostether.transports.sockets import explain_reason
 from rostether.transports.stream import FLUSH_LIMIT_S
-from rostether.transports.transport import Receiver
+from rostether.transports.transport import HIGH_WATER_BYTES, LOW_WATER_BYTES, Receiver
 
 # Users do not notice this delay, and the checks cost less than 0.1 % of a CPU.
 _OPENER_POLL_S = 0.05
@@ -31,9 +31,6 @@ _UNREAD_POLL_S = 0.01
 _UNREAD_CHECKS = 2
 # Linux delivers at most 4 KiB, or a flip buffer of 16 KiB, at once; larger buffers only need memory.
 _READ_BYTES = 16 * 1024
-# The same limit as asyncio's sockets.
-_HIGH_WATER_BYTES = 64 * 1024
-_LOW_WATER_BYTES = 16 * 1024
 
 
 def open_pty(address: PtyAddress) -> PtyTransport:
@@ -122,7 +119,7 @@ class PtyTransport:
             data = memoryview(data)[sent:]
             self._loop.add_writer(self._master, self._write_ready)
         self._unsent += data
-        if not self._is_writing_paused and len(self._unsent) > _HIGH_WATER_BYTES:
+        if not self._is_writing_paused and len(self._unsent) > HIGH_WATER_BYTES:
             self._is_writing_paused = True
             if self._receiver is not None:
                 self._receiver.pause_writing()
@@ -199,7 +196,7 @@ class PtyTransport:
             return 0
 
     def _resume_writing(self) -> None:
-        if self._is_writing_paused and len(self._unsent) <= _LOW_WATER_BYTES:
+        if self._is_writing_paused and len(self._unsent) <= LOW_WATER_BYTES:
             self._is_writing_paused = False
             if self._receiver is not None and not self._is_closing:
                 self._receiver.resume_writing()

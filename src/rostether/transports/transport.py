@@ -10,6 +10,10 @@ from typing import Protocol
 from rostether.errors import TransportError
 from rostether.transports.board_keys import Proof
 
+# Limits of written bytes that wait, for transports with their own buffers: those of asyncio's sockets.
+HIGH_WATER_BYTES = 64 * 1024
+LOW_WATER_BYTES = 16 * 1024
+
 
 class Receiver(Protocol):
     """Implemented by the users of a transport."""

@@ -19,7 +19,7 @@ from msgspec.structs import replace
 from rostether.errors import PeerClosedError, RemoteProtocolError, TransportClosedError, TransportError
 from rostether.transports.address import WebAddress
 from rostether.transports.board_keys import NO_PROOF, Proof
-from rostether.transports.transport import Receiver
+from rostether.transports.transport import HIGH_WATER_BYTES, LOW_WATER_BYTES, Receiver
 from rostether.transports.web_hello import WebHello, read_hello, read_progress
 
 # A page names its board immediately.
@@ -31,9 +31,6 @@ ALIVE_CHECK_S = 0.5
 MAX_MESSAGE_BYTES = 64 * 1024
 # The unreported bytes: the round trip of a weak network at the speed of a fast port.
 WINDOW_BYTES = 16 * 1024
-# The same limit as sockets.
-HIGH_WATER_BYTES = 64 * 1024
-LOW_WATER_BYTES = 16 * 1024
 # RFC 6455 (7.4.1).
 _NORMAL, _REFUSED, _TRY_LATER = 1000, 1008, 1013
 _CONNECTED = '{"op":"connected"}'

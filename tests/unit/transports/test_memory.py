@@ -6,7 +6,8 @@ import random
 import pytest
 
 from rostether.errors import TransportClosedError
-from rostether.transports.memory import HIGH_WATER_BYTES, Direction, memory_pair
+from rostether.transports.memory import Direction, memory_pair
+from rostether.transports.transport import HIGH_WATER_BYTES
 from unit.transports.recorder import Recorder
 
 

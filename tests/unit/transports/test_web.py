@@ -7,10 +7,10 @@ import pytest
 
 from rostether.errors import PeerClosedError, RemoteProtocolError, TransportClosedError
 from rostether.transports.address import WebAddress
+from rostether.transports.transport import HIGH_WATER_BYTES
 from rostether.transports.web import (
     ALIVE_LIMIT_S,
     HELLO_LIMIT_S,
-    HIGH_WATER_BYTES,
     WINDOW_BYTES,
     WebTransport,
 )
