@@ -68,10 +68,12 @@ class PartProcess:
     async def _run_once(self) -> int:
         # setpriv: the kernel ends the part if this process is killed.
         guard = [program, "--pdeathsig", "INT"] if (program := shutil.which("setpriv")) else []
-        folder = await asyncio.to_thread(tempfile.mkdtemp, prefix="rostether-up-")
-        address = f"{folder}/notify"
         self._last_notification_s = None
-        with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as notifications:
+        with (
+            tempfile.TemporaryDirectory(prefix="rostether-up-", ignore_cleanup_errors=True) as folder,
+            socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as notifications,
+        ):
+            address = f"{folder}/notify"
             notifications.setblocking(False)
             notifications.bind(address)
             process = await asyncio.create_subprocess_exec(
@@ -100,7 +102,6 @@ class PartProcess:
                 watching.cancel()
                 loop.remove_reader(notifications)
                 await asyncio.shield(_end(process))
-                shutil.rmtree(folder, ignore_errors=True)
 
     async def _pass_lines(self, process: asyncio.subprocess.Process) -> None:
         assert process.stdout is not None
