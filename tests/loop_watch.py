@@ -16,7 +16,7 @@ import pytest
 from machine_speed import slowness
 from rostether.packages import search_path
 
-CEILING_S = 60.0
+TIMEOUT_S = 60.0
 
 
 # "Nothing holds the event loop for 50 ms."
@@ -108,7 +108,7 @@ class LoopWatch:
             self.held += 1
         else:
             self._loop.call_soon_threadsafe(went_round.set)
-            if went_round.wait(CEILING_S):
+            if went_round.wait(TIMEOUT_S):
                 self.folders += 1
             else:
                 self.held += 1

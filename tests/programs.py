@@ -20,9 +20,9 @@ from pathlib import Path
 from typing import Any
 
 # A busy machine may be five times slower than a quiet one.
-PATIENCE_S = 60.0
+TIMEOUT_S = 60.0
 
-OURS = (sys.executable, "-m", "rostether")
+ROSTETHER = (sys.executable, "-m", "rostether")
 
 
 # The number of last lines of each program in the report of a failed test.
@@ -49,7 +49,7 @@ class Peer:
             self.lines.append(line.decode(errors="replace").rstrip("\n"))
 
     async def wait_for(
-        self, condition: Callable[[list[str]], bool] | str, timeout_s: float = PATIENCE_S
+        self, condition: Callable[[list[str]], bool] | str, timeout_s: float = TIMEOUT_S
     ) -> None:
         """Wait until its output contains a text or meets a condition."""
         wanted = (
@@ -68,7 +68,7 @@ class Peer:
         """Return whether its output has ended."""
         return self.reader is None or self.reader.done()
 
-    async def finish(self, timeout_s: float = PATIENCE_S) -> str:
+    async def finish(self, timeout_s: float = TIMEOUT_S) -> str:
         """Wait until it ends by itself; return its output."""
         try:
             await asyncio.wait_for(self.process.wait(), timeout_s)
@@ -87,7 +87,7 @@ class Peer:
                 break
             with contextlib.suppress(ProcessLookupError):
                 os.killpg(self.process.pid, number)
-            deadline_s = time.monotonic() + (PATIENCE_S if number == signal_number else PATIENCE_S / 4)
+            deadline_s = time.monotonic() + (TIMEOUT_S if number == signal_number else TIMEOUT_S / 4)
             # `wait` would also wait for programs that have inherited its output.
             while self.process.returncode is None and time.monotonic() < deadline_s:
                 await asyncio.sleep(0.01)
@@ -97,7 +97,7 @@ class Peer:
         if self.reader is not None:
             # A program that it left running may keep the output open.
             with contextlib.suppress(TimeoutError):
-                await asyncio.wait_for(self.reader, PATIENCE_S / 4)
+                await asyncio.wait_for(self.reader, TIMEOUT_S / 4)
 
 
 _peers: weakref.WeakKeyDictionary[Peer, str] = weakref.WeakKeyDictionary()
@@ -149,7 +149,7 @@ async def start_command(
     *arguments: str, environment: Mapping[str, str] | None = None, on: Sequence[str] = ()
 ) -> Peer:
     """Start `rostether ARGUMENTS`; the caller stops it. `on` is a command prefix, see `machines`."""
-    return await start_program(*on, *OURS, *arguments, environment={**os.environ, **(environment or {})})
+    return await start_program(*on, *ROSTETHER, *arguments, environment={**os.environ, **(environment or {})})
 
 
 @asynccontextmanager
@@ -158,7 +158,9 @@ async def started(*arguments: str, **environment: str) -> AsyncIterator[Peer]:
     SIGINT.
     """
     clean = {name: value for name, value in os.environ.items() if not name.startswith("ROS")}
-    peer = await start_program(*OURS, *arguments, environment=clean | {"PYTHONUNBUFFERED": "1"} | environment)
+    peer = await start_program(
+        *ROSTETHER, *arguments, environment=clean | {"PYTHONUNBUFFERED": "1"} | environment
+    )
     try:
         yield peer
         await peer.stop()
@@ -183,7 +185,7 @@ def running(
         signal.signal(signal.SIGINT, signal.SIG_IGN)
 
     process = subprocess.Popen(
-        [*OURS, *arguments],
+        [*ROSTETHER, *arguments],
         env=os.environ | environment,
         cwd=cwd,
         stdin=stdin,
@@ -231,7 +233,7 @@ class Terminal:
 
     def wait_for(self, text: str) -> None:
         """Wait until the terminal has shown a text."""
-        deadline_s = time.monotonic() + PATIENCE_S
+        deadline_s = time.monotonic() + TIMEOUT_S
         while text.encode() not in self.seen:
             assert time.monotonic() < deadline_s, f"{text!r} not in {self.seen[-4000:]!r}"
             time.sleep(0.005)

@@ -15,7 +15,7 @@ from children import MARK
 from interop.ros1_peers import ros_environment
 
 TESTS = Path(__file__).parents[1]
-PATIENCE_S = 60.0
+TIMEOUT_S = 60.0
 IGNORED = (signal.SIGINT, signal.SIGQUIT, signal.SIGHUP)
 SIGNALS = """
 import subprocess, sys
@@ -60,7 +60,7 @@ def start(folder: Path, test: str, *options: str, ignores: bool = False) -> subp
 
 def wait_until_gone(pid: int) -> None:
     """Wait until a process has ended; a zombie counts as ended."""
-    deadline = time.monotonic() + PATIENCE_S
+    deadline = time.monotonic() + TIMEOUT_S
     while time.monotonic() < deadline:
         try:
             if ") Z " in Path(f"/proc/{pid}/stat").read_text():
@@ -72,12 +72,12 @@ def wait_until_gone(pid: int) -> None:
 
 
 def test_children_get_the_usual_signals(tmp_path: Path) -> None:
-    printed, _ = start(tmp_path, SIGNALS, ignores=True).communicate(timeout=PATIENCE_S)
+    printed, _ = start(tmp_path, SIGNALS, ignores=True).communicate(timeout=TIMEOUT_S)
     assert "1 passed" in printed, printed
 
 
 def test_what_a_failed_test_left_running_is_ended(tmp_path: Path) -> None:
-    printed, _ = start(tmp_path, LEAVING.replace("WHAT_NEXT", "1 / 0")).communicate(timeout=PATIENCE_S)
+    printed, _ = start(tmp_path, LEAVING.replace("WHAT_NEXT", "1 / 0")).communicate(timeout=TIMEOUT_S)
     assert "test_it.py left running: sleep 600" in printed
     assert "1 failed, 1 error" in printed
     wait_until_gone(int((tmp_path / "pid").read_text()))
@@ -87,12 +87,12 @@ def test_what_a_failed_test_left_running_is_ended(tmp_path: Path) -> None:
 def test_sigterm_ends_the_tests_and_what_they_started(tmp_path: Path, options: tuple[str, ...]) -> None:
     running = start(tmp_path, LEAVING.replace("WHAT_NEXT", "time.sleep(600)"), *options)
     pid_file = tmp_path / "pid"
-    deadline = time.monotonic() + PATIENCE_S
+    deadline = time.monotonic() + TIMEOUT_S
     while not pid_file.exists() or not pid_file.read_text().endswith("\n"):
         assert time.monotonic() < deadline, "the test did not start"
         time.sleep(0.01)
     running.terminate()
-    printed, _ = running.communicate(timeout=PATIENCE_S)
+    printed, _ = running.communicate(timeout=TIMEOUT_S)
     assert "KeyboardInterrupt" in printed
     wait_until_gone(int(pid_file.read_text()))
 

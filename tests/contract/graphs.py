@@ -54,7 +54,7 @@ def answer(text: str = "", *, success: bool = True) -> bytes:
     return (TRUE if success else FALSE) + string(text)
 
 
-async def agreeing(request: bytes) -> bytes:
+async def answer_set_bool(request: bytes) -> bytes:
     """Handle a SetBool request: `success` is the request's `data`."""
     return answer("done", success=request == TRUE)
 
@@ -66,11 +66,11 @@ class Inbox:
     payloads: list[bytes] = field(default_factory=list)
     headers: list[dict[str, str]] = field(default_factory=list)
 
-    def take(self, payloads: Sequence[bytes]) -> None:
+    def store(self, payloads: Sequence[bytes]) -> None:
         """Store messages, as `on_messages`."""
         self.payloads.extend(payloads)
 
-    def take_header(self, fields: Mapping[str, str]) -> None:
+    def store_header(self, fields: Mapping[str, str]) -> None:
         """Store the fields of a connection header, as `on_connection`."""
         self.headers.append(dict(fields))
 
@@ -87,12 +87,12 @@ async def snapshot_when(
     return snapshot
 
 
-async def served(graph: Graph, service: str) -> None:
+async def wait_for_service(graph: Graph, service: str) -> None:
     """Wait until a node's snapshot has a service."""
     await snapshot_when(graph, lambda snapshot: service in snapshot.services)
 
 
-async def acquainted(*graphs: Graph) -> None:
+async def wait_for_nodes(*graphs: Graph) -> None:
     """Wait until every node's snapshot has all nodes."""
     names = {graph.node_name for graph in graphs}
     for graph in graphs:

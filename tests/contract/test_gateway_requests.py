@@ -15,7 +15,7 @@ from loop_watch import CallbackWatch
 from unit.gateways.foxglove.protocol_client import stage
 from unit.gateways.rosbridge.web_client import world
 
-CEILING_S = 60.0
+TIMEOUT_S = 60.0
 GATEWAYS = ["foxglove", "rosbridge"]
 SUBPROTOCOLS = [Subprotocol("foxglove.websocket.v1")]
 PIPELINED = 20_000
@@ -44,7 +44,7 @@ def upgrade(port: int) -> bytes:
 
 async def accepts_others(gateway: str, port: int) -> None:
     protocols = SUBPROTOCOLS if gateway == "foxglove" else None
-    async with asyncio.timeout(CEILING_S), connect(f"ws://127.0.0.1:{port}", subprotocols=protocols):
+    async with asyncio.timeout(TIMEOUT_S), connect(f"ws://127.0.0.1:{port}", subprotocols=protocols):
         pass
 
 
@@ -66,7 +66,7 @@ async def test_an_upgrade_in_single_bytes_is_accepted(gateway: str, monkeypatch:
             writer.write(bytes([byte]))
             # The event loop runs in between, so that the gateway reads single bytes.
             await asyncio.sleep(0)
-        async with asyncio.timeout(CEILING_S):
+        async with asyncio.timeout(TIMEOUT_S):
             assert b" 101 " in await reader.readline()
         watch.check("an upgrade in single bytes")
         writer.close()
@@ -87,7 +87,7 @@ async def test_pipelined_requests_do_not_delay_others(
         watch = CallbackWatch(monkeypatch)
         sending = asyncio.create_task(send_until_refused(writer, request * PIPELINED))
         await accepts_others(gateway, port)
-        async with asyncio.timeout(CEILING_S):
+        async with asyncio.timeout(TIMEOUT_S):
             answer = b""
             with contextlib.suppress(OSError):
                 while data := await reader.read(65536):
@@ -106,7 +106,7 @@ async def test_two_upgrades_at_once_end_without_a_defect(
         reader, writer = await asyncio.open_connection("127.0.0.1", port)
         # In one chunk, so that the second is read as a frame before the first is answered.
         writer.write(upgrade(port) * 2)
-        async with asyncio.timeout(CEILING_S):
+        async with asyncio.timeout(TIMEOUT_S):
             assert (await reader.read()).count(b"HTTP/1.1 ") == 1
     # Closing the gateway while the client was connected logged no error.
     writer.close()
@@ -124,7 +124,7 @@ async def test_a_head_without_an_end_is_refused(
         writer.write(b"GET / HTTP/1.1\r\n" if line != b"\r\n" else b"")
         sending = asyncio.create_task(send_until_refused(writer, line * (16 * MAX_HEAD_BYTES // len(line))))
         await accepts_others(gateway, port)
-        async with asyncio.timeout(CEILING_S):
+        async with asyncio.timeout(TIMEOUT_S):
             with contextlib.suppress(OSError):
                 while await reader.read(65536):
                     pass

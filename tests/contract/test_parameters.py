@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from contract.capabilities import Capabilities
-from contract.graphs import acquainted
+from contract.graphs import wait_for_nodes
 from rostether.errors import RostetherError, UnknownNameError
 from rostether.graph.ports import JoinGraph, ParamValue
 from waiting import until
@@ -30,7 +30,7 @@ MIXED: ParamValue = [1, 2.5, "three", [True]]
 @pytest.mark.parametrize("value", VALUES)
 async def test_values_come_back_as_they_were_set(join: JoinGraph, value: ParamValue) -> None:
     one, other = await join("/one"), await join("/other")
-    await acquainted(one, other)
+    await wait_for_nodes(one, other)
     await one.set_param("/one/gains/arm", value)
     for node in (one, other):
         received = await node.get_param("/one/gains/arm")
@@ -52,7 +52,7 @@ async def test_lists_of_several_kinds(join: JoinGraph, can: Capabilities) -> Non
 
 async def test_nodes_set_each_others_parameters(join: JoinGraph) -> None:
     one, other = await join("/one"), await join("/other")
-    await acquainted(one, other)
+    await wait_for_nodes(one, other)
     await other.set_param("/one/gains/p", 1.5)
     assert await one.get_param("~gains/p") == 1.5
     assert await other.has_param("/one/gains/p")
@@ -79,7 +79,7 @@ async def test_trees(join: JoinGraph) -> None:
 
 async def test_trees_of_other_nodes(join: JoinGraph) -> None:
     node, other = await join("/node"), await join("/other")
-    await acquainted(node, other)
+    await wait_for_nodes(node, other)
     await other.set_param("/node/robot", {"arm": {"p": 1}})
     await other.set_param("/node/robot", {"arm": {"i": 2}, "name": "r2"})
     for each in (node, other):
@@ -90,7 +90,7 @@ async def test_trees_of_other_nodes(join: JoinGraph) -> None:
 
 async def test_what_is_not_set_is_an_error(join: JoinGraph) -> None:
     node, other = await join("/node"), await join("/other")
-    await acquainted(node, other)
+    await wait_for_nodes(node, other)
     for name in ("/nothing", "/node/nothing", "/other/nothing"):
         with pytest.raises(UnknownNameError, match=name):
             await node.get_param(name)
@@ -109,7 +109,7 @@ async def test_names_are_resolved(join: JoinGraph) -> None:
 
 async def test_a_name_below_no_node_is_the_nodes_own(join: JoinGraph, can: Capabilities) -> None:
     node, other = await join("/lab/robot"), await join("/other")
-    await acquainted(node, other)
+    await wait_for_nodes(node, other)
     await node.set_param("/gains/p", 1)
     assert await node.get_param("/gains/p") == 1
     assert await other.has_param("/gains/p") is can.global_parameters
@@ -142,7 +142,7 @@ async def test_search_finds_what_is_the_nodes_own(join: JoinGraph) -> None:
 @pytest.mark.parametrize("owner", ["watcher", "other"])
 async def test_a_watch_reports_the_value_now_and_every_change(join: JoinGraph, owner: str) -> None:
     watcher, other = await join("/watcher"), await join("/other")
-    await acquainted(watcher, other)
+    await wait_for_nodes(watcher, other)
     name = f"/{owner}/rate"
     await other.set_param(name, 1)
     seen: list[ParamValue] = []
@@ -165,7 +165,7 @@ async def test_a_watch_reports_the_value_now_and_every_change(join: JoinGraph, o
 
 async def test_a_watch_sees_changes_above_and_below(join: JoinGraph) -> None:
     watcher, other = await join("/watcher"), await join("/other")
-    await acquainted(watcher, other)
+    await wait_for_nodes(watcher, other)
     leaf: list[ParamValue] = []
     tree: list[ParamValue] = []
     await watcher.watch_param("/watcher/arm/gains/p", leaf.append)

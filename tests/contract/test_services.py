@@ -14,11 +14,11 @@ from contract.graphs import (
     FALSE,
     SET_BOOL,
     TRUE,
-    agreeing,
     answer,
-    served,
+    answer_set_bool,
     snapshot_when,
     string,
+    wait_for_service,
 )
 from rostether.errors import (
     GraphError,
@@ -38,9 +38,9 @@ ANY_SERVICE = ServiceType("*", "*", ANY_MESSAGE, ANY_MESSAGE)
 
 async def test_a_call_is_answered(join: JoinGraph) -> None:
     server, client = await join("/server"), await join("/client")
-    handle = await server.advertise_service("/switch", SET_BOOL, agreeing)
+    handle = await server.advertise_service("/switch", SET_BOOL, answer_set_bool)
     assert handle.service == "/switch"
-    await served(client, "/switch")
+    await wait_for_service(client, "/switch")
     for request in (TRUE, FALSE):
         expected = answer("done", success=request == TRUE)
         assert await client.call_service("/switch", SET_BOOL, request, timeout_s=60) == expected
@@ -60,8 +60,8 @@ async def test_empty_and_large_payloads_are_carried(join: JoinGraph) -> None:
 
     await server.advertise_service("/echo", ADD_DIAGNOSTICS, echo)
     await server.advertise_service("/nothing", EMPTY, nothing)
-    await served(client, "/nothing")
-    await served(client, "/echo")
+    await wait_for_service(client, "/nothing")
+    await wait_for_service(client, "/echo")
     for text in ("", "ä", "x" * (1 << 20)):
         received = await client.call_service("/echo", ADD_DIAGNOSTICS, string(text), timeout_s=60)
         assert received == answer(text)
@@ -70,8 +70,8 @@ async def test_empty_and_large_payloads_are_carried(join: JoinGraph) -> None:
 
 async def test_a_caller_need_not_name_the_type(join: JoinGraph) -> None:
     server, client = await join("/server"), await join("/client")
-    await server.advertise_service("/switch", SET_BOOL, agreeing)
-    await served(client, "/switch")
+    await server.advertise_service("/switch", SET_BOOL, answer_set_bool)
+    await wait_for_service(client, "/switch")
     assert await client.call_service("switch", ANY_SERVICE, TRUE) == answer("done")
 
 
@@ -88,7 +88,7 @@ async def test_calls_run_side_by_side(join: JoinGraph) -> None:
         return TRUE + request
 
     await server.advertise_service("/meet", ADD_DIAGNOSTICS, meet)
-    await served(client, "/meet")
+    await wait_for_service(client, "/meet")
     calls = [client.call_service("/meet", ADD_DIAGNOSTICS, string(text), timeout_s=60) for text in "abc"]
     assert await asyncio.gather(*calls) == [answer("a"), answer("b"), answer("c")]
 
@@ -101,15 +101,15 @@ async def test_a_service_without_a_server_is_unavailable(join: JoinGraph) -> Non
 
 async def test_a_service_that_was_closed_is_unavailable(join: JoinGraph) -> None:
     server, client = await join("/server"), await join("/client")
-    handle = await server.advertise_service("/switch", SET_BOOL, agreeing)
-    await served(client, "/switch")
+    handle = await server.advertise_service("/switch", SET_BOOL, answer_set_bool)
+    await wait_for_service(client, "/switch")
     await handle.close()
     await handle.close()
     await snapshot_when(client, lambda snapshot: "/switch" not in snapshot.services)
     with pytest.raises(ServiceUnavailableError):
         await client.call_service("/switch", SET_BOOL, TRUE)
-    await server.advertise_service("/switch", SET_BOOL, agreeing)
-    await served(client, "/switch")
+    await server.advertise_service("/switch", SET_BOOL, answer_set_bool)
+    await wait_for_service(client, "/switch")
     assert await client.call_service("/switch", SET_BOOL, TRUE) == answer("done")
 
 
@@ -124,7 +124,7 @@ async def test_a_call_has_a_time_limit(join: JoinGraph) -> None:
         return TRUE + request
 
     await server.advertise_service("/slow", ADD_DIAGNOSTICS, slow)
-    await served(client, "/slow")
+    await wait_for_service(client, "/slow")
     with pytest.raises(ServiceTimeoutError, match="/slow did not answer within 1 s"):
         await client.call_service("/slow", ADD_DIAGNOSTICS, string("first"), timeout_s=1.0)
     # The handler runs to its end, and the next call gets its own answer.
@@ -148,8 +148,8 @@ async def test_a_handlers_error_reaches_the_caller(
 
     await server.advertise_service("/refuse", SET_BOOL, refuse)
     await server.advertise_service("/fail", SET_BOOL, fail)
-    await served(client, "/refuse")
-    await served(client, "/fail")
+    await wait_for_service(client, "/refuse")
+    await wait_for_service(client, "/fail")
     with pytest.raises(ServiceCallError, match="the board did not answer"):
         await client.call_service("/refuse", SET_BOOL, TRUE)
     assert "/refuse failed" not in caplog.text
@@ -170,7 +170,7 @@ async def test_a_handler_that_fails_ends_nothing(
         return answer()
 
     await server.advertise_service("/moody", SET_BOOL, moody)
-    await served(client, "/moody")
+    await wait_for_service(client, "/moody")
     with pytest.raises(ServiceCallError):
         # Without an answer, the call ends at its time limit.
         timeout_s = 60.0 if can.service_errors_travel else 1.0
@@ -181,8 +181,8 @@ async def test_a_handler_that_fails_ends_nothing(
 
 async def test_types_that_differ_are_named(join: JoinGraph, can: Capabilities) -> None:
     server, client = await join("/server"), await join("/client")
-    await server.advertise_service("/switch", SET_BOOL, agreeing)
-    await served(client, "/switch")
+    await server.advertise_service("/switch", SET_BOOL, answer_set_bool)
+    await wait_for_service(client, "/switch")
     with pytest.raises(TypeMismatchError) as caught:
         await client.call_service("/switch", EMPTY, b"")
     if can.definitions_travel:
@@ -194,9 +194,9 @@ async def test_types_that_differ_are_named(join: JoinGraph, can: Capabilities) -
 
 async def test_a_node_offers_a_service_once(join: JoinGraph) -> None:
     server = await join("/server")
-    await server.advertise_service("/switch", SET_BOOL, agreeing)
+    await server.advertise_service("/switch", SET_BOOL, answer_set_bool)
     with pytest.raises(GraphError, match="offers the service /switch;"):
-        await server.advertise_service("/switch", SET_BOOL, agreeing)
+        await server.advertise_service("/switch", SET_BOOL, answer_set_bool)
 
 
 async def test_who_offers_a_service_last_has_it(join: JoinGraph, can: Capabilities) -> None:
@@ -206,7 +206,7 @@ async def test_who_offers_a_service_last_has_it(join: JoinGraph, can: Capabiliti
     async def other(_: bytes) -> bytes:
         return answer("second")
 
-    old = await first.advertise_service("/switch", SET_BOOL, agreeing)
+    old = await first.advertise_service("/switch", SET_BOOL, answer_set_bool)
     await second.advertise_service("/switch", SET_BOOL, other)
     assert await client.call_service("/switch", SET_BOOL, TRUE) == answer("second")
     await old.close()
@@ -223,7 +223,7 @@ async def test_a_server_that_leaves_ends_the_calls_on_it(join: JoinGraph) -> Non
         raise AssertionError("unreachable")
 
     await server.advertise_service("/hang", SET_BOOL, hang)
-    await served(client, "/hang")
+    await wait_for_service(client, "/hang")
     call = asyncio.ensure_future(client.call_service("/hang", SET_BOOL, TRUE, timeout_s=60))
     await called.wait()
     await server.close()
@@ -248,8 +248,8 @@ async def test_a_client_is_listed_before_it_calls(join: JoinGraph, can: Capabili
     assert isinstance(node, ListsClients)
     first, second = await node.list_client("switch", SET_BOOL), await node.list_client("/switch", SET_BOOL)
     await listed_when(1)
-    await other.advertise_service("/switch", SET_BOOL, agreeing)
-    await served(node, "/switch")
+    await other.advertise_service("/switch", SET_BOOL, answer_set_bool)
+    await wait_for_service(node, "/switch")
     await first.close()
     await first.close()
     assert await node.call_service("/switch", SET_BOOL, TRUE, timeout_s=60) == answer("done")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from contract.capabilities import Capabilities
-from contract.graphs import BOOL, STRING, TRUE, Inbox, acquainted, snapshot_when, string
+from contract.graphs import BOOL, STRING, TRUE, Inbox, snapshot_when, string, wait_for_nodes
 from rostether.errors import GraphError, TypeMismatchError
 from rostether.graph.ports import JoinGraph
 from rostether.msgdef.interface import ANY_MESSAGE
@@ -17,7 +17,7 @@ async def test_batches_arrive_whole_and_in_order(join: JoinGraph) -> None:
     talker, listener = await join("/talker"), await join("/listener")
     inbox = Inbox()
     publisher = await talker.advertise("/chat", STRING)
-    subscriber = await listener.subscribe("/chat", STRING, inbox.take)
+    subscriber = await listener.subscribe("/chat", STRING, inbox.store)
     await until(lambda: publisher.subscriber_count == 1 and subscriber.publisher_count == 1)
     sent = [string(f"message {number}") for number in range(1000)]
     assert publisher.publish_raw(sent[:3])
@@ -33,7 +33,7 @@ async def test_batches_arrive_whole_and_in_order(join: JoinGraph) -> None:
 async def test_empty_and_large_payloads_arrive(join: JoinGraph) -> None:
     node, inbox = await join("/node"), Inbox()
     publisher = await node.advertise("/big", STRING)
-    await node.subscribe("/big", STRING, inbox.take)
+    await node.subscribe("/big", STRING, inbox.store)
     await until(lambda: publisher.subscriber_count == 1)
     sent = [string(""), string("x" * (3 << 20)), string(""), string("end")]
     publisher.publish_raw(sent)
@@ -46,10 +46,10 @@ async def test_every_subscriber_gets_every_message(join: JoinGraph) -> None:
     inboxes = [Inbox(), Inbox(), Inbox()]
     publishers = [await talker.advertise("/chat", STRING), await other.advertise("/chat", STRING)]
     subscribers = [
-        await listener.subscribe("/chat", STRING, inboxes[0].take),
+        await listener.subscribe("/chat", STRING, inboxes[0].store),
         # A second handle in the same node, and one in a node that publishes the topic itself.
-        await listener.subscribe("/chat", STRING, inboxes[1].take),
-        await other.subscribe("/chat", ANY_MESSAGE, inboxes[2].take),
+        await listener.subscribe("/chat", STRING, inboxes[1].store),
+        await other.subscribe("/chat", ANY_MESSAGE, inboxes[2].store),
     ]
     await until(lambda: all(each.subscriber_count == 3 for each in publishers))
     await until(lambda: all(each.publisher_count == 2 for each in subscribers))
@@ -60,7 +60,7 @@ async def test_every_subscriber_gets_every_message(join: JoinGraph) -> None:
 
 async def test_the_order_of_joining_does_not_matter(join: JoinGraph) -> None:
     listener, inbox = await join("/listener"), Inbox()
-    await listener.subscribe("/chat", STRING, inbox.take)
+    await listener.subscribe("/chat", STRING, inbox.store)
     talker = await join("/talker")
     publisher = await talker.advertise("/chat", STRING)
     await until(lambda: publisher.subscriber_count == 1)
@@ -72,13 +72,13 @@ async def test_a_latched_topic_greets_latecomers_with_its_last_message(join: Joi
     talker, listener = await join("/talker"), await join("/listener")
     witness, seen = await join("/witness"), Inbox()
     publisher = await talker.advertise("/map", STRING, latch=True)
-    await witness.subscribe("/map", STRING, seen.take)
+    await witness.subscribe("/map", STRING, seen.store)
     publisher.publish_raw([string("old"), string("new")])
     # Some graphs send in another thread.
     await until(lambda: string("new") in seen.payloads)
     for _ in range(2):
         inbox = Inbox()
-        await listener.subscribe("/map", STRING, inbox.take, on_connection=inbox.take_header)
+        await listener.subscribe("/map", STRING, inbox.store, on_connection=inbox.store_header)
         await until(lambda: inbox.payloads)  # noqa: B023 - awaited at once
         assert inbox.payloads == [string("new")]
         assert inbox.headers[0]["latching"] == "1"
@@ -88,7 +88,7 @@ async def test_a_topic_that_is_not_latched_does_not(join: JoinGraph) -> None:
     talker, listener, inbox = await join("/talker"), await join("/listener"), Inbox()
     publisher = await talker.advertise("/chat", STRING)
     publisher.publish_raw([string("before")])
-    await listener.subscribe("/chat", STRING, inbox.take, on_connection=inbox.take_header)
+    await listener.subscribe("/chat", STRING, inbox.store, on_connection=inbox.store_header)
     await until(lambda: publisher.subscriber_count == 1)
     publisher.publish_raw([string("after")])
     await until(lambda: inbox.payloads)
@@ -99,7 +99,7 @@ async def test_a_topic_that_is_not_latched_does_not(join: JoinGraph) -> None:
 async def test_a_connection_has_the_publisher_and_its_type(join: JoinGraph, can: Capabilities) -> None:
     talker, listener, inbox = await join("/talker"), await join("/listener"), Inbox()
     await talker.advertise("/chat", STRING)
-    await listener.subscribe("/chat", ANY_MESSAGE, inbox.take, on_connection=inbox.take_header)
+    await listener.subscribe("/chat", ANY_MESSAGE, inbox.store, on_connection=inbox.store_header)
     await until(lambda: inbox.headers)
     (header,) = inbox.headers
     assert header["callerid"] == "/talker"
@@ -116,11 +116,11 @@ async def test_types_that_differ_do_not_meet(join: JoinGraph, can: Capabilities)
     wrong, right = Inbox(), Inbox()
     publisher = await talker.advertise("/chat", STRING)
     try:
-        await listener.subscribe("/chat", BOOL, wrong.take)
+        await listener.subscribe("/chat", BOOL, wrong.store)
     except TypeMismatchError as error:
         assert not can.types_may_differ
         assert "String" in str(error)
-    await listener.subscribe("/chat", STRING, right.take)
+    await listener.subscribe("/chat", STRING, right.store)
     await until(lambda: publisher.subscriber_count == 1)
     publisher.publish_raw([string("hello")])
     await until(lambda: right.payloads)
@@ -133,7 +133,7 @@ async def test_a_subscriber_of_one_type_follows_the_publishers(join: JoinGraph, 
     inbox = Inbox()
     publisher = await talker.advertise("/chat", STRING)
     subscriber = await listener.subscribe(
-        "/chat", ANY_MESSAGE, inbox.take, on_connection=inbox.take_header, one_type=True
+        "/chat", ANY_MESSAGE, inbox.store, on_connection=inbox.store_header, one_type=True
     )
     await until(lambda: publisher.subscriber_count == 1)
     wrong = await other.advertise("/chat", BOOL)
@@ -156,8 +156,8 @@ async def test_a_paused_subscriber_misses_nothing(join: JoinGraph) -> None:
     talker, listener = await join("/talker"), await join("/listener")
     inbox, witness = Inbox(), Inbox()
     publisher = await talker.advertise("/chat", STRING)
-    subscriber = await listener.subscribe("/chat", STRING, inbox.take)
-    await listener.subscribe("/chat", STRING, witness.take)
+    subscriber = await listener.subscribe("/chat", STRING, inbox.store)
+    await listener.subscribe("/chat", STRING, witness.store)
     await until(lambda: publisher.subscriber_count == 2 and subscriber.publisher_count == 1)
     subscriber.pause()
     subscriber.pause()
@@ -175,8 +175,8 @@ async def test_a_subscriber_may_leave_out_what_its_own_node_publishes(join: Join
     node, other = await join("/node"), await join("/other")
     inbox, witness = Inbox(), Inbox()
     mine, theirs = await node.advertise("/chat", STRING), await other.advertise("/chat", STRING)
-    subscriber = await node.subscribe("/chat", STRING, inbox.take, skip_own=True)
-    await other.subscribe("/chat", STRING, witness.take)
+    subscriber = await node.subscribe("/chat", STRING, inbox.store, skip_own=True)
+    await other.subscribe("/chat", STRING, witness.store)
     await until(lambda: mine.subscriber_count >= 1 and theirs.subscriber_count == 2)
     await until(lambda: subscriber.publisher_count >= 1)
     await snapshot_when(node, lambda snapshot: "/other" in snapshot.topics["/chat"].subscribers)
@@ -191,12 +191,12 @@ async def test_a_subscriber_may_leave_out_nodes(join: JoinGraph) -> None:
     node, other, witness = await join("/node"), await join("/other"), Inbox()
     names: set[str] = set()
     inbox = Inbox()
-    await node.subscribe("/chat", STRING, inbox.take, skip_nodes=names)
-    await node.subscribe("/chat", STRING, witness.take)
+    await node.subscribe("/chat", STRING, inbox.store, skip_nodes=names)
+    await node.subscribe("/chat", STRING, witness.store)
     names.add("/left_out")
     left_out = await join("/left_out")
     publishers = [await graph.advertise("/chat", STRING) for graph in (node, other, left_out)]
-    await acquainted(node, other, left_out)
+    await wait_for_nodes(node, other, left_out)
     await until(lambda: all(publisher.subscriber_count >= 1 for publisher in publishers))
     await snapshot_when(node, lambda snapshot: len(snapshot.topics["/chat"].publishers) == 3)
 
@@ -232,7 +232,7 @@ async def test_a_callback_that_fails_ends_nothing(join: JoinGraph, caplog: pytes
 
     publisher = await node.advertise("/chat", STRING)
     broken = await node.subscribe("/chat", STRING, fail, on_connection=fail)
-    await node.subscribe("/chat", STRING, inbox.take)
+    await node.subscribe("/chat", STRING, inbox.store)
     await until(lambda: publisher.subscriber_count == 2)
     for count in (1, 2):
         publisher.publish_raw([string("hello")])
@@ -247,7 +247,7 @@ async def test_a_callback_that_fails_ends_nothing(join: JoinGraph, caplog: pytes
 async def test_closing_a_publisher_disconnects_its_subscribers(join: JoinGraph) -> None:
     talker, listener, inbox = await join("/talker"), await join("/listener"), Inbox()
     publisher = await talker.advertise("/chat", STRING)
-    subscriber = await listener.subscribe("/chat", STRING, inbox.take)
+    subscriber = await listener.subscribe("/chat", STRING, inbox.store)
     await until(lambda: publisher.subscriber_count == 1 and subscriber.publisher_count == 1)
     publisher.publish_raw([string("last words")])
     await publisher.close()
@@ -263,7 +263,7 @@ async def test_closing_a_publisher_disconnects_its_subscribers(join: JoinGraph) 
 async def test_a_publisher_of_a_closed_node_has_no_subscribers_and_drops_messages(join: JoinGraph) -> None:
     talker, listener = await join("/talker"), await join("/listener")
     publisher = await talker.advertise("/chat", STRING)
-    await listener.subscribe("/chat", STRING, Inbox().take)
+    await listener.subscribe("/chat", STRING, Inbox().store)
     await until(lambda: publisher.subscriber_count)
     await talker.close()
     assert publisher.publish_raw([string("late")])
@@ -274,8 +274,8 @@ async def test_no_callback_runs_after_a_subscriber_is_closed(join: JoinGraph) ->
     talker, listener = await join("/talker"), await join("/listener")
     closed, witness = Inbox(), Inbox()
     publisher = await talker.advertise("/chat", STRING)
-    subscriber = await listener.subscribe("/chat", STRING, closed.take)
-    await listener.subscribe("/chat", STRING, witness.take)
+    subscriber = await listener.subscribe("/chat", STRING, closed.store)
+    await listener.subscribe("/chat", STRING, witness.store)
     await until(lambda: publisher.subscriber_count == 2)
     publisher.publish_raw([string("too late")] * 100)
     await subscriber.close()
@@ -292,7 +292,7 @@ async def test_two_handles_on_one_topic_share_its_subscribers(join: JoinGraph) -
     talker, listener, inbox = await join("/talker"), await join("/listener"), Inbox()
     first = await talker.advertise("/chat", STRING)
     second = await talker.advertise("/chat", STRING)
-    await listener.subscribe("/chat", STRING, inbox.take)
+    await listener.subscribe("/chat", STRING, inbox.store)
     await until(lambda: first.subscriber_count == second.subscriber_count == 1)
     await first.close()
     assert second.publish_raw([string("still here")])
@@ -309,7 +309,7 @@ async def test_names_are_resolved_and_remapped(join: JoinGraph) -> None:
     assert robot.resolve("odom") == "/robot/odom"
     publisher = await robot.advertise("chat", STRING)
     assert publisher.topic == "/talk"
-    await other.subscribe("talk", STRING, inbox.take)
+    await other.subscribe("talk", STRING, inbox.store)
     await until(lambda: publisher.subscriber_count == 1)
     publisher.publish_raw([string("hello")])
     await until(lambda: inbox.payloads)
@@ -321,4 +321,4 @@ async def test_a_node_that_has_left_accepts_no_requests(join: JoinGraph) -> None
     with pytest.raises(GraphError, match="has left the graph"):
         await node.advertise("/chat", STRING)
     with pytest.raises(GraphError, match="has left the graph"):
-        await node.subscribe("/chat", STRING, Inbox().take)
+        await node.subscribe("/chat", STRING, Inbox().store)

@@ -23,8 +23,8 @@ async def no_answer(_: bytes) -> bytes:
 async def test_a_snapshot_holds_everything(join: JoinGraph, can: Capabilities) -> None:
     talker, listener = await join("/talker"), await join("/listener")
     await talker.advertise("/chat", STRING)
-    await listener.subscribe("/chat", ANY_MESSAGE, Inbox().take)
-    await listener.subscribe("/unknown", ANY_MESSAGE, Inbox().take)
+    await listener.subscribe("/chat", ANY_MESSAGE, Inbox().store)
+    await listener.subscribe("/unknown", ANY_MESSAGE, Inbox().store)
     await talker.advertise_service("/switch", SET_BOOL, no_answer)
 
     def is_complete(snapshot: Snapshot) -> bool:
@@ -76,7 +76,7 @@ async def test_logs_are_published_under_the_nodes_name(join: JoinGraph, can: Cap
     node, listener, inbox = await join("/node"), await join("/listener"), Inbox()
     # Latched: a later subscriber receives the last message.
     node.log(Level.WARN, "too hot: 90 °C")
-    await listener.subscribe(ROSOUT, LOG_TYPE, inbox.take)
+    await listener.subscribe(ROSOUT, LOG_TYPE, inbox.store)
     named = string(can.logger_of_node) + string("too hot: 90 °C")
     await until(lambda: any(named in each for each in inbox.payloads))
     (payload,) = [each for each in inbox.payloads if named in each]
@@ -114,9 +114,9 @@ async def test_time_is_that_of_clock_where_it_is_simulated(join: JoinGraph, can:
 async def test_a_node_that_leaves_takes_everything_with_it(join: JoinGraph) -> None:
     leaver, stayer, inbox = await join("/leaver"), await join("/stayer"), Inbox()
     publisher = await leaver.advertise("/chat", STRING)
-    subscriber = await stayer.subscribe("/chat", STRING, inbox.take)
+    subscriber = await stayer.subscribe("/chat", STRING, inbox.store)
     kept = await stayer.advertise("/back", STRING)
-    await leaver.subscribe("/back", STRING, inbox.take)
+    await leaver.subscribe("/back", STRING, inbox.store)
     await leaver.advertise_service("/switch", SET_BOOL, no_answer)
     await until(lambda: publisher.subscriber_count == kept.subscriber_count == 1)
     closed = asyncio.ensure_future(leaver.wait_closed())
@@ -141,6 +141,6 @@ async def test_a_new_node_of_the_same_name_replaces_the_old_one(join: JoinGraph,
     assert "new node registered with same name" in await asyncio.wait_for(old.wait_closed(), 60)
     inbox = Inbox()
     listener = await join("/listener")
-    await listener.subscribe("/chat", STRING, inbox.take)
+    await listener.subscribe("/chat", STRING, inbox.store)
     await until(lambda: publisher.subscriber_count == 1)
     assert (await new.snapshot()).topics["/chat"].publishers == ("/node",)

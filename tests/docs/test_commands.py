@@ -32,7 +32,7 @@ on_page_markdown = runpy.run_path(str(REPOSITORY / "docs" / "hooks.py"))["on_pag
 PAGES = sorted(
     page for page in [REPOSITORY / "README.md", *(REPOSITORY / "docs").rglob("*.md")] if steps(page)
 )
-PATIENCE_S = 60.0
+TIMEOUT_S = 60.0
 # Of longer output, the page keeps only the lines that it has.
 MAX_WHOLE_LINES = 60
 WRITES_OUTPUT = bool(os.environ.get("WRITE_OUTPUT"))
@@ -111,7 +111,7 @@ class Terminal:
         """
         output = self._home / f"output-{time.monotonic_ns()}"
         process = self._start(command, output)
-        deadline = time.monotonic() + PATIENCE_S
+        deadline = time.monotonic() + TIMEOUT_S
         is_settled = False
         seen_bytes = -1
         while not is_settled:
@@ -181,7 +181,7 @@ class Terminal:
         with contextlib.suppress(ProcessLookupError):
             os.killpg(process.pid, signal.SIGINT)
         try:
-            return process.wait(PATIENCE_S)
+            return process.wait(TIMEOUT_S)
         except subprocess.TimeoutExpired:
             os.killpg(process.pid, signal.SIGKILL)
             process.wait()

@@ -20,7 +20,7 @@ from interop.machines import Machines, machines, missing_namespaces
 HOW_TO = Path(__file__).parents[2] / "docs" / "how-to"
 PAGE = HOW_TO / "fleet-of-robots.md"
 COMMANDS = on_machines(PAGE)
-PATIENCE_S = 60.0
+TIMEOUT_S = 60.0
 LAMP = 'rostether service call --ros2 zenoh /robot1/lamp std_srvs/srv/SetBool "{data: true}"'
 TWISTS = "/robot1/cmd_vel geometry_msgs/msg/Twist"
 ECHO = "rostether topic echo --ros2 zenoh --once /robot1/chatter"
@@ -63,14 +63,14 @@ class Terminals:
                 start_new_session=True,
             )
         self._running.append(process)
-        deadline_s = time.monotonic() + PATIENCE_S
+        deadline_s = time.monotonic() + TIMEOUT_S
         while expected not in printed.read_text(errors="replace"):
             assert process.poll() is None, printed.read_text()
             assert time.monotonic() < deadline_s, printed.read_text()
             time.sleep(0.02)
         return printed
 
-    def type(self, machine: str, command: str, timeout_s: float = PATIENCE_S) -> str:
+    def type(self, machine: str, command: str, timeout_s: float = TIMEOUT_S) -> str:
         """Type a command that ends, or end it after a time limit; return its output."""
         with subprocess.Popen(
             [*self._network.on(machine), *argv(command)],
@@ -86,7 +86,7 @@ class Terminals:
                 return process.communicate(timeout=timeout_s)[0]
             except subprocess.TimeoutExpired:
                 os.killpg(process.pid, signal.SIGINT)
-                return process.communicate(timeout=PATIENCE_S)[0]
+                return process.communicate(timeout=TIMEOUT_S)[0]
 
     def end(self) -> None:
         """End the commands that were left running."""
@@ -95,7 +95,7 @@ class Terminals:
                 os.killpg(process.pid, signal.SIGINT)
         for process in self._running:
             try:
-                process.wait(PATIENCE_S)
+                process.wait(TIMEOUT_S)
             except subprocess.TimeoutExpired:
                 os.killpg(process.pid, signal.SIGKILL)
                 process.wait()
@@ -153,7 +153,7 @@ def test_only_known_certificates_are_admitted(network: Machines, tmp_path: Path,
         pub = f"rostether topic pub --ros2 zenoh -r 10 {TWISTS}"
         typing.start("visitor", f"{pub} '{{linear: {{x: 1.0}}}}'", "publishing #5")
         typing.start("laptop", f"{pub} '{{linear: {{x: 2.0}}}}'", "publishing #5")
-        deadline_s = time.monotonic() + PATIENCE_S
+        deadline_s = time.monotonic() + TIMEOUT_S
         while "x: 2.0" not in orders.read_text():
             assert time.monotonic() < deadline_s
             time.sleep(0.02)

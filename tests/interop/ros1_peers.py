@@ -21,7 +21,7 @@ from collections.abc import AsyncIterator
 from pathlib import Path
 
 from children import MARK
-from programs import PATIENCE_S, Peer, start_program
+from programs import TIMEOUT_S, Peer, start_program
 from rostether.errors import GraphError
 from rostether.ros1.node.master_client import MasterClient
 
@@ -165,7 +165,7 @@ class Ros1Peers:
         self._peers.append(peer)
         return peer
 
-    async def run(self, *command: str, timeout_s: float = PATIENCE_S, check: bool = True) -> str:
+    async def run(self, *command: str, timeout_s: float = TIMEOUT_S, check: bool = True) -> str:
         """Run a program to its end and return its output; fail if its exit code is not 0."""
         peer = await self.start(*command)
         text = await peer.finish(timeout_s)
@@ -195,7 +195,7 @@ async def debian_roscore(home: Path) -> AsyncIterator[Ros1Peers]:
     master = MasterClient(peers.master_uri, "/roslaunch")
     try:
         await peers.start("rosmaster", "--core", "-p", str(port))
-        async with asyncio.timeout(PATIENCE_S):
+        async with asyncio.timeout(TIMEOUT_S):
             while not await _answers(master):
                 await asyncio.sleep(0.01)
             for name, value in CORE_PARAMETERS.items():

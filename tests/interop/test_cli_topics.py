@@ -14,7 +14,7 @@ import pytest
 from interop.ros1_peers import Ros1Peers, debian_roscore
 from programs import Peer
 
-OURS = (sys.executable, "-m", "rostether")
+ROSTETHER = (sys.executable, "-m", "rostether")
 
 STAGE = """
 import rospy
@@ -46,7 +46,7 @@ while not rospy.is_shutdown():
 async def our_master(home: Path) -> AsyncIterator[Ros1Peers]:
     peers = Ros1Peers("http://localhost:1/", home)
     try:
-        core = await peers.start(*OURS, "core", "--port", "0")
+        core = await peers.start(*ROSTETHER, "core", "--port", "0")
         await core.wait_for("ROS_MASTER_URI=")
         uri = next(line for line in core.lines if "ROS_MASTER_URI=" in line).partition("=")[2]
         peers.master_uri = peers.environment["ROS_MASTER_URI"] = uri
@@ -83,7 +83,7 @@ async def test_listings_are_debian_s(stage: Ros1Peers) -> None:
     async def compare(command: str) -> str:
         group, *rest = command.split()
         async with gate:
-            ours = await stage.run(*OURS, group, *rest)
+            ours = await stage.run(*ROSTETHER, group, *rest)
             theirs = await stage.run(f"ros{group}", *rest)
         # Debian's -v lists topics in the order of their registration, rostether's by name.
         same = sorted(ours.splitlines()) == sorted(theirs.splitlines()) if "-v" in rest else ours == theirs
@@ -114,7 +114,7 @@ async def test_echo_is_debian_s(stage: Ros1Peers) -> None:
 
     async def compare(command: str) -> str:
         async with gate:
-            ours = await stage.run(*OURS, "topic", "echo", "-n", "1", *command.split())
+            ours = await stage.run(*ROSTETHER, "topic", "echo", "-n", "1", *command.split())
             theirs = await stage.run("rostopic", "echo", "-n", "1", *command.split())
         same = blur_seq(ours) == blur_seq(theirs)
         return "" if same else f"--- {command}\n{theirs}\n--- and ours\n{ours}"
@@ -128,7 +128,7 @@ async def test_rates_read_as_debian_s(stage: Ros1Peers) -> None:
     for verb in ("hz", "bw"):
         for _ in range(10):
             theirs = await stage.start("rostopic", verb, "/ticks")
-            ours = await stage.start(*OURS, "topic", verb, "-n", "1", "/ticks")
+            ours = await stage.start(*ROSTETHER, "topic", verb, "-n", "1", "/ticks")
             await theirs.wait_for(lambda lines: len(lines) >= 3)
             await theirs.stop()
             await ours.finish()
@@ -158,10 +158,10 @@ async def test_publishing_both_ways(stage: Ros1Peers) -> None:
 
     theirs = await stage.start("rostopic", "echo", "-n", "1", "/out")
     words = ("pub", "-1", "/out", "std_msgs/String", "data: from us")
-    ours = await published(theirs, *OURS, "topic", *words)
+    ours = await published(theirs, *ROSTETHER, "topic", *words)
     assert ours == "publishing and latching message for 3.0 seconds"
     assert 'data: "from us"' in await theirs.finish()
-    echoing = await stage.start(*OURS, "topic", "echo", "-n", "1", "/in")
+    echoing = await stage.start(*ROSTETHER, "topic", "echo", "-n", "1", "/in")
     words = ("pub", "-1", "/in", "std_msgs/String", "data: from them")
     assert await published(echoing, "rostopic", *words) == ours
     assert 'data: "from them"' in await echoing.finish()

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from interop.ros1_peers import Ros1Peers, free_port
-from programs import PATIENCE_S
+from programs import TIMEOUT_S
 
 
 @pytest.mark.roscpp
@@ -24,7 +24,7 @@ async def test_roscore_is_what_the_other_tests_start_in_its_place(roscore: Ros1P
         core = await other.start("roscore", "-p", str(port))
         await core.wait_for("started core service [/rosout]")
         # rosout registers itself some time after its start.
-        async with asyncio.timeout(PATIENCE_S):
+        async with asyncio.timeout(TIMEOUT_S):
             while "/rosout_agg" not in await other.run("rostopic", "list", check=False):
                 await asyncio.sleep(0.01)
         for command in (("rosnode", "list"), ("rostopic", "list", "-v"), ("rosservice", "list")):

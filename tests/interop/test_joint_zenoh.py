@@ -16,12 +16,12 @@ from contract.graphs import (
     STRING,
     TRUE,
     Inbox,
-    acquainted,
-    agreeing,
     answer,
-    served,
+    answer_set_bool,
     snapshot_when,
     string,
+    wait_for_nodes,
+    wait_for_service,
 )
 from contract.zenoh_graphs import open_session
 from interop.ros1_peers import free_port
@@ -59,16 +59,16 @@ async def world() -> AsyncIterator[World]:
         ros1, ros2 = await join("/peer"), await sessions[1].join("/peer")
         stack.push_async_callback(ros1.close)
         stack.push_async_callback(ros2.close)
-        await acquainted(board._graphs[1], ros2)
+        await wait_for_nodes(board._graphs[1], ros2)
         yield World(board, ros1, ros2, master)
 
 
 async def test_topics_both_ways_and_its_own_once(world: World) -> None:
     inboxes, mine = {"1": Inbox(), "2": Inbox()}, Inbox()
     publisher = await world.board.advertise("/chat", STRING, latch=True)
-    await world.board.subscribe("/chat", STRING, mine.take)
-    await world.ros1.subscribe("/chat", STRING, inboxes["1"].take)
-    await world.ros2.subscribe("/chat", STRING, inboxes["2"].take)
+    await world.board.subscribe("/chat", STRING, mine.store)
+    await world.ros1.subscribe("/chat", STRING, inboxes["1"].store)
+    await world.ros2.subscribe("/chat", STRING, inboxes["2"].store)
     await until(lambda: publisher.subscriber_count >= 3)
     publisher.publish_raw([string("hello")])
     await until(lambda: all(inbox.payloads == [string("hello")] for inbox in inboxes.values()))
@@ -84,13 +84,13 @@ async def test_topics_both_ways_and_its_own_once(world: World) -> None:
 
 
 async def test_services_both_ways(world: World) -> None:
-    await world.board.advertise_service("/switch", SET_BOOL, agreeing)
+    await world.board.advertise_service("/switch", SET_BOOL, answer_set_bool)
     for peer in (world.ros1, world.ros2):
-        await served(peer, "/switch")
+        await wait_for_service(peer, "/switch")
         assert await peer.call_service("/switch", SET_BOOL, TRUE, timeout_s=60) == answer("done")
     for number, peer in enumerate((world.ros1, world.ros2)):
-        await peer.advertise_service(f"/peer{number}", SET_BOOL, agreeing)
-        await served(world.board, f"/peer{number}")
+        await peer.advertise_service(f"/peer{number}", SET_BOOL, answer_set_bool)
+        await wait_for_service(world.board, f"/peer{number}")
         called = await world.board.call_service(f"/peer{number}", SET_BOOL, TRUE, timeout_s=60)
         assert called == answer("done")
 
@@ -113,7 +113,7 @@ async def test_a_master_that_dies_does_not_disturb_ros2(world: World) -> None:
     await world.master.close()
     late = await asyncio.wait_for(world.board.advertise("/after", STRING), 60)
     for topic, talker in (("/before", publisher), ("/after", late)):
-        await world.ros2.subscribe(topic, STRING, inbox.take)
+        await world.ros2.subscribe(topic, STRING, inbox.store)
         await until(lambda: talker.subscriber_count)  # noqa: B023 - awaited at once
         talker.publish_raw([string(topic)])
     await until(lambda: inbox.payloads == [string("/before"), string("/after")])

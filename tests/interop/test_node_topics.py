@@ -132,11 +132,11 @@ async def test_publisher_refuses_rospy_subscriber_of_another_type(
 
 async def test_rospy_publisher_to_subscriber(stage: Stage) -> None:
     node, inbox, latecomer = await stage.join("/listener"), Inbox(), Inbox()
-    await node.subscribe("/chat", STRING, inbox.take, on_connection=inbox.take_header)
+    await node.subscribe("/chat", STRING, inbox.store, on_connection=inbox.store_header)
     await stage.peers.rospy(PUBLISH, "/chat", "once", "500", "message %d")
     await until(lambda: len(inbox.payloads) == 500)
     assert texts(inbox) == [f"message {number}" for number in range(500)]
-    await node.subscribe("/chat", ANY_MESSAGE, latecomer.take, on_connection=latecomer.take_header)
+    await node.subscribe("/chat", ANY_MESSAGE, latecomer.store, on_connection=latecomer.store_header)
     await until(lambda: latecomer.headers)
     assert latecomer.headers == inbox.headers
     (header,) = inbox.headers
@@ -149,7 +149,7 @@ async def test_latched_rospy_publisher_to_subscriber(stage: Stage) -> None:
     peer = await stage.peers.rospy(PUBLISH, "/map", "latch", "3", "map %d")
     await peer.wait_for("sent")
     node, inbox = await stage.join("/listener"), Inbox()
-    await node.subscribe("/map", STRING, inbox.take, on_connection=inbox.take_header)
+    await node.subscribe("/map", STRING, inbox.store, on_connection=inbox.store_header)
     await until(lambda: inbox.payloads)
     assert texts(inbox) == ["map 2"]
     assert inbox.headers[0]["latching"] == "1"
@@ -159,7 +159,7 @@ async def test_latched_rospy_publisher_to_subscriber(stage: Stage) -> None:
 async def test_latched_roscpp_publisher_to_subscriber(stage: Stage) -> None:
     node, inbox = await stage.join("/listener"), Inbox()
     await stage.peers.roscpp("latch", "/map", "the map")
-    await node.subscribe("/map", STRING, inbox.take, on_connection=inbox.take_header)
+    await node.subscribe("/map", STRING, inbox.store, on_connection=inbox.store_header)
     await until(lambda: inbox.payloads)
     assert texts(inbox) == ["the map"]
     assert inbox.headers[0]["latching"] == "1"
@@ -169,7 +169,7 @@ async def test_latched_roscpp_publisher_to_subscriber(stage: Stage) -> None:
 @pytest.mark.roscpp
 async def test_flood_of_roscpp_publisher_to_subscriber_that_pauses(stage: Stage) -> None:
     node, inbox = await stage.join("/listener"), Inbox()
-    subscriber = await node.subscribe("/chat", STRING, inbox.take)
+    subscriber = await node.subscribe("/chat", STRING, inbox.store)
     count = 100_000
     await stage.peers.roscpp("flood", "/chat", str(count), "64", "0")
     await until(lambda: len(inbox.payloads) > 1000)
@@ -187,7 +187,7 @@ async def test_flood_of_roscpp_publisher_to_subscriber_that_pauses(stage: Stage)
 
 async def test_large_message_of_rospy_publisher_to_subscriber(stage: Stage) -> None:
     node, inbox = await stage.join("/listener"), Inbox()
-    await node.subscribe("/big", STRING, inbox.take)
+    await node.subscribe("/big", STRING, inbox.store)
     script = PUBLISH.replace("sys.argv[4] % number", "'x' * 20_000_000")
     await stage.peers.rospy(script, "/big", "once", "2", "%")
     await until(lambda: len(inbox.payloads) == 2)
@@ -196,7 +196,7 @@ async def test_large_message_of_rospy_publisher_to_subscriber(stage: Stage) -> N
 
 async def test_rospy_publisher_that_restarts_is_found_again(stage: Stage) -> None:
     node, inbox = await stage.join("/listener"), Inbox()
-    subscriber = await node.subscribe("/chat", STRING, inbox.take)
+    subscriber = await node.subscribe("/chat", STRING, inbox.store)
     for count in (1, 2):
         peer = await stage.peers.rospy(PUBLISH, "/chat", "once", "1", "hello")
         await until(lambda: len(inbox.payloads) == count)  # noqa: B023 - awaited at once
@@ -207,7 +207,7 @@ async def test_rospy_publisher_that_restarts_is_found_again(stage: Stage) -> Non
 @ON_BOTH_MASTERS
 async def test_rostopic_pub_to_subscriber(stage: Stage) -> None:
     node, inbox = await stage.join("/listener"), Inbox()
-    await node.subscribe("/chat", STRING, inbox.take)
+    await node.subscribe("/chat", STRING, inbox.store)
     await stage.peers.start("rostopic", "pub", "-r", "50", "/chat", "std_msgs/String", "data: hello")
     await until(lambda: len(inbox.payloads) >= 5)
     assert set(texts(inbox)) == {"hello"}
@@ -236,7 +236,7 @@ async def test_rosbag_records_publisher_and_plays_to_subscriber(stage: Stage, tm
     publisher.publish_raw([string(f"message {number}") for number in range(100)])
     await recorder.finish()
     await publisher.close()
-    await node.subscribe("/chat", STRING, inbox.take)
+    await node.subscribe("/chat", STRING, inbox.store)
     await stage.peers.start("rosbag", "play", "--wait-for-subscribers", str(bag))
     await until(lambda: len(inbox.payloads) == 100)
     assert texts(inbox) == [f"message {number}" for number in range(100)]

@@ -9,7 +9,7 @@ from contextlib import AsyncExitStack
 import pytest
 import pytest_asyncio
 
-from contract.graphs import ADD_DIAGNOSTICS, Inbox, answer, served, snapshot_when, string
+from contract.graphs import ADD_DIAGNOSTICS, Inbox, answer, snapshot_when, string, wait_for_service
 from contract.zenoh_graphs import open_session, ros2_types
 from interop.ros1_peers import free_port
 from rostether.cli.bridge.relay import finding_types
@@ -77,7 +77,7 @@ async def listen(target: Graph, topic: str, taken: MessageType) -> Inbox:
     """Wait until the topic is relayed; return the target's inbox."""
     inbox = Inbox()
     await snapshot_when(target, lambda seen: topic in seen.topics and seen.topics[topic].publishers)
-    await target.subscribe(topic, taken, inbox.take, on_connection=inbox.take_header)
+    await target.subscribe(topic, taken, inbox.store, on_connection=inbox.store_header)
     await until(lambda: inbox.headers)
     return inbox
 
@@ -99,7 +99,7 @@ async def test_topics(world: World, type_name: str, fields: dict[str, object], *
     inbox = await listen(target, "/data", message_type)
     await until(lambda: talker.subscriber_count)
     back = Inbox()
-    await source.subscribe("/data", message_type, back.take)
+    await source.subscribe("/data", message_type, back.store)
     sent = 0
 
     async def keep_publishing() -> None:
@@ -144,6 +144,6 @@ async def test_services(world: World, *, to_ros2: bool) -> None:
         return b"\1" + request
 
     await source.advertise_service("/add", ADD_DIAGNOSTICS, echo)
-    await served(target, "/add")
+    await wait_for_service(target, "/add")
     called = await target.call_service("/add", ADD_DIAGNOSTICS, string("ns"), timeout_s=60)
     assert called == answer("ns")

@@ -11,7 +11,7 @@ from contextlib import AsyncExitStack
 
 import pytest_asyncio
 
-from contract.graphs import SET_BOOL, STRING, TRUE, Inbox, acquainted, agreeing, answer, string
+from contract.graphs import SET_BOOL, STRING, TRUE, Inbox, answer, answer_set_bool, string, wait_for_nodes
 from contract.zenoh_graphs import open_session
 from interop.ros1_peers import free_port
 from programs import Peer, start_command
@@ -80,7 +80,7 @@ async def world() -> AsyncIterator[World]:
         ]
         for graph in graphs:
             stack.push_async_callback(graph.close)
-        await acquainted(graphs[1])
+        await wait_for_nodes(graphs[1])
         yield World(stack, master.uri, port, graphs)
 
 
@@ -99,7 +99,7 @@ class Flow:
         """Subscribe in both graphs, and advertise in the graphs of `talking`."""
         graphs = self._world.graphs
         for graph, inbox in zip(graphs, self.inboxes, strict=True):
-            await graph.subscribe(self._topic, STRING, inbox.take)
+            await graph.subscribe(self._topic, STRING, inbox.store)
         self._talkers = [await graphs[number].advertise(self._topic, STRING) for number in talking]
 
     async def arrives(self, *others: Inbox) -> None:
@@ -168,7 +168,7 @@ async def test_two_relays_offer_a_service_once_and_leave_with_its_server(world: 
         raise RostetherError("not today")
 
     server = await ros2.advertise_service("/pull", SET_BOOL, refuse)
-    mine = await ros1.advertise_service("/push", SET_BOOL, agreeing)
+    mine = await ros1.advertise_service("/push", SET_BOOL, answer_set_bool)
     for _ in range(2):
         await world.relay("--service", "/pull", "--service", "/push=std_srvs/SetBool")
     await world.until_nodes("relay", at_least=2)
@@ -201,10 +201,12 @@ async def test_a_relay_beside_a_board_in_both_graphs(world: World) -> None:
     await flow.open(0, 1)
     received = [Inbox() for _ in world.graphs]
     for graph, inbox in zip(world.graphs, received, strict=True):
-        await graph.subscribe("/sensor", STRING, inbox.take)
+        await graph.subscribe("/sensor", STRING, inbox.store)
     commands = Inbox()
     async with Device(f"tcp://127.0.0.1:{port}") as device:
-        device.subscriber("command", "std_msgs/String", lambda message: commands.take([string(message.data)]))
+        device.subscriber(
+            "command", "std_msgs/String", lambda message: commands.store([string(message.data)])
+        )
         sensor = device.publisher("sensor", "std_msgs/String")
         await world.until_nodes("board", at_least=1)
         await flow.arrives(commands)
@@ -233,7 +235,7 @@ async def test_relays_of_two_robots_carry_from_one_master_to_the_other(world: Wo
     far = await join_ros1("/peer", environment=RosEnvironment.read({}).with_master(second.uri))
     try:
         inbox = Inbox()
-        await far.subscribe("/chatter", STRING, inbox.take)
+        await far.subscribe("/chatter", STRING, inbox.store)
         flow = Flow(world, "/chatter")
         await flow.open(0, 1)
         for _ in range(2):
@@ -253,8 +255,8 @@ async def test_relays_of_two_robots_carry_from_one_master_to_the_other(world: Wo
 
 async def test_a_killed_relay_is_followed(world: World) -> None:
     ros1, ros2 = world.graphs
-    await ros2.advertise_service("/pull", SET_BOOL, agreeing)
-    await ros1.advertise_service("/push", SET_BOOL, agreeing)
+    await ros2.advertise_service("/pull", SET_BOOL, answer_set_bool)
+    await ros1.advertise_service("/push", SET_BOOL, answer_set_bool)
     flow = Flow(world, "/chatter")
     await flow.open(0, 1)
     relay = await world.relay("/*", "--service", "/pull", "--service", "/push")

@@ -16,7 +16,7 @@ from programs import Peer
 from waiting import until
 
 THEIRS = Path("/usr/lib/topic_tools")
-OURS = [sys.executable, "-m", "rostether", "role"]
+ROSTETHER = [sys.executable, "-m", "rostether", "role"]
 
 pytestmark = pytest.mark.topic_tools
 
@@ -28,7 +28,7 @@ async def stage(tmp_path: Path) -> AsyncIterator[Stage]:
 
 
 def command(whose: str, node: str) -> list[str]:
-    return [*OURS, node.replace("_", "-")] if whose == "ours" else [str(THEIRS / node)]
+    return [*ROSTETHER, node.replace("_", "-")] if whose == "ours" else [str(THEIRS / node)]
 
 
 async def start(stage: Stage, whose: str, node: str, *arguments: str) -> Peer:
@@ -77,7 +77,7 @@ async def test_a_relay_and_a_throttle(stage: Stage, whose: str) -> None:
     began_s = time.monotonic()
     inboxes = {topic: Inbox() for topic in ("/a", "/copy", "/a_throttle")}
     for topic, inbox in inboxes.items():
-        await node.subscribe(topic, STRING, inbox.take)
+        await node.subscribe(topic, STRING, inbox.store)
     await until(lambda: len(inboxes["/copy"].payloads) >= 50 and len(inboxes["/a_throttle"].payloads) >= 3)
     count = len(inboxes["/a_throttle"].payloads)
     assert count <= 5.0 * (time.monotonic() - began_s) + 1

@@ -82,7 +82,7 @@ async def test_publisher_to_sdk_subscriber(node: Graph, peer: SdkPeer) -> None:
 
 async def test_sdk_publisher_to_subscriber(node: Graph, peer: SdkPeer) -> None:
     inbox = Inbox()
-    await node.subscribe("/chat", STRING, inbox.take, on_connection=inbox.take_header)
+    await node.subscribe("/chat", STRING, inbox.store, on_connection=inbox.store_header)
     await peer.do(
         "advertise", "/chat", msg_type="std_msgs/msg/String", msg_definition=STRING_TEXT, node_name="talker"
     )
@@ -103,7 +103,7 @@ async def test_a_stamped_message_both_ways(node: Graph, session: ZenohSession, p
     }
     codec = STORE.codec("sensor_msgs/Range")
     there, back = await node.advertise("/there", RANGE), Inbox()
-    await node.subscribe("/back", ANY_MESSAGE, back.take)
+    await node.subscribe("/back", ANY_MESSAGE, back.store)
     await peer.do("subscribe", "/there", **kind)
     await peer.do("advertise", "/back", **kind)
     await until(lambda: there.subscriber_count == 1)
@@ -174,7 +174,7 @@ async def test_service_of_sdk_called(node: Graph, peer: SdkPeer) -> None:
 
 async def test_each_sees_the_others_graph(node: Graph, session: ZenohSession, peer: SdkPeer) -> None:
     await node.advertise("/ours", STRING)
-    await node.subscribe("/back", STRING, Inbox().take)
+    await node.subscribe("/back", STRING, Inbox().store)
     await peer.do(
         "advertise",
         "/theirs",

@@ -23,7 +23,7 @@ from rclpy.parameter import Parameter
 from rclpy.parameter_client import AsyncParameterClient
 from rclpy.qos import DurabilityPolicy, QoSProfile, qos_profile_sensor_data
 
-PATIENCE_S = 60.0
+TIMEOUT_S = 60.0
 QUALITIES = {
     "default": QoSProfile(depth=100),
     "sensor": qos_profile_sensor_data,
@@ -69,7 +69,7 @@ def plain(value: Any) -> Any:
 
 
 def wait_for(condition: Any, what: str) -> None:
-    deadline_s = time.monotonic() + PATIENCE_S
+    deadline_s = time.monotonic() + TIMEOUT_S
     while not condition():
         if time.monotonic() > deadline_s:
             raise TimeoutError(what)
@@ -150,11 +150,11 @@ class Peer:
         service: str,
         type: str,  # noqa: A002
         request: dict[str, Any],
-        timeout_s: float = PATIENCE_S,
+        timeout_s: float = TIMEOUT_S,
     ) -> Any:
         client: Any = self.node.create_client(find(type), service)
         try:
-            if not client.wait_for_service(PATIENCE_S):
+            if not client.wait_for_service(TIMEOUT_S):
                 raise TimeoutError(f"nobody offers {service}")
             future = client.call_async(fill(client.srv_type.Request(), request))
             deadline_s = time.monotonic() + timeout_s
@@ -171,7 +171,7 @@ class Peer:
         client: Any = ActionClient(self.node, find(type), action)
         feedback: list[Any] = []
         try:
-            if not client.wait_for_server(PATIENCE_S):
+            if not client.wait_for_server(TIMEOUT_S):
                 raise TimeoutError(f"nobody offers {action}")
             sent = client.send_goal_async(
                 fill(find(type).Goal(), goal), lambda message: feedback.append(plain(message.feedback))
@@ -208,7 +208,7 @@ class Peer:
 
     def parameters(self, node: str, method: str, arguments: list[Any]) -> Any:
         client = AsyncParameterClient(self.node, node)
-        if not client.wait_for_services(PATIENCE_S):
+        if not client.wait_for_services(TIMEOUT_S):
             raise TimeoutError(f"{node} does not give access to its parameters")
         if method == "set_parameters":
             arguments = [Parameter(name, value=value) for name, value in arguments]

@@ -8,7 +8,7 @@ import asyncio
 
 import pytest
 
-from contract.graphs import TRUE, served
+from contract.graphs import TRUE, wait_for_service
 from interop_ros2.rclpy_peer import PEER_NAME, RclpyPeer
 from rostether.errors import ServiceTimeoutError, SessionError, TypeMismatchError, UnknownTypeError
 from rostether.graph.ports import JoinGraph, ParamValue
@@ -124,7 +124,7 @@ async def test_a_server_that_does_not_answer_times_out(
 
     set_bool = store.registry.service_type("std_srvs/SetBool")
     await node.advertise_service("/ours/hanging", set_bool, hang)
-    await served(other, "/ours/hanging")
+    await wait_for_service(other, "/ours/hanging")
     with pytest.raises(ServiceTimeoutError, match=r"/ours/hanging did not answer within 0.2 s"):
         await other.call_service("/ours/hanging", set_bool, TRUE, timeout_s=0.2)
 

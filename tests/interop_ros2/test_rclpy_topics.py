@@ -54,7 +54,7 @@ async def test_rclpy_publisher_to_subscriber(
     topic = f"/from_peer/{name.replace('/', '_')}"
     node, inbox = await join("/board"), Inbox()
     subscriber = await node.subscribe(
-        topic, store.registry.message_type(name), inbox.take, on_connection=inbox.take_header
+        topic, store.registry.message_type(name), inbox.store, on_connection=inbox.store_header
     )
     await peer.ask("advertise", topic=topic, type=ros2_name(name))
     await peer.ask("publish", topic=topic, messages=[MESSAGES[name]] * 3)
@@ -76,7 +76,7 @@ async def test_a_burst_arrives_whole_and_in_order(join: JoinGraph, peer: RclpyPe
         publisher.publish_raw([string(f"message {number}") for number in range(start, start + 100)])
         received = await peer.ask("receive", topic="/burst/out", count=start + 100)
     assert received == [{"data": f"message {number}"} for number in range(300)]
-    await node.subscribe("/burst/in", string_type, inbox.take)
+    await node.subscribe("/burst/in", string_type, inbox.store)
     await peer.ask("advertise", topic="/burst/in", type="std_msgs/msg/String")
     # The peer's queue holds 100.
     for end in (100, 200, 300):
@@ -93,7 +93,7 @@ async def test_a_subscriber_of_any_type_learns_it(
     if not is_first:
         await peer.ask("advertise", topic=topic, type="sensor_msgs/msg/Range")
     node, inbox = await join("/board"), Inbox()
-    await node.subscribe(topic, ANY_MESSAGE, inbox.take, on_connection=inbox.take_header)
+    await node.subscribe(topic, ANY_MESSAGE, inbox.store, on_connection=inbox.store_header)
     if is_first:
         await peer.ask("advertise", topic=topic, type="sensor_msgs/msg/Range")
     await peer.ask("publish", topic=topic, messages=[MESSAGES["sensor_msgs/Range"]])
@@ -109,7 +109,7 @@ async def test_sensor_data_is_received(join: JoinGraph, peer: RclpyPeer, store: 
     node, inbox = await join("/board"), Inbox()
     string_type = store.registry.message_type("std_msgs/String")
     # The subscription is reliable before a publisher exists, then it adapts.
-    await node.subscribe("/sensor/in", string_type, inbox.take)
+    await node.subscribe("/sensor/in", string_type, inbox.store)
     await peer.ask("advertise", topic="/sensor/in", type="std_msgs/msg/String", quality="sensor")
     while not inbox.payloads:
         await peer.ask("publish", topic="/sensor/in", messages=[{"data": "hello"}])
@@ -137,7 +137,7 @@ async def test_a_latched_topic_of_rclpy_greets_a_subscriber(
         while topic not in (await node.snapshot()).topics:
             await asyncio.sleep(0.01)
     await node.subscribe(
-        topic, store.registry.message_type("std_msgs/String"), inbox.take, on_connection=inbox.take_header
+        topic, store.registry.message_type("std_msgs/String"), inbox.store, on_connection=inbox.store_header
     )
     await until(lambda: inbox.payloads)
     await peer.ask("publish", topic=topic, messages=[{"data": "newer"}])
@@ -222,7 +222,7 @@ async def test_logs_reach_rosout(join: JoinGraph, peer: RclpyPeer) -> None:
 async def test_a_type_that_is_not_installed_is_refused(join: JoinGraph) -> None:
     node = await join("/board")
     theirs = MessageType("my_robot_msgs/Feather", "0" * 32, "float32 weight\n")
-    for attempt in (node.advertise("/feather", theirs), node.subscribe("/feather", theirs, Inbox().take)):
+    for attempt in (node.advertise("/feather", theirs), node.subscribe("/feather", theirs, Inbox().store)):
         with pytest.raises(UnknownTypeError, match="the package my_robot_msgs is not installed") as caught:
             await attempt
         assert "\n" not in str(caught.value)

@@ -54,7 +54,7 @@ async def test_rclpy_sees_our_nodes_with_what_they_do(
         return answer()
 
     await node.advertise("chat", store.registry.message_type("std_msgs/String"))
-    await node.subscribe("~cmd", store.registry.message_type("geometry_msgs/Twist"), Inbox().take)
+    await node.subscribe("~cmd", store.registry.message_type("geometry_msgs/Twist"), Inbox().store)
     await node.advertise_service("switch", store.registry.service_type("std_srvs/SetBool"), handle)
     while ["board", "/robot"] not in await peer.ask("nodes"):
         await asyncio.sleep(0.01)

@@ -29,7 +29,7 @@ pytestmark = [
     pytest.mark.timeout(300),
 ]
 
-PATIENCE_S = 60.0
+TIMEOUT_S = 60.0
 SUCCEEDED = 4
 SERVER = """
 import rospy
@@ -117,10 +117,10 @@ async def sides(peer: RclpyPeer, tmp_path_factory: pytest.TempPathFactory) -> As
         for _ in range(2):
             relay = await start_command(*command, *services, *actions, "--master", ros1.master_uri)
             stack.push_async_callback(relay.stop)
-            await relay.wait_for("Joining ROS 2", PATIENCE_S)
+            await relay.wait_for("Joining ROS 2", TIMEOUT_S)
             relays.append(relay)
         for relay in relays:
-            await relay.wait_for("connects the same graphs", PATIENCE_S)
+            await relay.wait_for("connects the same graphs", TIMEOUT_S)
         yield Sides(ros1, peer, relays, folder)
 
 
@@ -209,6 +209,6 @@ async def test_one_relay_follows_when_the_other_is_killed(sides: Sides) -> None:
         relay.process.kill()
         await relay.finish()
     # DDS lists the killed relay for 20 s more; ROS 1 would list it forever.
-    await sides.relays[1].wait_for("was killed: removed its registrations", PATIENCE_S)
+    await sides.relays[1].wait_for("was killed: removed its registrations", TIMEOUT_S)
     while '"from ROS 2"' not in await sides.ros1.run("rosservice", "call", "/pull", check=False):
         await asyncio.sleep(0.1)

@@ -10,7 +10,7 @@ from typing import Any
 from interop_web.robot_stage import RobotStage
 from programs import Peer
 
-PATIENCE_S = 60.0
+TIMEOUT_S = 60.0
 
 
 def reports(peer: Peer) -> dict[str, Any]:
@@ -22,7 +22,7 @@ def reports(peer: Peer) -> dict[str, Any]:
 async def until(peer: Peer, condition: Callable[[], object]) -> None:
     """Wait for a condition; at the time limit, fail with the program's output."""
     try:
-        async with asyncio.timeout(PATIENCE_S):
+        async with asyncio.timeout(TIMEOUT_S):
             while not condition() and not (peer.reader_done and peer.process.returncode is not None):
                 await asyncio.sleep(0.01)
     except TimeoutError:
@@ -32,7 +32,7 @@ async def until(peer: Peer, condition: Callable[[], object]) -> None:
 
 async def until_served(stage: RobotStage, service: str) -> None:
     """Wait until the robot finds a client's service."""
-    async with asyncio.timeout(PATIENCE_S):
+    async with asyncio.timeout(TIMEOUT_S):
         while not await stage.is_served(service):
             await asyncio.sleep(0.01)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from interop_web.graphs import GRAPHS
-from interop_web.pages import PATIENCE_S, go_on, reports, until, until_served
+from interop_web.pages import TIMEOUT_S, go_on, reports, until, until_served
 from interop_web.robot_stage import IMAGE_BYTES, POSE, robot_stage
 from interop_web.web_peers import WebPeers
 from rostether.gateways.rosbridge.cdr_form import CdrForm
@@ -33,7 +33,7 @@ async def test_a_page_does_with_a_robot_what_it_does_with_rosbridge_suite(
         await until(page, lambda: "waiting for close" in reports(page))
         await stage.stop_server()
         await stage.start_server()
-        await page.finish(PATIENCE_S)
+        await page.finish(TIMEOUT_S)
 
         found = reports(page)
         pose = POSE[graph.style]

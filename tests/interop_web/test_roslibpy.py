@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from interop_web.graphs import GRAPHS
-from interop_web.pages import PATIENCE_S, go_on, reports, until, until_served
+from interop_web.pages import TIMEOUT_S, go_on, reports, until, until_served
 from interop_web.robot_stage import POSE, robot_stage
 from interop_web.web_peers import WebPeers
 
@@ -30,7 +30,7 @@ async def test_a_program_does_with_a_robot_what_it_does_with_rosbridge_suite(
         await until(program, lambda: "waiting for close" in reports(program))
         await stage.stop_server()
         await stage.start_server()
-        await program.finish(PATIENCE_S)
+        await program.finish(TIMEOUT_S)
 
         found = reports(program)
         assert found["latched"] == {"data": "kept"}

@@ -14,7 +14,7 @@ from pathlib import Path
 from children import MARK
 from unit.firmware.sketches import users_cache
 
-PATIENCE_S = 60.0
+TIMEOUT_S = 60.0
 
 
 class Command:
@@ -33,7 +33,7 @@ class Command:
 
     async def wait_for(self, pattern: str) -> str:
         """Wait until a pattern matches its output; return the match."""
-        deadline_s = time.monotonic() + PATIENCE_S
+        deadline_s = time.monotonic() + TIMEOUT_S
         while True:
             if found := re.search(pattern, self.printed, re.MULTILINE | re.DOTALL):
                 return found[0]
@@ -43,7 +43,7 @@ class Command:
 
     async def finish(self) -> int:
         """Wait until it has ended; return its exit code."""
-        async with asyncio.timeout(PATIENCE_S):
+        async with asyncio.timeout(TIMEOUT_S):
             await self._reader
             return await self.process.wait()
 
@@ -53,7 +53,7 @@ class Command:
             with contextlib.suppress(ProcessLookupError):
                 os.killpg(self.process.pid, number)
             with contextlib.suppress(TimeoutError):
-                async with asyncio.timeout(PATIENCE_S / 2):
+                async with asyncio.timeout(TIMEOUT_S / 2):
                     await self._reader
                     await self.process.wait()
                     return

@@ -16,7 +16,7 @@ import pytest
 import pytest_asyncio
 
 from interop.ros1_peers import free_port
-from reference.terminal import PATIENCE_S, Terminals
+from reference.terminal import TIMEOUT_S, Terminals
 from rostether import Device
 from rostether.cli.launch.shims import SHIMS
 
@@ -118,7 +118,7 @@ async def terminals(tmp_path: Path) -> AsyncIterator[Terminals]:
 
 async def listed(terminals: Terminals, command: str, *topics: str) -> None:
     """Type a command until it prints topics: the master gets them shortly after the bridge logs them."""
-    async with asyncio.timeout(PATIENCE_S):
+    async with asyncio.timeout(TIMEOUT_S):
         while not set(topics) <= set((await terminals.type(command)).split()):
             pass
 

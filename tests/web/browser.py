@@ -22,7 +22,7 @@ PROGRAM = Path(__file__).parent / "browser.mjs"
 HEADLESS = "chromium-headless-shell"
 # It has no camera.
 CHROMIUM = "chromium"
-PATIENCE_S = 60.0
+TIMEOUT_S = 60.0
 POLL_S = 0.1
 
 
@@ -62,7 +62,7 @@ class Browser:
         assert self._process.stdin is not None
         self._process.stdin.close()
         try:
-            await asyncio.wait_for(self._process.wait(), PATIENCE_S)
+            await asyncio.wait_for(self._process.wait(), TIMEOUT_S)
         except TimeoutError:
             with contextlib.suppress(ProcessLookupError):
                 os.killpg(self._process.pid, signal.SIGKILL)
@@ -77,7 +77,7 @@ class Browser:
         answer: dict[str, Any] = {}
         # The answer to a cancelled command still arrives.
         while answer.get("id") != number:
-            line = await asyncio.wait_for(self._process.stdout.readline(), PATIENCE_S)
+            line = await asyncio.wait_for(self._process.stdout.readline(), TIMEOUT_S)
             assert line, "the browser's program has ended"
             answer = json.loads(line)
         if "error" in answer:
@@ -87,7 +87,7 @@ class Browser:
     async def wait_for(self, page: int, script: str) -> None:
         """Wait until a script's value is true."""
         try:
-            async with asyncio.timeout(PATIENCE_S):
+            async with asyncio.timeout(TIMEOUT_S):
                 # A page sends no events; a check is fast.
                 while not await self.do("evaluate", page=page, script=script):
                     await asyncio.sleep(POLL_S)

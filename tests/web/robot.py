@@ -15,7 +15,7 @@ from typing import Any, Self
 
 from interop.ros1_peers import free_port
 
-PATIENCE_S = 60.0
+TIMEOUT_S = 60.0
 POLL_S = 0.1
 
 
@@ -78,7 +78,7 @@ class Robot:
 
     async def wait_published(self, topic: str, *, wanted: bool) -> None:
         """Wait until the dashboard's node publishes a topic or, with `wanted` false, does not."""
-        async with asyncio.timeout(PATIENCE_S):
+        async with asyncio.timeout(TIMEOUT_S):
             while (topic in await self._topics(0)) is not wanted:
                 await asyncio.sleep(POLL_S)
 
@@ -89,7 +89,7 @@ class Robot:
 
     async def wait_subscribed(self, topic: str, *, wanted: bool) -> None:
         """Wait until the dashboard's node subscribes to a topic or, with `wanted` false, does not."""
-        async with asyncio.timeout(PATIENCE_S):
+        async with asyncio.timeout(TIMEOUT_S):
             while (topic in await self.subscribed_topics()) is not wanted:
                 await asyncio.sleep(POLL_S)
 
@@ -121,7 +121,7 @@ class LaunchedRobot:
 
 async def wait_page(url: str, process: asyncio.subprocess.Process) -> None:
     """Wait until a process serves its page."""
-    async with asyncio.timeout(PATIENCE_S):
+    async with asyncio.timeout(TIMEOUT_S):
         while not await asyncio.to_thread(_answers, url):
             assert process.returncode is None, "the dashboard has ended"
             await asyncio.sleep(POLL_S)
@@ -156,7 +156,7 @@ async def end(process: asyncio.subprocess.Process | None, number: signal.Signals
         with contextlib.suppress(ProcessLookupError):
             process.send_signal(number)
         try:
-            await asyncio.wait_for(process.wait(), PATIENCE_S)
+            await asyncio.wait_for(process.wait(), TIMEOUT_S)
         except TimeoutError:
             process.kill()
             await process.wait()

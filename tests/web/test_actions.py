@@ -9,7 +9,7 @@ import json
 import pytest
 
 import rostether
-from web.browser import PATIENCE_S, Browser
+from web.browser import TIMEOUT_S, Browser
 from web.robot import Robot
 
 pytestmark = pytest.mark.asyncio(loop_scope="session")
@@ -49,7 +49,7 @@ async def test_controls_follow_another_page(robot: Robot, browser: Browser) -> N
         enter = f"{box}.value = '9223372036854775807'; {box}.dispatchEvent(new Event('change'))"
         for page in (first, second):
             await browser.wait_for(page, f"{state} === 'mixed' && {box} !== null")
-        async with asyncio.timeout(PATIENCE_S):
+        async with asyncio.timeout(TIMEOUT_S):
             # Messages are lost until the robot has connected the topic to the pages.
             while await browser.do("evaluate", page=second, script=state) == "mixed":
                 await browser.do("click", page=first, selector=selector)
@@ -104,13 +104,13 @@ async def test_the_robot_stops_when_the_tab_is_closed(robot: Robot, browser: Bro
         page = await browser.do("open", url=robot.url + "#/drive")
         await browser.wait_for(page, "document.querySelector('.stick-pad') !== null")
         press = "void dispatchEvent(new KeyboardEvent('keydown', { code: 'KeyW' }))"
-        async with asyncio.timeout(PATIENCE_S):
+        async with asyncio.timeout(TIMEOUT_S):
             while not commands or commands[-1] <= 0:
                 # The page handles keys shortly after it is drawn.
                 await browser.do("evaluate", page=page, script=press)
                 await asyncio.sleep(0.1)
         await browser.do("close", page=page)
-        async with asyncio.timeout(PATIENCE_S):
+        async with asyncio.timeout(TIMEOUT_S):
             while commands[-1] != 0:
                 await asyncio.sleep(0.02)
         assert max(commands) <= 0.3

@@ -12,7 +12,7 @@ import pytest_asyncio
 import rostether
 from interop.ros1_peers import free_port
 from web.browser import Browser
-from web.robot import PATIENCE_S, POLL_S, end, run_rostether, wait_page
+from web.robot import POLL_S, TIMEOUT_S, end, run_rostether, wait_page
 from web.usb_board import UsbBoard
 
 pytestmark = pytest.mark.asyncio(loop_scope="session")
@@ -56,7 +56,7 @@ async def test_the_board_of_a_page_is_a_node(served: tuple[str, str], browser: B
                 received.append(message.data)
 
         async def talk(text: str) -> None:
-            async with asyncio.timeout(PATIENCE_S):
+            async with asyncio.timeout(TIMEOUT_S):
                 while text not in received:
                     spoken.publish(data=text)
                     await asyncio.sleep(POLL_S)

@@ -14,7 +14,7 @@ import pytest
 import rostether
 from interop.ros1_peers import ros_environment
 from web.browser import Browser
-from web.robot import PATIENCE_S, POLL_S, Robot
+from web.robot import POLL_S, TIMEOUT_S, Robot
 
 pytestmark = [pytest.mark.asyncio(loop_scope="session"), pytest.mark.robot]
 
@@ -59,7 +59,7 @@ async def test_ten_poses_are_drawn_where_tf2_has_them(robot: Robot, browser: Bro
                 f"((at, to) => at && [1, -1].some((sign) => at.every((each, index) => "
                 f"Math.abs((index < 3 ? each : sign * each) - to[index]) < 1e-6)))({drawn}, {expected})"
             )
-            async with asyncio.timeout(PATIENCE_S):
+            async with asyncio.timeout(TIMEOUT_S):
                 while not await browser.do("evaluate", page=page, script=near):
                     now = graph.now()
                     publisher.publish(transforms=[transform(*each, now) for each in poses])

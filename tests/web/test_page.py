@@ -9,7 +9,7 @@ import pytest
 
 import rostether
 from rostether.cli.dashboard.view import read_view
-from web.browser import PATIENCE_S, Browser
+from web.browser import TIMEOUT_S, Browser
 from web.robot import Robot
 
 pytestmark = pytest.mark.asyncio(loop_scope="session")
@@ -180,7 +180,7 @@ async def test_the_map_keeps_moving_robots_in_the_picture(robot: Robot, browser:
         )
         # The second robot crosses the date line.
         for longitude in (179.99, 179.995, -179.9):
-            async with asyncio.timeout(PATIENCE_S):
+            async with asyncio.timeout(TIMEOUT_S):
                 while True:
                     robots[0].publish(latitude=-16.8, longitude=179.99)
                     robots[1].publish(latitude=-16.801, longitude=longitude)

@@ -12,7 +12,7 @@ from rostether.rosserial.frame import encode_frame
 from rostether.simulation.simavr.simulated_board import SimulatedBoard
 
 SKETCH = Path(__file__).parents[3] / "benchmarks" / "firmware" / "cycles"
-PATIENCE_S = 60.0
+TIMEOUT_S = 60.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,7 +66,7 @@ async def count_async(*, neutral: bool) -> dict[Operation, int]:
         event = asyncio.ensure_future(anext(events))
         await asyncio.sleep(0)
         await board.send_command("run")
-        async with asyncio.timeout(PATIENCE_S):
+        async with asyncio.timeout(TIMEOUT_S):
             for operation in OPERATIONS:
                 if not neutral and operation in ARRIVALS:
                     await board.send(ARRIVALS[operation])

@@ -30,7 +30,7 @@ EXAMPLES = Path(__file__).parents[3] / "client" / "examples"
 STORE = TypeStore(Registry())
 NODE = "board"
 # For a busy machine; on an idle one nothing takes longer than two seconds.
-PATIENCE_S = 60.0
+TIMEOUT_S = 60.0
 
 Meets = Callable[[Message], object]
 Prepare = Callable[[TypedGraph, str], Awaitable[None]]
@@ -53,7 +53,7 @@ class Ear:
         self.received.append(message)
         self._came.set()
 
-    async def next(self, meets: Meets = lambda _message: True, *, timeout_s: float = PATIENCE_S) -> Message:
+    async def next(self, meets: Meets = lambda _message: True, *, timeout_s: float = TIMEOUT_S) -> Message:
         """Return the next message that meets a condition; at the time limit, fail with the last message."""
         seen = len(self.received)
         with contextlib.suppress(TimeoutError):
@@ -114,7 +114,7 @@ class Stage:
     async def publisher(self, topic: str, type_name: str) -> TypedPublisher[...]:
         """Advertise a topic, and wait for the board's subscription."""
         publisher = await self.graph.publisher(topic, type_name)
-        assert await publisher.wait_for_subscriber(PATIENCE_S), f"nobody subscribed to {topic}"
+        assert await publisher.wait_for_subscriber(TIMEOUT_S), f"nobody subscribed to {topic}"
         return publisher
 
     async def service(self, service: str) -> None:
@@ -142,7 +142,7 @@ class Stage:
 
 
 async def _eventually(condition: Callable[[], Awaitable[bool]], what: str) -> None:
-    deadline_s = asyncio.get_running_loop().time() + PATIENCE_S
+    deadline_s = asyncio.get_running_loop().time() + TIMEOUT_S
     while not await condition():
         assert asyncio.get_running_loop().time() < deadline_s, f"gave up waiting for {what}"
         await asyncio.sleep(0.01)

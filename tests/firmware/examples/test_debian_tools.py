@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from firmware.examples.stage import PATIENCE_S, running
+from firmware.examples.stage import TIMEOUT_S, running
 from interop.ros1_peers import DEBIAN_PYTHON, Ros1Peers
 from rostether.graph.typed_graph import TypedGraph
 from rostether.msgdef import registry
@@ -39,7 +39,7 @@ async def test_rostopic_pub_toggles_the_led(tmp_path: Path) -> None:
             for level in (True, False):
                 # It runs until the board subscribes; with -1 it would end after three seconds.
                 publisher = await peers.start("rostopic", "pub", "/toggle_led", "std_msgs/Empty")
-                await stage.board.wait_for_pin("D13", level, timeout_s=PATIENCE_S)
+                await stage.board.wait_for_pin("D13", level, timeout_s=TIMEOUT_S)
                 await publisher.stop()
         finally:
             await peers.close()

@@ -11,7 +11,7 @@ from collections.abc import AsyncIterator
 import pytest
 
 from firmware.examples.attitudes import yaw_of
-from firmware.examples.stage import PATIENCE_S, Stage, build_example, running
+from firmware.examples.stage import TIMEOUT_S, Stage, build_example, running
 from firmware.robustness.scripted_host import ScriptedHost
 from rostether.graph.typed_handles import TypedPublisher
 from rostether.rosserial import topic_id
@@ -46,7 +46,7 @@ async def duty(stage: Stage, pin: str, wanted: float) -> None:
         reported = [each for each in stage.board.recent if each.name == "pwm" and each["pin"] == pin]
         return bool(reported) and abs(reported[-1]["duty"] - wanted) < 0.02
 
-    async with asyncio.timeout(PATIENCE_S):
+    async with asyncio.timeout(TIMEOUT_S):
         while not is_so():
             await asyncio.sleep(0.01)
 
@@ -100,8 +100,8 @@ async def test_it_obeys_the_motor_switch_and_makes_sounds(kind: str) -> None:
         async with driving(cmd_vel, -0.1, 0):
             await odom.next(lambda message: message.twist.twist.linear.x < -0.09)
             # If the commands come late on a busy machine, the motors stop until the next one.
-            await stage.board.wait_for_pin("D4", True, timeout_s=PATIENCE_S)
-            await stage.board.wait_for_pin("D7", True, timeout_s=PATIENCE_S)
+            await stage.board.wait_for_pin("D4", True, timeout_s=TIMEOUT_S)
+            await stage.board.wait_for_pin("D7", True, timeout_s=TIMEOUT_S)
             power.publish(data=False)
             await odom.next(lambda message: message.twist.twist.linear.x == 0)
             assert (await stage.message("/sensor_state", "turtlebot3_msgs/SensorState")).torque is False
@@ -111,7 +111,7 @@ async def test_it_obeys_the_motor_switch_and_makes_sounds(kind: str) -> None:
         sound = await stage.publisher("/sound", "turtlebot3_msgs/Sound")
         sound.publish(value=4)
         rises_s: list[float] = []
-        async with asyncio.timeout(PATIENCE_S):
+        async with asyncio.timeout(TIMEOUT_S):
             # The tone lasts 0.1 s: it may end before this check.
             while len(rises_s) < 3:
                 await asyncio.sleep(0.01)

@@ -11,7 +11,7 @@ from collections.abc import AsyncIterator
 from pathlib import Path
 
 from firmware.examples.established import has_measured_compiler
-from firmware.examples.stage import EXAMPLES, PATIENCE_S, build_example
+from firmware.examples.stage import EXAMPLES, TIMEOUT_S, build_example
 from rostether.firmware.build import build_sketch, find_board
 from rostether.firmware.elf import ElfFile
 from rostether.platform.command_channel import CommandChannel
@@ -118,7 +118,7 @@ class Fleet:
 
     async def turns(self, left: int, right: int) -> None:
         """Wait until both motors have these duties."""
-        async with asyncio.timeout(PATIENCE_S):
+        async with asyncio.timeout(TIMEOUT_S):
             while await self.wheels() != (left, right):
                 await asyncio.sleep(0.005)
 
@@ -166,7 +166,7 @@ async def test_it_obeys_commands_reopens_a_stalled_socket_and_stops_with_its_sen
             await fleet.board.send_command("w5100 stall_after=1")
             await fleet.turns(0, 0)
             deaf_s = fleet.deaf_s()
-            async with asyncio.timeout(PATIENCE_S):
+            async with asyncio.timeout(TIMEOUT_S):
                 while fleet.turned_s(1) < deaf_s:
                     await asyncio.sleep(0.01)
             assert fleet.turned_s(1) - deaf_s < 1
@@ -190,7 +190,7 @@ async def test_tags_of_every_length_on_a_board(tmp_path: Path) -> None:
     built = await build_sketch(write_sketch(tmp_path, "Tags", TAGS), find_board("uno"))
     data = bytes(range(TAG_LENGTHS))
     wanted = b"".join(siphash_2_4(KEY, data[:length]) for length in range(TAG_LENGTHS))
-    async with await SimulatedBoard.start(built.elf, realtime=False) as board, asyncio.timeout(PATIENCE_S):
+    async with await SimulatedBoard.start(built.elf, realtime=False) as board, asyncio.timeout(TIMEOUT_S):
         while await board.memory("checked", 1) != bytes([TAG_LENGTHS]):
             await asyncio.sleep(0.01)
         assert await board.memory("tags", len(wanted)) == wanted

@@ -20,7 +20,7 @@ from waiting import until
 
 STORE = TypeStore(Registry())
 # Longer than any silence of a working node, also on a busy machine.
-PATIENCE_S = 60.0
+TIMEOUT_S = 60.0
 
 
 class Meeting:
@@ -54,7 +54,7 @@ class Meeting:
         """Send a question to the node, and return its answer."""
         publisher = await self.graph.publisher("/question", "std_msgs/String")
         try:
-            assert await publisher.wait_for_subscriber(PATIENCE_S), "the node does not subscribe"
+            assert await publisher.wait_for_subscriber(TIMEOUT_S), "the node does not subscribe"
             before = len(self.answers)
             publisher.publish(data=question)
             await until(lambda: len(self.answers) > before, f"an answer to {question[:40]!r}")

@@ -15,7 +15,7 @@ from pathlib import Path
 
 import pytest
 
-from firmware.platforms.meeting import PATIENCE_S, meeting
+from firmware.platforms.meeting import TIMEOUT_S, meeting
 from firmware.platforms.programs import EXTRAS, compile_program, running
 from rostether.rosserial.frame import encode_frame
 from unit.bridge.lateness import lateness
@@ -135,7 +135,7 @@ async def test_udp_sends_whole_frames_and_receives_only_from_the_host(udp_sketch
                     break
             else:
                 pytest.fail("each request of a stranger was answered")
-            host.settimeout(PATIENCE_S)
+            host.settimeout(TIMEOUT_S)
             host.sendto(request_topics, board)
             assert await asyncio.to_thread(host.recv, 2048)
 
@@ -152,5 +152,5 @@ def _receive_all(receiver: socket.socket) -> int:
 def _udp_socket() -> socket.socket:
     made = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
     made.bind(("127.0.0.1", 0))
-    made.settimeout(PATIENCE_S)
+    made.settimeout(TIMEOUT_S)
     return made

@@ -16,7 +16,7 @@ from pathlib import Path
 import pytest
 
 from firmware.platforms.late_network import late_network
-from firmware.platforms.meeting import PATIENCE_S, meeting
+from firmware.platforms.meeting import TIMEOUT_S, meeting
 from firmware.platforms.programs import running
 from unit.bridge.lateness import lateness
 from waiting import until
@@ -83,7 +83,7 @@ async def test_reconnects_to_a_serial_port_that_was_gone(linux_program: Path, tm
 
 async def test_survives_a_host_that_resets_the_connection_while_it_writes(linux_program: Path) -> None:
     with socket.create_server(("127.0.0.1", 0)) as server:
-        server.settimeout(PATIENCE_S)
+        server.settimeout(TIMEOUT_S)
         host, port = server.getsockname()
         async with running(linux_program, f"{host}:{port}") as process:
             for _ in range(3):

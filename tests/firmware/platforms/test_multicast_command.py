@@ -38,7 +38,7 @@ KEY = b"0123456789abcdef"
 KIND = bytes.fromhex("7528cb4c")
 ROBOT = ReceiverSettings(3, groups=0b10, kind=KIND, key=KEY)
 ADDRESS = "10.0.0.1:5000"
-PATIENCE_S = 60.0
+TIMEOUT_S = 60.0
 
 
 @pytest.fixture(scope="session")
@@ -175,7 +175,7 @@ class Robot:
 
     async def line(self, wanted: str) -> None:
         """Wait for a new line with this text."""
-        async with asyncio.timeout(PATIENCE_S):
+        async with asyncio.timeout(TIMEOUT_S):
             while True:
                 assert self._output is not None
                 line = (await self._output.readline()).decode().strip()
@@ -226,7 +226,7 @@ async def test_a_sketch_obeys_answers_and_stops_when_its_sender_is_silent(robot:
         assert sketch.lines == ["halt", "open"]
         async with sending(channel, struct.pack("<dd", -45, 0.5)):
             await sketch.line("drive -45 0.5")
-            async with asyncio.timeout(PATIENCE_S):
+            async with asyncio.timeout(TIMEOUT_S):
                 while not channel.table.robots:
                     await asyncio.sleep(0.01)
             (known,) = channel.table.robots.values()

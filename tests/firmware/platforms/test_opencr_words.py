@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from programs import OURS
+from programs import ROSTETHER
 from rostether.bridge.reporter import SilentReporter
 from rostether.cli.board.simulated_links import simulated
 from rostether.errors import ConfigError
@@ -55,7 +55,17 @@ def sketch(tmp_path: Path) -> Path:
 
 @pytest.fixture
 def running(sketch: Path) -> Iterator[subprocess.Popen[str]]:
-    command = [*OURS, "board", "run", str(sketch), "--board", "opencr", "--watch", "LED_USER_1", "--json"]
+    command = [
+        *ROSTETHER,
+        "board",
+        "run",
+        str(sketch),
+        "--board",
+        "opencr",
+        "--watch",
+        "LED_USER_1",
+        "--json",
+    ]
     with subprocess.Popen(
         command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
     ) as process:

@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 
-from firmware.platforms.meeting import PATIENCE_S, Meeting, meeting
+from firmware.platforms.meeting import TIMEOUT_S, Meeting, meeting
 from firmware.platforms.programs import EXAMPLES, NODE, compile_for_cortex_m, compile_program, running
 from rostether.serde.values import Message
 from rostether.simulation.qemu import QemuBoard
@@ -66,7 +66,7 @@ def stage(platform: str, library: Path, tmp_path: Path) -> Stage:
 
 async def receive(met: Meeting, topic: str, type_name: str) -> Message:
     """Return the next message of a topic."""
-    return await met.graph.wait_for_message(topic, type_name, timeout_s=PATIENCE_S)
+    return await met.graph.wait_for_message(topic, type_name, timeout_s=TIMEOUT_S)
 
 
 async def test_hello_world(stage: Stage) -> None:
@@ -78,7 +78,7 @@ async def test_pubsub(stage: Stage) -> None:
     async with stage.sketch("pubsub") as met:
         assert (await receive(met, "/chatter", "std_msgs/String")).data == "hello world!"
         toggle = await met.graph.publisher("/toggle_led", "std_msgs/Empty")
-        assert await toggle.wait_for_subscriber(PATIENCE_S)
+        assert await toggle.wait_for_subscriber(TIMEOUT_S)
 
 
 async def test_logging(stage: Stage) -> None:

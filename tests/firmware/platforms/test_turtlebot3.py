@@ -14,7 +14,7 @@ from typing import Any
 import pytest
 
 from firmware.examples.attitudes import yaw_of
-from firmware.platforms.meeting import PATIENCE_S, Meeting, meeting
+from firmware.platforms.meeting import TIMEOUT_S, Meeting, meeting
 from firmware.platforms.programs import EXAMPLES
 from rostether.errors import SketchError
 from rostether.firmware.opencr_build import build_for_linux
@@ -48,7 +48,7 @@ class Robot:
         self, topic: str, type_name: str, meets: Callable[[Any], object] = lambda _message: True
     ) -> Message:
         """Return the next message of a topic that meets a condition."""
-        async with asyncio.timeout(PATIENCE_S):
+        async with asyncio.timeout(TIMEOUT_S):
             async for message in self.met.graph.messages(topic, type_name):
                 if meets(message):
                     return message
@@ -57,7 +57,7 @@ class Robot:
     async def publish(self, topic: str, type_name: str, **fields: Any) -> None:
         """Publish one message to the board."""
         publisher = await self.met.graph.publisher(topic, type_name)
-        assert await publisher.wait_for_subscriber(PATIENCE_S), f"the board does not subscribe to {topic}"
+        assert await publisher.wait_for_subscriber(TIMEOUT_S), f"the board does not subscribe to {topic}"
         publisher.publish(**fields)
 
     async def drive_until(self, speed: float, turn: float, reached: Callable[[Any], object]) -> None:
@@ -65,8 +65,8 @@ class Robot:
         rest.
         """
         publisher = await self.met.graph.publisher("/cmd_vel", TWIST)
-        assert await publisher.wait_for_subscriber(PATIENCE_S)
-        async with asyncio.timeout(PATIENCE_S):
+        assert await publisher.wait_for_subscriber(TIMEOUT_S)
+        async with asyncio.timeout(TIMEOUT_S):
             async for message in self.met.graph.messages("/odom", ODOM):
                 if reached(message.pose.pose):
                     break
@@ -184,13 +184,13 @@ async def test_each_lost_sender_stops_it(program: Path) -> None:
     async with burger(program) as robot:
         board = robot.board
         commands = await robot.met.graph.publisher("/cmd_vel", TWIST)
-        assert await commands.wait_for_subscriber(PATIENCE_S)
+        assert await commands.wait_for_subscriber(TIMEOUT_S)
 
         def command(speed: float) -> None:
             commands.publish(linear={"x": speed})
 
         async def repeat(send: Callable[[], None], reached: Callable[[], bool]) -> None:
-            async with asyncio.timeout(PATIENCE_S):
+            async with asyncio.timeout(TIMEOUT_S):
                 while not reached():
                     send()
                     await asyncio.sleep(0.05)

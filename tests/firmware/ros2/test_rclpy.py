@@ -21,7 +21,7 @@ from rostether.firmware.built_firmware import BuildOptions
 
 pytestmark = [pytest.mark.rclpy, pytest.mark.asyncio(loop_scope="module"), pytest.mark.timeout(300)]
 
-PATIENCE_S = 60.0
+TIMEOUT_S = 60.0
 WARN = 30
 SUCCEEDED, CANCELED, ABORTED = 4, 5, 6
 
@@ -60,7 +60,7 @@ async def counting_sketch(folder: Path) -> Path:
 async def eventually(ask: Callable[[], Awaitable[Any]], is_it: Callable[[Any], object]) -> Any:
     """Ask until the answer meets a condition, and return it."""
     answer = None
-    deadline_s = asyncio.get_running_loop().time() + PATIENCE_S
+    deadline_s = asyncio.get_running_loop().time() + TIMEOUT_S
     while not is_it(answer := await ask()):
         assert asyncio.get_running_loop().time() < deadline_s, f"the last answer was {answer}"
         await asyncio.sleep(0.05)

@@ -27,7 +27,7 @@ pytestmark = [
     pytest.mark.skipif(bool(missing_namespaces()), reason=missing_namespaces()),
 ]
 
-PATIENCE_S = 60.0
+TIMEOUT_S = 60.0
 ROUTER_PORT = 7447
 UINT32 = {"msg_type": "std_msgs/msg/UInt32", "msg_definition": "uint32 data\n"}
 HALVES = {"request_definition": "bool data", "response_definition": "bool success\nstring message"}
@@ -46,7 +46,7 @@ class Router:
         """Start it, and wait until it routes."""
         command = ("core", "--ros2", "zenoh", *self._options)
         self._process = await start_command(*command, environment=NOBODY, on=self._on)
-        await self._process.wait_for("Press Ctrl-C", PATIENCE_S)
+        await self._process.wait_for("Press Ctrl-C", TIMEOUT_S)
 
     async def stop(self) -> None:
         """Kill it, like a power failure."""

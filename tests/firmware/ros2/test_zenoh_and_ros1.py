@@ -27,7 +27,7 @@ from rostether.mechanisms.block_end import closed_at_end
 from rostether.msgdef.registry import Registry
 from rostether.serde.plain_form import to_plain
 from rostether.serde.store import TypeStore
-from waiting import LIMIT_S, until
+from waiting import until
 
 pytestmark = [
     pytest.mark.ros1,
@@ -37,7 +37,7 @@ pytestmark = [
 ]
 
 DOMAIN = 9
-PATIENCE_S = 60.0
+TIMEOUT_S = 60.0
 STORE = TypeStore(Registry())
 STRING = STORE.registry.message_type("std_msgs/String")
 EMPTY = STORE.registry.message_type("std_msgs/Empty")
@@ -101,7 +101,7 @@ async def world(tmp_path_factory: pytest.TempPathFactory) -> AsyncIterator[World
     async with AsyncExitStack() as stack:
         options = ("--ros1", "--ros2", "zenoh", "--zenoh-router", "always")
         bridge = await stack.enter_async_context(serving(*options, *addresses, environment=environment))
-        await bridge.wait_for("/frames", PATIENCE_S)
+        await bridge.wait_for("/frames", TIMEOUT_S)
         session = await open_session(router, is_router=False, domain_id=DOMAIN)
         stack.push_async_callback(session.close)
         ros1 = Ros1Peers(environment["ROS_MASTER_URI"], home)
@@ -113,7 +113,7 @@ async def world(tmp_path_factory: pytest.TempPathFactory) -> AsyncIterator[World
 async def received_back(world: World, name: str, payload: bytes, there: str, back: str) -> bytes:
     """Publish a message in ROS 2, and return the message that the board sends back."""
     message_type, inbox = STORE.registry.message_type(name), Inbox()
-    await world.ros2.subscribe(back, message_type, inbox.take, on_connection=inbox.take_header)
+    await world.ros2.subscribe(back, message_type, inbox.store, on_connection=inbox.store_header)
     publisher = await world.ros2.advertise(there, message_type)
     await until(lambda: publisher.subscriber_count, f"a subscriber of {there}")
     await until(lambda: inbox.headers, f"a publisher of {back}")
@@ -158,10 +158,10 @@ async def test_sdk_calls_the_board_and_serves_it(world: World) -> None:
     expected = [string("said True"), string("honked")]
     inbox = Inbox()
     async with closed_at_end(await world.ros2.advertise_service("/lab/horn", trigger, honk)):
-        await world.ros2.subscribe("/lab/answers", STRING, inbox.take, on_connection=inbox.take_header)
+        await world.ros2.subscribe("/lab/answers", STRING, inbox.store, on_connection=inbox.store_header)
         call = await world.ros2.advertise("/lab/call", EMPTY)
         await until(lambda: call.subscriber_count and inbox.headers)
-        async with asyncio.timeout(LIMIT_S):
+        async with asyncio.timeout(TIMEOUT_S):
             while inbox.payloads[-2:] != expected:
                 # A call fails until the bridge has discovered the server.
                 call.publish_raw([b""])
@@ -196,8 +196,8 @@ async def test_parameters_of_ros2_reach_the_board_and_its_log_both_graphs(world:
     inbox, logs = Inbox(), Inbox()
     joint_state = STORE.registry.message_type("sensor_msgs/JointState")
     log = STORE.registry.message_type("rosgraph_msgs/Log")
-    await world.ros2.subscribe("/rosout", log, logs.take)
-    await world.ros2.subscribe("/lab/parameters", joint_state, inbox.take, on_connection=inbox.take_header)
+    await world.ros2.subscribe("/rosout", log, logs.store)
+    await world.ros2.subscribe("/lab/parameters", joint_state, inbox.store, on_connection=inbox.store_header)
     rosout = await world.ros1.start("rostopic", "echo", "/rosout")
     values: dict[str, ParamValue] = {"gains": [0.5, 0.25], "count": 42, "side": "left"}
     for name, value in values.items():
@@ -227,14 +227,14 @@ async def test_debians_tools_see_the_same_board(world: World) -> None:
     printed = await world.ros1.run("rosservice", "call", "/lab/switch", "data: false")
     assert printed.split() == ["success:", "False", "message:", '"off"']
     inbox = Inbox()
-    await world.ros2.subscribe("/lab/out_String", STRING, inbox.take, on_connection=inbox.take_header)
+    await world.ros2.subscribe("/lab/out_String", STRING, inbox.store, on_connection=inbox.store_header)
     await until(lambda: inbox.headers)
     echo = await world.ros1.start("rostopic", "echo", "/lab/out_String")
     talker = await world.ros1.start(
         "rostopic", "pub", "-r", "5", "/lab/in_String", "std_msgs/String", "data: from ROS 1"
     )
     # The board sends messages from ROS 1 back to both graphs.
-    await echo.wait_for('data: "from ROS 1"', PATIENCE_S)
+    await echo.wait_for('data: "from ROS 1"', TIMEOUT_S)
     await until(lambda: string("from ROS 1") in inbox.payloads)
     await talker.stop()
     await echo.stop()

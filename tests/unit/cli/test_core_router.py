@@ -26,7 +26,7 @@ async def test_it_connects_sessions() -> None:
         sessions = [await open_session(port, is_router=False) for _ in range(2)]
         talker, listener = [await session.join(f"node_{at}") for at, session in enumerate(sessions)]
         inbox = Inbox()
-        await listener.subscribe("/chat", STRING, inbox.take)
+        await listener.subscribe("/chat", STRING, inbox.store)
         publisher = await talker.advertise("/chat", STRING)
         await until(lambda: publisher.subscriber_count == 1)
         publisher.publish_raw([string("hello")])

@@ -57,9 +57,9 @@ async def test_it_publishes_to_all_and_receives_from_all() -> None:
     world = await make_world()
     inboxes, mine = [Inbox(), Inbox()], Inbox()
     publisher = await world.joint.advertise("chat", STRING)
-    subscriber = await world.joint.subscribe("/back", STRING, mine.take)
+    subscriber = await world.joint.subscribe("/back", STRING, mine.store)
     for other, inbox in zip(world.others, inboxes, strict=True):
-        await other.subscribe("/chat", STRING, inbox.take)
+        await other.subscribe("/chat", STRING, inbox.store)
     talkers = [await other.advertise("/back", STRING) for other in world.others]
     assert publisher.topic == "/chat"
     assert publisher.subscriber_count == subscriber.publisher_count == 2
@@ -89,9 +89,9 @@ async def test_its_own_messages_come_once() -> None:
     world = await make_world()
     inbox = Inbox()
     publisher = await world.joint.advertise("/chat", STRING)
-    await world.joint.subscribe("/chat", STRING, inbox.take)
+    await world.joint.subscribe("/chat", STRING, inbox.store)
     skipping = Inbox()
-    await world.joint.subscribe("/chat", STRING, skipping.take, skip_own=True)
+    await world.joint.subscribe("/chat", STRING, skipping.store, skip_own=True)
     publisher.publish_raw([string("hello")])
     await until(lambda: inbox.payloads)
     await asyncio.sleep(0.01)
@@ -105,7 +105,7 @@ async def test_nodes_in_the_same_two_graphs_receive_messages_once() -> None:
     join = JointJoin([network.join for network in networks])
     first = await join("/first")
     inbox = Inbox()
-    await first.subscribe("/chat", STRING, inbox.take)
+    await first.subscribe("/chat", STRING, inbox.store)
     second = await join("/second")
     publisher = await second.advertise("/chat", STRING)
     other = await (await networks[1].join("/other")).advertise("/chat", STRING)
@@ -122,7 +122,7 @@ async def test_nodes_in_the_same_two_graphs_receive_messages_once() -> None:
 async def test_a_slow_subscriber_of_either_graph_pauses_the_publisher() -> None:
     world = await make_world()
     publisher = await world.joint.advertise("/chat", STRING)
-    slow = await world.others[1].subscribe("/chat", STRING, Inbox().take)
+    slow = await world.others[1].subscribe("/chat", STRING, Inbox().store)
     slow.pause()
     for _ in range(100):
         is_open = publisher.publish_raw([string("x" * 10000)])
@@ -197,7 +197,7 @@ async def test_both_graphs_are_seen_as_one() -> None:
     changes = world.joint.changes()
     await anext(changes)
     await world.others[0].advertise("/chat", STRING)
-    await world.others[1].subscribe("/chat", STRING, Inbox().take)
+    await world.others[1].subscribe("/chat", STRING, Inbox().store)
     await world.others[1].advertise_service("/switch", SET_BOOL, answering(""))
     while "/switch" not in (snapshot := await asyncio.wait_for(anext(changes), 60)).services:
         pass
@@ -257,7 +257,7 @@ async def test_a_graph_that_joins_late_gets_all_handles(
     inbox, mine = Inbox(), Inbox()
     publisher = await joint.advertise("/map", STRING, latch=True)
     publisher.publish_raw([string("old"), string("new")])
-    subscriber = await joint.subscribe("/back", STRING, mine.take)
+    subscriber = await joint.subscribe("/back", STRING, mine.store)
     gone = await joint.advertise("/gone", STRING)
     await gone.close()
     await joint.advertise_service("/switch", SET_BOOL, answering("mine"))
@@ -269,7 +269,7 @@ async def test_a_graph_that_joins_late_gets_all_handles(
     await other.set_param("/rate", 1)
     back = await other.advertise("/back", STRING, latch=True)
     back.publish_raw([string("back")])
-    await other.subscribe("/map", STRING, inbox.take)
+    await other.subscribe("/map", STRING, inbox.store)
     door.is_open = True
     await until(lambda: inbox.payloads == [string("new")])
     await until(lambda: seen == [None, 1])
@@ -420,7 +420,7 @@ async def test_messages_of_relays_and_boards_of_other_programs_arrive_once() -> 
     joins = [JointJoin([network.join for network in networks]) for _ in range(2)]
     board, other = await joins[0]("/board"), await joins[1]("/other")
     inbox = Inbox()
-    await board.subscribe("/chat", STRING, inbox.take)
+    await board.subscribe("/chat", STRING, inbox.store)
     relays = [await network.join("/relay") for network in networks]
     mark = new_relay_mark()
     for relay in relays:

@@ -46,7 +46,7 @@ class World:
 
 async def listen(graph: MemoryGraph, topic: str) -> Inbox:
     inbox = Inbox()
-    await graph.subscribe(topic, STRING, inbox.take)
+    await graph.subscribe(topic, STRING, inbox.store)
     return inbox
 
 
@@ -80,7 +80,7 @@ async def test_a_lazy_relay_subscribes_only_while_it_has_subscribers() -> None:
     async with world.forwarding("/a", "/b", lazy=True):
         await until(lambda: world.publishers("/b") == ("/relay",) and not world.subscribers("/a"))
         inbox = Inbox()
-        subscriber = await world.listener.subscribe("/b", STRING, inbox.take)
+        subscriber = await world.listener.subscribe("/b", STRING, inbox.store)
         await until(lambda: talker.subscriber_count == 1)
         talker.publish_raw([string("x")])
         await until(lambda: inbox.payloads == [string("x")])

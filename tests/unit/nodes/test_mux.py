@@ -38,7 +38,7 @@ class World:
         mux = Mux(self.node, "/out", inputs, initial=initial, lazy=lazy, latch=latch)
         running = asyncio.ensure_future(mux.run())
         inbox = Inbox()
-        await self.listener.raw.subscribe("/out", STRING, inbox.take)
+        await self.listener.raw.subscribe("/out", STRING, inbox.store)
         await until(lambda: "/mux/list" in self.network.snapshot().services)
         await until(lambda: "/mux_node" in self.network.snapshot().topics["/out"].publishers)
         try:

@@ -114,7 +114,7 @@ async def test_a_goal_has_feedback_and_a_result_in_every_graph() -> None:
     async with chain.relaying() as call:
         target = {"header": {"frame_id": "map"}, "pose": {"position": {"x": 1.5}}}
         goal = chain.store.codec("move_base_msgs/MoveBase_Goal").encode({"target_pose": target})
-        running = asyncio.create_task(call.run(goal, lambda payload: arrived.take([payload])))
+        running = asyncio.create_task(call.run(goal, lambda payload: arrived.store([payload])))
         await eventually(chain.server.goals)
         goal_id, received = chain.server.goals.pop()
         assert received == goal

@@ -13,7 +13,7 @@ from contract.graphs import (
     SET_BOOL,
     STRING,
     Inbox,
-    agreeing,
+    answer_set_bool,
     string,
 )
 from rostether.graph.joint_marks import MARK_TYPE, new_joint_mark, new_relay_mark
@@ -39,7 +39,7 @@ async def test_a_board_in_both_graphs_is_skipped(world: World) -> None:
     boards = await marked(world, "/board", new_joint_mark())
     mine = [await board.advertise("/chat", STRING) for board in boards]
     inbox = Inbox()
-    await world.two.subscribe("/chat", STRING, inbox.take)
+    await world.two.subscribe("/chat", STRING, inbox.store)
     async with world.relaying(Topics("/*"), services=(Services("/*"),)):
         await until(lambda: world.lines)
         assert world.lines == ["/board is a node of both graphs: its messages are not relayed"]
@@ -66,8 +66,8 @@ async def test_topics_and_services_of_another_relay_are_not_relayed(world: World
     others = await marked(world, "/other_relay", new_relay_mark().replace("relay_", "relay_f"))
     await world.one.advertise("/chat", STRING)
     theirs = await others[1].advertise("/chat", STRING)
-    await world.one.advertise_service("/switch", SET_BOOL, agreeing)
-    served = await others[1].advertise_service("/switch", SET_BOOL, agreeing)
+    await world.one.advertise_service("/switch", SET_BOOL, answer_set_bool)
+    served = await others[1].advertise_service("/switch", SET_BOOL, answer_set_bool)
     async with world.relaying(Topics("/*"), services=(Services("/*"),)):
         for what in ("/chat", "service /switch"):
             reason = "the relay /other_relay already relays it"
@@ -113,8 +113,8 @@ async def test_a_younger_relay_waits_for_older_ones(world: World, monkeypatch: p
 
 async def test_a_killed_relay_is_forgotten(world: World) -> None:
     killed = await marked(world, "/killed", new_relay_mark())
-    await world.two.advertise_service("/switch", SET_BOOL, agreeing)
-    await killed[0].advertise_service("/switch", SET_BOOL, agreeing)
+    await world.two.advertise_service("/switch", SET_BOOL, answer_set_bool)
+    await killed[0].advertise_service("/switch", SET_BOOL, answer_set_bool)
     asked: list[str] = []
     is_gone = False
 
@@ -138,7 +138,7 @@ async def test_a_relay_that_was_killed_before_is_not_a_source(
 ) -> None:
     monkeypatch.setattr(relay_module, "DISCOVERY_S", 1.0)
     killed = await marked(world, "/killed", new_relay_mark())
-    await killed[0].advertise_service("/switch", SET_BOOL, agreeing)
+    await killed[0].advertise_service("/switch", SET_BOOL, answer_set_bool)
     # Only the first graph keeps the registrations of nodes that were killed.
     await killed[1].close()
     await world.one.advertise("/chat", STRING)

@@ -14,8 +14,8 @@ from contract.graphs import (
     STRING,
     TRUE,
     Inbox,
-    agreeing,
     answer,
+    answer_set_bool,
     string,
 )
 from rostether.errors import GraphError, ServiceUnavailableError
@@ -36,7 +36,7 @@ async def test_topics_are_relayed_in_both_directions_and_nothing_comes_back(worl
     inboxes = Inbox(), Inbox()
     talkers = [await graph.advertise("/chat", STRING) for graph in (world.one, world.two)]
     for graph, inbox in zip((world.one, world.two), inboxes, strict=True):
-        await graph.subscribe("/chat", STRING, inbox.take)
+        await graph.subscribe("/chat", STRING, inbox.store)
     async with world.relaying(Topics("/chat")):
         await until(lambda: world.carries("/chat", 0) and world.carries("/chat", 1))
         await until(lambda: all(talker.subscriber_count == 2 for talker in talkers))
@@ -76,7 +76,7 @@ async def test_only_chosen_topics_are_relayed(world: World) -> None:
 
 async def test_a_topic_is_relayed_as_long_as_it_is_published(world: World) -> None:
     inbox = Inbox()
-    await world.two.subscribe("/chat", STRING, inbox.take)
+    await world.two.subscribe("/chat", STRING, inbox.store)
     async with world.relaying(Topics("/chat")):
         for number in range(3):
             talker = await world.one.advertise("/chat", STRING)
@@ -92,7 +92,7 @@ async def test_messages_published_right_after_the_first_connection_arrive_once_a
     world: World,
 ) -> None:
     inbox = Inbox()
-    await world.two.subscribe("/chat", STRING, inbox.take)
+    await world.two.subscribe("/chat", STRING, inbox.store)
     talker = await world.one.advertise("/chat", STRING)
     async with world.relaying(Topics("/chat")):
         while not talker.subscriber_count:
@@ -114,7 +114,7 @@ async def test_a_topic_whose_type_changes_is_still_relayed(world: World) -> None
         talker.publish_raw([TRUE])
         await until(lambda: "relaying /chat from one to two (std_msgs/Bool)" in world.lines)
         inbox = Inbox()
-        await world.two.subscribe("/chat", BOOL, inbox.take)
+        await world.two.subscribe("/chat", BOOL, inbox.store)
         await until(lambda: inbox.payloads)
     assert inbox.payloads == [TRUE]
 
@@ -126,7 +126,7 @@ async def test_latched_topics_are_latched_in_the_other_graph(world: World) -> No
         await until(lambda: world.carries("/map", 1))
         for _ in range(2):
             inbox = Inbox()
-            await world.two.subscribe("/map", STRING, inbox.take, on_connection=inbox.take_header)
+            await world.two.subscribe("/map", STRING, inbox.store, on_connection=inbox.store_header)
             await until(lambda: inbox.payloads)  # noqa: B023 - awaited at once
             assert inbox.payloads == [string("the map")]
             assert inbox.headers[0]["latching"] == "1"
@@ -147,13 +147,13 @@ async def test_a_late_subscriber_receives_the_static_transforms_of_all_publisher
 
     await broadcast("lidar")
     first = Inbox()
-    await world.two.subscribe("/tf_static", message_type, first.take)
+    await world.two.subscribe("/tf_static", message_type, first.store)
     async with world.relaying(Topics("/tf_static")):
         await until(lambda: world.carries("/tf_static", 1))
         await broadcast("camera")
         await until(lambda: len(first.payloads) == 2)
         inbox = Inbox()
-        await world.two.subscribe("/tf_static", message_type, inbox.take)
+        await world.two.subscribe("/tf_static", message_type, inbox.store)
         await until(lambda: inbox.payloads)
     frames = [each.child_frame_id for each in codec.decode(inbox.payloads[0]).transforms]
     assert sorted(frames) == ["camera", "lidar"]
@@ -164,7 +164,7 @@ async def test_a_late_subscriber_receives_the_static_transforms_of_all_publisher
 async def test_a_slow_subscriber_slows_the_publisher_in_the_other_graph(world: World) -> None:
     talker = await world.one.advertise("/chat", STRING)
     inbox = Inbox()
-    slow = await world.two.subscribe("/chat", STRING, inbox.take)
+    slow = await world.two.subscribe("/chat", STRING, inbox.store)
     async with world.relaying(Topics("/chat", Direction.FIRST_TO_SECOND)):
         await until(lambda: talker.subscriber_count and slow.publisher_count)
         slow.pause()
@@ -180,10 +180,10 @@ async def test_a_slow_subscriber_slows_the_publisher_in_the_other_graph(world: W
 
 
 async def test_services_are_offered_where_they_are_missing(world: World) -> None:
-    handle = await world.one.advertise_service("/switch", SET_BOOL, agreeing)
-    await world.one.advertise_service("/shared", SET_BOOL, agreeing)
-    await world.two.advertise_service("/shared", SET_BOOL, agreeing)
-    await world.one.advertise_service("/node/list_parameters", EMPTY, agreeing)
+    handle = await world.one.advertise_service("/switch", SET_BOOL, answer_set_bool)
+    await world.one.advertise_service("/shared", SET_BOOL, answer_set_bool)
+    await world.two.advertise_service("/shared", SET_BOOL, answer_set_bool)
+    await world.one.advertise_service("/node/list_parameters", EMPTY, answer_set_bool)
 
     async def refuse(_: bytes) -> bytes:
         raise GraphError("not today")
@@ -203,7 +203,7 @@ async def test_services_are_offered_where_they_are_missing(world: World) -> None
         with pytest.raises(ServiceUnavailableError):
             await world.two.call_service("/switch", SET_BOOL, TRUE)
         # There are two servers now, so the relay withdraws its own.
-        await world.one.advertise_service("/refuse", SET_BOOL, agreeing)
+        await world.one.advertise_service("/refuse", SET_BOOL, answer_set_bool)
         await until(lambda: not world.relayed)
         assert await world.one.call_service("/refuse", SET_BOOL, TRUE) == answer("done")
 
@@ -213,7 +213,7 @@ async def test_an_unknown_service_type_is_reported_once_and_can_be_given(
 ) -> None:
     monkeypatch.setattr(relay_module, "RETRY_S", 0.001)
     odd = ServiceType("own/Odd", SET_BOOL.md5sum, SET_BOOL.request, SET_BOOL.response)
-    await world.one.advertise_service("/odd", odd, agreeing)
+    await world.one.advertise_service("/odd", odd, answer_set_bool)
     trouble = "cannot relay service /odd from one to two: no definition of own/Odd, the type of /odd; "
     async with world.relaying(services=(Services("/odd"),)):
         await until(lambda: world.lines)

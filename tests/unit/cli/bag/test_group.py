@@ -16,7 +16,7 @@ import pytest
 import yaml
 from mcap.writer import Writer
 
-from programs import OURS
+from programs import ROSTETHER
 from rostether.msgdef.interface import ANY_MESSAGE
 from rostether.recording.bag.reader import BagReader
 from rostether.rostime import NS_PER_S
@@ -33,7 +33,7 @@ def bag(tmp_path: Path) -> Path:
 
 def _started(graph: LiveGraph, *arguments: str, stdin: int = subprocess.DEVNULL) -> subprocess.Popen[str]:
     return subprocess.Popen(
-        [*OURS, "bag", *arguments],
+        [*ROSTETHER, "bag", *arguments],
         env={**os.environ, "ROS_MASTER_URI": graph.uri},
         stdin=stdin,
         stdout=subprocess.PIPE,
@@ -287,7 +287,7 @@ def test_a_terminal_shows_where_it_is_and_space_pauses_and_continues(
         return re.search(pattern, shown) is not None
 
     player = subprocess.Popen(
-        [*OURS, "bag", "play", "--loop", str(bag), "--topics", "/a"],
+        [*ROSTETHER, "bag", "play", "--loop", str(bag), "--topics", "/a"],
         env={**os.environ, "ROS_MASTER_URI": graph.uri},
         stdin=terminal,
         stdout=terminal,
@@ -320,7 +320,7 @@ def test_a_terminal_shows_rates_and_sizes_while_recording(graph: LiveGraph, tmp_
     keyboard, terminal = pty.openpty()
     termios.tcsetwinsize(terminal, (24, 80))
     recorder = subprocess.Popen(
-        [*OURS, "bag", "record", "-O", str(tmp_path / "a.bag"), "/chat"],
+        [*ROSTETHER, "bag", "record", "-O", str(tmp_path / "a.bag"), "/chat"],
         env={**os.environ, "ROS_MASTER_URI": graph.uri},
         stdin=terminal,
         stdout=subprocess.DEVNULL,

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from programs import OURS, read_until, running
+from programs import ROSTETHER, read_until, running
 from unit.simulation.simavr.programs import build
 
 pytestmark = pytest.mark.simavr
@@ -21,7 +21,7 @@ RUN = ("board", "run")
 
 def run_to_end(*arguments: str, words: str = "") -> subprocess.CompletedProcess[str]:
     result = subprocess.run(
-        [*OURS, *RUN, *arguments], input=words, capture_output=True, text=True, timeout=120
+        [*ROSTETHER, *RUN, *arguments], input=words, capture_output=True, text=True, timeout=120
     )
     result.stderr = without_wait(result.stderr)
     return result
@@ -106,7 +106,7 @@ def test_lines_typed_in_a_terminal() -> None:
 
 
 def test_a_reader_that_stops_early_ends_it() -> None:
-    command = f"{' '.join((*OURS, *RUN))} {build('tick')} --watch serial --json | head -n 3"
+    command = f"{' '.join((*ROSTETHER, *RUN))} {build('tick')} --watch serial --json | head -n 3"
     result = subprocess.run(
         ["bash", "-o", "pipefail", "-c", command], capture_output=True, text=True, timeout=120
     )

@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from contract.graphs import SET_BOOL, STRING, TRUE, Inbox, agreeing, answer, string
+from contract.graphs import SET_BOOL, STRING, TRUE, Inbox, answer, answer_set_bool, string
 from rostether.cli.access.console_reporter import ConsoleReporter
 from rostether.cli.access.graph_options import GraphOptions, Middleware
 from rostether.cli.access.ros2_access import Ros2Access
@@ -111,12 +111,12 @@ async def test_a_relay(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFi
     graphs: list[Graph] = [one, two]
     talkers = [await graph.advertise("/chatter", STRING) for graph in graphs]
     listeners = [
-        await graph.subscribe("/chatter", STRING, inbox.take)
+        await graph.subscribe("/chatter", STRING, inbox.store)
         for graph, inbox in zip(graphs, inboxes, strict=True)
     ]
     # A ROS 1 master does not know the types of services: the relay asks the server.
-    await one.advertise_service("/switch", SET_BOOL, agreeing)
-    await two.advertise_service("/enable", SET_BOOL, agreeing)
+    await one.advertise_service("/switch", SET_BOOL, answer_set_bool)
+    await two.advertise_service("/enable", SET_BOOL, answer_set_bool)
     choice = RelayOptions(("/chatter",), services=("/switch", "/enable")).choice()
     running = asyncio.ensure_future(
         relay_between(

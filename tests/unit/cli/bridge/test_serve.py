@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 from interop.ros1_peers import free_port
-from programs import PATIENCE_S, started
+from programs import TIMEOUT_S, started
 from rostether import Device
 from rostether.joining import join
 from rostether.ros1.master.server import MasterServer
@@ -161,7 +161,7 @@ async def test_demo_ends_by_itself_with_messages() -> None:
     # On a busy machine, no message may arrive so soon.
     for seconds in ("2", "20", "60"):
         async with started("demo", "--ros1", "--seconds", seconds, ROS_MASTER_URI=uri) as demo:
-            text = await demo.finish(timeout_s=2 * PATIENCE_S)
+            text = await demo.finish(timeout_s=2 * TIMEOUT_S)
         if demo.process.returncode == 0:
             break
     assert demo.process.returncode == 0

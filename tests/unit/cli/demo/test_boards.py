@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from programs import PATIENCE_S, Terminal, in_terminal, running
+from programs import TIMEOUT_S, Terminal, in_terminal, running
 from rostether.cli.demo import boards
 from rostether.cli.demo.boards import demo_board
 from rostether.cli.demo.view import RecentLines
@@ -27,7 +27,7 @@ def play(terminal: Terminal, shell: Shell) -> None:
     terminal.wait_for("0.12 m")
     assert "data: True" in shell("topic", "echo", "-n", "1", "/led").out
     terminal.type(b"q")
-    assert terminal.process.wait(PATIENCE_S) == 0
+    assert terminal.process.wait(TIMEOUT_S) == 0
 
 
 def test_keys_move_the_python_board(graph: LiveGraph, shell: Shell) -> None:

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from programs import OURS, read_until, running
+from programs import ROSTETHER, read_until, running
 from rostether.cli.launch.builtin_nodes import builtin_nodes, replacement_line, view_command
 from rostether.cli.launch.node_command import PYTHON_VARIABLE, node_command, python_for
 from rostether.cli.launch.shims import SHIM_MARK
@@ -36,7 +36,7 @@ def write(file: Path, text: str) -> Path:
 
 def run(*arguments: str, cwd: Path, **environ: str) -> subprocess.CompletedProcess[str]:
     return subprocess.run(
-        [*OURS, "run", *arguments],
+        [*ROSTETHER, "run", *arguments],
         cwd=cwd,
         env={**os.environ, **environ},
         capture_output=True,

@@ -13,7 +13,7 @@ import pytest
 
 from interop.machines import missing_namespaces, own_loopback
 from interop.ros1_peers import free_port
-from programs import OURS, start_program, started
+from programs import ROSTETHER, start_program, started
 from unit.cli.command_shell import Shell
 
 
@@ -176,7 +176,7 @@ async def test_the_parts_start_again_at_another_address(tmp_path: Path) -> None:
     robot.write_text('interface = "lo"\n[parts]\ncore = "core"\n')
     with own_loopback() as enter:
         assert enter is not None
-        up = await start_program(*enter, *OURS, "up", str(robot), environment=dict(os.environ))
+        up = await start_program(*enter, *ROSTETHER, "up", str(robot), environment=dict(os.environ))
         try:
             await up.wait_for("Press Ctrl-C to stop")
             subprocess.run([*enter, "ip", "address", "del", "127.0.0.1/8", "dev", "lo"], check=True)

@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import signal
 
-from programs import PATIENCE_S, in_terminal, running
+from programs import TIMEOUT_S, in_terminal, running
 from unit.cli.command_shell import LiveGraph, Shell
 from unit.robot.robots import ARM
 
@@ -21,7 +21,7 @@ def test_keys_move_joints_and_q_ends(graph: LiveGraph, shell: Shell) -> None:
         assert received.out.startswith("[0.0, 0.4, 0.0]"), received
         terminal.type(b"q")
         terminal.wait_for("\033[?1049l")
-        assert terminal.process.wait(PATIENCE_S) == 0
+        assert terminal.process.wait(TIMEOUT_S) == 0
 
 
 def test_ctrl_c_restores_the_terminal(graph: LiveGraph) -> None:
@@ -30,7 +30,7 @@ def test_ctrl_c_restores_the_terminal(graph: LiveGraph) -> None:
         terminal.wait_for("> j0")
         terminal.process.send_signal(signal.SIGINT)
         terminal.wait_for("\033[?1049l")
-        terminal.process.wait(PATIENCE_S)
+        terminal.process.wait(TIMEOUT_S)
 
 
 def test_without_a_terminal_it_publishes_zeros(graph: LiveGraph, shell: Shell) -> None:
@@ -38,5 +38,5 @@ def test_without_a_terminal_it_publishes_zeros(graph: LiveGraph, shell: Shell) -
     with running(*SLIDERS, "_rate:=50", ROS_MASTER_URI=graph.uri) as process:
         shell("topic", "echo", "-n", "1", "/joint_states")
         process.terminate()
-        _, reported = process.communicate(timeout=PATIENCE_S)
+        _, reported = process.communicate(timeout=TIMEOUT_S)
     assert "no terminal for the sliders" in reported

@@ -7,7 +7,7 @@ import struct
 
 import pytest
 
-from loop_watch import CEILING_S, CallbackWatch
+from loop_watch import TIMEOUT_S, CallbackWatch
 from rostether.errors import RemoteProtocolError
 from rostether.gateways.foxglove.client_parser import MAX_TEXT_MESSAGE_CHARACTERS, parse_text
 from unit.gateways.foxglove.protocol_client import ProtocolClient, stage
@@ -77,5 +77,5 @@ async def test_a_client_that_leaves_during_a_conversion_ends_nothing_else() -> N
             await advertise(client, "json", "visualization_msgs/MarkerArray")
             for _ in range(3):
                 await client.publish(1, b'{"markers": [' + b"{}," * 20_000 + b"{}]}")
-        async with asyncio.timeout(CEILING_S), there.client():
+        async with asyncio.timeout(TIMEOUT_S), there.client():
             pass

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 
-from contract.graphs import SET_BOOL, STRING, agreeing
+from contract.graphs import SET_BOOL, STRING, answer_set_bool
 from rostether.ros1.environment import RosEnvironment
 from rostether.ros1.master.server import MasterServer
 from rostether.ros1.node.leftovers import Leftovers
@@ -18,7 +18,7 @@ async def test_only_nodes_that_have_ended_are_forgotten() -> None:
     environment = RosEnvironment.read({}).with_master(master.uri)
     node = await join_ros1("/alive", environment=environment)
     await node.advertise("/chat", STRING)
-    await node.advertise_service("/switch", SET_BOOL, agreeing)
+    await node.advertise_service("/switch", SET_BOOL, answer_set_bool)
     # A port that was just free: no program answers there.
     listener = await asyncio.start_server(lambda _, writer: writer.close(), "127.0.0.1", 0)
     uri = f"http://127.0.0.1:{listener.sockets[0].getsockname()[1]}/"

@@ -90,7 +90,7 @@ async def test_a_master_that_restarts_gets_everything_again(
 ) -> None:
     talker, listener, inbox = await stage.join("/talker"), await stage.join("/listener"), Inbox()
     publisher = await talker.advertise("/chat", STRING)
-    subscriber = await listener.subscribe("/chat", STRING, inbox.take)
+    subscriber = await listener.subscribe("/chat", STRING, inbox.store)
     await talker.advertise_service("/switch", SET_BOOL, echo)
     seen: list[ParamValue] = []
     await listener.set_param("/rate", 1)
@@ -104,7 +104,7 @@ async def test_a_master_that_restarts_gets_everything_again(
     publisher.publish_raw([b"meanwhile"])
     await until(lambda: inbox.payloads == [b"meanwhile"])
     # What begins meanwhile is registered later.
-    early = await listener.subscribe("/late", STRING, inbox.take)
+    early = await listener.subscribe("/late", STRING, inbox.store)
 
     await stage.start_master()
     await until(lambda: caplog.text.count("registered again") == 2)

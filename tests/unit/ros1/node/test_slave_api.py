@@ -68,7 +68,7 @@ async def test_what_it_publishes_and_subscribes_to(stage: Stage) -> None:
 async def test_its_connections(stage: Stage) -> None:
     inbox = Inbox()
     publisher = await stage.node.advertise("/chat", STRING)
-    await stage.node.subscribe("/chat", STRING, inbox.take)
+    await stage.node.subscribe("/chat", STRING, inbox.store)
     await until(lambda: publisher.subscriber_count == 1)
     publisher.publish_raw([b"one", b"four"])
     await until(lambda: len(inbox.payloads) == 2)

@@ -28,10 +28,10 @@ class Stage:
         self.topic = Subscription(
             "/chat",
             message_type,
-            self.inbox.take,
+            self.inbox.store,
             node_name="/listener",
             report=lambda level, text: self.reports.append((level, text)),
-            on_connection=self.inbox.take_header,
+            on_connection=self.inbox.store_header,
             on_close=self._release,
             tcp_nodelay=tcp_nodelay,
         )

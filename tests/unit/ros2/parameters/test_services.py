@@ -115,7 +115,7 @@ async def test_a_type_that_does_not_exist_is_refused(asker: Asker) -> None:
 
 async def test_events_are_published(asker: Asker) -> None:
     inbox = Inbox()
-    await asker.graph.subscribe(PARAMETER_EVENTS, rcl_interfaces().message("ParameterEvent"), inbox.take)
+    await asker.graph.subscribe(PARAMETER_EVENTS, rcl_interfaces().message("ParameterEvent"), inbox.store)
     asker.store.apply({"new": typed_value("", True), "port": NOT_SET, "gains.p": typed_value("", "x")})
     await until(lambda: inbox.payloads)
     event = rcl_interfaces().codec("ParameterEvent").decode(inbox.payloads[-1])

@@ -64,7 +64,7 @@ async def test_closing_leaves_with_all_nodes() -> None:
 
 async def test_two_nodes_may_have_the_same_name(context: RclpyContext) -> None:
     one, other, inbox = await context.join("/node"), await context.join("/node"), Inbox()
-    await other.subscribe("/chat", STRING, inbox.take)
+    await other.subscribe("/chat", STRING, inbox.store)
     publisher = await one.advertise("/chat", STRING)
     await until(lambda: publisher.subscriber_count == 1)
     await one.close()
@@ -75,13 +75,13 @@ async def test_a_topic_has_one_type_in_a_process(context: RclpyContext) -> None:
     one, other = await context.join("/one"), await context.join("/other")
     await one.advertise("/chat", STRING)
     with pytest.raises(TypeMismatchError, match="this process already uses it as std_msgs/msg/String"):
-        await other.subscribe("/chat", BOOL, Inbox().take)
+        await other.subscribe("/chat", BOOL, Inbox().store)
 
 
 async def test_a_definition_that_differs_from_the_installed_one_is_refused() -> None:
     context = await open_context(OddTypes)
     node = await context.join("/node")
-    for attempt in (node.advertise("/chat", STRING), node.subscribe("/chat", STRING, Inbox().take)):
+    for attempt in (node.advertise("/chat", STRING), node.subscribe("/chat", STRING, Inbox().store)):
         with pytest.raises(TypeMismatchError, match="installed for rclpy differs from the known one"):
             await attempt
     assert "/chat" not in (await node.snapshot()).topics
@@ -93,7 +93,7 @@ async def test_a_payload_that_is_malformed_is_skipped(
     context: RclpyContext, caplog: pytest.LogCaptureFixture
 ) -> None:
     node, inbox = await context.join("/node"), Inbox()
-    await node.subscribe("/chat", STRING, inbox.take)
+    await node.subscribe("/chat", STRING, inbox.store)
     publisher = await node.advertise("/chat", STRING)
     await until(lambda: publisher.subscriber_count == 1)
     with caplog.at_level(logging.WARNING, logger="rostether.ros2"):
@@ -108,7 +108,7 @@ async def test_a_payload_that_is_malformed_is_skipped(
 async def test_a_nodes_own_messages_can_be_omitted(context: RclpyContext, message_type: MessageType) -> None:
     node, other, inbox = await context.join("/node"), await context.join("/other"), Inbox()
     own, theirs = await node.advertise("/chat", STRING), await other.advertise("/chat", STRING)
-    await node.subscribe("/chat", message_type, inbox.take, skip_own=True)
+    await node.subscribe("/chat", message_type, inbox.store, skip_own=True)
     await until(lambda: own.subscriber_count == theirs.subscriber_count == 1)
     for number in range(3):
         own.publish_raw([string("own")])

@@ -50,11 +50,11 @@ async def test_topics_that_a_router_denies_are_reported(
         reach=Reach(RouterChoice.ALWAYS),
     )
     robot = await router.join("robot")
-    await robot.subscribe("/robot1/cmd_vel", STRING, Inbox().take)
+    await robot.subscribe("/robot1/cmd_vel", STRING, Inbox().store)
     visitor = await open_session(port, is_router=False)
     node = await visitor.join("visitor")
     await node.advertise("/robot1/cmd_vel", STRING)
-    await node.subscribe("/chat", STRING, Inbox().take)
+    await node.subscribe("/chat", STRING, Inbox().store)
     await until(lambda: "access denied" in caplog.text)
     assert f"the router at {endpoint} does not forward /robot1/cmd_vel for this program" in caplog.text
 

@@ -21,9 +21,9 @@ async def test_domains_are_separate() -> None:
     there = await open_session(port, is_router=False, domain_id=2)
     one, other, inbox = await here.join("one"), await there.join("other"), Inbox()
     publisher = await one.advertise("/chat", STRING)
-    await other.subscribe("/chat", STRING, inbox.take)
+    await other.subscribe("/chat", STRING, inbox.store)
     same = Inbox()
-    await one.subscribe("/chat", STRING, same.take)
+    await one.subscribe("/chat", STRING, same.store)
     await until(lambda: publisher.subscriber_count == 1)
     publisher.publish_raw([string("x")])
     await until(lambda: same.payloads)
@@ -40,7 +40,7 @@ async def test_after_a_routers_restart_messages_arrive_once() -> None:
     talker, listener = await left.join("talker"), await right.join("listener")
     inbox = Inbox()
     publisher = await talker.advertise("/chat", STRING)
-    subscriber = await listener.subscribe("/chat", STRING, inbox.take, on_connection=inbox.take_header)
+    subscriber = await listener.subscribe("/chat", STRING, inbox.store, on_connection=inbox.store_header)
 
     async def answer(request: bytes) -> bytes:
         return request
@@ -79,7 +79,7 @@ async def test_after_a_routers_restart_latched_messages_arrive_once() -> None:
     inbox = Inbox()
     publisher = await talker.advertise("/map", STRING, latch=True)
     publisher.publish_raw([string("first")])
-    subscriber = await listener.subscribe("/map", STRING, inbox.take)
+    subscriber = await listener.subscribe("/map", STRING, inbox.store)
     await until(lambda: inbox.payloads)
     for text in ("second", "third"):
         await router.close()
@@ -104,7 +104,7 @@ async def test_a_session_that_starts_before_the_router_finds_it() -> None:
     publisher.publish_raw([string("kept")])
     router = await open_session(port, is_router=True)
     listener = await router.join("listener")
-    await listener.subscribe("/map", STRING, inbox.take)
+    await listener.subscribe("/map", STRING, inbox.store)
     await until(lambda: inbox.payloads)
     assert inbox.payloads == [string("kept")]
     await early.close()

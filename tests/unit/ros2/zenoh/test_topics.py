@@ -60,8 +60,8 @@ async def test_samples_have_cdr_and_an_increasing_sequence(session: ZenohSession
 
 async def test_messages_of_a_publisher_without_a_token_are_received(session: ZenohSession) -> None:
     node, typed, anything = await session.join("listener"), Inbox(), Inbox()
-    await node.subscribe("/chat", STRING, typed.take, on_connection=typed.take_header)
-    await node.subscribe("/chat", ANY_MESSAGE, anything.take, on_connection=anything.take_header)
+    await node.subscribe("/chat", STRING, typed.store, on_connection=typed.store_header)
+    await node.subscribe("/chat", ANY_MESSAGE, anything.store, on_connection=anything.store_header)
     session.zenoh.put(key_of("/chat"), CDR_HELLO)
     await until(lambda: typed.payloads and anything.payloads)
     assert typed.payloads == anything.payloads == [string("hello")]
@@ -72,7 +72,7 @@ async def test_messages_of_a_publisher_without_a_token_are_received(session: Zen
 
 async def test_invalid_cdr_is_reported_once(session: ZenohSession, caplog: pytest.LogCaptureFixture) -> None:
     node, inbox = await session.join("listener"), Inbox()
-    await node.subscribe("/chat", STRING, inbox.take)
+    await node.subscribe("/chat", STRING, inbox.store)
     for payload in (b"", b"\0\1\0\0\xff\xff\xff\x7f", b"x" * 1000, CDR_HELLO):
         session.zenoh.put(key_of("/chat"), payload)
     session.zenoh.delete(key_of("/chat"))
@@ -87,7 +87,7 @@ async def test_lost_messages_are_reported_once(
 ) -> None:
     monkeypatch.setattr("rostether.ros2.zenoh.subscription.DEFAULT_QUEUE_BYTES", 3 * len(CDR_HELLO))
     node, inbox = await session.join("listener"), Inbox()
-    subscriber = await node.subscribe("/chat", STRING, inbox.take)
+    subscriber = await node.subscribe("/chat", STRING, inbox.store)
     for _ in range(2):
         inbox.payloads.clear()
         subscriber.pause()
@@ -102,8 +102,8 @@ async def test_large_messages_are_converted_outside_the_event_loop(
     session: ZenohSession, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
     node, inbox, any_inbox = await session.join("node"), Inbox(), Inbox()
-    subscriber = await node.subscribe("/many", FLOATS, inbox.take)
-    await node.subscribe("/many", ANY_MESSAGE, any_inbox.take)
+    subscriber = await node.subscribe("/many", FLOATS, inbox.store)
+    await node.subscribe("/many", ANY_MESSAGE, any_inbox.store)
     await (await session.join("talker")).advertise("/many", FLOATS)
     await until(lambda: subscriber.publisher_count)
     watch = CallbackWatch(monkeypatch)
@@ -121,7 +121,7 @@ async def test_payloads_that_do_not_fit_are_not_sent(
 ) -> None:
     node, inbox = await session.join("node"), Inbox()
     publisher = await node.advertise("/chat", STRING)
-    await node.subscribe("/chat", STRING, inbox.take)
+    await node.subscribe("/chat", STRING, inbox.store)
     await until(lambda: publisher.subscriber_count == 1)
     assert publisher.publish_raw([b"\xff\xff\xff\xff", string("good"), b""])
     await until(lambda: inbox.payloads)
@@ -136,7 +136,7 @@ async def test_endpoints_with_different_types_are_reported(
     caplog.set_level(logging.WARNING)
     talker, listener = await session.join("talker"), await session.join("listener")
     await talker.advertise("/chat", STRING)
-    await listener.subscribe("/chat", BOOL, Inbox().take)
+    await listener.subscribe("/chat", BOOL, Inbox().store)
     assert (
         "/talker publishes /chat as std_msgs/msg/String, but this node uses std_msgs/msg/Bool" in caplog.text
     )
@@ -149,8 +149,8 @@ async def test_another_definition_of_a_type_is_reported(
     session: ZenohSession, caplog: pytest.LogCaptureFixture
 ) -> None:
     node, inbox = await session.join("listener"), Inbox()
-    await node.subscribe("/chat", STRING, inbox.take)
-    await node.subscribe("/chat", ANY_MESSAGE, inbox.take)
+    await node.subscribe("/chat", STRING, inbox.store)
+    await node.subscribe("/chat", ANY_MESSAGE, inbox.store)
     foreign = "RIHS01_" + "1" * 64
     token = f"@ros2_lv/0/abc/0/1/MP/%/%/far/%chat/std_msgs::msg::dds_::String_/{foreign}/::,10:,:,:,,"
     declared = session.zenoh.liveliness().declare_token(token)
@@ -166,7 +166,7 @@ async def test_an_unknown_type_is_reported_once(
     session: ZenohSession, caplog: pytest.LogCaptureFixture
 ) -> None:
     node, inbox = await session.join("listener"), Inbox()
-    await node.subscribe("/chat", ANY_MESSAGE, inbox.take)
+    await node.subscribe("/chat", ANY_MESSAGE, inbox.store)
     for name in ("nowhere_msgs::msg::dds_::Nothing_", "nowhere_msgs::msg::dds_::Nothing_", "nonsense"):
         session.zenoh.put(data_key(0, "/chat", name, "RIHS01_00"), CDR_HELLO)
     session.zenoh.put(key_of("/chat"), CDR_HELLO)
@@ -178,7 +178,7 @@ async def test_an_unknown_type_is_reported_once(
 async def test_a_node_can_skip_its_own_messages(session: ZenohSession) -> None:
     node, other, inbox = await session.join("node"), await session.join("other"), Inbox()
     own, foreign = await node.advertise("/chat", STRING), await other.advertise("/chat", STRING)
-    await node.subscribe("/chat", STRING, inbox.take, skip_own=True)
+    await node.subscribe("/chat", STRING, inbox.store, skip_own=True)
     await until(lambda: own.subscriber_count == foreign.subscriber_count == 1)
     own.publish_raw([string("own")])
     foreign.publish_raw([string("foreign")])
@@ -191,7 +191,7 @@ async def test_a_handle_that_latches_makes_its_topic_latch(session: ZenohSession
     plain = await talker.advertise("/map", STRING)
     latching = await talker.advertise("/map", STRING, latch=True)
     latching.publish_raw([string("kept")])
-    await listener.subscribe("/map", STRING, inbox.take, on_connection=inbox.take_header)
+    await listener.subscribe("/map", STRING, inbox.store, on_connection=inbox.store_header)
     await until(lambda: inbox.payloads)
     assert inbox.headers[0]["latching"] == "1"
     assert plain.subscriber_count == 1
@@ -200,7 +200,7 @@ async def test_a_handle_that_latches_makes_its_topic_latch(session: ZenohSession
 async def test_a_header_loses_only_its_sequence(session: ZenohSession) -> None:
     node, inbox = await session.join("node"), Inbox()
     publisher = await node.advertise("/imu", IMU)
-    await node.subscribe("/imu", IMU, inbox.take)
+    await node.subscribe("/imu", IMU, inbox.store)
     await until(lambda: publisher.subscriber_count == 1)
     payload = (7).to_bytes(4, "little") + bytes(range(12)) + bytes(296)
     payload = payload[:12] + bytes(4) + payload[16:]  # An empty frame_id.
@@ -222,7 +222,7 @@ async def test_a_full_link_pauses_the_publisher_and_then_drops(monkeypatch: pyte
     there = await open_session(port, is_router=False)
     talker, listener, inbox = await here.join("talker"), await there.join("listener"), Inbox()
     publisher = await talker.advertise("/chat", STRING, queue_bytes=1 << 20)
-    await listener.subscribe("/chat", STRING, inbox.take)
+    await listener.subscribe("/chat", STRING, inbox.store)
     await until(lambda: publisher.subscriber_count == 1)
     # Every put counts as one that had to wait.
     monkeypatch.setattr("rostether.ros2.zenoh.publication.STALL_NS", -1)

@@ -19,7 +19,7 @@ from unit.simulation.simavr.readings import named, number
 
 pytestmark = pytest.mark.simavr
 
-PATIENCE_S = 60.0
+TIMEOUT_S = 60.0
 # Answers with a second socket: a socket in a group sends only to the group.
 ECHO = """
 #include <Ethernet.h>
@@ -79,14 +79,14 @@ async def start(folder: Path, text: str, group: GroupAddress, *words: str) -> Si
     program = await build_text(folder, text.replace("GROUP_PORT", str(group.port)))
     board = await SimulatedBoard.start(program, link="none", commands=words)
     if not any(in_group(event) for event in named(board, "w5100")):
-        await board.wait_for("w5100", in_group, timeout_s=PATIENCE_S)
+        await board.wait_for("w5100", in_group, timeout_s=TIMEOUT_S)
     return board
 
 
 async def asked(sock: socket.socket, data: bytes, to: tuple[str, int]) -> tuple[bytes, tuple[str, int]]:
     """Send until there is an answer: a datagram may arrive before the board's socket is open."""
     loop = asyncio.get_running_loop()
-    async with asyncio.timeout(PATIENCE_S):
+    async with asyncio.timeout(TIMEOUT_S):
         while True:
             sock.sendto(data, to)
             with contextlib.suppress(TimeoutError):
@@ -108,7 +108,7 @@ async def test_a_sketch_gets_an_address_receives_its_group_and_answers(tmp_path:
             )
             # No machine has the address in another network: the chip gives up.
             sock.sendto(b"!", place)
-            async with asyncio.timeout(PATIENCE_S):
+            async with asyncio.timeout(TIMEOUT_S):
                 while await number(board, "failures") == 0:
                     await asyncio.sleep(0.01)
             assert (await asked(sock, b"again", place))[0] == b"again"
@@ -130,7 +130,7 @@ async def test_the_registers_of_the_chip_and_its_stall(tmp_path: Path) -> None:
                 expected = (
                     bytes([127, 0, 0, 1, *sock.getsockname()[1].to_bytes(2, "big"), 0, len(data)]) + data
                 )
-                async with asyncio.timeout(PATIENCE_S):
+                async with asyncio.timeout(TIMEOUT_S):
                     while not (await board.memory("heard")).startswith(expected):
                         await asyncio.sleep(0.01)
                 found.cancel()
