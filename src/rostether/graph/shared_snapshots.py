@@ -1,9 +1,10 @@
-"""Snapshots of a graph that several callers need at once."""
+"""Snapshots of a graph that several callers need at once, and polling of graphs that report no changes."""
 
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Awaitable, Callable
+from collections.abc import AsyncIterator, Awaitable, Callable
+from contextlib import suppress
 
 from rostether.graph.ports import Snapshot
 
@@ -33,3 +34,18 @@ class SharedSnapshots:
             await asyncio.wait([running])
         self._running, self._next = self._next, None
         return await self._take()
+
+
+async def poll_snapshots(
+    take: Callable[[], Awaitable[Snapshot]], closed: asyncio.Event, interval_s: float
+) -> AsyncIterator[Snapshot]:
+    """Yield a snapshot from `take` now and one after each change, until `closed` is set."""
+    latest: Snapshot | None = None
+    while True:
+        snapshot = await take()
+        if snapshot != latest:
+            latest = snapshot
+            yield latest
+        with suppress(TimeoutError):
+            await asyncio.wait_for(closed.wait(), interval_s)
+            return

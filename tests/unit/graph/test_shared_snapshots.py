@@ -6,7 +6,7 @@ import pytest
 
 from rostether.errors import GraphError
 from rostether.graph.ports import Snapshot
-from rostether.graph.shared_snapshots import SharedSnapshots
+from rostether.graph.shared_snapshots import SharedSnapshots, poll_snapshots
 
 
 class SlowGraph:
@@ -54,3 +54,16 @@ async def test_all_callers_get_the_error_and_the_next_one_tries_again() -> None:
     graph.is_gone = True
     with pytest.raises(GraphError):
         await shared.take()
+
+
+async def test_only_changes_are_reported() -> None:
+    snapshots = [Snapshot(("/a",)), Snapshot(("/a",)), Snapshot(("/b",))]
+    closed = asyncio.Event()
+
+    async def take() -> Snapshot:
+        return snapshots.pop(0)
+
+    changes = poll_snapshots(take, closed, 0.001)
+    assert [await anext(changes), await anext(changes)] == [Snapshot(("/a",)), Snapshot(("/b",))]
+    closed.set()
+    assert await anext(changes, None) is None

@@ -12,6 +12,7 @@ from msgspec.structs import replace
 
 from rostether.errors import MasterUnreachableError
 from rostether.graph.ports import ServiceEntry, Snapshot, TopicEntry
+from rostether.graph.shared_snapshots import poll_snapshots
 from rostether.msgdef.interface import ANY_TYPE
 from rostether.ros1.node.master_client import MasterClient
 
@@ -44,23 +45,23 @@ async def take_snapshot(master: MasterClient) -> Snapshot:
     )
 
 
-async def watch_changes(master: MasterClient, closed: asyncio.Event) -> AsyncIterator[Snapshot]:
+def watch_changes(master: MasterClient, closed: asyncio.Event) -> AsyncIterator[Snapshot]:
     """Yield a snapshot now and one after each change, until `closed` is set.
 
     If the master is unreachable later, the snapshot's `problem` has the reason; only the first request
     raises MasterUnreachableError. Raises GraphError if the master refuses a request.
     """
-    latest = await take_snapshot(master)
-    yield latest
-    while not closed.is_set():
+    latest: Snapshot | None = None
+
+    async def take() -> Snapshot:
+        nonlocal latest
         try:
-            async with asyncio.timeout(POLL_INTERVAL_S):
-                await closed.wait()
-        except TimeoutError:
-            try:
-                snapshot = await take_snapshot(master)
-            except MasterUnreachableError as error:
-                snapshot = latest if latest.problem else replace(latest, problem=str(error))
-            if snapshot != latest:
-                latest = snapshot
-                yield latest
+            latest = await take_snapshot(master)
+        except MasterUnreachableError as error:
+            if latest is None:
+                raise
+            if not latest.problem:
+                latest = replace(latest, problem=str(error))
+        return latest
+
+    return poll_snapshots(take, closed, POLL_INTERVAL_S)

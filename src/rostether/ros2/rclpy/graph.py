@@ -7,6 +7,7 @@ from typing import Any, Unpack
 
 from rostether.graph.ports import Level, OnMessages, ServiceHandler, Snapshot, SubscribeOptions
 from rostether.graph.publisher_handle import PublisherHandle
+from rostether.graph.shared_snapshots import poll_snapshots
 from rostether.msgdef.interface import MessageType, ServiceType
 from rostether.ros2.endpoint_info import EndpointInfo, EndpointKind, QosReport
 from rostether.ros2.listed_client import ListedClient
@@ -19,7 +20,7 @@ from rostether.ros2.rclpy.own_parameters import RclpyParameters
 from rostether.ros2.rclpy.publication import RclpyPublication
 from rostether.ros2.rclpy.service_server import RclpyServiceServer
 from rostether.ros2.rclpy.subscription import RclpySubscriber
-from rostether.ros2.rclpy.view import UNKNOWN_NODE, ask_node, full_name, take_snapshot, watch_changes
+from rostether.ros2.rclpy.view import POLL_INTERVAL_S, UNKNOWN_NODE, ask_node, full_name, take_snapshot
 from rostether.rostime import Time
 
 
@@ -110,7 +111,7 @@ class RclpyGraph(Ros2Membership):
 
     def changes(self) -> AsyncIterator[Snapshot]:
         """Yield a snapshot now and one after each change, within about half a second of it."""
-        return watch_changes(self.snapshot, self._closed)
+        return poll_snapshots(self.snapshot, self._closed, POLL_INTERVAL_S)
 
     async def _end(self) -> None:
         try:

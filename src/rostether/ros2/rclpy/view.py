@@ -5,8 +5,7 @@ rclpy does not report changes of the graph, so it is polled; each poll costs abo
 
 from __future__ import annotations
 
-import asyncio
-from collections.abc import AsyncIterator, Awaitable, Callable
+from collections.abc import Callable
 from typing import Any
 
 from rostether.graph.ports import ServiceEntry, Snapshot, TopicEntry
@@ -81,23 +80,6 @@ def offered_types(node: Any, service: str) -> list[str]:
             dict(ask_node(node.get_service_names_and_types_by_node, name, namespace)).get(service, ())
         )
     return sorted(types)
-
-
-async def watch_changes(
-    take: Callable[[], Awaitable[Snapshot]], closed: asyncio.Event
-) -> AsyncIterator[Snapshot]:
-    """Yield a snapshot from `take` now and one after each change, until `closed` is set."""
-    latest = await take()
-    yield latest
-    while not closed.is_set():
-        try:
-            async with asyncio.timeout(POLL_INTERVAL_S):
-                await closed.wait()
-        except TimeoutError:
-            snapshot = await take()
-            if snapshot != latest:
-                latest = snapshot
-                yield latest
 
 
 def ask_node(query: Callable[[str, str], Any], name: str, namespace: str) -> Any:

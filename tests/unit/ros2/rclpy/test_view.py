@@ -2,12 +2,7 @@
 
 from __future__ import annotations
 
-import asyncio
-
-import pytest
-
-from rostether.graph.ports import Snapshot
-from rostether.ros2.rclpy.view import offered_types, take_snapshot, watch_changes
+from rostether.ros2.rclpy.view import offered_types, take_snapshot
 
 Endpoints = list[tuple[str, list[str]]]
 
@@ -52,17 +47,3 @@ def test_a_snapshot() -> None:
 def test_the_types_of_a_service() -> None:
     assert offered_types(FakeNode(), "/do") == ["p/srv/A"]
     assert offered_types(FakeNode(), "/undo") == []
-
-
-async def test_only_changes_are_reported(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("rostether.ros2.rclpy.view.POLL_INTERVAL_S", 0.001)
-    snapshots = [Snapshot(("/a",)), Snapshot(("/a",)), Snapshot(("/b",))]
-    closed = asyncio.Event()
-
-    async def take() -> Snapshot:
-        return snapshots.pop(0)
-
-    changes = watch_changes(take, closed)
-    assert [await anext(changes), await anext(changes)] == [Snapshot(("/a",)), Snapshot(("/b",))]
-    closed.set()
-    assert await anext(changes, None) is None
