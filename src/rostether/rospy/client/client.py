@@ -11,6 +11,7 @@ import warnings
 from typing import Any
 
 from rostether.graph.log_message import ROSOUT
+from rostether.graph.ports import Level
 from rostether.rospy.client import logs
 from rostether.rospy.client.exceptions import ROSException, ROSInitException, ROSInterruptException
 from rostether.rospy.client.message import Message
@@ -146,15 +147,15 @@ def _get_loggers(request: Message) -> Any:
     response: Any = types.service_class("roscpp/GetLoggers")._response_class()
     for name in list(logging.Logger.manager.loggerDict):
         level = logging.getLogger(name).getEffectiveLevel()
-        response.loggers.append(logger_class(name, logs.LEVEL_NAMES.get(level, "INFO")))
+        response.loggers.append(logger_class(name, logs.LEVELS.get(level, Level.INFO).name))
     return response
 
 
 def _set_logger_level(request: Any) -> Any:
-    levels = {name: level for level, name in logs.LEVEL_NAMES.items()}
-    level = levels.get(request.level.upper())
-    if level is None:
+    try:
+        level = Level[request.level.upper()]
+    except KeyError:
         warnings.warn(f"Bad logging level: {request.level}", stacklevel=2)
     else:
-        logging.getLogger(request.logger).setLevel(level)
+        logging.getLogger(request.logger).setLevel(level.number_in_tens)
     return all_types().service_class("roscpp/SetLoggerLevel")._response_class()

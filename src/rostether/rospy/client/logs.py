@@ -11,21 +11,14 @@ from collections.abc import Callable
 from typing import Any, TextIO
 
 from rostether.graph.log_message import ROSOUT
+from rostether.graph.ports import Level
 from rostether.rospy.client.names import get_name, names
 
-DEBUG, INFO, WARN, ERROR, FATAL = 1, 2, 4, 8, 16
+DEBUG, INFO, WARN, ERROR, FATAL = map(int, Level)
 
-_LEVELS = {
-    logging.DEBUG: DEBUG,
-    logging.INFO: INFO,
-    logging.WARNING: WARN,
-    logging.ERROR: ERROR,
-    logging.CRITICAL: FATAL,
-}
-_PYTHON_LEVELS = {level: python for python, level in _LEVELS.items()}
-_NAMES = {DEBUG: "DEBUG", INFO: "INFO", WARN: "WARN", ERROR: "ERROR", FATAL: "FATAL"}
-LEVEL_NAMES = {python: _NAMES[level] for python, level in _LEVELS.items()}
-_COLORS = {DEBUG: "\033[32m", WARN: "\033[33m", ERROR: "\033[31m", FATAL: "\033[31m"}
+# The levels of rosgraph_msgs/Log by those of the module logging.
+LEVELS = {level.number_in_tens: level for level in Level}
+_COLORS = {Level.DEBUG: "\033[32m", Level.WARN: "\033[33m", Level.ERROR: "\033[31m", Level.FATAL: "\033[31m"}
 _FORMAT = "[${severity}] [${time}]: ${message}"
 _FILE_FORMAT = "[%(name)s][%(levelname)s] %(asctime)s: %(message)s"
 
@@ -51,11 +44,11 @@ class TerminalHandler(logging.Handler):
 
     def emit(self, record: logging.LogRecord) -> None:
         """Print one record."""
-        level = _LEVELS.get(record.levelno, INFO)
+        level = LEVELS.get(record.levelno, Level.INFO)
         wall = f"{time.time():f}"
         ros_time = self._simulated_time()
         values = {
-            "severity": _NAMES[level],
+            "severity": level.name,
             "message": logging.Formatter().format(record),
             "walltime": wall,
             "time": wall if ros_time is None else f"{wall}, {ros_time:f}",
@@ -110,7 +103,7 @@ def configure(simulated_time: Callable[[], float | None], log_level: int | None)
             handler.setFormatter(logging.Formatter(_FILE_FORMAT))
             logging.getLogger().addHandler(handler)
             logging.getLogger().setLevel(logging.INFO)
-    _rosout_logger.setLevel(logging.INFO if log_level is None else _PYTHON_LEVELS[log_level])
+    _rosout_logger.setLevel(logging.INFO if log_level is None else Level(log_level).number_in_tens)
 
 
 def publish_logs(handler: RosoutHandler) -> None:
@@ -121,7 +114,7 @@ def publish_logs(handler: RosoutHandler) -> None:
 def log_fields(record: logging.LogRecord, topics: list[str]) -> dict[str, Any]:
     """Return the fields of a rosgraph_msgs/Log, without its stamp."""
     return {
-        "level": _LEVELS.get(record.levelno, INFO),
+        "level": LEVELS.get(record.levelno, Level.INFO).value,
         "name": get_name(),
         "msg": logging.Formatter().format(record),
         "topics": topics if ROSOUT in topics else [*topics, ROSOUT],

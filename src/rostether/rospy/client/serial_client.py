@@ -29,14 +29,6 @@ _CLOSE_LIMIT_S = 3.0
 # How long a call waits for the shutdown that has ended it.
 _SHUTDOWN_LIMIT_S = 5.0
 
-_LEVELS = {
-    Level.DEBUG: logging.DEBUG,
-    Level.INFO: logging.INFO,
-    Level.WARN: logging.WARNING,
-    Level.ERROR: logging.ERROR,
-    Level.FATAL: logging.CRITICAL,
-}
-
 
 class SerialClient:
     """Serves the board on a serial port; `timeout` and `fix_pyserial_for_test` have no effect."""
@@ -84,7 +76,7 @@ class _Terminal:
 
     def report(self, level: Level, text: str, *, node: str = "") -> None:
         """Print a line."""
-        record = logging.LogRecord("rosout", _LEVELS[level], __file__, 0, text, None, None, "run")
+        record = logging.LogRecord("rosout", level.number_in_tens, __file__, 0, text, None, None, "run")
         self._handler.emit(record)
 
 
