@@ -11,7 +11,14 @@ from msgspec import Struct, field
 from rostether.errors import LaunchError
 from rostether.graph.ports import ParamValue
 from rostether.launch.plan import DeclaredArgument
-from rostether.names.graph_name import PRIVATE, SEPARATOR, canonical, is_global, is_legal_name, join
+from rostether.names.graph_name import (
+    PRIVATE,
+    SEPARATOR,
+    as_namespace,
+    canonical,
+    is_legal_name,
+    join,
+)
 
 
 class Scope(Struct):
@@ -85,10 +92,4 @@ class Scope(Struct):
     def _below(self, namespace: str) -> str:
         if namespace.startswith(PRIVATE):
             raise LaunchError(f"ns={namespace!r} is private to a node; give a namespace like robot1 or /lab")
-        return as_namespace(namespace if is_global(namespace) else join(self.namespace, namespace))
-
-
-def as_namespace(name: str) -> str:
-    """Return a name as a global namespace with a trailing slash."""
-    cleaned = canonical(name if is_global(name) else SEPARATOR + name)
-    return cleaned if cleaned == SEPARATOR else cleaned + SEPARATOR
+        return as_namespace(join(self.namespace, namespace))

@@ -8,11 +8,11 @@ from typing import Any
 
 from rostether.errors import ConfigError, InvalidNameError, LaunchError
 from rostether.launch.plan import LaunchPlan
-from rostether.launch.scope import Scope, as_namespace
+from rostether.launch.scope import Scope
 from rostether.launch.substitution import LaunchContext, substitute
 from rostether.launch.values import as_bool, check_value
 from rostether.mechanisms.xml_tree import XmlElement
-from rostether.names.graph_name import SEPARATOR, canonical, is_legal_name, join, namespace_of
+from rostether.names.graph_name import SEPARATOR, as_namespace, canonical, is_legal_name, join, namespace_of
 
 # The limit of all texts of a launch together; ten thousand included files may each have long texts.
 MAX_SUBSTITUTED_CHARS = 64 << 20

@@ -59,6 +59,11 @@ def namespace_of(name: str) -> str:
     return name.removesuffix(SEPARATOR).rpartition(SEPARATOR)[0] or SEPARATOR
 
 
+def as_namespace(name: str) -> str:
+    """Return a name as a global namespace with a trailing slash: `a/b` -> `/a/b/`, `/` -> `/`."""
+    return canonical(SEPARATOR + name).removesuffix(SEPARATOR) + SEPARATOR
+
+
 def canonical(name: str) -> str:
     """Return the name without doubled or trailing slashes; `/` is unchanged."""
     cleaned = SEPARATOR.join(part for part in name.split(SEPARATOR) if part)

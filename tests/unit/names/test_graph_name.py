@@ -4,6 +4,7 @@ import pytest
 
 from rostether.errors import InvalidNameError
 from rostether.names.graph_name import (
+    as_namespace,
     canonical,
     is_global,
     is_legal_name,
@@ -157,3 +158,8 @@ def test_illegal_names_do_not_resolve(name: str) -> None:
 def test_a_private_name_needs_a_node() -> None:
     with pytest.raises(InvalidNameError, match="private"):
         resolve_name("~a", namespace="/", node_name="")
+
+
+@pytest.mark.parametrize(("name", "namespace"), [("/", "/"), ("a//b", "/a/b/"), ("/a/", "/a/"), ("", "/")])
+def test_names_as_namespaces(name: str, namespace: str) -> None:
+    assert as_namespace(name) == namespace

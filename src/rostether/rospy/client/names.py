@@ -9,7 +9,7 @@ from collections.abc import Iterable, Mapping
 from typing import Any
 
 from rostether.bounded_yaml import YamlError, load
-from rostether.names.graph_name import canonical, is_global, is_private
+from rostether.names.graph_name import as_namespace, canonical, is_global, is_private
 from rostether.names.graph_name import resolve_name as _resolve
 from rostether.rospy.client.exceptions import ROSException, ROSInitException
 
@@ -27,7 +27,7 @@ class NodeNames:
         self.resolved_mappings: dict[str, str] = {}
         self.private_params: dict[str, Any] = {}
         self.load(argv)
-        self.namespace = _namespace(self.mappings.get("__ns") or environ.get("ROS_NAMESPACE") or "/")
+        self.namespace = as_namespace(self.mappings.get("__ns") or environ.get("ROS_NAMESPACE") or "/")
         self.caller_id = self.namespace + UNNAMED
 
     def load(self, argv: Iterable[str]) -> None:
@@ -48,7 +48,7 @@ class NodeNames:
     def set_node_name(self, base_name: str) -> str:
         """Set the node's name, with which private names resolve. Returns its full name."""
         self.caller_id = self._full_name(base_name, self.caller_id)
-        self.namespace = _parent(self.caller_id)
+        self.namespace = parent_namespace(self.caller_id)
         self.resolved_mappings = {
             source if source.startswith("__") else self._full_name(source, self.caller_id): target
             if source.startswith("__")
@@ -61,7 +61,7 @@ class NodeNames:
         """Return the full name after remapping, as in the node `caller_id` (default: this node)."""
         caller_id = caller_id or self.caller_id
         if not name:
-            return _parent(caller_id)
+            return parent_namespace(caller_id)
         resolved = self._full_name(str(name), caller_id)
         return self.resolved_mappings.get(resolved, resolved)
 
@@ -89,12 +89,12 @@ class NodeNames:
 
     def _full_name(self, name: str, caller_id: str) -> str:
         try:
-            return _resolve(name, namespace=_parent(caller_id), node_name=caller_id)
+            return _resolve(name, namespace=parent_namespace(caller_id), node_name=caller_id)
         except ValueError:
             # rospy only warns about illegal names; the graph rejects them.
             if is_private(name):
                 return canonical(f"{caller_id}/{name[1:]}")
-            return canonical(name if is_global(name) else _parent(caller_id) + name)
+            return canonical(name if is_global(name) else parent_namespace(caller_id) + name)
 
 
 def is_remap_argument(argument: str) -> bool:
@@ -102,14 +102,9 @@ def is_remap_argument(argument: str) -> bool:
     return _REMAP.fullmatch(argument) is not None
 
 
-def _parent(full_name: str) -> str:
+def parent_namespace(full_name: str) -> str:
     """Return the namespace of a full name, with a slash at the end."""
-    return full_name[: full_name.rstrip("/").rfind("/") + 1] or "/"
-
-
-def _namespace(text: str) -> str:
-    name = canonical(f"/{text}")
-    return name if name == "/" else f"{name}/"
+    return full_name[: full_name.removesuffix("/").rfind("/") + 1] or "/"
 
 
 def _yaml(argument: str, text: str) -> Any:

@@ -12,7 +12,7 @@ from rostether.mechanisms.anonymous import anonymous_name as anonymous_name
 from rostether.names.graph_name import canonical, is_global, is_private, join
 from rostether.names.graph_name import is_legal_name as _is_legal
 from rostether.rospy.client.exceptions import ROSException
-from rostether.rospy.client.names import NodeNames, is_remap_argument
+from rostether.rospy.client.names import NodeNames, is_remap_argument, parent_namespace
 
 SEP = "/"
 GLOBALNS = "/"
@@ -29,7 +29,7 @@ def namespace(name: str) -> str:
         raise ValueError("name")
     if not isinstance(name, str):
         raise TypeError("name")
-    return name[: name.removesuffix(SEP).rfind(SEP) + 1] or SEP
+    return parent_namespace(name)
 
 
 def ns_join(ns: str, name: str) -> str:
