@@ -21,7 +21,7 @@ from collections import deque
 from rostether.mechanisms.median import median
 
 # A stamp further off is not the synchronized clock's: answers come every 2.5 s.
-SOUND_S = 5.0
+MAX_LAG_S = 5.0
 
 # Stamps from before the answer may still arrive for this long.
 FRESH_S = 0.1
@@ -93,7 +93,7 @@ class ClockEstimate:
             self.forget()
             return
         lag_s = (host_ns - stamp_ns) / _NS
-        if abs(lag_s) > SOUND_S:
+        if abs(lag_s) > MAX_LAG_S:
             return
         self._samples.append((elapsed_s, lag_s))
         if elapsed_s > MAX_INTERVAL_S:

@@ -174,7 +174,7 @@ def _refusal(kind: type[RostetherError], text: str, topics: list[str]) -> Findin
 
 
 def _unopened(name: str, text: str) -> Finding:
-    reason, step = split_step(text, "look at the log of this program")
+    reason, step = split_step(text, "read the log of this program")
     return error(Code.NOT_BRIDGED, f"{name} is not bridged: {reason}", step, name, is_reported=True)
 
 

@@ -84,9 +84,9 @@ class HeldEvents:
             if isinstance(event, TopicAnnounced):
                 matches = registry.message_type(event.info.message_type).md5sum == event.info.md5sum
             else:
-                halves = registry.service_type(event.type)
+                known = registry.service_type(event.type)
                 announced = event.request.md5sum, event.response.md5sum
-                matches = announced == (halves.request.md5sum, halves.response.md5sum)
+                matches = announced == (known.request.md5sum, known.response.md5sum)
             if not matches:
                 # The report about a mismatch names the types that match.
                 registry.packages()
