@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Mapping
 
 from rostether.errors import GraphError, SerializationError, UnknownNameError
 from rostether.graph.ports import Graph, ParamValue
@@ -135,7 +135,8 @@ class GraphParameters:
 def _tree(parameter: ParameterPath, values: Mapping[str, TypedValue]) -> ParamValue:
     depth = len(name_parts(parameter.path))
     root: dict[str, ParamValue] = {}
-    for name, value in _deepest_last(values.items()):
+    # The deepest names are last.
+    for name, value in sorted(values.items(), key=lambda item: len(name_parts(item[0]))):
         parts = name_parts(name)[depth:]
         if not parts:
             # ROS 2 may have both `a` and `a.b`; a request for `a` returns only that parameter.
@@ -149,7 +150,3 @@ def _tree(parameter: ParameterPath, values: Mapping[str, TypedValue]) -> ParamVa
         else:
             tree[parts[-1]] = value.value
     return root
-
-
-def _deepest_last(items: Iterable[tuple[str, TypedValue]]) -> list[tuple[str, TypedValue]]:
-    return sorted(items, key=lambda item: len(name_parts(item[0])))

@@ -75,7 +75,7 @@ class NativeRegistry(Registry):
                 if service not in (rest, "") and self._has_service(package, service):
                     found = self.ros2_service(f"{package}/{service}")
                     return found.request if suffix == REQUEST_SUFFIX else found.response
-            if not self._has_ros1(short_name(name)):
+            if not _is_known(lambda: self._ros1.message(short_name(name))):
                 return self.definitions.message(full_name)
         return self.source.message(full_name)
 
@@ -128,9 +128,6 @@ class NativeRegistry(Registry):
         if self.definitions.has(f"{package}/srv/{name}"):
             return True
         return _is_known(lambda: self._ros1.service(f"{package}/{name}"))
-
-    def _has_ros1(self, name: str) -> bool:
-        return _is_known(lambda: self._ros1.message(name))
 
 
 def _is_known(look: Callable[[], object]) -> bool:

@@ -37,7 +37,7 @@ class Endpoints:
         self._node = node
         self._report = report
         self._publications: dict[str, ZenohPublication] = {}
-        self._subscriptions: dict[ZenohSubscriber, None] = {}
+        self._subscribers: set[ZenohSubscriber] = set()
         self._servers: dict[str, ZenohServiceServer] = {}
         self._clients: dict[tuple[str, str], ZenohServiceClient] = {}
         # The number of handles that list each client; clients without handles are kept up to `MAX_CLIENTS`.
@@ -94,8 +94,8 @@ class Endpoints:
         """Subscribe to a topic. Raises TypeMismatchError, UnknownTypeError."""
         is_any = message_type.name == ANY_TYPE
         on_connection = options.get("on_connection")
-        receiver = Receiver(on_messages, on_connection, self._release_subscription, self._report, describe)
-        subscription = ZenohSubscriber(
+        receiver = Receiver(on_messages, on_connection, self._subscribers.discard, self._report, describe)
+        subscriber = ZenohSubscriber(
             topic,
             None if is_any else self._node.session.types.message(message_type),
             receiver,
@@ -104,8 +104,8 @@ class Endpoints:
             skip_nodes=options.get("skip_nodes", ()),
             one_type=options.get("one_type", False),
         )
-        self._subscriptions[subscription] = None
-        return subscription
+        self._subscribers.add(subscriber)
+        return subscriber
 
     def advertise_service(
         self, service: str, service_type: ServiceType, handler: ServiceHandler
@@ -144,7 +144,7 @@ class Endpoints:
     async def close(self) -> None:
         """Close all endpoints, and withdraw the node from the graph."""
         await asyncio.gather(
-            *(each.close() for each in list(self._subscriptions)),
+            *(each.close() for each in list(self._subscribers)),
             *(each.close() for each in list(self._servers.values())),
         )
         publications = list(self._publications.values())
@@ -202,9 +202,6 @@ class Endpoints:
     async def _release_publication(self, publication: ZenohPublication) -> None:
         if self._publications.pop(publication.topic, None) is not None:
             await publication.close()
-
-    def _release_subscription(self, subscription: ZenohSubscriber) -> None:
-        self._subscriptions.pop(subscription, None)
 
     def _release_server(self, server: ZenohServiceServer) -> None:
         self._servers.pop(server.service, None)
