@@ -185,16 +185,16 @@ class ApproximateTimeSynchronizer(TimeSynchronizer):
         with self.lock:
             self._clear_after_jump()
             self._keep(stamp, msg, my_queue)
-            nearest = [[stamp] if queue is my_queue else self._nearest(queue, stamp) for queue in self.queues]
-            for stamps in product(*nearest):
+            near = [[stamp] if queue is my_queue else self._near(queue, stamp) for queue in self.queues]
+            for stamps in product(*near):
                 if max(stamps) - min(stamps) < self.slop and stamp in my_queue:
                     self._pass_on(stamps)
                     return
 
-    def _nearest(self, queue: dict[Any, Any], stamp: Any) -> list[Any]:
-        """Return the nearest stamp in a queue as a list, which is empty if none is within `slop`."""
-        near = [each for each in queue if abs(each - stamp) <= self.slop]
-        return [min(near, key=lambda each: abs(each - stamp))] if near else []
+    def _near(self, queue: dict[Any, Any], stamp: Any) -> list[Any]:
+        """Return the stamps in a queue that are within `slop`, the nearest first."""
+        near = (each for each in queue if abs(each - stamp) <= self.slop)
+        return sorted(near, key=lambda each: abs(each - stamp))
 
 
 def _stamp_of(msg: Any, allow_headerless: bool) -> Any:
