@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Container, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import Generic, NamedTuple, Protocol, TypeVar
+from typing import Generic, NamedTuple, TypeVar
 
 from msgspec import Struct
 
@@ -19,27 +19,20 @@ from rostether.recording.regular_file import MappedFile
 MAX_DAMAGE_CHARS = 500
 
 
-class Damage(Struct):
-    """Why a file is searched for its messages; empty if its index is intact."""
+class ChunkedContent(Struct):
+    """The content of a bag or an MCAP file.
+
+    `damage` is why the file had to be searched for its messages; empty if its index is intact. When messages
+    are read, `chunks` are sorted by the times of their first messages.
+    """
 
     damage: str = ""
+    chunks: Sequence[StoredChunk] = ()
 
     def note(self, damage: str) -> None:
         """Add a reason why the file is damaged to the first one, up to `MAX_DAMAGE_CHARS`."""
         if damage not in self.damage and len(self.damage) < MAX_DAMAGE_CHARS:
             self.damage = f"{self.damage}; {damage}"
-
-
-class ChunkedContent(Protocol):
-    """The content of a bag or an MCAP file."""
-
-    @property
-    def damage(self) -> str:
-        """Why the file had to be searched for its messages, or an empty string."""
-
-    @property
-    def chunks(self) -> Sequence[StoredChunk]:
-        """The chunks, sorted by the times of their first messages."""
 
 
 ContentT = TypeVar("ContentT", bound=ChunkedContent)

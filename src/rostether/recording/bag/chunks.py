@@ -19,7 +19,7 @@ from rostether.recording.bag.records import (
     u32_field,
 )
 from rostether.recording.chunk_order import Entry
-from rostether.recording.chunked_reader import Damage
+from rostether.recording.chunked_reader import ChunkedContent
 from rostether.recording.compression import Buffer
 from rostether.recording.packed_chunks import StoredChunk
 from rostether.recording.recorded import Connection
@@ -37,7 +37,7 @@ class BagChunk(StoredChunk, frozen=True):
     counts: Mapping[int, int]
 
 
-class BagContent(Damage):
+class BagContent(ChunkedContent):
     """The content of a bag."""
 
     connections: dict[int, Connection] = field(default_factory=dict)

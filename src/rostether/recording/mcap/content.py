@@ -11,7 +11,7 @@ from msgspec.structs import replace
 
 from rostether.errors import RecordingError
 from rostether.recording.chunk_order import Entry
-from rostether.recording.chunked_reader import Damage, tally
+from rostether.recording.chunked_reader import ChunkedContent, tally
 from rostether.recording.compression import MAX_CHUNK_BYTES, Buffer, check_unpacked_size
 from rostether.recording.mcap.decoding import (
     check_header,
@@ -50,7 +50,7 @@ _CHUNK_HEAD = re.compile(rb"\x06.{5}\0\0\0.{28}(?:\0\0\0\0|\x03\0\0\0lz4|\x04\0\
 MAX_LOOSE_BYTES = 4 << 20
 
 
-class McapContent(Damage):
+class McapContent(ChunkedContent):
     """The content of an MCAP file."""
 
     schemas: dict[int, Schema] = field(default_factory=dict)
