@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+# A user can read two lines a second.
+MAX_LINES = 20
+PERIOD_S = 10.0
+
 
 class LineBudget:
-    """Admits `count` lines in `period_s`, and counts those that it does not admit."""
+    """Admits MAX_LINES lines in PERIOD_S, and counts those that it does not admit."""
 
-    def __init__(self, count: int = 20, period_s: float = 10.0) -> None:
-        self._count = count
-        self._period_s = period_s
+    def __init__(self) -> None:
         self._began_s = float("-inf")
         self._admitted_count = 0
         self._omitted_count = 0
@@ -16,10 +18,10 @@ class LineBudget:
     def admit(self, now_s: float) -> int | None:
         """Return how many lines were omitted before this one since the last report, None to omit this one."""
         omitted_count = 0
-        if now_s - self._began_s >= self._period_s:
+        if now_s - self._began_s >= PERIOD_S:
             omitted_count = self._omitted_count
             self._began_s, self._admitted_count, self._omitted_count = now_s, 0, 0
-        if self._admitted_count == self._count:
+        if self._admitted_count == MAX_LINES:
             self._omitted_count += 1
             return None
         self._admitted_count += 1

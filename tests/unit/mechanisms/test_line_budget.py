@@ -1,11 +1,10 @@
 from __future__ import annotations
 
-from rostether.mechanisms.line_budget import LineBudget
+from rostether.mechanisms.line_budget import MAX_LINES, PERIOD_S, LineBudget
 
 
 def test_lines_of_a_period_are_limited_and_counted() -> None:
-    budget = LineBudget(2, 10.0)
-    assert [budget.admit(100.0 + second) for second in range(5)] == [0, 0, None, None, None]
-    assert budget.admit(110.0) == 3
-    assert budget.admit(111.0) == 0
-    assert budget.admit(112.0) is None
+    budget = LineBudget()
+    assert [budget.admit(100.0) for _ in range(MAX_LINES + 3)] == [0] * MAX_LINES + [None] * 3
+    assert budget.admit(100.0 + PERIOD_S) == 3
+    assert [budget.admit(101.0 + PERIOD_S) for _ in range(MAX_LINES)] == [0] * (MAX_LINES - 1) + [None]
