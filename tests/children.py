@@ -30,16 +30,17 @@ def pytest_configure() -> None:
     for name in _OFTEN_IGNORED:
         number = getattr(signal, name, None)
         if number is not None and signal.getsignal(number) is signal.SIG_IGN:
-            # This process goes on ignoring it. Its children do not: they inherit SIG_IGN, but no handler.
+            # This process still ignores it. Its children do not: they inherit SIG_IGN, but no handler.
             signal.signal(number, _ignore)
     signal.signal(signal.SIGTERM, signal.default_int_handler)
     os.environ[MARK] = f"{os.environ.get(MARK, '')}{secrets.token_hex(4)}."
 
 
 def outliving_files() -> dict[str, str]:
-    """Return the environment of a process that the fixtures of a whole session end, not a file's.
+    """Return the environment of a process that a fixture of the whole session ends.
 
-    If they fail to, the controller of the test processes ends it.
+    The process is not killed after a test file. If the fixture does not end it, the controller of the test
+    processes does.
     """
     if MARK not in os.environ:
         # A script or a benchmark starts it, and ends it.
@@ -49,7 +50,7 @@ def outliving_files() -> dict[str, str]:
 
 
 def is_running(number: int) -> bool:
-    """Return whether a process runs; one whose parent has not read its exit code yet does not."""
+    """Return whether a process runs. A process whose parent has not read its exit code does not run."""
     try:
         return Path(f"/proc/{number}/stat").read_text().rpartition(") ")[2][0] != "Z"
     except (FileNotFoundError, ProcessLookupError):

@@ -20,7 +20,7 @@ from effort import effort
 from frozen_objects import FROZEN_OBJECTS
 from interop.ros1_peers import MAX_WORKERS, missing_robot, missing_ros1, missing_roscpp
 from interop_web.web_peers import missing_web
-from programs import last_output
+from programs import last_outputs
 from rostether.errors import ConfigError
 from rostether.pictures.png import png
 from rostether.pictures.scene import Scene
@@ -185,7 +185,7 @@ def pytest_runtest_makereport() -> Generator[None, pytest.TestReport, pytest.Tes
     """Fail a skipped test in CI, where every program is installed; show the output of programs."""
     report = _fail_when_skipped((yield))
     if report.failed:
-        report.sections += last_output()
+        report.sections += last_outputs()
     return report
 
 

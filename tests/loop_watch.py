@@ -19,7 +19,7 @@ from rostether.packages import search_path
 TIMEOUT_S = 60.0
 
 
-# "Nothing holds the event loop for 50 ms."
+# Nothing may hold the event loop for this time.
 MAX_HELD_S = 0.05
 
 
@@ -96,7 +96,7 @@ class LoopWatch:
         self.folders = 0
         """Folders that were read while the loop went on."""
         self.held = 0
-        """Folders that were read by the loop's own thread, or while it did not move."""
+        """Folders that were read by the loop's own thread, or while the loop did not run."""
         self._loop = asyncio.get_running_loop()
         self._thread = threading.get_ident()
         self._list_folder = search_path._list_folder

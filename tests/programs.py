@@ -25,7 +25,7 @@ TIMEOUT_S = 60.0
 ROSTETHER = (sys.executable, "-m", "rostether")
 
 
-# The number of last lines of each program in the report of a failed test.
+# The report of a failed test has this number of last lines of each program.
 SHOWN_LINES = 20
 
 
@@ -137,7 +137,7 @@ async def start_program(*command: str, environment: Mapping[str, str], reads: bo
     return peer
 
 
-def last_output() -> list[tuple[str, str]]:
+def last_outputs() -> list[tuple[str, str]]:
     """Return the command and the last lines of every program that a test or its fixtures use."""
     return [
         (f"{command[:200]} printed last", "\n".join(peer.lines[-SHOWN_LINES:]))
@@ -202,7 +202,7 @@ def running(
 
 
 def read_until(process: subprocess.Popen[str], text: str) -> list[str]:
-    """Return the lines of stdout up to the one that contains a text; fail if the process ends before."""
+    """Return the lines of stdout up to the one that contains a text; fail if the process ends first."""
     assert process.stdout is not None
     lines = []
     for line in process.stdout:

@@ -24,7 +24,7 @@ _failures: list[tuple[str, str]] = []
 
 
 def pytest_runtest_protocol(item: pytest.Item, nextitem: pytest.Item | None) -> bool | None:
-    """Run a test in a test process of pytest-xdist; if it fails, again."""
+    """Run a test in a test process of pytest-xdist; if it fails, run it again."""
     if "PYTEST_XDIST_WORKER" not in os.environ:
         return None
     if item.config.get_verbosity() > 0:

@@ -2,7 +2,7 @@
 
 Collecting takes longer than anything else that every test process does: it imports all test modules and makes
 each test. `collect` does it once, in the interpreter that `warm_start` forks; `work` does the rest of what
-`xdist.remote`, the module that this one stands for, does in a test process.
+`xdist.remote`, the module that this one replaces, does in a test process.
 """
 
 from __future__ import annotations

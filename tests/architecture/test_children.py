@@ -17,7 +17,7 @@ from interop.ros1_peers import ros_environment
 TESTS = Path(__file__).parents[1]
 TIMEOUT_S = 60.0
 IGNORED = (signal.SIGINT, signal.SIGQUIT, signal.SIGHUP)
-SIGNALS = """
+CHECKS_SIGNALS = """
 import subprocess, sys
 
 CODE = "import signal; print([signal.getsignal(n) in (0, signal.default_int_handler) for n in (1, 2, 3)])"
@@ -26,7 +26,7 @@ def test_signals():
     done = subprocess.run([sys.executable, "-c", CODE], capture_output=True, text=True)
     assert done.stdout == "[True, True, True]\\n"
 """
-LEAVING = """
+LEAVES_A_PROCESS = """
 import subprocess, time
 
 def test_leaving():
@@ -39,7 +39,7 @@ def test_leaving():
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="reads /proc")
 
 
-def start(folder: Path, test: str, *options: str, ignores: bool = False) -> subprocess.Popen[str]:
+def start(folder: Path, test: str, *options: str, ignores_signals: bool = False) -> subprocess.Popen[str]:
     """Start pytest with one test, in an empty folder."""
     (folder / "test_it.py").write_text(test)
 
@@ -54,7 +54,7 @@ def start(folder: Path, test: str, *options: str, ignores: bool = False) -> subp
         env={**os.environ, "PYTHONPATH": str(TESTS), "PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1"},
         stdout=subprocess.PIPE,
         text=True,
-        preexec_fn=ignore if ignores else None,
+        preexec_fn=ignore if ignores_signals else None,
     )
 
 
@@ -71,21 +71,23 @@ def wait_until_gone(pid: int) -> None:
     pytest.fail(f"{pid} still runs")
 
 
-def test_children_get_the_usual_signals(tmp_path: Path) -> None:
-    printed, _ = start(tmp_path, SIGNALS, ignores=True).communicate(timeout=TIMEOUT_S)
+def test_children_have_default_signal_handlers(tmp_path: Path) -> None:
+    printed, _ = start(tmp_path, CHECKS_SIGNALS, ignores_signals=True).communicate(timeout=TIMEOUT_S)
     assert "1 passed" in printed, printed
 
 
-def test_what_a_failed_test_left_running_is_ended(tmp_path: Path) -> None:
-    printed, _ = start(tmp_path, LEAVING.replace("WHAT_NEXT", "1 / 0")).communicate(timeout=TIMEOUT_S)
+def test_programs_of_a_failed_test_are_killed(tmp_path: Path) -> None:
+    printed, _ = start(tmp_path, LEAVES_A_PROCESS.replace("WHAT_NEXT", "1 / 0")).communicate(
+        timeout=TIMEOUT_S
+    )
     assert "test_it.py left running: sleep 600" in printed
     assert "1 failed, 1 error" in printed
     wait_until_gone(int((tmp_path / "pid").read_text()))
 
 
 @pytest.mark.parametrize("options", [(), ("-p", "xdist.plugin", "-n1")])
-def test_sigterm_ends_the_tests_and_what_they_started(tmp_path: Path, options: tuple[str, ...]) -> None:
-    running = start(tmp_path, LEAVING.replace("WHAT_NEXT", "time.sleep(600)"), *options)
+def test_sigterm_ends_the_tests_and_their_programs(tmp_path: Path, options: tuple[str, ...]) -> None:
+    running = start(tmp_path, LEAVES_A_PROCESS.replace("WHAT_NEXT", "time.sleep(600)"), *options)
     pid_file = tmp_path / "pid"
     deadline = time.monotonic() + TIMEOUT_S
     while not pid_file.exists() or not pid_file.read_text().endswith("\n"):

@@ -17,27 +17,27 @@ def instructions() -> list[tuple[str, str]]:
     """Return the instructions with their arguments."""
     lines = [line for line in FILE.splitlines() if line and not line.startswith("#")]
     return [
-        (words[0], words[1])
+        (parts[0], parts[1])
         for line in "\n".join(lines).replace("\\\n", " ").splitlines()
-        if len(words := line.split(maxsplit=1)) == 2
+        if len(parts := line.split(maxsplit=1)) == 2
     ]
 
 
-def test_instructions_name_what_the_package_has() -> None:
+def test_instructions_use_extras_and_commands_of_the_package() -> None:
     found = instructions()
     assert {name for name, _ in found} == ARGUMENTS
     project = PYPROJECT["project"]
     (extras,) = re.findall(r"\.whl\)\[([\w,]+)\]", FILE)
     assert set(extras.split(",")) <= project["optional-dependencies"].keys()
-    (entry,) = [json.loads(words) for name, words in found if name == "ENTRYPOINT"]
+    (entry,) = [json.loads(text) for name, text in found if name == "ENTRYPOINT"]
     assert entry[0] in project["scripts"]
 
 
-def test_the_copied_files_are_those_that_the_package_is_built_from() -> None:
+def test_all_files_of_the_build_are_copied() -> None:
     copied: set[str] = set()
-    for name, words in instructions():
-        if name == "COPY" and not words.startswith("--from"):
-            copied.update(words.split()[:-1])
+    for name, text in instructions():
+        if name == "COPY" and not text.startswith("--from"):
+            copied.update(text.split()[:-1])
     assert all((REPOSITORY / each).exists() for each in copied)
     readme = PYPROJECT["tool"]["hatch"]["metadata"]["hooks"]["fancy-pypi-readme"]["fragments"]
     wheel = PYPROJECT["tool"]["hatch"]["build"]["targets"]["wheel"]

@@ -12,7 +12,7 @@ import pytest
 pytestmark = pytest.mark.slow
 
 TESTS = Path(__file__).parents[1]
-TESTED = """
+TEST_MODULE = """
 import pytest
 
 TRIES = []
@@ -42,8 +42,8 @@ def test_good():
 
 
 @pytest.mark.parametrize("processes", [0, 1])
-def test_a_test_beside_others_has_two_tries(processes: int, tmp_path: Path) -> None:
-    (tmp_path / "test_it.py").write_text(TESTED)
+def test_a_test_that_runs_beside_others_is_tried_twice(processes: int, tmp_path: Path) -> None:
+    (tmp_path / "test_it.py").write_text(TEST_MODULE)
     (tmp_path / "pytest.ini").write_text("[pytest]\nasyncio_mode = auto\n")
     environment = {name: value for name, value in os.environ.items() if "XDIST" not in name}
     finished = subprocess.run(

@@ -14,7 +14,7 @@ pytestmark = pytest.mark.slow
 
 TESTS = Path(__file__).parents[1]
 
-SKIPPING = """
+TEST_MODULE = """
 import pytest
 
 def test_graph():
@@ -52,8 +52,8 @@ def run_pytest(folder: Path, ci: str) -> tuple[int, str]:
 
 
 @pytest.mark.parametrize(("ci", "outcome"), [("true", "FAILED"), ("", "SKIPPED")])
-def test_only_what_a_graph_cannot_do_is_skipped_in_ci(ci: str, outcome: str, tmp_path: Path) -> None:
-    (tmp_path / "test_skipping.py").write_text(SKIPPING)
+def test_ci_skips_only_tests_of_missing_capabilities(ci: str, outcome: str, tmp_path: Path) -> None:
+    (tmp_path / "test_skipping.py").write_text(TEST_MODULE)
     code, output = run_pytest(tmp_path, ci)
     assert dict(re.findall(r"^test_skipping\.py::(\w+) ([A-Z]+)", output, re.MULTILINE)) == {
         "test_graph": "SKIPPED",

@@ -18,7 +18,7 @@ import warm_worker
 
 pytestmark = pytest.mark.skipif(not warm_start.IS_SUPPORTED, reason="no forks of an interpreter here")
 
-SHOW = """
+PRINTS_ITS_ENVIRONMENT = """
 import json, os, signal, sys
 import helper
 # Set by Python itself, and by the wheels of rclpy.
@@ -42,7 +42,7 @@ print(json.dumps({
 }))
 """
 HELPER = "import sitecustomize\n"
-WORDS = ["one", "--two", "drei: ä"]
+ARGUMENTS = ["one", "--two", "drei: ä"]
 
 
 @pytest.fixture
@@ -51,15 +51,15 @@ def folder(tmp_path: Path) -> Path:
     (tmp_path / "helper.py").write_text(HELPER)
     (tmp_path / "sitecustomize.py").write_text("")
     for name, python in (("show", sys.executable), ("show_of_env", "/usr/bin/env python")):
-        script = tmp_path / f"{name}_what_it_has_at_its_start"
-        script.write_text(f"#!{python}\n{SHOW}")
+        script = tmp_path / f"{name}_its_long_name_in_proc"
+        script.write_text(f"#!{python}\n{PRINTS_ITS_ENVIRONMENT}")
         script.chmod(0o755)
     return tmp_path
 
 
 def run(*command: str, **options: Any) -> Any:
     done = subprocess.run(
-        [*command, *WORDS], capture_output=True, text=True, input="a line\n", check=False, **options
+        [*command, *ARGUMENTS], capture_output=True, text=True, input="a line\n", check=False, **options
     )
     assert (done.returncode, done.stderr) == (0, "")
     return json.loads(done.stdout)
@@ -68,17 +68,17 @@ def run(*command: str, **options: Any) -> Any:
 @pytest.mark.parametrize("is_leader", [False, True])
 @pytest.mark.parametrize("variables", [{}, {"PYTHONUNBUFFERED": "1", "LANG": "C.UTF-8"}], ids=len)
 @pytest.mark.parametrize("how", ["text", "file", "script", "env", "unbuffered"])
-def test_what_a_program_finds(
-    folder: Path, how: str, variables: dict[str, str], is_leader: bool, request: pytest.FixtureRequest
+def test_a_program_has_the_environment_of_a_cold_start(
+    folder: Path, kind: str, variables: dict[str, str], is_leader: bool, request: pytest.FixtureRequest
 ) -> None:
-    script = folder / "show_what_it_has_at_its_start"
+    script = folder / "show_its_long_name_in_proc"
     command = {
-        "text": [sys.executable, "-c", SHOW],
+        "text": [sys.executable, "-c", PRINTS_ITS_ENVIRONMENT],
         "file": [sys.executable, script.name],
         "script": [str(script)],
-        "env": [str(folder / "show_of_env_what_it_has_at_its_start")],
-        "unbuffered": [sys.executable, "-P", "-u", "-c", SHOW],
-    }[how]
+        "env": [str(folder / "show_of_env_its_long_name_in_proc")],
+        "unbuffered": [sys.executable, "-P", "-u", "-c", PRINTS_ITS_ENVIRONMENT],
+    }[kind]
     environment = {"PATH": os.environ["PATH"], "PYTHONPATH": str(folder), **variables}
     options = {"cwd": folder, "env": environment, "start_new_session": is_leader}
     warm = run(*command, **options)
@@ -90,7 +90,7 @@ def test_what_a_program_finds(
 @pytest.mark.parametrize(
     "python", [sys.executable, pytest.param(warm_start.DEBIAN_PYTHON, marks=pytest.mark.ros1)]
 )
-def test_libraries_are_there_already(python: str) -> None:
+def test_libraries_are_imported_before_the_start(python: str) -> None:
     code = "import sys; print(*sys.modules)"
     shown = subprocess.run([python, "-c", code], capture_output=True, text=True, check=True).stdout
     wanted = "rostether.cli.main" if python == sys.executable else "genpy"
@@ -114,7 +114,7 @@ def test_libraries_are_there_already(python: str) -> None:
         ),
         ("class A:\n def __del__(self): raise ValueError('lost')\na = A()", 0, "ValueError: lost\n"),
         ("import ctypes; ctypes.CDLL(None).puts(b'buffered by C')", 0, ""),
-        # As an exit handler of the extension.
+        # Like an exit handler of the extension.
         (
             "import ctypes, lz4.block\nc = ctypes.CDLL(None)\nc.__cxa_atexit(c.abort, 0, 0)",
             -signal.SIGABRT,
@@ -122,7 +122,9 @@ def test_libraries_are_there_already(python: str) -> None:
         ),
     ],
 )
-def test_how_a_program_ends(code: str, status: int, error: str, request: pytest.FixtureRequest) -> None:
+def test_a_program_ends_as_after_a_cold_start(
+    code: str, status: int, error: str, request: pytest.FixtureRequest
+) -> None:
     command = [sys.executable, "-c", code]
     warm = subprocess.run(command, capture_output=True, text=True, check=False)
     assert warm.returncode == status
@@ -150,7 +152,7 @@ print(thread.is_alive())
     assert subprocess.run(command, capture_output=True, text=True, check=True).stdout == "False\n"
 
 
-async def test_a_program_of_asyncio() -> None:
+async def test_asyncio_starts_a_program() -> None:
     process = await asyncio.create_subprocess_exec(
         sys.executable, "-m", "rostether", "--version", stdout=asyncio.subprocess.PIPE
     )
@@ -159,7 +161,7 @@ async def test_a_program_of_asyncio() -> None:
     assert output.startswith(b"rostether, version ")
 
 
-def test_test_processes_start_with_the_tests_collected(request: pytest.FixtureRequest) -> None:
+def test_test_processes_start_with_collected_tests(request: pytest.FixtureRequest) -> None:
     is_forked = "PYTEST_XDIST_WORKER" in os.environ and not request.config.getoption("cov_source")
     collected = getattr(warm_worker, "COLLECTED", None)
     assert (collected is not None and collected.session is request.session) == is_forked

@@ -19,18 +19,18 @@ class Capabilities:
     same_name_replaces: bool = True
     # The last server of a service replaces the earlier one; otherwise both serve it.
     last_server_wins: bool = True
-    # The answer to a failed call has the error's text; otherwise there is no answer, and the server logs the
-    # error.
-    service_errors_travel: bool = True
+    # The answer to a failed call has the text of the error; otherwise there is no answer, and the server logs
+    # the error.
+    sends_service_errors: bool = True
     # A publisher notices that a subscriber on another node does not read.
-    feels_slow_subscribers: bool = True
+    detects_slow_subscribers: bool = True
     # A subscriber receives the publisher's definition and md5sum; otherwise it uses its own definition of the
     # type.
-    definitions_travel: bool = True
+    sends_definitions: bool = True
     # A subscriber of any type is listed before the topic has a publisher.
     lists_untyped_subscribers: bool = True
     # Nodes of one process may use different types on one topic; they do not exchange messages.
-    types_may_differ: bool = True
+    allows_different_types: bool = True
     # If the parameter use_sim_time is true, the time is that of /clock.
     simulates_time: bool = True
     # A node with a client of a service is listed.
@@ -56,8 +56,8 @@ ROS2 = Capabilities(
     mixed_lists=False,
     same_name_replaces=False,
     last_server_wins=False,
-    feels_slow_subscribers=False,
-    definitions_travel=False,
+    detects_slow_subscribers=False,
+    sends_definitions=False,
     lists_untyped_subscribers=False,
     lists_clients=True,
     string_type="std_msgs/msg/String",

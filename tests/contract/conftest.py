@@ -12,7 +12,7 @@ from contract.implementations import IMPLEMENTATIONS, Implementation
 from rostether.graph.ports import Graph, JoinGraph
 
 
-class _Closing:
+class _ClosingJoin:
     """Joins the graph; at the end of the test, all nodes leave."""
 
     def __init__(self, join: JoinGraph) -> None:
@@ -34,7 +34,7 @@ def implementation(request: pytest.FixtureRequest) -> Implementation:
 
 
 @pytest.fixture
-def can(implementation: Implementation) -> Capabilities:
+def capabilities(implementation: Implementation) -> Capabilities:
     """What the implementation under test can do."""
     return implementation.capabilities
 
@@ -43,9 +43,9 @@ def can(implementation: Implementation) -> Capabilities:
 async def join(implementation: Implementation) -> AsyncIterator[JoinGraph]:
     """Join a fresh, empty graph."""
     async with implementation.open() as join:
-        closing = _Closing(join)
+        closing_join = _ClosingJoin(join)
         try:
-            yield closing
+            yield closing_join
         finally:
-            for graph in closing.graphs:
+            for graph in closing_join.graphs:
                 await graph.close()

@@ -80,5 +80,7 @@ IMPLEMENTATIONS: dict[str, Implementation] = {
     "ros1": Implementation(ROS1, _open_ros1),
     "zenoh": Implementation(ROS2, _open_zenoh),
     "zenoh-across": Implementation(ROS2, _open_zenoh_across),
-    "rclpy": Implementation(replace(ROS2, service_errors_travel=False, types_may_differ=False), _open_rclpy),
+    "rclpy": Implementation(
+        replace(ROS2, sends_service_errors=False, allows_different_types=False), _open_rclpy
+    ),
 }

@@ -16,7 +16,7 @@ pytestmark = pytest.mark.slow
 
 PAYLOAD_BYTES = 16 << 10
 # More than the sockets between two nodes and the publisher's queue can hold on any system.
-ENOUGH = 4096
+MAX_QUEUED = 4096
 
 
 def payload(number: int) -> bytes:
@@ -27,18 +27,20 @@ def numbers(inbox: Inbox) -> list[int]:
     return [int(each[4:12]) for each in inbox.payloads]
 
 
-async def publish_until_behind(publisher: Publisher, witness: Inbox, first: int = 0) -> int:
+async def publish_until_behind(publisher: Publisher, reader: Inbox, first: int = 0) -> int:
     """Publish one by one until a subscriber is behind; returns the next number."""
-    for number in range(first, first + ENOUGH):
+    for number in range(first, first + MAX_QUEUED):
         if not publisher.publish_raw([payload(number)]):
             return number + 1
-        # The others read in the meantime.
-        await until(lambda: len(witness.payloads) > number)  # noqa: B023 - awaited at once
-    raise AssertionError("the publisher never heard that a subscriber is behind")
+        # The other subscriber reads in the meantime.
+        await until(lambda: len(reader.payloads) > number)  # noqa: B023 - awaited at once
+    raise AssertionError("the publisher never noticed that a subscriber is behind")
 
 
-async def test_a_subscriber_that_reads_again_loses_nothing(join: JoinGraph, can: Capabilities) -> None:
-    can.require("feels_slow_subscribers")
+async def test_a_subscriber_that_reads_again_loses_nothing(
+    join: JoinGraph, capabilities: Capabilities
+) -> None:
+    capabilities.require("feels_slow_subscribers")
     talker, listener = await join("/talker"), await join("/listener")
     slow, quick = Inbox(), Inbox()
     publisher = await talker.advertise("/chat", STRING)
@@ -55,10 +57,10 @@ async def test_a_subscriber_that_reads_again_loses_nothing(join: JoinGraph, can:
     assert publisher.dropped_count == 0
 
 
-async def test_a_subscriber_that_hangs_does_not_delay_others_and_loses_its_oldest(
-    join: JoinGraph, can: Capabilities
+async def test_a_subscriber_that_hangs_does_not_delay_others_and_loses_its_oldest_messages(
+    join: JoinGraph, capabilities: Capabilities
 ) -> None:
-    can.require("feels_slow_subscribers")
+    capabilities.require("feels_slow_subscribers")
     talker, listener = await join("/talker"), await join("/listener")
     slow, quick = Inbox(), Inbox()
     publisher = await talker.advertise("/chat", STRING, queue_bytes=20 * PAYLOAD_BYTES)
@@ -91,9 +93,9 @@ async def test_a_subscriber_that_hangs_does_not_delay_others_and_loses_its_oldes
 
 
 async def test_the_newest_message_is_kept_even_if_it_is_larger_than_the_queue(
-    join: JoinGraph, can: Capabilities
+    join: JoinGraph, capabilities: Capabilities
 ) -> None:
-    can.require("feels_slow_subscribers")
+    capabilities.require("feels_slow_subscribers")
     talker, listener = await join("/talker"), await join("/listener")
     slow, quick = Inbox(), Inbox()
     publisher = await talker.advertise("/chat", STRING, queue_bytes=1000)
@@ -107,8 +109,8 @@ async def test_the_newest_message_is_kept_even_if_it_is_larger_than_the_queue(
     await until(lambda: slow.payloads and numbers(slow)[-1] == sent + 1)
 
 
-async def test_waiting_ends_when_the_subscriber_goes(join: JoinGraph, can: Capabilities) -> None:
-    can.require("feels_slow_subscribers")
+async def test_waiting_ends_when_the_subscriber_leaves(join: JoinGraph, capabilities: Capabilities) -> None:
+    capabilities.require("feels_slow_subscribers")
     talker, listener = await join("/talker"), await join("/listener")
     slow, quick = Inbox(), Inbox()
     publisher = await talker.advertise("/chat", STRING)
@@ -124,7 +126,7 @@ async def test_waiting_ends_when_the_subscriber_goes(join: JoinGraph, can: Capab
     assert publisher.publish_raw([payload(0)])
 
 
-async def test_a_subscriber_that_hangs_keeps_the_newest(join: JoinGraph) -> None:
+async def test_a_subscriber_that_hangs_gets_the_newest_messages(join: JoinGraph) -> None:
     talker, listener = await join("/talker"), await join("/listener")
     slow, quick = Inbox(), Inbox()
     publisher = await talker.advertise("/chat", STRING, queue_bytes=20 * PAYLOAD_BYTES)

@@ -24,7 +24,7 @@ MAX_HEAD_BYTES = 2 * 1024 * 1024
 
 
 @contextlib.asynccontextmanager
-async def serving(gateway: str) -> AsyncIterator[int]:
+async def open_gateway(gateway: str) -> AsyncIterator[int]:
     """Serve a gateway; yield its port."""
     if gateway == "foxglove":
         async with stage() as foxglove:
@@ -42,7 +42,8 @@ def upgrade(port: int) -> bytes:
     ).encode()
 
 
-async def accepts_others(gateway: str, port: int) -> None:
+async def connect_another_client(gateway: str, port: int) -> None:
+    """Connect and disconnect a client; fail if the gateway does not accept it in time."""
     protocols = SUBPROTOCOLS if gateway == "foxglove" else None
     async with asyncio.timeout(TIMEOUT_S), connect(f"ws://127.0.0.1:{port}", subprotocols=protocols):
         pass
@@ -58,7 +59,7 @@ async def send_until_refused(writer: asyncio.StreamWriter, data: bytes) -> None:
 
 @pytest.mark.parametrize("gateway", GATEWAYS)
 async def test_an_upgrade_in_single_bytes_is_accepted(gateway: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    async with serving(gateway) as port:
+    async with open_gateway(gateway) as port:
         reader, writer = await asyncio.open_connection("127.0.0.1", port)
         writer.get_extra_info("socket").setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, True)
         watch = CallbackWatch(monkeypatch)
@@ -77,7 +78,7 @@ async def test_an_upgrade_in_single_bytes_is_accepted(gateway: str, monkeypatch:
 async def test_pipelined_requests_do_not_delay_others(
     gateway: str, kind: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    async with serving(gateway) as port:
+    async with open_gateway(gateway) as port:
         request = (
             upgrade(port)
             if kind == "upgrade"
@@ -86,7 +87,7 @@ async def test_pipelined_requests_do_not_delay_others(
         reader, writer = await asyncio.open_connection("127.0.0.1", port)
         watch = CallbackWatch(monkeypatch)
         sending = asyncio.create_task(send_until_refused(writer, request * PIPELINED))
-        await accepts_others(gateway, port)
+        await connect_another_client(gateway, port)
         async with asyncio.timeout(TIMEOUT_S):
             answer = b""
             with contextlib.suppress(OSError):
@@ -94,15 +95,15 @@ async def test_pipelined_requests_do_not_delay_others(
                     answer += data
             await sending
         watch.check(f"{PIPELINED} pipelined requests")
-        assert answer.count(b"HTTP/1.1 ") <= 1, "the first one is answered, and the connection ends"
+        assert answer.count(b"HTTP/1.1 ") <= 1, "more than the first request was answered"
         writer.close()
 
 
 @pytest.mark.parametrize("gateway", GATEWAYS)
-async def test_two_upgrades_at_once_end_without_a_defect(
+async def test_two_upgrades_at_once_cause_no_internal_error(
     gateway: str, caplog: pytest.LogCaptureFixture
 ) -> None:
-    async with serving(gateway) as port:
+    async with open_gateway(gateway) as port:
         reader, writer = await asyncio.open_connection("127.0.0.1", port)
         # In one chunk, so that the second is read as a frame before the first is answered.
         writer.write(upgrade(port) * 2)
@@ -118,12 +119,12 @@ async def test_two_upgrades_at_once_end_without_a_defect(
 async def test_a_head_without_an_end_is_refused(
     gateway: str, line: bytes, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    async with serving(gateway) as port:
+    async with open_gateway(gateway) as port:
         reader, writer = await asyncio.open_connection("127.0.0.1", port)
         watch = CallbackWatch(monkeypatch)
         writer.write(b"GET / HTTP/1.1\r\n" if line != b"\r\n" else b"")
         sending = asyncio.create_task(send_until_refused(writer, line * (16 * MAX_HEAD_BYTES // len(line))))
-        await accepts_others(gateway, port)
+        await connect_another_client(gateway, port)
         async with asyncio.timeout(TIMEOUT_S):
             with contextlib.suppress(OSError):
                 while await reader.read(65536):

@@ -38,9 +38,9 @@ async def test_values_come_back_as_they_were_set(join: JoinGraph, value: ParamVa
         assert type(received) is type(value)
 
 
-async def test_lists_of_several_kinds(join: JoinGraph, can: Capabilities) -> None:
+async def test_lists_of_different_types(join: JoinGraph, capabilities: Capabilities) -> None:
     node = await join("/node")
-    if can.mixed_lists:
+    if capabilities.mixed_lists:
         await node.set_param("~list", MIXED)
         assert await node.get_param("~list") == MIXED
     else:
@@ -61,7 +61,7 @@ async def test_nodes_set_each_others_parameters(join: JoinGraph) -> None:
     assert not await one.has_param("~gains/p")
 
 
-async def test_trees(join: JoinGraph) -> None:
+async def test_trees_of_a_node(join: JoinGraph) -> None:
     node = await join("/node")
     await node.set_param("/node/robot/arm/p", 1)
     await node.set_param("/node/robot", {"arm": {"i": 2}, "name": "r2"})
@@ -88,7 +88,7 @@ async def test_trees_of_other_nodes(join: JoinGraph) -> None:
     assert await node.get_param("~robot") == {"name": "r2"}
 
 
-async def test_what_is_not_set_is_an_error(join: JoinGraph) -> None:
+async def test_a_parameter_that_is_not_set_is_an_error(join: JoinGraph) -> None:
     node, other = await join("/node"), await join("/other")
     await wait_for_nodes(node, other)
     for name in ("/nothing", "/node/nothing", "/other/nothing"):
@@ -107,17 +107,19 @@ async def test_names_are_resolved(join: JoinGraph) -> None:
     assert await node.get_param("/robot/speed") == 57600
 
 
-async def test_a_name_below_no_node_is_the_nodes_own(join: JoinGraph, can: Capabilities) -> None:
+async def test_a_name_below_no_node_belongs_to_the_node_that_sets_it(
+    join: JoinGraph, capabilities: Capabilities
+) -> None:
     node, other = await join("/lab/robot"), await join("/other")
     await wait_for_nodes(node, other)
     await node.set_param("/gains/p", 1)
     assert await node.get_param("/gains/p") == 1
-    assert await other.has_param("/gains/p") is can.global_parameters
-    assert await node.has_param("~gains/p") is not can.global_parameters
+    assert await other.has_param("/gains/p") is capabilities.global_parameters
+    assert await node.has_param("~gains/p") is not capabilities.global_parameters
 
 
-async def test_search_goes_upward_from_the_node(join: JoinGraph, can: Capabilities) -> None:
-    can.require("global_parameters")
+async def test_search_goes_upward_from_the_node(join: JoinGraph, capabilities: Capabilities) -> None:
+    capabilities.require("global_parameters")
     node = await join("board", namespace="/lab/robot")
     assert await node.search_param("rate") is None
     for name in ("/rate", "/lab/rate", "/lab/robot/rate", "/lab/robot/board/rate"):
@@ -130,7 +132,7 @@ async def test_search_goes_upward_from_the_node(join: JoinGraph, can: Capabiliti
     assert await node.search_param("/gains/i") is None
 
 
-async def test_search_finds_what_is_the_nodes_own(join: JoinGraph) -> None:
+async def test_search_finds_private_parameters(join: JoinGraph) -> None:
     node = await join("board", namespace="/lab/robot")
     assert await node.search_param("rate") is None
     assert await node.search_param("~rate") is None
@@ -191,7 +193,9 @@ async def test_two_watches_of_one_name_are_independent(join: JoinGraph) -> None:
     assert first == [None]
 
 
-async def test_a_callback_that_fails_ends_nothing(join: JoinGraph, caplog: pytest.LogCaptureFixture) -> None:
+async def test_a_watch_works_after_an_error_of_its_callback(
+    join: JoinGraph, caplog: pytest.LogCaptureFixture
+) -> None:
     node = await join("/node")
     seen: list[ParamValue] = []
 

@@ -54,21 +54,21 @@ async def test_empty_and_large_payloads_are_carried(join: JoinGraph) -> None:
     async def echo(request: bytes) -> bytes:
         return TRUE + request
 
-    async def nothing(request: bytes) -> bytes:
+    async def answer_empty(request: bytes) -> bytes:
         assert request == b""
         return b""
 
     await server.advertise_service("/echo", ADD_DIAGNOSTICS, echo)
-    await server.advertise_service("/nothing", EMPTY, nothing)
-    await wait_for_service(client, "/nothing")
+    await server.advertise_service("/empty", EMPTY, answer_empty)
+    await wait_for_service(client, "/empty")
     await wait_for_service(client, "/echo")
     for text in ("", "ä", "x" * (1 << 20)):
         received = await client.call_service("/echo", ADD_DIAGNOSTICS, string(text), timeout_s=60)
         assert received == answer(text)
-    assert await client.call_service("/nothing", EMPTY, b"", timeout_s=60) == b""
+    assert await client.call_service("/empty", EMPTY, b"", timeout_s=60) == b""
 
 
-async def test_a_caller_need_not_name_the_type(join: JoinGraph) -> None:
+async def test_a_call_needs_no_type(join: JoinGraph) -> None:
     server, client = await join("/server"), await join("/client")
     await server.advertise_service("/switch", SET_BOOL, answer_set_bool)
     await wait_for_service(client, "/switch")
@@ -79,7 +79,7 @@ async def test_calls_run_side_by_side(join: JoinGraph) -> None:
     server, client = await join("/server"), await join("/client")
     waiting: list[asyncio.Event] = []
 
-    async def meet(request: bytes) -> bytes:
+    async def wait_for_three(request: bytes) -> bytes:
         waiting.append(asyncio.Event())
         if len(waiting) == 3:
             for event in waiting:
@@ -87,9 +87,9 @@ async def test_calls_run_side_by_side(join: JoinGraph) -> None:
         await waiting[-1].wait()
         return TRUE + request
 
-    await server.advertise_service("/meet", ADD_DIAGNOSTICS, meet)
-    await wait_for_service(client, "/meet")
-    calls = [client.call_service("/meet", ADD_DIAGNOSTICS, string(text), timeout_s=60) for text in "abc"]
+    await server.advertise_service("/wait", ADD_DIAGNOSTICS, wait_for_three)
+    await wait_for_service(client, "/wait")
+    calls = [client.call_service("/wait", ADD_DIAGNOSTICS, string(text), timeout_s=60) for text in "abc"]
     assert await asyncio.gather(*calls) == [answer("a"), answer("b"), answer("c")]
 
 
@@ -115,11 +115,11 @@ async def test_a_service_that_was_closed_is_unavailable(join: JoinGraph) -> None
 
 async def test_a_call_has_a_time_limit(join: JoinGraph) -> None:
     server, client = await join("/server"), await join("/client")
-    go_on = asyncio.Event()
+    may_answer = asyncio.Event()
     finished = []
 
     async def slow(request: bytes) -> bytes:
-        await go_on.wait()
+        await may_answer.wait()
         finished.append(request)
         return TRUE + request
 
@@ -128,16 +128,16 @@ async def test_a_call_has_a_time_limit(join: JoinGraph) -> None:
     with pytest.raises(ServiceTimeoutError, match="/slow did not answer within 1 s"):
         await client.call_service("/slow", ADD_DIAGNOSTICS, string("first"), timeout_s=1.0)
     # The handler runs to its end, and the next call gets its own answer.
-    go_on.set()
+    may_answer.set()
     await until(lambda: finished == [string("first")])
     second = await client.call_service("/slow", ADD_DIAGNOSTICS, string("second"), timeout_s=60)
     assert second == answer("second")
 
 
 async def test_a_handlers_error_reaches_the_caller(
-    join: JoinGraph, can: Capabilities, caplog: pytest.LogCaptureFixture
+    join: JoinGraph, capabilities: Capabilities, caplog: pytest.LogCaptureFixture
 ) -> None:
-    can.require("service_errors_travel")
+    capabilities.require("service_errors_travel")
     server, client = await join("/server"), await join("/client")
 
     async def refuse(_: bytes) -> bytes:
@@ -159,33 +159,33 @@ async def test_a_handlers_error_reaches_the_caller(
     assert "handler of service /fail failed: ZeroDivisionError" in caplog.text
 
 
-async def test_a_handler_that_fails_ends_nothing(
-    join: JoinGraph, can: Capabilities, caplog: pytest.LogCaptureFixture
+async def test_a_service_works_after_an_error_of_its_handler(
+    join: JoinGraph, capabilities: Capabilities, caplog: pytest.LogCaptureFixture
 ) -> None:
     server, client = await join("/server"), await join("/client")
 
-    async def moody(request: bytes) -> bytes:
+    async def fail_if_false(request: bytes) -> bytes:
         if request == FALSE:
             raise ZeroDivisionError("a user's mistake")
         return answer()
 
-    await server.advertise_service("/moody", SET_BOOL, moody)
-    await wait_for_service(client, "/moody")
+    await server.advertise_service("/sometimes", SET_BOOL, fail_if_false)
+    await wait_for_service(client, "/sometimes")
     with pytest.raises(ServiceCallError):
         # Without an answer, the call ends at its time limit.
-        timeout_s = 60.0 if can.service_errors_travel else 1.0
-        await client.call_service("/moody", SET_BOOL, FALSE, timeout_s=timeout_s)
-    await until(lambda: "handler of service /moody failed: ZeroDivisionError" in caplog.text)
-    assert await client.call_service("/moody", SET_BOOL, TRUE, timeout_s=60) == answer()
+        timeout_s = 60.0 if capabilities.sends_service_errors else 1.0
+        await client.call_service("/sometimes", SET_BOOL, FALSE, timeout_s=timeout_s)
+    await until(lambda: "handler of service /sometimes failed: ZeroDivisionError" in caplog.text)
+    assert await client.call_service("/sometimes", SET_BOOL, TRUE, timeout_s=60) == answer()
 
 
-async def test_types_that_differ_are_named(join: JoinGraph, can: Capabilities) -> None:
+async def test_an_error_names_types_that_differ(join: JoinGraph, capabilities: Capabilities) -> None:
     server, client = await join("/server"), await join("/client")
     await server.advertise_service("/switch", SET_BOOL, answer_set_bool)
     await wait_for_service(client, "/switch")
     with pytest.raises(TypeMismatchError) as caught:
         await client.call_service("/switch", EMPTY, b"")
-    if can.definitions_travel:
+    if capabilities.sends_definitions:
         assert SET_BOOL.md5sum in str(caught.value)
     else:
         assert "SetBool" in str(caught.value)
@@ -199,8 +199,8 @@ async def test_a_node_offers_a_service_once(join: JoinGraph) -> None:
         await server.advertise_service("/switch", SET_BOOL, answer_set_bool)
 
 
-async def test_who_offers_a_service_last_has_it(join: JoinGraph, can: Capabilities) -> None:
-    can.require("last_server_wins")
+async def test_the_last_server_of_a_service_is_called(join: JoinGraph, capabilities: Capabilities) -> None:
+    capabilities.require("last_server_wins")
     first, second, client = await join("/first"), await join("/second"), await join("/client")
 
     async def other(_: bytes) -> bytes:
@@ -213,7 +213,7 @@ async def test_who_offers_a_service_last_has_it(join: JoinGraph, can: Capabiliti
     assert await client.call_service("/switch", SET_BOOL, TRUE) == answer("second")
 
 
-async def test_a_server_that_leaves_ends_the_calls_on_it(join: JoinGraph) -> None:
+async def test_calls_fail_when_their_server_leaves(join: JoinGraph) -> None:
     server, client = await join("/server"), await join("/client")
     called = asyncio.Event()
 
@@ -231,11 +231,11 @@ async def test_a_server_that_leaves_ends_the_calls_on_it(join: JoinGraph) -> Non
         await asyncio.wait_for(call, 60)
 
 
-async def test_a_client_is_listed_before_it_calls(join: JoinGraph, can: Capabilities) -> None:
-    can.require("lists_clients")
+async def test_a_client_is_listed_before_it_calls(join: JoinGraph, capabilities: Capabilities) -> None:
+    capabilities.require("lists_clients")
     node, other = await join("/node"), await join("/other")
 
-    async def listed_when(expected: int) -> None:
+    async def wait_until_listed(expected: int) -> None:
         seen = -1
         async with asyncio.timeout(60):
             while seen != expected:
@@ -247,19 +247,19 @@ async def test_a_client_is_listed_before_it_calls(join: JoinGraph, can: Capabili
 
     assert isinstance(node, ListsClients)
     first, second = await node.list_client("switch", SET_BOOL), await node.list_client("/switch", SET_BOOL)
-    await listed_when(1)
+    await wait_until_listed(1)
     await other.advertise_service("/switch", SET_BOOL, answer_set_bool)
     await wait_for_service(node, "/switch")
     await first.close()
     await first.close()
     assert await node.call_service("/switch", SET_BOOL, TRUE, timeout_s=60) == answer("done")
-    await listed_when(1)
+    await wait_until_listed(1)
     await second.close()
-    await listed_when(0)
+    await wait_until_listed(0)
     # A call registers the client again, and the handle may still exist when the node has left.
     assert await node.call_service("/switch", SET_BOOL, TRUE, timeout_s=60) == answer("done")
     late = await node.list_client("/switch", SET_BOOL)
-    await listed_when(1)
+    await wait_until_listed(1)
     await node.close()
     await late.close()
-    await listed_when(0)
+    await wait_until_listed(0)

@@ -68,14 +68,14 @@ async def test_the_order_of_joining_does_not_matter(join: JoinGraph) -> None:
     await until(lambda: inbox.payloads)
 
 
-async def test_a_latched_topic_greets_latecomers_with_its_last_message(join: JoinGraph) -> None:
+async def test_a_late_subscriber_gets_the_last_message_of_a_latched_topic(join: JoinGraph) -> None:
     talker, listener = await join("/talker"), await join("/listener")
-    witness, seen = await join("/witness"), Inbox()
+    observer, observed = await join("/observer"), Inbox()
     publisher = await talker.advertise("/map", STRING, latch=True)
-    await witness.subscribe("/map", STRING, seen.store)
+    await observer.subscribe("/map", STRING, observed.store)
     publisher.publish_raw([string("old"), string("new")])
     # Some graphs send in another thread.
-    await until(lambda: string("new") in seen.payloads)
+    await until(lambda: string("new") in observed.payloads)
     for _ in range(2):
         inbox = Inbox()
         await listener.subscribe("/map", STRING, inbox.store, on_connection=inbox.store_header)
@@ -84,7 +84,7 @@ async def test_a_latched_topic_greets_latecomers_with_its_last_message(join: Joi
         assert inbox.headers[0]["latching"] == "1"
 
 
-async def test_a_topic_that_is_not_latched_does_not(join: JoinGraph) -> None:
+async def test_a_late_subscriber_gets_no_earlier_message_of_another_topic(join: JoinGraph) -> None:
     talker, listener, inbox = await join("/talker"), await join("/listener"), Inbox()
     publisher = await talker.advertise("/chat", STRING)
     publisher.publish_raw([string("before")])
@@ -96,7 +96,9 @@ async def test_a_topic_that_is_not_latched_does_not(join: JoinGraph) -> None:
     assert inbox.headers[0]["latching"] == "0"
 
 
-async def test_a_connection_has_the_publisher_and_its_type(join: JoinGraph, can: Capabilities) -> None:
+async def test_a_connection_has_the_publisher_and_its_type(
+    join: JoinGraph, capabilities: Capabilities
+) -> None:
     talker, listener, inbox = await join("/talker"), await join("/listener"), Inbox()
     await talker.advertise("/chat", STRING)
     await listener.subscribe("/chat", ANY_MESSAGE, inbox.store, on_connection=inbox.store_header)
@@ -104,21 +106,23 @@ async def test_a_connection_has_the_publisher_and_its_type(join: JoinGraph, can:
     (header,) = inbox.headers
     assert header["callerid"] == "/talker"
     assert (header["type"], header["md5sum"]) == (STRING.name, STRING.md5sum)
-    if can.definitions_travel:
+    if capabilities.sends_definitions:
         assert header["message_definition"] == STRING.definition
     registry = Registry(bundled=False)
     registry.add_full_text(STRING.name, header["message_definition"])
     assert registry.message_type(STRING.name).md5sum == STRING.md5sum
 
 
-async def test_types_that_differ_do_not_meet(join: JoinGraph, can: Capabilities) -> None:
+async def test_a_subscriber_of_another_type_receives_nothing(
+    join: JoinGraph, capabilities: Capabilities
+) -> None:
     talker, listener = await join("/talker"), await join("/listener")
     wrong, right = Inbox(), Inbox()
     publisher = await talker.advertise("/chat", STRING)
     try:
         await listener.subscribe("/chat", BOOL, wrong.store)
     except TypeMismatchError as error:
-        assert not can.types_may_differ
+        assert not capabilities.allows_different_types
         assert "String" in str(error)
     await listener.subscribe("/chat", STRING, right.store)
     await until(lambda: publisher.subscriber_count == 1)
@@ -127,8 +131,10 @@ async def test_types_that_differ_do_not_meet(join: JoinGraph, can: Capabilities)
     assert wrong.payloads == []
 
 
-async def test_a_subscriber_of_one_type_follows_the_publishers(join: JoinGraph, can: Capabilities) -> None:
-    can.require("types_may_differ")
+async def test_a_subscriber_of_one_type_follows_the_publishers(
+    join: JoinGraph, capabilities: Capabilities
+) -> None:
+    capabilities.require("types_may_differ")
     talker, other, listener = await join("/talker"), await join("/other"), await join("/listener")
     inbox = Inbox()
     publisher = await talker.advertise("/chat", STRING)
@@ -152,18 +158,18 @@ async def test_a_subscriber_of_one_type_follows_the_publishers(join: JoinGraph, 
     assert [header["type"] for header in inbox.headers] == [STRING.name, BOOL.name]
 
 
-async def test_a_paused_subscriber_misses_nothing(join: JoinGraph) -> None:
+async def test_a_paused_subscriber_loses_nothing(join: JoinGraph) -> None:
     talker, listener = await join("/talker"), await join("/listener")
-    inbox, witness = Inbox(), Inbox()
+    inbox, other_inbox = Inbox(), Inbox()
     publisher = await talker.advertise("/chat", STRING)
     subscriber = await listener.subscribe("/chat", STRING, inbox.store)
-    await listener.subscribe("/chat", STRING, witness.store)
+    await listener.subscribe("/chat", STRING, other_inbox.store)
     await until(lambda: publisher.subscriber_count == 2 and subscriber.publisher_count == 1)
     subscriber.pause()
     subscriber.pause()
     sent = [string(f"message {number}") for number in range(100)]
     publisher.publish_raw(sent)
-    await until(lambda: len(witness.payloads) == 100)
+    await until(lambda: len(other_inbox.payloads) == 100)
     assert inbox.payloads == []
     subscriber.resume()
     subscriber.resume()
@@ -171,60 +177,62 @@ async def test_a_paused_subscriber_misses_nothing(join: JoinGraph) -> None:
     assert inbox.payloads == sent
 
 
-async def test_a_subscriber_may_leave_out_what_its_own_node_publishes(join: JoinGraph) -> None:
+async def test_a_subscriber_may_skip_messages_of_its_own_node(join: JoinGraph) -> None:
     node, other = await join("/node"), await join("/other")
-    inbox, witness = Inbox(), Inbox()
-    mine, theirs = await node.advertise("/chat", STRING), await other.advertise("/chat", STRING)
+    inbox, other_inbox = Inbox(), Inbox()
+    own, others = await node.advertise("/chat", STRING), await other.advertise("/chat", STRING)
     subscriber = await node.subscribe("/chat", STRING, inbox.store, skip_own=True)
-    await other.subscribe("/chat", STRING, witness.store)
-    await until(lambda: mine.subscriber_count >= 1 and theirs.subscriber_count == 2)
+    await other.subscribe("/chat", STRING, other_inbox.store)
+    await until(lambda: own.subscriber_count >= 1 and others.subscriber_count == 2)
     await until(lambda: subscriber.publisher_count >= 1)
     await snapshot_when(node, lambda snapshot: "/other" in snapshot.topics["/chat"].subscribers)
     for number in range(3):
-        mine.publish_raw([string(f"mine {number}")])
-        theirs.publish_raw([string(f"theirs {number}")])
-    await until(lambda: len(witness.payloads) == 6 and len(inbox.payloads) >= 3)
-    assert inbox.payloads == [string(f"theirs {number}") for number in range(3)]
+        own.publish_raw([string(f"own {number}")])
+        others.publish_raw([string(f"other {number}")])
+    await until(lambda: len(other_inbox.payloads) == 6 and len(inbox.payloads) >= 3)
+    assert inbox.payloads == [string(f"other {number}") for number in range(3)]
 
 
-async def test_a_subscriber_may_leave_out_nodes(join: JoinGraph) -> None:
-    node, other, witness = await join("/node"), await join("/other"), Inbox()
+async def test_a_subscriber_may_skip_nodes(join: JoinGraph) -> None:
+    node, other, other_inbox = await join("/node"), await join("/other"), Inbox()
     names: set[str] = set()
     inbox = Inbox()
     await node.subscribe("/chat", STRING, inbox.store, skip_nodes=names)
-    await node.subscribe("/chat", STRING, witness.store)
-    names.add("/left_out")
-    left_out = await join("/left_out")
-    publishers = [await graph.advertise("/chat", STRING) for graph in (node, other, left_out)]
-    await wait_for_nodes(node, other, left_out)
+    await node.subscribe("/chat", STRING, other_inbox.store)
+    names.add("/skipped")
+    skipped = await join("/skipped")
+    publishers = [await graph.advertise("/chat", STRING) for graph in (node, other, skipped)]
+    await wait_for_nodes(node, other, skipped)
     await until(lambda: all(publisher.subscriber_count >= 1 for publisher in publishers))
     await snapshot_when(node, lambda snapshot: len(snapshot.topics["/chat"].publishers) == 3)
 
-    def say_more() -> bool:
+    def publish_from_all() -> bool:
         for number, publisher in enumerate(publishers):
             publisher.publish_raw([string(f"from {number}")])
-        return all(string(f"from {number}") in witness.payloads for number in range(3))
+        return all(string(f"from {number}") in other_inbox.payloads for number in range(3))
 
-    await until(say_more)
+    await until(publish_from_all)
     await until(lambda: {string("from 0"), string("from 1")} <= set(inbox.payloads))
     assert string("from 2") not in inbox.payloads
-    # At any time, also for a publisher that is connected.
+    # The names may change at any time, also while a publisher is connected.
     names.clear()
     names.add("/other")
 
-    def says_the_rest() -> bool:
-        say_more()
+    def receives_from_the_third() -> bool:
+        publish_from_all()
         return string("from 2") in inbox.payloads
 
-    await until(says_the_rest)
+    await until(receives_from_the_third)
     count = inbox.payloads.count(string("from 1"))
-    received = witness.payloads.count(string("from 1"))
+    received = other_inbox.payloads.count(string("from 1"))
     publishers[1].publish_raw([string("from 1")])
-    await until(lambda: witness.payloads.count(string("from 1")) > received)
+    await until(lambda: other_inbox.payloads.count(string("from 1")) > received)
     assert inbox.payloads.count(string("from 1")) == count
 
 
-async def test_a_callback_that_fails_ends_nothing(join: JoinGraph, caplog: pytest.LogCaptureFixture) -> None:
+async def test_a_subscription_works_after_an_error_of_its_callback(
+    join: JoinGraph, caplog: pytest.LogCaptureFixture
+) -> None:
     node, inbox = await join("/node"), Inbox()
 
     def fail(_: object) -> None:
@@ -272,17 +280,17 @@ async def test_a_publisher_of_a_closed_node_has_no_subscribers_and_drops_message
 
 async def test_no_callback_runs_after_a_subscriber_is_closed(join: JoinGraph) -> None:
     talker, listener = await join("/talker"), await join("/listener")
-    closed, witness = Inbox(), Inbox()
+    closed, other_inbox = Inbox(), Inbox()
     publisher = await talker.advertise("/chat", STRING)
     subscriber = await listener.subscribe("/chat", STRING, closed.store)
-    await listener.subscribe("/chat", STRING, witness.store)
+    await listener.subscribe("/chat", STRING, other_inbox.store)
     await until(lambda: publisher.subscriber_count == 2)
     publisher.publish_raw([string("too late")] * 100)
     await subscriber.close()
     count = len(closed.payloads)
     await subscriber.close()
     publisher.publish_raw([string("too late")])
-    await until(lambda: len(witness.payloads) == 101)
+    await until(lambda: len(other_inbox.payloads) == 101)
     assert len(closed.payloads) == count
     await until(lambda: publisher.subscriber_count == 1)
     assert subscriber.publisher_count == 0

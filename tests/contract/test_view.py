@@ -16,16 +16,18 @@ from rostether.rostime import Time
 from waiting import until
 
 
-async def no_answer(_: bytes) -> bytes:
+async def answer_success(_: bytes) -> bytes:
     return answer()
 
 
-async def test_a_snapshot_holds_everything(join: JoinGraph, can: Capabilities) -> None:
+async def test_a_snapshot_has_all_nodes_topics_and_services(
+    join: JoinGraph, capabilities: Capabilities
+) -> None:
     talker, listener = await join("/talker"), await join("/listener")
     await talker.advertise("/chat", STRING)
     await listener.subscribe("/chat", ANY_MESSAGE, Inbox().store)
     await listener.subscribe("/unknown", ANY_MESSAGE, Inbox().store)
-    await talker.advertise_service("/switch", SET_BOOL, no_answer)
+    await talker.advertise_service("/switch", SET_BOOL, answer_success)
 
     def is_complete(snapshot: Snapshot) -> bool:
         chat, rosout = snapshot.topics.get("/chat"), snapshot.topics.get(ROSOUT)
@@ -39,45 +41,45 @@ async def test_a_snapshot_holds_everything(join: JoinGraph, can: Capabilities) -
     snapshot = await snapshot_when(listener, is_complete)
     assert {"/talker", "/listener"} <= set(snapshot.nodes)
     chat = snapshot.topics["/chat"]
-    assert (chat.name, chat.type) == ("/chat", can.string_type)
+    assert (chat.name, chat.type) == ("/chat", capabilities.string_type)
     assert (chat.publishers, chat.subscribers) == (("/talker",), ("/listener",))
-    if can.lists_untyped_subscribers or "/unknown" in snapshot.topics:
+    if capabilities.lists_untyped_subscribers or "/unknown" in snapshot.topics:
         assert snapshot.topics["/unknown"].type == "*"
         assert snapshot.topics["/unknown"].publishers == ()
     assert snapshot.services["/switch"].providers == ("/talker",)
-    assert snapshot.services["/switch"].type == can.service_type
+    assert snapshot.services["/switch"].type == capabilities.service_type
     assert set(snapshot.topics[ROSOUT].publishers) >= {"/talker", "/listener"}
     assert list(snapshot.topics) == sorted(snapshot.topics)
 
 
-async def test_changes_come_as_snapshots(join: JoinGraph) -> None:
+async def test_changes_yield_snapshots(join: JoinGraph) -> None:
     watcher, other = await join("/watcher"), await join("/other")
     changes = watcher.changes()
     first = await anext(changes)
     assert "/chat" not in first.topics
 
-    async def next_with(topic: str, *, there: bool) -> Snapshot:
+    async def wait_for_topic(topic: str, *, exists: bool) -> Snapshot:
         while True:
             snapshot = await asyncio.wait_for(anext(changes), 60)
-            if (topic in snapshot.topics) is there:
+            if (topic in snapshot.topics) is exists:
                 return snapshot
 
     publisher = await other.advertise("/chat", STRING)
-    snapshot = await next_with("/chat", there=True)
+    snapshot = await wait_for_topic("/chat", exists=True)
     assert snapshot.topics["/chat"].publishers == ("/other",)
     await publisher.close()
-    await next_with("/chat", there=False)
+    await wait_for_topic("/chat", exists=False)
     ended = asyncio.ensure_future(anext(changes, None))
     await watcher.close()
     await asyncio.wait_for(ended, 60)
 
 
-async def test_logs_are_published_under_the_nodes_name(join: JoinGraph, can: Capabilities) -> None:
+async def test_logs_are_published_under_the_nodes_name(join: JoinGraph, capabilities: Capabilities) -> None:
     node, listener, inbox = await join("/node"), await join("/listener"), Inbox()
     # Latched: a later subscriber receives the last message.
     node.log(Level.WARN, "too hot: 90 °C")
     await listener.subscribe(ROSOUT, LOG_TYPE, inbox.store)
-    named = string(can.logger_of_node) + string("too hot: 90 °C")
+    named = string(capabilities.logger_of_node) + string("too hot: 90 °C")
     await until(lambda: any(named in each for each in inbox.payloads))
     (payload,) = [each for each in inbox.payloads if named in each]
     assert payload[16] == Level.WARN
@@ -90,11 +92,11 @@ async def test_time_is_the_wall_clock(join: JoinGraph) -> None:
     assert abs(node.now().to_s() - time.time()) < 60
 
 
-async def test_time_is_that_of_clock_where_it_is_simulated(join: JoinGraph, can: Capabilities) -> None:
-    can.require("simulates_time")
+async def test_simulated_time_is_that_of_clock(join: JoinGraph, capabilities: Capabilities) -> None:
+    capabilities.require("simulates_time")
     simulator = await join("/simulator")
     publisher = await simulator.advertise(CLOCK_TOPIC, CLOCK_TYPE)
-    if can.global_parameters:
+    if capabilities.global_parameters:
         await simulator.set_param("/use_sim_time", True)
         node = await join("/node")
     else:
@@ -111,29 +113,31 @@ async def test_time_is_that_of_clock_where_it_is_simulated(join: JoinGraph, can:
     await until(tick)
 
 
-async def test_a_node_that_leaves_takes_everything_with_it(join: JoinGraph) -> None:
-    leaver, stayer, inbox = await join("/leaver"), await join("/stayer"), Inbox()
-    publisher = await leaver.advertise("/chat", STRING)
-    subscriber = await stayer.subscribe("/chat", STRING, inbox.store)
-    kept = await stayer.advertise("/back", STRING)
-    await leaver.subscribe("/back", STRING, inbox.store)
-    await leaver.advertise_service("/switch", SET_BOOL, no_answer)
+async def test_all_registrations_of_a_node_end_when_it_leaves(join: JoinGraph) -> None:
+    leaving, staying, inbox = await join("/leaving"), await join("/staying"), Inbox()
+    publisher = await leaving.advertise("/chat", STRING)
+    subscriber = await staying.subscribe("/chat", STRING, inbox.store)
+    kept = await staying.advertise("/back", STRING)
+    await leaving.subscribe("/back", STRING, inbox.store)
+    await leaving.advertise_service("/switch", SET_BOOL, answer_success)
     await until(lambda: publisher.subscriber_count == kept.subscriber_count == 1)
-    closed = asyncio.ensure_future(leaver.wait_closed())
-    await leaver.close()
-    await leaver.close()
+    closed = asyncio.ensure_future(leaving.wait_closed())
+    await leaving.close()
+    await leaving.close()
     assert await closed == "closed"
     await until(lambda: subscriber.publisher_count == kept.subscriber_count == 0)
     snapshot = await snapshot_when(
-        stayer, lambda snapshot: "/leaver" not in snapshot.nodes and "/switch" not in snapshot.services
+        staying, lambda snapshot: "/leaving" not in snapshot.nodes and "/switch" not in snapshot.services
     )
     assert snapshot.topics["/chat"].publishers == ()
     assert snapshot.topics["/back"].subscribers == ()
-    assert "/leaver" not in snapshot.topics[ROSOUT].publishers
+    assert "/leaving" not in snapshot.topics[ROSOUT].publishers
 
 
-async def test_a_new_node_of_the_same_name_replaces_the_old_one(join: JoinGraph, can: Capabilities) -> None:
-    can.require("same_name_replaces")
+async def test_a_new_node_of_the_same_name_replaces_the_old_one(
+    join: JoinGraph, capabilities: Capabilities
+) -> None:
+    capabilities.require("same_name_replaces")
     old = await join("/node")
     await old.advertise("/chat", STRING)
     new = await join("/node")

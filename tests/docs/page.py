@@ -24,7 +24,7 @@ _MARK = re.compile(r' test="([^"]*)"')
 _QUOTED = re.compile(r"'[^']*'|\"[^\"$`\\\\]*\"")
 # Syntax that needs a shell.
 _NEEDS_SHELL = re.compile(r"[\"'$`\\\\~*?\[\]{}()<>|&;#]|^\w+=|^cd ")
-_NOT_TYPED_HERE = re.compile(r'test="not run|test="on |title="[\w.]+\.sh"')
+_SKIPPED_BLOCK = re.compile(r'test="not run|test="on |title="[\w.]+\.sh"')
 
 # Differs from run to run: bars, hexadecimal numbers with a digit, numbers, and widths of columns.
 _VARYING = re.compile(
@@ -61,7 +61,7 @@ def steps(page: Path) -> list[Step]:
     blocks = list(_FENCE.finditer(page.read_text()))
     found: list[Step] = []
     for block, after in zip_longest(blocks, blocks[1:]):
-        if block["language"] != "sh" or _NOT_TYPED_HERE.search(block["info"]):
+        if block["language"] != "sh" or _SKIPPED_BLOCK.search(block["info"]):
             continue
         commands = [
             line
@@ -80,8 +80,8 @@ def steps(page: Path) -> list[Step]:
                 expected = [expected[0], expected[-1]]
             output = after.span("body")
         mark = _MARK.search(block["info"])
-        is_left = mark is not None and mark[1] == "leave running"
-        found.append(Step(tuple(commands), is_left, tuple(expected), output))
+        leaves_running = mark is not None and mark[1] == "leave running"
+        found.append(Step(tuple(commands), leaves_running, tuple(expected), output))
     return found
 
 
@@ -99,7 +99,7 @@ def programs(page: Path) -> dict[str, str]:
     return {title[1]: match["body"] for title, match in titled if title is not None}
 
 
-def on_machines(page: Path) -> dict[str, tuple[str, ...]]:
+def commands_on_machines(page: Path) -> dict[str, tuple[str, ...]]:
     """Return the commands of blocks marked "on NAME...", by mark."""
     found = {}
     for match in _FENCE.finditer(page.read_text()):
@@ -127,7 +127,7 @@ def matching_lines(expected: tuple[str, ...], printed: str) -> list[str]:
         match = _line_pattern(line).search(printed, position)
         assert match is not None
         position = match.end()
-        # A number matches with the space before it, which may be the end of the previous line.
+        # A number matches with the space before it, which may include the end of the previous line.
         start = match.end() - len(match[0].lstrip())
         whole = printed[printed.rfind("\n", 0, start) + 1 :].partition("\n")[0].rstrip()
         if found[-1:] != [whole]:

@@ -33,14 +33,14 @@ PAGES = sorted(
     page for page in [REPOSITORY / "README.md", *(REPOSITORY / "docs").rglob("*.md")] if steps(page)
 )
 TIMEOUT_S = 60.0
-# Of longer output, the page keeps only the lines that it has.
+# If the output is longer, only the lines that the page already has are updated.
 MAX_WHOLE_LINES = 60
 WRITES_OUTPUT = bool(os.environ.get("WRITE_OUTPUT"))
-# How long a command may run before Ctrl-C. The complete output is written only if it ended by itself.
-ENDING_S = 10.0 if WRITES_OUTPUT else 0.5
-SIMULATING = ("board run", "firmware sim ", "sim:")
+# The time that a command may run before Ctrl-C. The complete output is written only if it ends by itself.
+RUN_S = 10.0 if WRITES_OUTPUT else 0.5
+NEEDS_SIMULATOR = ("board run", "firmware sim ", "sim:")
 # Fixed ports, which the pages of two test processes cannot use at the same time.
-SHARING = re.compile(r"\b1\d{4}\b|ros2|zenoh|demo\b")
+NEEDS_FIXED_PORTS = re.compile(r"\b1\d{4}\b|ros2|zenoh|demo\b")
 # Times and names of this machine, and their replacements in the pages.
 NEUTRAL = {
     r"\[\d{10}\.\d{6}\]": "[1700000000.123456]",
@@ -55,14 +55,14 @@ NEUTRAL = {
 RECORDING_TIME = re.compile(r"[A-Z][a-z]{2} \d\d \d{4} \d\d:\d\d:\d\d(\.\d\d) \((\d{10})\.\d\d\)")
 NEUTRAL_START_S = int(datetime(2025, 1, 1, 12, tzinfo=UTC).timestamp())
 # The exit codes of success and of Ctrl-C.
-ENDS = (0, 130, -signal.SIGINT)
+EXIT_CODES = (0, 130, -signal.SIGINT)
 # Commands that look at a graph or a board for a limited time, and can be repeated.
-LOOKING = re.compile(
+REPEATABLE = re.compile(
     r"(\w+=\S+ |sh at\.sh \w+ |\.venv/bin/)*rostether ((topic|node|service|param|sensor) (list|info|get|call)"
     r"|tf|graph|plot|monitor|doctor|fleet (doctor|list)|conformance tcp)\b"
 )
 # Other tests type the commands that set up a machine.
-NOT_TYPED = ("make test", "git clone", "cd ", "pip ", "pipx ", "sudo ")
+SKIPPED_COMMANDS = ("make test", "git clone", "cd ", "pip ", "pipx ", "sudo ")
 
 
 @pytest.fixture
@@ -71,9 +71,9 @@ def network(page: Path) -> Iterator[tuple[str, ...]]:
 
     Without network namespaces, pages with fixed ports run one after another.
     """
-    with own_loopback() as entering:
-        if entering is not None or not SHARING.search(_typed(page)):
-            yield entering or ()
+    with own_loopback() as prefix:
+        if prefix is not None or not NEEDS_FIXED_PORTS.search(_typed(page)):
+            yield prefix or ()
             return
     with (Path(tempfile.gettempdir()) / f"rostether-docs-{os.getuid()}.lock").open("w") as lock:
         fcntl.flock(lock, fcntl.LOCK_EX)
@@ -120,11 +120,11 @@ class Terminal:
                 seen_bytes = output_bytes
                 printed = self._neutral(output)
                 missing = missing_lines(expected, printed)
-            failed = ended and process.returncode not in ENDS
-            looks_again = (missing or failed) and LOOKING.match(command) and time.monotonic() < deadline
-            is_settled = not (missing or looks_again) and (leave_running or bool(expected) or ended)
+            failed = ended and process.returncode not in EXIT_CODES
+            repeats = (missing or failed) and REPEATABLE.match(command) and time.monotonic() < deadline
+            is_settled = not (missing or repeats) and (leave_running or bool(expected) or ended)
             if not is_settled:
-                if ended and looks_again:
+                if ended and repeats:
                     # If the graph is not complete yet, the command is repeated.
                     output.unlink()
                     process = self._start(command, output)
@@ -137,12 +137,12 @@ class Terminal:
             assert process.poll() is None, f"`{command}` ended:\n{self._neutral(output)}"
             return _shown(lines_until(expected, printed), expected, printed)
         try:
-            ended = process.wait(ENDING_S) is not None
+            ended = process.wait(RUN_S) is not None
         except subprocess.TimeoutExpired:
             ended = False
         status = self._end(process)
         printed = self._neutral(output)
-        assert status in ENDS, f"`{command}` gave {status}:\n{printed}"
+        assert status in EXIT_CODES, f"`{command}` gave {status}:\n{printed}"
         assert "Traceback" not in printed
         lines = printed.rstrip().splitlines() if ended else lines_until(expected, printed)
         return _shown(lines, expected, printed)
@@ -213,10 +213,10 @@ def _name(page: Path) -> str:
     return str(page.relative_to(REPOSITORY))
 
 
-def _needs(page: Path) -> list[pytest.MarkDecorator]:
+def _marks(page: Path) -> list[pytest.MarkDecorator]:
     """Return the markers of the other programs that a page's commands need."""
     typed = _typed(page)
-    marks = [pytest.mark.simavr] if any(sign in typed for sign in SIMULATING) else []
+    marks = [pytest.mark.simavr] if any(part in typed for part in NEEDS_SIMULATOR) else []
     if "micropython hello.py" in typed:
         marks.append(pytest.mark.micropython)
     if "ip netns" in typed:
@@ -231,7 +231,7 @@ def _typed(page: Path) -> str:
 
 
 @pytest.mark.timeout(300)
-@pytest.mark.parametrize("page", [pytest.param(page, marks=_needs(page), id=_name(page)) for page in PAGES])
+@pytest.mark.parametrize("page", [pytest.param(page, marks=_marks(page), id=_name(page)) for page in PAGES])
 def test_page(page: Path, network: tuple[str, ...], tmp_path: Path) -> None:
     # Only the README's commands run in a clone; other pages may name a clone, ~/rostether.
     if "~/rostether" in page.read_text():
@@ -255,7 +255,7 @@ def test_page(page: Path, network: tuple[str, ...], tmp_path: Path) -> None:
 
 
 def _type_step(terminal: Terminal, step: Step) -> list[str]:
-    commands = [command for command in step.commands if not command.startswith(NOT_TYPED)]
+    commands = [command for command in step.commands if not command.startswith(SKIPPED_COMMANDS)]
     lines = []
     for command in commands:
         last = command is commands[-1]

@@ -13,13 +13,13 @@ from pathlib import Path
 
 import pytest
 
-from docs.page import argv, on_machines, programs
+from docs.page import argv, commands_on_machines, programs
 from firmware.examples.stage import build_example
 from interop.machines import Machines, machines, missing_namespaces
 
 HOW_TO = Path(__file__).parents[2] / "docs" / "how-to"
 PAGE = HOW_TO / "fleet-of-robots.md"
-COMMANDS = on_machines(PAGE)
+COMMANDS = commands_on_machines(PAGE)
 TIMEOUT_S = 60.0
 LAMP = 'rostether service call --ros2 zenoh /robot1/lamp std_srvs/srv/SetBool "{data: true}"'
 TWISTS = "/robot1/cmd_vel geometry_msgs/msg/Twist"
@@ -118,20 +118,20 @@ async def board(tmp_path: Path) -> Path:
 
 @contextmanager
 def terminals(network: Machines, folder: Path, board: Path) -> Iterator[Terminals]:
-    typing = Terminals(network, folder, board)
+    terminal_group = Terminals(network, folder, board)
     try:
-        yield typing
+        yield terminal_group
     finally:
-        typing.end()
+        terminal_group.end()
 
 
-def test_machines_are_joined(network: Machines, tmp_path: Path, board: Path) -> None:
-    with terminals(network, tmp_path, board) as typing:
+def test_each_machine_receives_topics_of_the_others(network: Machines, tmp_path: Path, board: Path) -> None:
+    with terminals(network, tmp_path, board) as terminal_group:
         for machine in ("robot1", "robot2"):
-            typing.start(machine, COMMANDS[f"on {machine}"][0], "Setup publisher on chatter")
-        typing.start("laptop", COMMANDS["on laptop"][0], "Press Ctrl-C")
+            terminal_group.start(machine, COMMANDS[f"on {machine}"][0], "Setup publisher on chatter")
+        terminal_group.start("laptop", COMMANDS["on laptop"][0], "Press Ctrl-C")
         for command in COMMANDS["on laptop, and ended"]:
-            assert "data: hello world!" in typing.type("laptop", command)
+            assert "data: hello world!" in terminal_group.type("laptop", command)
 
 
 def test_only_known_certificates_are_admitted(network: Machines, tmp_path: Path, board: Path) -> None:
@@ -140,25 +140,27 @@ def test_only_known_certificates_are_admitted(network: Machines, tmp_path: Path,
         (tmp_path / name).write_text(text)
     (tmp_path / "visitor.json5").write_text(files["laptop.json5"].replace("laptop.", "visitor."))
     subprocess.run(["bash", "-e", "certificates.sh"], cwd=tmp_path, check=True, capture_output=True)
-    with terminals(network, tmp_path, board) as typing:
-        typing.start("robot1", COMMANDS["on robot1, with certificates"][0], "Setup publisher on chatter")
+    with terminals(network, tmp_path, board) as terminal_group:
+        terminal_group.start(
+            "robot1", COMMANDS["on robot1, with certificates"][0], "Setup publisher on chatter"
+        )
         (command,) = COMMANDS["on laptop, with certificates"]
-        typing.start("laptop", command, "Press Ctrl-C")
-        typing.start("visitor", command.replace("laptop", "visitor"), "Press Ctrl-C")
-        assert "data: hello world!" in typing.type("laptop", ECHO)
-        assert "message='lit'" in typing.type("laptop", LAMP)
-        assert "data: hello world!" in typing.type("visitor", ECHO)
-        assert "message=" not in typing.type("visitor", LAMP, 3.0)
-        orders = typing.start("robot1", f"rostether topic echo --ros2 zenoh {TWISTS}", "")
+        terminal_group.start("laptop", command, "Press Ctrl-C")
+        terminal_group.start("visitor", command.replace("laptop", "visitor"), "Press Ctrl-C")
+        assert "data: hello world!" in terminal_group.type("laptop", ECHO)
+        assert "message='lit'" in terminal_group.type("laptop", LAMP)
+        assert "data: hello world!" in terminal_group.type("visitor", ECHO)
+        assert "message=" not in terminal_group.type("visitor", LAMP, 3.0)
+        received_commands = terminal_group.start("robot1", f"rostether topic echo --ros2 zenoh {TWISTS}", "")
         pub = f"rostether topic pub --ros2 zenoh -r 10 {TWISTS}"
-        typing.start("visitor", f"{pub} '{{linear: {{x: 1.0}}}}'", "publishing #5")
-        typing.start("laptop", f"{pub} '{{linear: {{x: 2.0}}}}'", "publishing #5")
+        terminal_group.start("visitor", f"{pub} '{{linear: {{x: 1.0}}}}'", "publishing #5")
+        terminal_group.start("laptop", f"{pub} '{{linear: {{x: 2.0}}}}'", "publishing #5")
         deadline_s = time.monotonic() + TIMEOUT_S
-        while "x: 2.0" not in orders.read_text():
+        while "x: 2.0" not in received_commands.read_text():
             assert time.monotonic() < deadline_s
             time.sleep(0.02)
-        assert "x: 1.0" not in orders.read_text()
+        assert "x: 1.0" not in received_commands.read_text()
         # Without a certificate, the port does not answer.
         for address in ("tcp/robot1:7447", "tls/robot1:7448"):
-            place = f"ZENOH_CONFIG_OVERRIDE='connect/endpoints=[\"{address}\"]'"
-            assert "data:" not in typing.type("robot2", f"{place} {ECHO}", 2.0)
+            variable = f"ZENOH_CONFIG_OVERRIDE='connect/endpoints=[\"{address}\"]'"
+            assert "data:" not in terminal_group.type("robot2", f"{variable} {ECHO}", 2.0)

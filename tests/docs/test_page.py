@@ -17,11 +17,11 @@ def test_numbers_and_bars_may_differ() -> None:
     assert matching_lines(expected, PRINTED) == PRINTED.splitlines()
 
 
-def test_numbers_may_have_grown_to_thousands_and_millions() -> None:
+def test_numbers_may_have_prefixes_for_thousands_and_millions() -> None:
     assert missing_lines(("/arm  746    64",), "/arm   9.9k   2M\n") == []
     assert missing_lines(("746 Hz",), "746 kHz\n") == ["746 Hz"]
 
 
-def test_other_words_are_missing() -> None:
+def test_lines_with_other_texts_are_missing() -> None:
     assert missing_lines(("range: none", "md5 992ce8a1687c"), PRINTED) == ["range: none", "md5 992ce8a1687c"]
     assert missing_lines(("md5 992ce8a1687c", "range: 1.0"), PRINTED) == ["range: 1.0"]

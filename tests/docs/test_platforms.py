@@ -1,4 +1,4 @@
-"""The table of platforms names existing tests, and the pages of the platforms match it."""
+"""The table of platforms names existing tests, and the programs on the pages of platforms compile."""
 
 from __future__ import annotations
 

@@ -12,7 +12,7 @@ from rostether.serde.type_tree import Array, Node, Number, Stamp, Struct
 from rostether.serde.values import Message
 
 MAX_ELEMENTS = 3
-"""How many elements a variable array has at most: enough for none, one and several."""
+"""The largest number of elements of a variable array: enough for none, one and more than one."""
 
 
 def messages(codec: Codec, texts: st.SearchStrategy[str] | None = None) -> st.SearchStrategy[Message]:

@@ -29,43 +29,43 @@ ANNOUNCED = (
 )
 
 
-async def bridged(world: World) -> Session:
+async def start_session(world: World) -> Session:
     loop = asyncio.get_running_loop()
     session = Session(FakeTransport(), BoardNode(world.board, STORE, world.reporter, loop.time))
     session.start()
     return session
 
 
-def chunks_of(data: bytes, cuts: list[int]) -> list[bytes]:
+def split(data: bytes, cuts: list[int]) -> list[bytes]:
     places = sorted({cut % (len(data) + 1) for cut in cuts} | {0, len(data)})
     return [data[start:end] for start, end in pairwise(places)]
 
 
 @given(st.lists(st.text(max_size=40), max_size=20), st.lists(st.integers(0, 1 << 16), max_size=30))
 @settings(deadline=None, max_examples=effort(20, 60))
-def test_any_chunking_gives_the_same_messages(words: list[str], cuts: list[int]) -> None:
+def test_any_chunking_gives_the_same_messages(strings: list[str], cuts: list[int]) -> None:
     async def scenario() -> list[bytes]:
         world = await World().open()
         received = await world.listen("/chatter")
-        session = await bridged(world)
-        data = ANNOUNCED + b"".join(encode_frame(125, text(word)) for word in words)
-        for chunk in chunks_of(data, cuts):
+        session = await start_session(world)
+        data = ANNOUNCED + b"".join(encode_frame(125, text(word)) for word in strings)
+        for chunk in split(data, cuts):
             session.data_received(chunk)
             await asyncio.sleep(0)
         await asyncio.sleep(0.01)
         session.connection_lost(None)
         return received
 
-    assert run(scenario()) == [text(word) for word in words]
+    assert run(scenario()) == [text(word) for word in strings]
 
 
 @given(st.lists(st.binary(max_size=200), max_size=20))
 @settings(deadline=None, max_examples=effort(20, 60))
-def test_garbage_stops_nothing_and_is_reported_briefly(garbage: list[bytes]) -> None:
+def test_garbage_does_not_stop_the_bridge_and_is_reported_briefly(garbage: list[bytes]) -> None:
     async def scenario() -> tuple[list[bytes], World]:
         world = await World().open()
         received = await world.listen("/chatter")
-        session = await bridged(world)
+        session = await start_session(world)
         session.data_received(ANNOUNCED)
         await asyncio.sleep(1.0)
         for piece in garbage:
@@ -93,12 +93,12 @@ def test_garbage_stops_nothing_and_is_reported_briefly(garbage: list[bytes]) -> 
     )
 )
 @settings(deadline=None, max_examples=effort(20, 60))
-def test_what_does_not_fit_its_type_never_reaches_ros(frames: list[tuple[int, bytes]]) -> None:
+def test_malformed_messages_never_reach_ros(frames: list[tuple[int, bytes]]) -> None:
     async def scenario() -> tuple[list[bytes], list[bytes]]:
         world = await World().open()
         strings = await world.listen("/chatter")
         levels = await world.listen("/level", "std_msgs/UInt16")
-        session = await bridged(world)
+        session = await start_session(world)
         session.data_received(ANNOUNCED)
         session.data_received(b"".join(encode_frame(*frame) for frame in frames))
         await asyncio.sleep(2.0)
@@ -113,20 +113,20 @@ def test_what_does_not_fit_its_type_never_reaches_ros(frames: list[tuple[int, by
 
 @given(st.integers(0, 1 << 32))
 @settings(deadline=None, max_examples=effort(8, 15))
-def test_on_a_line_that_harms_one_write_in_twenty_all_endpoints_come_up(seed: int) -> None:
+def test_all_endpoints_connect_on_a_line_that_damages_one_write_in_twenty(seed: int) -> None:
     """25 publishers, 25 subscribers and a service: all in the graph within 2 s of link time."""
     rng = random.Random(seed)
 
-    def harm(chunk: bytes, direction: Direction) -> bytes:
+    def damage(chunk: bytes, direction: Direction) -> bytes:
         # Frame by frame, as on a line; a chunk of the device may hold many.
         pieces = []
-        at = 0
-        while at < len(chunk):
+        offset = 0
+        while offset < len(chunk):
             size = 8
-            if chunk[at : at + 2] == b"\xff\xfe" and len(chunk) - at >= 8:
-                size += struct.unpack_from("<H", chunk, at + 2)[0]
-            piece = bytearray(chunk[at : at + size])
-            at += size
+            if chunk[offset : offset + 2] == b"\xff\xfe" and len(chunk) - offset >= 8:
+                size += struct.unpack_from("<H", chunk, offset + 2)[0]
+            piece = bytearray(chunk[offset : offset + size])
+            offset += size
             if rng.random() < 0.05:
                 if rng.random() < 0.5:
                     continue
@@ -138,9 +138,9 @@ def test_on_a_line_that_harms_one_write_in_twenty_all_endpoints_come_up(seed: in
         world = await World().open()
         loop = asyncio.get_running_loop()
         node = BoardNode(world.board, STORE, world.reporter, loop.time)
-        ours, theirs = memory_pair(harm)
-        session = Session(ours, node)
-        async with Device(theirs, store=STORE, clock=loop.time) as device:
+        host_side, device_side = memory_pair(damage)
+        session = Session(host_side, node)
+        async with Device(device_side, store=STORE, clock=loop.time) as device:
             for number in range(25):
                 device.publisher(f"out{number}", "std_msgs/String")
                 device.subscriber(f"in{number}", "std_msgs/UInt16", lambda _: None)

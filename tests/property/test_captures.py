@@ -31,7 +31,8 @@ LINES = st.fixed_dictionaries(
 )
 
 
-def read(content: bytes) -> None:
+def read_or_refuse(content: bytes) -> None:
+    """Read a capture; an error has one line with the position."""
     with TemporaryDirectory() as folder:
         path = Path(folder) / "any.jsonl"
         path.write_bytes(content)
@@ -46,17 +47,17 @@ def read(content: bytes) -> None:
 
 
 @given(st.binary(max_size=300))
-def test_any_bytes(content: bytes) -> None:
-    read(content)
+def test_a_capture_of_any_bytes_is_read_or_refused(content: bytes) -> None:
+    read_or_refuse(content)
 
 
 @given(st.lists(LINES, max_size=6))
-def test_any_lines(lines: list[dict[str, object]]) -> None:
-    read("\n".join(json.dumps(line) for line in [{"capture": "x"}, *lines]).encode())
+def test_a_capture_of_any_lines_is_read_or_refused(lines: list[dict[str, object]]) -> None:
+    read_or_refuse("\n".join(json.dumps(line) for line in [{"capture": "x"}, *lines]).encode())
 
 
 @given(st.lists(st.tuples(st.floats(0, 1), st.booleans(), st.binary(max_size=60)), max_size=10))
-def test_any_line_is_reported_in_words(chunks: list[tuple[float, bool, bytes]]) -> None:
+def test_log_entries_are_printable(chunks: list[tuple[float, bool, bytes]]) -> None:
     log = LineLog(version_of(b"".join(data for _, _, data in chunks)))
     time_s = 0.0
     for step_s, from_device, data in chunks:

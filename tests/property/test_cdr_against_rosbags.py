@@ -36,7 +36,7 @@ CHANGED = {
 ROUNDS = 5
 
 
-def comparable(name: str) -> bool:
+def is_comparable(name: str) -> bool:
     if name in CHANGED or name.replace("/", "/msg/") not in ROSBAGS.types:
         return False
     try:
@@ -46,7 +46,7 @@ def comparable(name: str) -> bool:
     return True
 
 
-TYPES = [name for name in STORE.registry.messages() if comparable(name)]
+TYPES = [name for name in STORE.registry.messages() if is_comparable(name)]
 
 
 def test_most_types_are_compared() -> None:
@@ -61,9 +61,9 @@ def test_rosbags_writes_the_same_bytes(name: str) -> None:
     for _ in range(ROUNDS):
         payload = codec.encode(random.message(codec))
         cdr = converter.to_cdr(payload)
-        their_name = name.replace("/", "/msg/")
-        assert bytes(ROSBAGS.ros1_to_cdr(payload, their_name)) == cdr
+        rosbags_name = name.replace("/", "/msg/")
+        assert bytes(ROSBAGS.ros1_to_cdr(payload, rosbags_name)) == cdr
         # The `seq` of a header is lost: ROS 2 has no such field.
         back = converter.from_cdr(cdr)
         assert len(back) == len(payload)
-        assert bytes(ROSBAGS.ros1_to_cdr(back, their_name)) == cdr
+        assert bytes(ROSBAGS.ros1_to_cdr(back, rosbags_name)) == cdr

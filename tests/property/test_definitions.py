@@ -21,8 +21,10 @@ from rostether.names.graph_name import is_legal_name, join, namespace_of, resolv
 from rostether.names.remap import parse_arguments
 from rostether.packages.package_xml import parse_package_xml
 
-# On a busy machine single examples may be slow; this is not a failure.
-unhurried = settings(max_examples=effort(20, 60), deadline=None, suppress_health_check=[HealthCheck.too_slow])
+# On a busy machine, single examples may be slow. This is not a failure.
+without_deadline = settings(
+    max_examples=effort(20, 60), deadline=None, suppress_health_check=[HealthCheck.too_slow]
+)
 
 BUNDLED = Registry()
 BUNDLED_NAMES = BUNDLED.messages()
@@ -77,7 +79,7 @@ def resolved(type_text: str) -> str:
     return f"p/{type_text}" if type_text.startswith("Header[") else type_text
 
 
-@unhurried
+@without_deadline
 @given(definitions())
 def test_every_legal_text_gives_its_fields(drawn: tuple[str, list[tuple[str, str]]]) -> None:
     text, declared = drawn
@@ -87,9 +89,9 @@ def test_every_legal_text_gives_its_fields(drawn: tuple[str, list[tuple[str, str
     ]
 
 
-@unhurried
+@without_deadline
 @given(definitions())
-def test_prose_and_blanks_do_not_change_the_md5sum(drawn: tuple[str, list[tuple[str, str]]]) -> None:
+def test_comments_and_blanks_do_not_change_the_md5sum(drawn: tuple[str, list[tuple[str, str]]]) -> None:
     text, declared = drawn
     assume(not any(type_text.startswith("Header[") for type_text, _ in declared))
     spec = parse(text)
@@ -98,9 +100,9 @@ def test_prose_and_blanks_do_not_change_the_md5sum(drawn: tuple[str, list[tuple[
     assert message_md5sum(spec, BUNDLED.message) == message_md5sum(parse("\n".join(bare)), BUNDLED.message)
 
 
-@unhurried
+@without_deadline
 @given(definitions())
-def test_a_full_text_can_be_learned_back(drawn: tuple[str, list[tuple[str, str]]]) -> None:
+def test_a_full_text_gives_the_same_definition(drawn: tuple[str, list[tuple[str, str]]]) -> None:
     text, declared = drawn
     assume(not any(type_text.startswith("Header[") for type_text, _ in declared))
     assume(SEPARATOR not in text)
@@ -113,7 +115,7 @@ def test_a_full_text_can_be_learned_back(drawn: tuple[str, list[tuple[str, str]]
     assert learned.message_type("p/N").definition == definition
 
 
-@unhurried
+@without_deadline
 @given(st.lists(line_like, max_size=8).map("\n".join))
 def test_garbage_is_refused_with_its_place_or_read(text: str) -> None:
     for read in (
@@ -128,7 +130,7 @@ def test_garbage_is_refused_with_its_place_or_read(text: str) -> None:
             assert error.file
 
 
-@unhurried
+@without_deadline
 @given(st.text(max_size=200))
 def test_a_string_constant_keeps_everything_after_the_sign(value: str) -> None:
     assume("\n" not in value)
@@ -136,11 +138,11 @@ def test_a_string_constant_keeps_everything_after_the_sign(value: str) -> None:
     assert constant.value == value.strip()
 
 
-@unhurried
+@without_deadline
 @given(
     st.text(max_size=20), st.lists(st.one_of(st.text(max_size=20), st.sampled_from([SEPARATOR, "MSG: a/B"])))
 )
-def test_garbage_from_a_peer_is_refused_or_learned_whole(name: str, lines: list[str]) -> None:
+def test_garbage_from_a_peer_is_refused_or_added_completely(name: str, lines: list[str]) -> None:
     registry = Registry(bundled=False)
     try:
         registry.add_full_text(name, "\n".join(lines))
@@ -150,15 +152,15 @@ def test_garbage_from_a_peer_is_refused_or_learned_whole(name: str, lines: list[
         assert name in registry.messages()
 
 
-@unhurried
+@without_deadline
 @given(st.text(max_size=300))
-def test_splitting_a_full_text_raises_nothing_else(definition: str) -> None:
+def test_any_full_text_is_split(definition: str) -> None:
     assert split_full_text("p/N", definition)["p/N"] is not None
 
 
-@unhurried
+@without_deadline
 @given(st.sampled_from(BUNDLED_NAMES), st.data())
-def test_a_dropped_field_is_always_found(name: str, data: st.DataObject) -> None:
+def test_a_missing_field_is_always_reported(name: str, data: st.DataObject) -> None:
     spec = BUNDLED.message(name)
     assume(spec.fields)
     dropped = data.draw(st.sampled_from(spec.fields))
@@ -172,9 +174,9 @@ def test_a_dropped_field_is_always_found(name: str, data: st.DataObject) -> None
 names = st.text("ab1_/~", max_size=8)
 
 
-@unhurried
+@without_deadline
 @given(names, names)
-def test_resolved_names_are_global_legal_and_stay(name: str, namespace: str) -> None:
+def test_resolved_names_are_global_legal_and_stable(name: str, namespace: str) -> None:
     try:
         full_name = resolve_name(name, namespace="/ns", node_name="/ns/node")
     except InvalidNameError as error:
@@ -187,7 +189,7 @@ def test_resolved_names_are_global_legal_and_stay(name: str, namespace: str) -> 
     assert namespace_of(join(full_name, "x")) == full_name
 
 
-@unhurried
+@without_deadline
 @given(
     st.lists(st.one_of(st.text(max_size=20), st.sampled_from(["a:=b", "_p:=[", "_p:=1", "__name:=x", "--y"])))
 )
@@ -200,7 +202,7 @@ def test_arguments_raise_nothing_but_config_errors(argv: list[str]) -> None:
     assert set(parsed.rest) <= set(argv)
 
 
-@unhurried
+@without_deadline
 @given(
     st.one_of(
         st.binary(max_size=200),

@@ -16,7 +16,7 @@ from fuzz import targets
 
 pytestmark = pytest.mark.slow
 
-MADE_INPUTS = 200
+GENERATED_INPUTS = 200
 # Targets that take a millisecond or more for each input.
 SLOW_INPUTS = {"session": 40, "rosbridge": 100, "foxglove": 100, "recordings": 100}
 
@@ -24,8 +24,8 @@ SLOW_INPUTS = {"session": 40, "rosbridge": 100, "foxglove": 100, "recordings": 1
 @pytest.mark.parametrize("name", targets.NAMES)
 def test_guarantees_hold(name: str) -> None:
     target = targets.load(name)
-    made = itertools.islice(target.inputs(seed=4), SLOW_INPUTS.get(name, MADE_INPUTS))
-    for data in itertools.chain(target.corpus(), made):
+    generated = itertools.islice(target.inputs(seed=4), SLOW_INPUTS.get(name, GENERATED_INPUTS))
+    for data in itertools.chain(target.corpus(), generated):
         try:
             target.check(data)
         except Exception as error:  # noqa: BLE001 - the input belongs to the failure

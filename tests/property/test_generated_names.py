@@ -31,7 +31,7 @@ STEMS = (
 )
 TYPES = ("uint8", "float64", "string", "time", "int64[]", "string[]", "float64[]", "bool[3]", "float32[0]")
 CONSTANTS = (("uint8", "1"), ("float64", "1e300"), ("string", 'a "b" \\'), ("int64", "-9223372036854775808"))
-COMPILED = 12
+CLASSES_PER_FILE = 12
 
 names = st.builds(
     lambda stem, tail: stem + tail,
@@ -53,23 +53,23 @@ def specs(draw: st.DrawFn, name: str = "Foo") -> MessageSpec:
 
 @settings(deadline=None)
 @given(specs())
-def test_members_have_their_own_names(spec: MessageSpec) -> None:
-    made = name_members(spec)
-    members = [class_name(spec.name), *MEMBERS_OF_EVERY_MESSAGE, *made.fields]
-    members += [f"_{name}_type" for name in made.fields]
+def test_members_have_unique_names(spec: MessageSpec) -> None:
+    names_of_members = name_members(spec)
+    members = [class_name(spec.name), *MEMBERS_OF_EVERY_MESSAGE, *names_of_members.fields]
+    members += [f"_{name}_type" for name in names_of_members.fields]
     members += [
         f"{name}_length"
-        for field, name in zip(spec.fields, made.fields, strict=True)
+        for field, name in zip(spec.fields, names_of_members.fields, strict=True)
         if is_variable_array(field)
     ]
-    members += [each.name for each in made.constants]
-    members += [each.alias for each in made.constants if each.alias is not None]
+    members += [each.name for each in names_of_members.constants]
+    members += [each.alias for each in names_of_members.constants if each.alias is not None]
     assert len(members) == len(set(members))
     assert not keywords().intersection(members)
-    assert not any(map(is_macro_in_sketches, made.fields))
+    assert not any(map(is_macro_in_sketches, names_of_members.fields))
     assert all(
         name.rstrip("_") == field.name.rstrip("_")
-        for field, name in zip(spec.fields, made.fields, strict=True)
+        for field, name in zip(spec.fields, names_of_members.fields, strict=True)
     )
 
 
@@ -78,11 +78,13 @@ def test_members_have_their_own_names(spec: MessageSpec) -> None:
 )
 @settings(deadline=None, max_examples=8, phases=[Phase.generate], suppress_health_check=list(HealthCheck))
 @given(data=st.data())
-def test_they_compile(compiler: str, data: st.DataObject, tmp_path_factory: pytest.TempPathFactory) -> None:
+def test_generated_classes_compile(
+    compiler: str, data: st.DataObject, tmp_path_factory: pytest.TempPathFactory
+) -> None:
     from rostether.codegen.library_source import client_library
 
     folder = tmp_path_factory.mktemp("headers")
     source = folder / "all.cpp"
-    drawn = [data.draw(specs(name=f"Foo{number}")) for number in range(COMPILED)]
+    drawn = [data.draw(specs(name=f"Foo{number}")) for number in range(CLASSES_PER_FILE)]
     source.write_text("".join(message_header(spec, "0" * 32) for spec in drawn))
     assert not COMPILERS[compiler].compile(source, Path(client_library()))

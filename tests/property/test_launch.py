@@ -12,8 +12,8 @@ from rostether.launch.scope import Scope
 from rostether.launch.substitution import LaunchContext, substitute
 from rostether.launch.values import convert
 
-SURROUNDINGS = LaunchContext({"HOME": "/home/x"}, {})
-WORDS = st.sampled_from(
+CONTEXT = LaunchContext({"HOME": "/home/x"}, {})
+TOKENS = st.sampled_from(
     [
         "$(",
         "$",
@@ -50,7 +50,8 @@ PIECES = st.sampled_from(
 )
 
 
-def refuses_or_returns(body: bytes) -> None:
+def load_or_refuse(body: bytes) -> None:
+    """Load a launch file; an error has one line and the file."""
     try:
         load_launch([], {"x": "1"}, {}, {}, text=body)
     except LaunchError as error:
@@ -59,23 +60,23 @@ def refuses_or_returns(body: bytes) -> None:
 
 
 @given(st.binary(max_size=200))
-def test_bytes_that_are_not_a_launch_file(body: bytes) -> None:
-    refuses_or_returns(body)
+def test_any_bytes_are_loaded_or_refused(body: bytes) -> None:
+    load_or_refuse(body)
 
 
 @settings(max_examples=effort(100, 300))
 @given(st.lists(PIECES, max_size=12))
 @example(["<param name='x' ", "value='$(arg x)'/>"])
-def test_pieces_of_launch_files(pieces: list[str]) -> None:
-    refuses_or_returns(f"<launch>{''.join(pieces)}</launch>".encode())
+def test_any_pieces_of_launch_files_are_loaded_or_refused(pieces: list[str]) -> None:
+    load_or_refuse(f"<launch>{''.join(pieces)}</launch>".encode())
 
 
 @settings(max_examples=effort(100, 300))
-@given(st.lists(WORDS | st.text(max_size=3), max_size=12).map("".join))
-def test_texts_with_substitutions(text: str) -> None:
+@given(st.lists(TOKENS | st.text(max_size=3), max_size=12).map("".join))
+def test_any_substitutions_are_replaced_or_refused(text: str) -> None:
     scope = Scope(file="x.launch", arguments={"x": "1"})
     try:
-        result = substitute(text, scope, SURROUNDINGS)
+        result = substitute(text, scope, CONTEXT)
     except (LaunchError, ConfigError) as error:
         assert "\n" not in str(error) or "\n" in text
     else:
@@ -83,7 +84,7 @@ def test_texts_with_substitutions(text: str) -> None:
 
 
 @given(st.text(max_size=12), st.sampled_from(["auto", "str", "int", "double", "bool", "yaml", "other"]))
-def test_texts_as_values(text: str, type_name: str) -> None:
+def test_any_text_is_converted_or_refused(text: str, type_name: str) -> None:
     try:
         value = convert(text, type_name)
     except (LaunchError, ConfigError):

@@ -94,9 +94,9 @@ class MasterUnderChanges(RuleBasedStateMachine):
 
     @rule(name=NAMES)
     def delete(self, name: str) -> None:
-        had = name != "/" and self.tree.has(name)
+        existed = name != "/" and self.tree.has(name)
         code, _, _ = self.methods["deleteParam"]("/setter", name)
-        assert code == (1 if had else -1)
+        assert code == (1 if existed else -1)
         assert not self.tree.has(name) or name == "/"
 
     @rule(name=NAMES, watcher=WATCHERS)
@@ -118,15 +118,15 @@ class MasterUnderChanges(RuleBasedStateMachine):
     @rule(namespace=NAMES, first=PARTS, rest=st.sampled_from(["", "/a", "/none"]))
     def search(self, namespace: str, first: str, rest: str) -> None:
         code, _, found = self.methods["searchParam"](namespace, first + rest)
-        spaces = [namespace]
-        while spaces[-1] != "/":
-            spaces.append(spaces[-1].rpartition("/")[0] or "/")
-        matches = [space for space in spaces if self.tree.has(f"{space}/{first}")]
+        namespaces = [namespace]
+        while namespaces[-1] != "/":
+            namespaces.append(namespaces[-1].rpartition("/")[0] or "/")
+        matches = [each for each in namespaces if self.tree.has(f"{each}/{first}")]
         assert code == (1 if matches else -1)
         assert found == (f"{matches[0].rstrip('/')}/{first}{rest}" if matches else "")
 
     @invariant()
-    def every_watcher_knows_the_truth(self) -> None:
+    def every_watcher_has_the_current_values(self) -> None:
         for api, name in self.watched:
             assert read(self.watchers.views[api], name) == read(self.tree, name), (api, name)
 
@@ -138,7 +138,7 @@ class MasterUnderChanges(RuleBasedStateMachine):
             assert not isinstance(self.tree.get(name), dict)
 
     @invariant()
-    def the_size_is_right(self) -> None:
+    def the_size_is_correct(self) -> None:
         assert self.tree._bytes == weight(self.tree.get("/"))
 
 

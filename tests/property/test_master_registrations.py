@@ -18,15 +18,15 @@ from rostether.xmlrpc.values import XmlRpcValue
 from xmlrpc_documents import load_response
 
 NODES = st.sampled_from(["/a", "/b", "/ns/c"])
-LIVES = st.sampled_from([1, 2])
+INSTANCES = st.sampled_from([1, 2])
 TOPICS = st.sampled_from(["/t", "t", "~t"])
 SERVICES = st.sampled_from(["/s", "~s"])
 TYPES = st.sampled_from(["*", "std_msgs/String", "std_msgs/Int32"])
-WORDS = st.sampled_from(["", "/", "a b", "http://x:1", "/t", "~"]) | st.integers(0, 3) | st.none()
+ARGUMENTS = st.sampled_from(["", "/", "a b", "http://x:1", "/t", "~"]) | st.integers(0, 3) | st.none()
 
 
-def api_of(node: str, life: int) -> str:
-    return f"http://host{node.replace('/', '-')}:{life}/"
+def api_of(node: str, instance: int) -> str:
+    return f"http://host{node.replace('/', '-')}:{instance}/"
 
 
 class Nodes:
@@ -62,16 +62,16 @@ class MasterUnderRegistrations(RuleBasedStateMachine):
 
     def call(self, method: str, *args: Any) -> Any:
         answer = self.methods[method](*args)
-        sent = load_response(dump_response(answer))
-        assert isinstance(sent, list)
-        return sent[2]
+        decoded = load_response(dump_response(answer))
+        assert isinstance(decoded, list)
+        return decoded[2]
 
-    def expect(self, kind: EntryKind, key: str, node: str, api: str, *, alone: bool = False) -> None:
+    def expect(self, kind: EntryKind, key: str, node: str, api: str, *, replaces: bool = False) -> None:
         for members in self.model.values():
             if members.get(node, api) != api:
                 del members[node]
         members = self.model.setdefault((kind, key), {})
-        if alone:
+        if replaces:
             members.clear()
         members[node] = api
 
@@ -88,52 +88,52 @@ class MasterUnderRegistrations(RuleBasedStateMachine):
             return name
         return f"{node}/{name[1:]}" if name.startswith("~") else f"{node.rpartition('/')[0]}/{name}"
 
-    @rule(node=NODES, life=LIVES, topic=TOPICS, type_name=TYPES)
-    def register_publisher(self, node: str, life: int, topic: str, type_name: str) -> None:
-        api = api_of(node, life)
+    @rule(node=NODES, instance=INSTANCES, topic=TOPICS, type_name=TYPES)
+    def register_publisher(self, node: str, instance: int, topic: str, type_name: str) -> None:
+        api = api_of(node, instance)
         answer = self.call("registerPublisher", node, topic, type_name, api)
         self.expect(EntryKind.PUBLISHER, self.resolve(topic, node), node, api)
         subscribers = self.model.get((EntryKind.SUBSCRIBER, self.resolve(topic, node)), {})
         assert answer == list(subscribers.values())
 
-    @rule(node=NODES, life=LIVES, topic=TOPICS, type_name=TYPES)
-    def register_subscriber(self, node: str, life: int, topic: str, type_name: str) -> None:
-        api, name = api_of(node, life), self.resolve(topic, node)
+    @rule(node=NODES, instance=INSTANCES, topic=TOPICS, type_name=TYPES)
+    def register_subscriber(self, node: str, instance: int, topic: str, type_name: str) -> None:
+        api, name = api_of(node, instance), self.resolve(topic, node)
         self.nodes.publishers[api, name] = self.call("registerSubscriber", node, topic, type_name, api)
         self.expect(EntryKind.SUBSCRIBER, name, node, api)
 
-    @rule(node=NODES, life=LIVES, service=SERVICES)
-    def register_service(self, node: str, life: int, service: str) -> None:
-        api = api_of(node, life)
-        self.call("registerService", node, service, f"rosrpc://{node}:{life}", api)
-        self.expect(EntryKind.SERVICE, self.resolve(service, node), node, api, alone=True)
+    @rule(node=NODES, instance=INSTANCES, service=SERVICES)
+    def register_service(self, node: str, instance: int, service: str) -> None:
+        api = api_of(node, instance)
+        self.call("registerService", node, service, f"rosrpc://{node}:{instance}", api)
+        self.expect(EntryKind.SERVICE, self.resolve(service, node), node, api, replaces=True)
 
-    @rule(node=NODES, life=LIVES, topic=TOPICS)
-    def unregister_publisher(self, node: str, life: int, topic: str) -> None:
-        api = api_of(node, life)
+    @rule(node=NODES, instance=INSTANCES, topic=TOPICS)
+    def unregister_publisher(self, node: str, instance: int, topic: str) -> None:
+        api = api_of(node, instance)
         gone = self.expect_gone(EntryKind.PUBLISHER, self.resolve(topic, node), node, api)
         assert self.call("unregisterPublisher", node, topic, api) == gone
 
-    @rule(node=NODES, life=LIVES, topic=TOPICS)
-    def unregister_subscriber(self, node: str, life: int, topic: str) -> None:
-        api = api_of(node, life)
+    @rule(node=NODES, instance=INSTANCES, topic=TOPICS)
+    def unregister_subscriber(self, node: str, instance: int, topic: str) -> None:
+        api = api_of(node, instance)
         gone = self.expect_gone(EntryKind.SUBSCRIBER, self.resolve(topic, node), node, api)
         assert self.call("unregisterSubscriber", node, topic, api) == gone
 
-    @rule(node=NODES, life=LIVES, service=SERVICES)
-    def unregister_service(self, node: str, life: int, service: str) -> None:
+    @rule(node=NODES, instance=INSTANCES, service=SERVICES)
+    def unregister_service(self, node: str, instance: int, service: str) -> None:
         name = self.resolve(service, node)
-        gone = self.expect_gone(EntryKind.SERVICE, name, node, api_of(node, life))
-        assert self.call("unregisterService", node, service, f"rosrpc://{node}:{life}") == gone
+        gone = self.expect_gone(EntryKind.SERVICE, name, node, api_of(node, instance))
+        assert self.call("unregisterService", node, service, f"rosrpc://{node}:{instance}") == gone
 
     @rule(node=NODES)
-    def die(self, node: str) -> None:
+    def end_node(self, node: str) -> None:
         self.api.drop_node(node)
         for members in self.model.values():
             members.pop(node, None)
 
-    @rule(data=st.data(), args=st.lists(WORDS, max_size=5))
-    def call_nonsense(self, data: st.DataObject, args: list[Any]) -> None:
+    @rule(data=st.data(), args=st.lists(ARGUMENTS, max_size=5))
+    def call_with_an_invalid_caller(self, data: st.DataObject, args: list[Any]) -> None:
         # Only calls that cannot succeed: the caller's name is invalid.
         method = data.draw(st.sampled_from(sorted(self.methods)))
         code, text, _ = answer = self.methods[method](7, *args)
@@ -142,7 +142,7 @@ class MasterUnderRegistrations(RuleBasedStateMachine):
         assert text
 
     @invariant()
-    def the_state_is_the_model(self) -> None:
+    def the_state_equals_the_model(self) -> None:
         state = self.call("getSystemState", "/x")
         for kind, table in zip(
             (EntryKind.PUBLISHER, EntryKind.SUBSCRIBER, EntryKind.SERVICE),
@@ -177,7 +177,7 @@ class MasterUnderRegistrations(RuleBasedStateMachine):
         assert set(tables.keys(EntryKind.PUBLISHER)) <= set(tables.topic_types)
 
     @invariant()
-    def no_subscriber_is_misinformed(self) -> None:
+    def every_subscriber_has_the_current_publishers(self) -> None:
         tables = self.api.registrations
         for topic in tables.keys(EntryKind.SUBSCRIBER):
             for api in tables.apis(EntryKind.SUBSCRIBER, topic):

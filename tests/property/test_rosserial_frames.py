@@ -102,27 +102,27 @@ def test_a_frame_after_garbage_is_found_when_the_line_pauses(garbage: bytes, pay
     # After any bytes, a frame on an announced id is delivered within MAX_SEARCH_S after its
     # last byte, at the next check, even if nothing follows it. Earlier bytes may also complete a valid
     # frame with the beginning of this one; such inputs are not checked.
-    sound = frame(125, payload)
+    valid = frame(125, payload)
     decoder = FrameDecoder(limits=PayloadLimits({125: 100}))
-    decoded = decoder.feed(garbage + sound, 0.0)
-    last_look_s = 0.0
+    decoded = decoder.feed(garbage + valid, 0.0)
+    last_check_s = 0.0
     while (due_s := decoder.get_timer()) is not None:
-        last_look_s = due_s
+        last_check_s = due_s
         decoded += decoder.handle_timer(due_s)
     found = by_topic(decoded)
-    swallowed = [
+    accidental = [
         piece for topic_id, pieces in found.items() for piece in pieces if (topic_id, piece) != (125, payload)
     ]
-    assume(not swallowed)
+    assume(not accidental)
     assert found[125][-1] == payload
-    assert last_look_s <= MAX_SEARCH_S
+    assert last_check_s <= MAX_SEARCH_S
 
 
 @given(noise, st.lists(st.binary(max_size=60), min_size=1, max_size=5))
-def test_frames_after_garbage_are_found_while_the_line_flows(garbage: bytes, some: list[bytes]) -> None:
+def test_frames_after_garbage_are_found_while_the_line_flows(garbage: bytes, sent: list[bytes]) -> None:
     # A false header claims at most 65,535 bytes; after that, all frames behind it have been found.
     decoder = FrameDecoder()
-    wanted = b"".join(frame(125, payload) for payload in some)
+    wanted = b"".join(frame(125, payload) for payload in sent)
     filler = frame(126, bytes(1000)) * 67
     data = garbage + wanted + filler
     found = by_topic(decoder.feed(data, 0.0))
@@ -139,12 +139,12 @@ def test_frames_after_garbage_are_found_while_the_line_flows(garbage: bytes, som
             begins_in_garbage(topic_id, each) for topic_id, pieces in found.items() for each in set(pieces)
         )
     )
-    assert found[125][-len(some) :] == some
+    assert found[125][-len(sent) :] == sent
 
 
 @given(versions, topic_ids, st.lists(payloads, max_size=10))
-def test_round_trip(version: int, topic_id: int, some: list[bytes]) -> None:
-    data = encode_frames(topic_id, some, version)
-    assert data == b"".join(encode_frame(topic_id, payload, version) for payload in some)
+def test_round_trip(version: int, topic_id: int, sent: list[bytes]) -> None:
+    data = encode_frames(topic_id, sent, version)
+    assert data == b"".join(encode_frame(topic_id, payload, version) for payload in sent)
     decoded = FrameDecoder(version).feed(data, 0.0)
-    assert by_topic(decoded) == ({topic_id: some} if some else {})
+    assert by_topic(decoded) == ({topic_id: sent} if sent else {})

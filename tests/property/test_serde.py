@@ -17,10 +17,10 @@ from rostether.serde.store import TypeStore
 pytestmark = pytest.mark.slow
 
 STORE = TypeStore(Registry())
-SERVICE_HALVES = [
-    f"{service}{half}" for service in STORE.registry.services() for half in ("Request", "Response")
+SERVICE_MESSAGES = [
+    f"{service}{part}" for service in STORE.registry.services() for part in ("Request", "Response")
 ]
-TYPES = STORE.registry.messages() + SERVICE_HALVES
+TYPES = STORE.registry.messages() + SERVICE_MESSAGES
 SETTINGS = settings(
     max_examples=effort(2, thorough=50),
     deadline=None,

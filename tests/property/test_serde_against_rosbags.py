@@ -34,6 +34,6 @@ def test_most_types_are_compared() -> None:
 def test_rosbags_writes_back_the_same_bytes(name: str, data: st.DataObject) -> None:
     codec = STORE.codec(name)
     payload = codec.encode(data.draw(messages(codec, texts=st.text(max_size=8))))
-    their_name = name.replace("/", "/msg/")
-    theirs = ROSBAGS.deserialize_ros1(payload, their_name)
-    assert bytes(ROSBAGS.serialize_ros1(theirs, their_name)) == payload
+    rosbags_name = name.replace("/", "/msg/")
+    decoded = ROSBAGS.deserialize_ros1(payload, rosbags_name)
+    assert bytes(ROSBAGS.serialize_ros1(decoded, rosbags_name)) == payload

@@ -97,7 +97,7 @@ class Terminals:
         self._environment = dict(each.split("=", 1) for each in entries if "=" in each)
         return running.printed
 
-    async def leave(self, command: str) -> Command:
+    async def leave_running(self, command: str) -> Command:
         """Type a command in a new terminal, and leave it running."""
         running = await self._start(f"exec {command}", command)
         self._left_running.append(running)

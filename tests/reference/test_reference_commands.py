@@ -1,7 +1,7 @@
 """Every command in five introductions to boards and ROS, typed as printed there.
 
-Only the port differs: `PORT` stands for the pseudo-terminal of the test's board. `NOT_OURS` has the printed
-commands that do not use rostether, so that the list is complete.
+Only the port differs: `PORT` is replaced by the pseudo-terminal of the test's board. `OTHER_COMMANDS` are the
+printed commands that do not use rostether, so that the list is complete.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ EXAMPLES = Path(__file__).parents[2] / "examples" / "mearm"
 
 POLL_S = 0.05
 
-NOT_OURS = (
+OTHER_COMMANDS = (
     "git clone https://github.com/ros-drivers/rosserial",
     "sudo apt-get update",
     "sudo apt-get install arduino",
@@ -100,10 +100,10 @@ TYPED = (*GETTING_STARTED, *BY_EXAMPLE, *EMBEDDED, *MEARM)
 pytestmark = pytest.mark.timeout(300)
 
 
-def test_what_is_ours_is_typed_and_the_rest_is_the_shells() -> None:
-    ours = {command.split()[0] for command in TYPED} & set(SHIMS)
-    assert {command.split()[0] for command in TYPED} - ours == {"cd", "mkdir", "rm", "ls", "echo", "source"}
-    assert not {command.split()[0] for command in NOT_OURS} & set(SHIMS)
+def test_typed_commands_are_of_rostether_or_the_shell() -> None:
+    shims = {command.split()[0] for command in TYPED} & set(SHIMS)
+    assert {command.split()[0] for command in TYPED} - shims == {"cd", "mkdir", "rm", "ls", "echo", "source"}
+    assert not {command.split()[0] for command in OTHER_COMMANDS} & set(SHIMS)
 
 
 @pytest_asyncio.fixture
@@ -116,17 +116,15 @@ async def terminals(tmp_path: Path) -> AsyncIterator[Terminals]:
         await terminals.close()
 
 
-async def listed(terminals: Terminals, command: str, *topics: str) -> None:
-    """Type a command until it prints topics: the master gets them shortly after the bridge logs them."""
+async def type_until_listed(terminals: Terminals, command: str, *topics: str) -> None:
+    """Repeat a command until it prints topics: the bridge logs them shortly before the master has them."""
     async with asyncio.timeout(TIMEOUT_S):
         while not set(topics) <= set((await terminals.type(command)).split()):
             pass
 
 
-async def repeat(terminals: Terminals, command: str, has_arrived: Callable[[], bool]) -> None:
-    """Type a command that publishes for three seconds, and repeat it if that was too short on a busy
-    machine.
-    """
+async def type_until_arrived(terminals: Terminals, command: str, has_arrived: Callable[[], bool]) -> None:
+    """Type a command that publishes for three seconds. Repeat it if that was too short on a busy machine."""
     for _ in range(10):
         await terminals.type(command)
         if has_arrived():
@@ -143,7 +141,7 @@ async def test_getting_started(terminals: Terminals, tmp_path: Path) -> None:
     assert "nothing needs to be built" in await terminals.type(next(typed))
     for _ in range(2):
         await terminals.type(next(typed))
-    core = await terminals.leave(next(typed))
+    core = await terminals.leave_running(next(typed))
     await core.wait_for("ROS_MASTER_URI=")
     assert "ros_lib" in await terminals.type(next(typed))
     assert (terminals.home / "rosserial_ws" / "ros_lib").is_dir()
@@ -151,23 +149,23 @@ async def test_getting_started(terminals: Terminals, tmp_path: Path) -> None:
     toggles: list[object] = []
     async with Device(f"pty:{port}") as board:
         board.subscriber("toggle_led", "std_msgs/Empty", toggles.append)
-        node = await terminals.leave(next(typed).replace("PORT", port))
+        node = await terminals.leave_running(next(typed).replace("PORT", port))
         await node.wait_for(r"Setup subscriber on toggle_led \[std_msgs/Empty\]")
-        await listed(terminals, next(typed), "/toggle_led")
-        await repeat(terminals, next(typed), lambda: len(toggles) > 0)
+        await type_until_listed(terminals, next(typed), "/toggle_led")
+        await type_until_arrived(terminals, next(typed), lambda: len(toggles) > 0)
         await node.interrupt()
     port = str(tmp_path / "ttyACM1")
     async with Device(f"pty:{port}") as board:
         imu = board.publisher("imu_data", "sensor_msgs/Imu")
         transform = board.publisher("tf", "tf/tfMessage")
-        node = await terminals.leave(next(typed).replace("PORT", port))
+        node = await terminals.leave_running(next(typed).replace("PORT", port))
         await node.wait_for(r"Setup publisher on tf \[tf/tfMessage\]")
-        await listed(terminals, "rostopic list", "/imu_data", "/tf")
+        await type_until_listed(terminals, "rostopic list", "/imu_data", "/tf")
         for publisher, message, expected in (
             (imu, {"orientation": {"w": 1.0}}, r"^orientation: *\n.*w: 1\.0"),
             (transform, {"transforms": [{"child_frame_id": "imu_link"}]}, "child_frame_id: .?imu_link"),
         ):
-            echo = await terminals.leave(next(typed))
+            echo = await terminals.leave_running(next(typed))
             while "---" not in echo.printed:
                 publisher.publish(message)
                 await asyncio.sleep(POLL_S)
@@ -183,19 +181,19 @@ async def test_by_example(terminals: Terminals, tmp_path: Path) -> None:
         await terminals.type(next(typed))
     await terminals.type(next(typed))
     examples = set((await terminals.type(next(typed))).split())
-    printed_there = (
+    documented = (
         "ADC button_example IrRanger pubsub ServoControl Ultrasound Blink Clapper Logging ServiceClient"
     )
-    printed_there += " Temperature BlinkM HelloWorld Odom ServiceServer TimeTF"
-    assert {name.lower().replace("_", "") for name in printed_there.split()} <= {
+    documented += " Temperature BlinkM HelloWorld Odom ServiceServer TimeTF"
+    assert {name.lower().replace("_", "") for name in documented.split()} <= {
         name.lower().replace("_", "") for name in examples
     }
-    core = await terminals.leave(next(typed))
+    core = await terminals.leave_running(next(typed))
     await core.wait_for("ROS_MASTER_URI=")
     port = str(tmp_path / "ttyACM0")
     async with Device(f"pty:{port}") as board:
         ultrasound = board.publisher("ultrasound", "sensor_msgs/Range")
-        node = await terminals.leave(next(typed).replace("PORT", port))
+        node = await terminals.leave_running(next(typed).replace("PORT", port))
         await node.wait_for(r"ROS Serial Python Node.*Connecting to \S+ at 57600 baud")
         await node.wait_for(r"Note: publish buffer size is \d+ bytes")
         await node.wait_for(r"Setup publisher on ultrasound \[sensor_msgs/Range\]")
@@ -206,12 +204,12 @@ async def test_by_example(terminals: Terminals, tmp_path: Path) -> None:
             "std_msgs/Header header",
             "uint32 seq",
         ]
-        echo = await terminals.leave(next(typed))
+        echo = await terminals.leave_running(next(typed))
         while "---" not in echo.printed:
             ultrasound.publish(range=50.0, field_of_view=0.26, max_range=400.0)
             await asyncio.sleep(POLL_S)
         await echo.wait_for(r"field_of_view: 0\.2599999904632568.*max_range: 400\.0\nrange: 50\.0\n---")
-        plot = await terminals.leave(next(typed))
+        plot = await terminals.leave_running(next(typed))
         # Without an argument, rqt_plot opens an empty window; rostether's plots what is published.
         await plot.wait_for("rostether plot .*/ultrasound/range")
         while "400" not in plot.printed:
@@ -223,20 +221,20 @@ async def test_by_example(terminals: Terminals, tmp_path: Path) -> None:
 
 async def test_embedded(terminals: Terminals, tmp_path: Path) -> None:
     typed = iter(EMBEDDED)
-    core = await terminals.leave(next(typed))
+    core = await terminals.leave_running(next(typed))
     await core.wait_for("ROS_MASTER_URI=")
     port = str(tmp_path / "ttyACM0")
     lights: list[int] = []
     async with Device(f"pty:{port}") as board:
         board.subscriber("led_out", "std_msgs/Byte", lambda message: lights.append(message.data))
-        node = await terminals.leave(next(typed).replace("PORT", port))
+        node = await terminals.leave_running(next(typed).replace("PORT", port))
         await node.wait_for(r"ROS Serial Python Node.*Connecting to \S+ at 115200 baud")
         await node.wait_for(r"Note: subscribe buffer size is \d+ bytes")
         await node.wait_for(r"Setup subscriber on led_out \[std_msgs/Byte\]")
         for light in (1, 2, 4, 8, 0):
-            await repeat(terminals, next(typed), lambda light=light: lights[-1:] == [light])  # type: ignore[misc]
+            await type_until_arrived(terminals, next(typed), lambda light=light: lights[-1:] == [light])  # type: ignore[misc]
         assert [light for light, _ in groupby(lights)] == [1, 2, 4, 8, 0]
-        graph = await terminals.leave(next(typed))
+        graph = await terminals.leave_running(next(typed))
         await graph.wait_for("opencr")
         await graph.finish()
     assert next(typed, None) is None
@@ -250,7 +248,7 @@ async def test_mearm(terminals: Terminals, tmp_path: Path) -> None:
         await terminals.type(next(typed))
     # The file that the document adds to the package, and the second package with the launch file.
     shutil.copytree(EXAMPLES, source, dirs_exist_ok=True)
-    display = await terminals.leave(next(typed))
+    display = await terminals.leave_running(next(typed))
     await display.wait_for("joint_state_publisher_gui")
     port = str(tmp_path / "ttyACM0")
     angles: list[tuple[int, ...]] = []
@@ -261,12 +259,12 @@ async def test_mearm(terminals: Terminals, tmp_path: Path) -> None:
             lambda each: angles.append((each.servo1, each.servo2, each.servo3, each.servo4)),
         )
         serial = next(typed).replace("PORT", port)
-        node = await terminals.leave(serial)
+        node = await terminals.leave_running(serial)
         await node.wait_for(r"Setup subscriber on servo_pose_server \[mearm_model/ServoAngles\]")
         await display.interrupt()
         await node.interrupt()
-        service = await terminals.leave(next(typed))
-        node = await terminals.leave(serial)
+        service = await terminals.leave_running(next(typed))
+        node = await terminals.leave_running(serial)
         await node.wait_for(r"Setup subscriber on servo_pose_server \[mearm_model/ServoAngles\]")
         while "/select_position_set" not in (await terminals.type("rosservice list")).split():
             assert service.process.returncode is None, service.printed
