@@ -22,7 +22,7 @@ class GraphLimits(Struct, frozen=True):
     all parameters together. A few robot descriptions have a few MB; larger data belongs in files.
     `message_bytes`: a message, request or answer of a node: four times the largest in practice.
     `header_bytes`: a connection header, mostly its message definition; Debian's longest one is 20 KB.
-    `header_s`: how long a peer may take for it. TCP retransmits a lost packet within 3 s.
+    `header_s`: the time for receiving it. TCP retransmits a lost packet within 3 s.
     `tcpros_connections`, `tcpros_connections_per_host`: as for XML-RPC; one stays open for each subscriber.
     """
 

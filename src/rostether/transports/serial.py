@@ -1,6 +1,6 @@
 """Serial ports through serialx: opening, the data path, and the list of ports.
 
-Importing this module costs 50 ms, so only `opening` and the command line import it, when they need it.
+Importing this module costs 50 ms, so other modules import it only inside functions.
 """
 
 from __future__ import annotations
@@ -14,8 +14,7 @@ import serialx
 from rostether.errors import TransportClosedError, TransportError
 from rostether.transports.address import SerialAddress
 from rostether.transports.serial_errors import explain_open_error, is_pseudo_terminal
-from rostether.transports.serial_port import SerialPort as SerialPort
-from rostether.transports.serial_port import find_usb_location
+from rostether.transports.serial_port import SerialPort, find_usb_location
 from rostether.transports.sockets import explain_reason
 from rostether.transports.stream import FLUSH_LIMIT_S, READ_CHUNK_BYTES, StreamTransport
 

@@ -15,7 +15,7 @@ from rostether.errors import FirmwareError, RostetherError
 from rostether.firmware.build import build_sketch, find_board
 from rostether.firmware.built_firmware import BuiltFirmware
 from rostether.firmware.upload import check_port, choose_port, touch, upload
-from rostether.transports.serial import SerialPort
+from rostether.transports.serial_port import SerialPort
 from unit.firmware.programs import FakeProgram
 from unit.firmware.sketches import EMPTY, write_sketch
 

@@ -18,8 +18,9 @@ import serialx
 from rostether.errors import ConfigError, RostetherError, TransportClosedError, TransportOpenError
 from rostether.transports import serial, serial_errors
 from rostether.transports.address import SerialAddress
-from rostether.transports.serial import SerialPort, SerialTransport, list_ports, open_serial
+from rostether.transports.serial import SerialTransport, list_ports, open_serial
 from rostether.transports.serial_errors import explain_open_error, find_holder, is_pseudo_terminal
+from rostether.transports.serial_port import SerialPort
 from unit.transports.recorder import Recorder
 from waiting import until
 

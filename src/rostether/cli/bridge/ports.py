@@ -8,7 +8,7 @@ from rostether.cli.shell.output import json_option, warn, write_result
 from rostether.cli.shell.verbs import verb
 
 if TYPE_CHECKING:
-    from rostether.transports.serial import SerialPort
+    from rostether.transports.serial_port import SerialPort
 
 
 @verb("ports", "rostether ports\nrostether ports --json")

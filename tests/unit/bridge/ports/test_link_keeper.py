@@ -14,7 +14,7 @@ from rostether.ports.device_book import DeviceBook
 from rostether.ports.devices_toml import parse_devices_toml
 from rostether.transports.address import Address, SerialAddress
 from rostether.transports.address_parser import parse_address
-from rostether.transports.serial import SerialPort
+from rostether.transports.serial_port import SerialPort
 from rostether.transports.transport import Transport
 from unit.bridge.doubles import FakeTransport, RecordingReporter
 from waiting import until

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from rostether.transports.serial import SerialPort
+from rostether.transports.serial_port import SerialPort
 from unit.cli.command_shell import Shell
 
 
