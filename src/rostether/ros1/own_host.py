@@ -20,7 +20,7 @@ def describe_unknown_host(host: str) -> str:
 
 
 def check_own_host(host: str, report: Callable[[str], None]) -> None:
-    """Look a host name up in the background, and report in the event loop if it has no address."""
+    """Look up a host name in the background, and report in the event loop if it has no address."""
     if is_address(host) or host == "localhost":
         return
     loop = asyncio.get_running_loop()

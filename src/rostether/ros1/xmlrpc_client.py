@@ -69,7 +69,7 @@ class XmlRpcClient:
         try:
             writer = DocumentWriter()
             await run_in_slices(call_steps(writer, method, args))
-            # The work on large values here does not count: the server answers meanwhile, or has answered.
+            # The limit excludes the work on large values here: meanwhile the server answers, or has answered.
             async with asyncio.timeout(self._timeout_s):
                 answer = await self._exchange(writer.document())
             reader = DocumentReader(answer)

@@ -24,7 +24,7 @@ from rostether.transports.web_hello import WebHello, read_hello, read_progress
 
 # A page names its board immediately.
 HELLO_LIMIT_S = 5.0
-# Pages report once a second. A busy one may be late; a board must count as away within 5 s.
+# Pages report once a second. A busy page may be late, but a lost board must be reported within 5 s.
 ALIVE_LIMIT_S = 4.0
 ALIVE_CHECK_S = 0.5
 # A page reads a port in much smaller chunks.

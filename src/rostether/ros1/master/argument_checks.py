@@ -45,7 +45,7 @@ def _text(label: str, value: XmlRpcValue) -> str:
     if len(value) > MAX_NAME_LENGTH:
         raise BadArgumentError(f"ERROR: parameter [{label}] is longer than {MAX_NAME_LENGTH} characters")
     if not value.isprintable():
-        # Such a name could control the terminals, and fake log lines, of everyone who lists it.
+        # Such a name could control the terminal of a user who lists it, and fake lines of a log.
         raise BadArgumentError(f"ERROR: parameter [{label}] contains illegal chars")
     return value
 
