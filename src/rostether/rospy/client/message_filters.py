@@ -107,7 +107,8 @@ class Cache(SimpleFilter):
         return None if latest is None else self.getElemAfterTime(latest)
 
     def _pairs(self) -> list[tuple[Any, Any]]:
-        return list(zip(self.cache_msgs, self.cache_times, strict=True))
+        # Not strict: another thread may be adding a message.
+        return list(zip(self.cache_msgs, self.cache_times, strict=False))
 
 
 class TimeSynchronizer(SimpleFilter):
