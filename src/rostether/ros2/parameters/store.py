@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
-from typing import Protocol, TypeAlias
+from typing import TypeAlias
 
 from msgspec import Struct, field
 
@@ -43,36 +44,50 @@ class Changes(Struct, frozen=True):
 OnChanges: TypeAlias = Callable[[Changes], None]
 
 
-class OwnParameters(Protocol):
-    """The parameters of this program's node; `ParameterStore` implements it."""
+class OwnParameters(ABC):
+    """The parameters of this program's node, and the listeners for their changes."""
 
+    def __init__(self) -> None:
+        self._listeners: list[OnChanges] = []
+
+    @abstractmethod
     def get(self, name: str) -> TypedValue:
         """Return a value, or `NOT_SET`."""
 
+    @abstractmethod
     def names(self) -> list[str]:
-        """Return the names of all parameters that are set."""
+        """Return the names of all parameters that are set, sorted."""
 
+    @abstractmethod
     def declare(self, name: str) -> None:
-        """Declare a parameter that is requested but not set."""
+        """Declare a requested parameter that is not set, so that it appears in lists."""
 
+    @abstractmethod
     def apply(self, values: Mapping[str, TypedValue]) -> None:
         """Set all the values, or none; `NOT_SET` deletes. Raises GraphError with the reason."""
 
     def listen(self, on_changes: OnChanges) -> None:
         """Call back after each change, until `unlisten`."""
+        self._listeners.append(on_changes)
 
     def unlisten(self, on_changes: OnChanges) -> None:
         """Stop calling back."""
+        if on_changes in self._listeners:
+            self._listeners.remove(on_changes)
+
+    def _report_changes(self, changes: Changes) -> None:
+        for listener in list(self._listeners):
+            call_safely("reporting changed parameters", listener, changes)
 
 
-class ParameterStore:
+class ParameterStore(OwnParameters):
     """The parameters of one node; any name may be set to any type, and may change its type."""
 
     def __init__(self, initial: Mapping[str, ParamValue] | None = None) -> None:
         """Start with values from files and command lines. Raises SerializationError, GraphError."""
+        super().__init__()
         self._values = {USE_SIM_TIME: TypedValue(ParameterType.BOOL, False)}
-        self._asked: dict[str, None] = {}
-        self._listeners: list[OnChanges] = []
+        self._asked: set[str] = set()
         self.apply({name: typed_value(name, value) for name, value in (initial or {}).items()})
 
     def get(self, name: str) -> TypedValue:
@@ -90,7 +105,7 @@ class ParameterStore:
     def declare(self, name: str) -> None:
         """Declare a requested parameter that is not set, so that it appears in lists."""
         if len(self._asked) < MAX_ASKED_NAMES and name not in self._values and not _name_fault(name):
-            self._asked[name] = None
+            self._asked.add(name)
 
     def apply(self, values: Mapping[str, TypedValue]) -> None:
         """Set all the values, or none; `NOT_SET` deletes. Raises GraphError with the reason."""
@@ -109,17 +124,7 @@ class ParameterStore:
             del self._values[name]
         self._values |= {**changes.new, **changes.changed}
         if changes.names:
-            for listener in list(self._listeners):
-                call_safely("reporting changed parameters", listener, changes)
-
-    def listen(self, on_changes: OnChanges) -> None:
-        """Call back after each change, until `unlisten`."""
-        self._listeners.append(on_changes)
-
-    def unlisten(self, on_changes: OnChanges) -> None:
-        """Stop calling back."""
-        if on_changes in self._listeners:
-            self._listeners.remove(on_changes)
+            self._report_changes(changes)
 
     def _fault(self, name: str, value: TypedValue) -> str:
         fixed = FIXED_TYPES.get(name)

@@ -6,21 +6,21 @@ from collections.abc import Mapping
 from typing import Any
 
 from rostether.errors import GraphError
-from rostether.ros2.parameters.store import MAX_ASKED_NAMES, MAX_NAME_CHARACTERS, Changes, OnChanges
+from rostether.ros2.parameters.store import MAX_ASKED_NAMES, MAX_NAME_CHARACTERS, Changes, OwnParameters
 from rostether.ros2.parameters.typed_value import NOT_SET, ParameterType, TypedValue
 from rostether.ros2.rclpy.failures import attempt, first_lines
 from rostether.ros2.rclpy.installation import interface_class, load_rclpy
 from rostether.ros2.rclpy.own_node import OwnNode
 
 
-class RclpyParameters:
-    """Implements `parameters.store.OwnParameters`."""
+class RclpyParameters(OwnParameters):
+    """The parameters of a node of rclpy."""
 
     def __init__(self, own: OwnNode) -> None:
+        super().__init__()
         self._own = own
         self._node = own.node
         self._asked: set[str] = set()
-        self._listeners: list[OnChanges] = []
         add = getattr(self._node, "add_post_set_parameters_callback", None)
         if add is not None:
             add(self._note)
@@ -40,7 +40,7 @@ class RclpyParameters:
         return sorted(name for name in names if self.get(name) != NOT_SET)
 
     def declare(self, name: str) -> None:
-        """Declare a parameter that is requested but not set, so that `ros2 param list` shows it."""
+        """Declare a requested parameter that is not set, so that `ros2 param list` shows it."""
         is_known = name in self._asked or self._node.has_parameter(name)
         if not name or len(name) > MAX_NAME_CHARACTERS or len(self._asked) >= MAX_ASKED_NAMES or is_known:
             return
@@ -62,20 +62,11 @@ class RclpyParameters:
                 f"cannot set parameters: {first_lines(result.reason) or 'rclpy gives no reason'}"
             )
 
-    def listen(self, on_changes: OnChanges) -> None:
-        """Call back after each change, until `unlisten`."""
-        self._listeners.append(on_changes)
-
-    def unlisten(self, on_changes: OnChanges) -> None:
-        """Stop calling back."""
-        if on_changes in self._listeners:
-            self._listeners.remove(on_changes)
-
     def _note(self, parameters: list[Any]) -> None:
         for parameter in parameters:
             self._describe(parameter)
         changes = Changes(changed={parameter.name: _typed(parameter) for parameter in parameters})
-        self._own.thread.call_in_loop(self._publish_changes, changes)
+        self._own.thread.call_in_loop(self._report_changes, changes)
 
     def _describe(self, parameter: Any) -> None:
         """Describe a parameter that was set but not declared, because rclpy leaves its descriptor empty."""
@@ -89,10 +80,6 @@ class RclpyParameters:
     def _note_and_agree(self, parameters: list[Any]) -> Any:
         self._note(parameters)
         return interface_class("rcl_interfaces/msg/SetParametersResult")(successful=True)
-
-    def _publish_changes(self, changes: Changes) -> None:
-        for listener in list(self._listeners):
-            listener(changes)
 
 
 def _typed(parameter: Any) -> TypedValue:
