@@ -7,7 +7,6 @@ from collections.abc import Callable
 
 from rostether.errors import ConfigError
 from rostether.graph.ports import Level
-from rostether.platform.command_frame import NO_KEY
 from rostether.platform.command_link import CommandSender, SenderSettings
 from rostether.platform.datagram_sender import DatagramSender
 from rostether.platform.multicast_socket import GroupAddress
@@ -32,7 +31,7 @@ class CommandChannel:
         address: GroupAddress,
         report: Callable[[Level, str], None],
         *,
-        key: bytes = NO_KEY,
+        key: bytes,
         unicast: tuple[str, ...] = (),
         reports_refusals: bool = True,
     ) -> None:

@@ -94,7 +94,7 @@ class CommandFrame(msgspec.Struct, frozen=True):
         return head + self.payload + siphash_2_4(key, head + self.payload)
 
 
-def decode_frame(datagram: bytes, key: bytes = NO_KEY) -> CommandFrame:
+def decode_frame(datagram: bytes, key: bytes) -> CommandFrame:
     """Return the frame in a datagram. Raises RemoteProtocolError with the reason."""
     size = len(datagram)
     if size < HEADER_BYTES + TAG_BYTES or size > HEADER_BYTES + MAX_PAYLOAD_BYTES + TAG_BYTES:

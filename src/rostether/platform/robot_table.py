@@ -8,7 +8,6 @@ from typing import NamedTuple, TypeAlias
 from msgspec import Struct
 
 from rostether.errors import RemoteProtocolError
-from rostether.platform.command_frame import NO_KEY
 from rostether.platform.status_frame import RobotStatus, decode_status
 
 # A robot with a higher loss also gets its commands by unicast.
@@ -67,7 +66,7 @@ class Robot(Struct):
 class RobotTable:
     """Robots by id and host. Two hosts with the same id are two entries."""
 
-    def __init__(self, key: bytes = NO_KEY) -> None:
+    def __init__(self, key: bytes) -> None:
         self._key = key
         self.robots: dict[RobotKey, Robot] = {}
 

@@ -110,7 +110,7 @@ class RobotStatus(msgspec.Struct, frozen=True):
         return body + siphash_2_4(key, body)
 
 
-def decode_status(datagram: bytes, key: bytes = NO_KEY) -> RobotStatus:
+def decode_status(datagram: bytes, key: bytes) -> RobotStatus:
     """Return the status in a datagram. Raises RemoteProtocolError with the reason."""
     if not _MIN_BYTES <= len(datagram) <= _MIN_BYTES + _MAX_HOLDER_BYTES + _HOST.size + _EPOCH.size:
         raise RemoteProtocolError(f"a datagram of {len(datagram)} bytes is not a status")

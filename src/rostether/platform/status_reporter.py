@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 from msgspec import Struct
 
-from rostether.platform.command_frame import NO_KEY, CommandFrame, Flags
+from rostether.platform.command_frame import CommandFrame, Flags
 from rostether.platform.command_link import CommandReceiver
 from rostether.platform.status_frame import HostState, RobotStatus
 
@@ -36,7 +36,7 @@ class StatusReporter:
     Only newer frames with a valid tag count, so a replayed frame from another address gets no answer.
     """
 
-    def __init__(self, robot_id: int, key: bytes = NO_KEY) -> None:
+    def __init__(self, robot_id: int, key: bytes) -> None:
         self._robot_id = robot_id
         self._key = key
         self._senders: dict[int, _Sender] = {}

@@ -3,7 +3,7 @@ from __future__ import annotations
 import pytest
 
 from rostether.errors import RemoteProtocolError
-from rostether.platform.command_frame import MAX_PAYLOAD_BYTES, CommandFrame, Flags, decode_frame
+from rostether.platform.command_frame import MAX_PAYLOAD_BYTES, NO_KEY, CommandFrame, Flags, decode_frame
 
 KEY = b"0123456789abcdef"
 FRAME = CommandFrame(
@@ -38,17 +38,18 @@ def test_every_cut_is_refused(size: int) -> None:
 
 def test_another_key_is_refused() -> None:
     with pytest.raises(RemoteProtocolError, match="a different key"):
-        decode_frame(FRAME.encode(KEY))
+        decode_frame(FRAME.encode(KEY), NO_KEY)
 
 
 @pytest.mark.parametrize("ttl_ms", [0, 1001, 65535])
 def test_a_time_to_live_out_of_bounds(ttl_ms: int) -> None:
     with pytest.raises(RemoteProtocolError, match=f"a time to live of {ttl_ms} ms is not from 1 to 1000"):
-        decode_frame(CommandFrame(1, 1, 1, ttl_ms=ttl_ms).encode())
+        decode_frame(CommandFrame(1, 1, 1, ttl_ms=ttl_ms).encode(), NO_KEY)
 
 
 def test_other_datagrams() -> None:
     for datagram in (b"", bytes(16), bytes(60), bytes(65507), b"rC" + bytes(58)):
         with pytest.raises(RemoteProtocolError):
-            decode_frame(datagram)
-    assert decode_frame(CommandFrame(1, 1, 1, payload=bytes(MAX_PAYLOAD_BYTES)).encode()).sequence == 1
+            decode_frame(datagram, NO_KEY)
+    longest = CommandFrame(1, 1, 1, payload=bytes(MAX_PAYLOAD_BYTES)).encode()
+    assert decode_frame(longest, NO_KEY).sequence == 1

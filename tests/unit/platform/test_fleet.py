@@ -11,7 +11,7 @@ from rostether.errors import ConfigError, TransportError
 from rostether.msgdef.registry import Registry
 from rostether.platform import fleet
 from rostether.platform.command_channel import CommandChannel
-from rostether.platform.command_frame import Flags, decode_frame
+from rostether.platform.command_frame import NO_KEY, Flags, decode_frame
 from rostether.platform.command_link import CommandSender, ReceiverSettings, SenderSettings
 from rostether.platform.fleet import FleetSender, FleetSettings, has_stopped, silence_text
 from rostether.platform.fleet_examination import examine
@@ -32,7 +32,7 @@ async def test_queries_change_nothing_and_a_drive_ends_with_a_halt_and_a_release
     receiver = PlainReceiver(address)
 
     def flags() -> list[Flags]:
-        return [decode_frame(each).flags for each in receiver.datagrams]
+        return [decode_frame(each, NO_KEY).flags for each in receiver.datagrams]
 
     observer = FleetSender(FleetSettings(ONE_ROBOT, address), lines)
     await observer.query(0.06)
@@ -69,14 +69,14 @@ async def test_a_drive_ends_after_a_pause(monkeypatch: pytest.MonkeyPatch) -> No
     drive = asyncio.ensure_future(sender.drive(b"go"))
 
     def armed() -> int:
-        return sum(decode_frame(each).flags is Flags.ARMED for each in receiver.datagrams)
+        return sum(decode_frame(each, NO_KEY).flags is Flags.ARMED for each in receiver.datagrams)
 
     await until(lambda: armed() > 5)
     clock_s = 60.0
     with pytest.raises(TransportError, match=r"paused for 60 s; start it again"):
         await drive
     count = armed()
-    await until(lambda: decode_frame(receiver.datagrams[-1]).flags == Flags(0))
+    await until(lambda: decode_frame(receiver.datagrams[-1], NO_KEY).flags == Flags(0))
     sender.close()
     receiver.close()
     assert armed() == count
@@ -93,7 +93,7 @@ async def test_a_sender_whose_clock_was_ahead_is_stopped_and_followed() -> None:
     ]
     in_an_hour_us = time.time_ns() // 1000 + 3_600_000_000
     ahead = CommandSender(SenderSettings(kind=KIND), in_an_hour_us)
-    channel = CommandChannel(address, Lines())
+    channel = CommandChannel(address, Lines(), key=NO_KEY)
     channel.epoch_us = in_an_hour_us
 
     async def drive() -> None:
@@ -121,7 +121,7 @@ async def test_a_stop_that_a_robot_refuses_is_not_confirmed() -> None:
     stopper = FleetSender(FleetSettings(ONE_ROBOT, address), Lines())
     stopping = asyncio.ensure_future(stopper.stop())
     await until(lambda: robot.datagrams)
-    frame = decode_frame(robot.datagrams[0])
+    frame = decode_frame(robot.datagrams[0], NO_KEY)
     # A board with an earlier library does not report the sender that it obeyed.
     status = RobotStatus(7, frame.epoch_us, 100, is_moving=True, refusal=Refusal.OLDER)
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as answers:

@@ -6,6 +6,7 @@ import pytest
 from msgspec.structs import replace
 
 from rostether.errors import RemoteProtocolError
+from rostether.platform.command_frame import NO_KEY
 from rostether.platform.command_link import (
     CommandReceiver,
     CommandSender,
@@ -47,7 +48,7 @@ def test_a_status_is_whole_or_refused(status: RobotStatus) -> None:
         with pytest.raises(RemoteProtocolError):
             decode_status(datagram[:index], KEY)
     with pytest.raises(RemoteProtocolError, match="a different key"):
-        decode_status(datagram)
+        decode_status(datagram, NO_KEY)
 
 
 def test_a_robot_answers_each_sender_once_a_second_and_names_who_commands_it() -> None:
