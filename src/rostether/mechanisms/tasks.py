@@ -1,4 +1,4 @@
-"""Starts tasks that nothing awaits, and ends tasks."""
+"""Starts tasks in the background, and cancels tasks."""
 
 from __future__ import annotations
 
