@@ -145,13 +145,9 @@ class CheckedClient(SmallWriter):
             raise Deviation("no announcement followed a topic request")
         self._position -= 1
         found: list[Announcement] = []
-        while len(found) < known:
-            frame = await self.find(is_announcement, ANSWER_S / 2)
-            if frame is None:
-                break
+        while len(found) < known and (frame := await self.find(is_announcement, ANSWER_S / 2)):
             found.append(read_announcement(frame))
-        self._is_configured = True
-        self._is_silent = False
+        self._is_configured, self._is_silent = True, False
         return found
 
     def require_configuration(self) -> None:
@@ -274,7 +270,8 @@ class CheckedClient(SmallWriter):
                     self.damage.append(f"{each.reason.name.lower()}: {each.data[:16].hex(' ')}")
                 continue
             for payload in each.payloads:
-                self._keep(Frame(each.topic_id, payload))
+                if len(self._frames) < MAX_KEPT_FRAMES:
+                    self._frames.append(Frame(each.topic_id, payload))
                 self._answer(each.topic_id, payload)
         self._arrived.set()
 
@@ -283,10 +280,6 @@ class CheckedClient(SmallWriter):
         self._transport = None
         self._is_configured = False
         self._arrived.set()
-
-    def _keep(self, frame: Frame) -> None:
-        if len(self._frames) < MAX_KEPT_FRAMES:
-            self._frames.append(frame)
 
     def _answer(self, topic_id: int, payload: bytes) -> None:
         if self._transport is None:
