@@ -67,7 +67,7 @@ def run(*command: str, **options: Any) -> Any:
 
 @pytest.mark.parametrize("is_leader", [False, True])
 @pytest.mark.parametrize("variables", [{}, {"PYTHONUNBUFFERED": "1", "LANG": "C.UTF-8"}], ids=len)
-@pytest.mark.parametrize("how", ["text", "file", "script", "env", "unbuffered"])
+@pytest.mark.parametrize("kind", ["text", "file", "script", "env", "unbuffered"])
 def test_a_program_has_the_environment_of_a_cold_start(
     folder: Path, kind: str, variables: dict[str, str], is_leader: bool, request: pytest.FixtureRequest
 ) -> None:

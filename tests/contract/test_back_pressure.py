@@ -40,7 +40,7 @@ async def publish_until_behind(publisher: Publisher, reader: Inbox, first: int =
 async def test_a_subscriber_that_reads_again_loses_nothing(
     join: JoinGraph, capabilities: Capabilities
 ) -> None:
-    capabilities.require("feels_slow_subscribers")
+    capabilities.require("detects_slow_subscribers")
     talker, listener = await join("/talker"), await join("/listener")
     slow, quick = Inbox(), Inbox()
     publisher = await talker.advertise("/chat", STRING)
@@ -60,7 +60,7 @@ async def test_a_subscriber_that_reads_again_loses_nothing(
 async def test_a_subscriber_that_hangs_does_not_delay_others_and_loses_its_oldest_messages(
     join: JoinGraph, capabilities: Capabilities
 ) -> None:
-    capabilities.require("feels_slow_subscribers")
+    capabilities.require("detects_slow_subscribers")
     talker, listener = await join("/talker"), await join("/listener")
     slow, quick = Inbox(), Inbox()
     publisher = await talker.advertise("/chat", STRING, queue_bytes=20 * PAYLOAD_BYTES)
@@ -95,7 +95,7 @@ async def test_a_subscriber_that_hangs_does_not_delay_others_and_loses_its_oldes
 async def test_the_newest_message_is_kept_even_if_it_is_larger_than_the_queue(
     join: JoinGraph, capabilities: Capabilities
 ) -> None:
-    capabilities.require("feels_slow_subscribers")
+    capabilities.require("detects_slow_subscribers")
     talker, listener = await join("/talker"), await join("/listener")
     slow, quick = Inbox(), Inbox()
     publisher = await talker.advertise("/chat", STRING, queue_bytes=1000)
@@ -110,7 +110,7 @@ async def test_the_newest_message_is_kept_even_if_it_is_larger_than_the_queue(
 
 
 async def test_waiting_ends_when_the_subscriber_leaves(join: JoinGraph, capabilities: Capabilities) -> None:
-    capabilities.require("feels_slow_subscribers")
+    capabilities.require("detects_slow_subscribers")
     talker, listener = await join("/talker"), await join("/listener")
     slow, quick = Inbox(), Inbox()
     publisher = await talker.advertise("/chat", STRING)

@@ -137,7 +137,7 @@ async def test_a_call_has_a_time_limit(join: JoinGraph) -> None:
 async def test_a_handlers_error_reaches_the_caller(
     join: JoinGraph, capabilities: Capabilities, caplog: pytest.LogCaptureFixture
 ) -> None:
-    capabilities.require("service_errors_travel")
+    capabilities.require("sends_service_errors")
     server, client = await join("/server"), await join("/client")
 
     async def refuse(_: bytes) -> bytes:

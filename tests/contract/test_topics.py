@@ -134,7 +134,7 @@ async def test_a_subscriber_of_another_type_receives_nothing(
 async def test_a_subscriber_of_one_type_follows_the_publishers(
     join: JoinGraph, capabilities: Capabilities
 ) -> None:
-    capabilities.require("types_may_differ")
+    capabilities.require("allows_different_types")
     talker, other, listener = await join("/talker"), await join("/other"), await join("/listener")
     inbox = Inbox()
     publisher = await talker.advertise("/chat", STRING)
