@@ -11,7 +11,7 @@ from rostether.ros2.parameters.client import LIST_SERVICE, ParameterClient
 from rostether.ros2.parameters.parameter_name import ParameterPath, full_name, locate, name_parts
 from rostether.ros2.parameters.store import OwnParameters
 from rostether.ros2.parameters.typed_value import NOT_SET, TypedValue, flatten
-from rostether.ros2.parameters.watches import ParameterWatch, ParameterWatches
+from rostether.ros2.parameters.watches import Ros2ParameterWatch, Ros2ParameterWatches
 
 
 class GraphParameters:
@@ -22,7 +22,7 @@ class GraphParameters:
         self._graph = graph
         self._node = graph.node_name
         self._client = ParameterClient(graph)
-        self._watches = ParameterWatches(own, graph, self._value_or_none)
+        self._watches = Ros2ParameterWatches(own, graph, self._value_or_none)
 
     async def get(self, name: str) -> ParamValue:
         """Return a value or tree; an unset parameter of this node is declared.
@@ -83,7 +83,7 @@ class GraphParameters:
         own = [full_name(self._node, name) for name in self._own.names()]
         return sorted([*own, *(name for names in found for name in names)])
 
-    async def watch(self, name: str, on_change: Callable[[ParamValue], None]) -> ParameterWatch:
+    async def watch(self, name: str, on_change: Callable[[ParamValue], None]) -> Ros2ParameterWatch:
         """Call back with the value now and after every change; None means it is unset."""
         return await self._watches.add(name, on_change)
 

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from rostether.graph.node_membership import NodeMembership
 from rostether.graph.ports import ParamValue
 from rostether.ros2.parameters.graph_parameters import GraphParameters
-from rostether.ros2.parameters.watches import ParameterWatch
+from rostether.ros2.parameters.watches import Ros2ParameterWatch
 
 
 class Ros2Membership(NodeMembership):
@@ -39,7 +39,7 @@ class Ros2Membership(NodeMembership):
         """Return the full names of the parameters of all nodes, sorted."""
         return await self._parameters.names()
 
-    async def watch_param(self, name: str, on_change: Callable[[ParamValue], None]) -> ParameterWatch:
+    async def watch_param(self, name: str, on_change: Callable[[ParamValue], None]) -> Ros2ParameterWatch:
         """Call back with the value now and whenever it has changed; None means it is unset."""
         self._check_open()
         return await self._parameters.watch(self.resolve(name), on_change)

@@ -14,7 +14,7 @@ from rostether.ros2.parameters.store import Changes, OwnParameters
 from rostether.ros2.rcl_interfaces import rcl_interfaces
 
 
-class ParameterWatches:
+class Ros2ParameterWatches:
     """All watches of one node; it subscribes to the events as long as there are watches.
 
     `fetch` returns the value of a parameter, None if it is unset.
@@ -26,12 +26,12 @@ class ParameterWatches:
         self._own = own
         self._graph = graph
         self._fetch = fetch
-        self._watches: list[ParameterWatch] = []
+        self._watches: list[Ros2ParameterWatch] = []
         self._subscriber: Subscriber | None = None
         # Subscribing and unsubscribing run one at a time.
         self._lock = asyncio.Lock()
 
-    async def add(self, name: str, on_change: Callable[[ParamValue], None]) -> ParameterWatch:
+    async def add(self, name: str, on_change: Callable[[ParamValue], None]) -> Ros2ParameterWatch:
         """Call back with the value now and after every change. Raises GraphError."""
         async with self._lock:
             if self._subscriber is None:
@@ -39,12 +39,12 @@ class ParameterWatches:
                     PARAMETER_EVENTS, rcl_interfaces().message("ParameterEvent"), self._handle_events
                 )
                 self._own.listen(self._handle_own_changes)
-        watch = ParameterWatch(self, name, on_change, self._fetch)
+        watch = Ros2ParameterWatch(self, name, on_change, self._fetch)
         self._watches.append(watch)
         await watch.start()
         return watch
 
-    async def remove(self, watch: ParameterWatch) -> None:
+    async def remove(self, watch: Ros2ParameterWatch) -> None:
         """End a watch."""
         if watch in self._watches:
             self._watches.remove(watch)
@@ -77,12 +77,12 @@ class ParameterWatches:
                 watch.refresh_soon()
 
 
-class ParameterWatch:
+class Ros2ParameterWatch:
     """Implements `graph.ports.Watch`."""
 
     def __init__(
         self,
-        watches: ParameterWatches,
+        watches: Ros2ParameterWatches,
         name: str,
         on_change: Callable[[ParamValue], None],
         fetch: Callable[[str], Awaitable[ParamValue]],

@@ -22,7 +22,7 @@ from rostether.ros2.types.type_support import ServiceSupport
 PUBLISHER_POLL_INTERVAL_S = 0.2
 
 
-class Endpoints:
+class RclpyEndpoints:
     """Creates and ends the endpoints of a node; names are fully resolved.
 
     The methods raise the same errors as those of `RclpyGraph`.

@@ -13,7 +13,7 @@ from rostether.ros2.endpoint_info import EndpointInfo, EndpointKind, QosReport
 from rostether.ros2.listed_client import ListedClient
 from rostether.ros2.parameters.graph_parameters import GraphParameters
 from rostether.ros2.parameters.ros2_membership import Ros2Membership
-from rostether.ros2.rclpy.endpoint_handles import Endpoints
+from rostether.ros2.rclpy.endpoint_handles import RclpyEndpoints
 from rostether.ros2.rclpy.installation import rclpy_distribution
 from rostether.ros2.rclpy.own_node import OwnNode
 from rostether.ros2.rclpy.own_parameters import RclpyParameters
@@ -38,7 +38,7 @@ class RclpyGraph(Ros2Membership):
         super().__init__(own.name, namespace, remappings)
         self._own = own
         self._on_close = on_close
-        self._endpoints = Endpoints(own)
+        self._endpoints = RclpyEndpoints(own)
         self._parameters = GraphParameters(RclpyParameters(own), self)
 
     async def advertise(

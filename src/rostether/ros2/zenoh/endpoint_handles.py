@@ -30,7 +30,7 @@ ANNOUNCEMENT_S = 0.2
 MAX_CLIENTS = 256
 
 
-class Endpoints:
+class ZenohEndpoints:
     """Creates the endpoints of a node, and ends them with the node; names are fully resolved."""
 
     def __init__(self, node: NodeEntities, *, report: Report) -> None:

@@ -23,7 +23,7 @@ from rostether.ros2.parameters.store import ParameterStore
 from rostether.ros2.type_description import learn_type
 from rostether.ros2.types.type_hash import TYPE_HASH_NOT_SUPPORTED
 from rostether.ros2.zenoh.attachment import gid_of
-from rostether.ros2.zenoh.endpoint_handles import Endpoints
+from rostether.ros2.zenoh.endpoint_handles import ZenohEndpoints
 from rostether.ros2.zenoh.entities import NodeEntities
 from rostether.ros2.zenoh.publication import ZenohPublication
 from rostether.ros2.zenoh.service_server import ZenohServiceServer
@@ -58,7 +58,7 @@ class ZenohGraph(Ros2Membership):
     ) -> None:
         super().__init__(node_name, namespace, remappings)
         self._session = session
-        self._endpoints = Endpoints(NodeEntities(session, node_name), report=self._report)
+        self._endpoints = ZenohEndpoints(NodeEntities(session, node_name), report=self._report)
         store = ParameterStore(parameters)
         self._parameters = GraphParameters(store, self)
         self._parameter_services = ParameterServices(store, self)
