@@ -16,7 +16,6 @@ REVIEWED_LONG_FILES = {
     "bridge/session.py",
     "bridge/supervisor.py",
     "cli/param/ros2_params.py",
-    "conformance/checked_client.py",
     "firmware/elf.py",
     "gateways/websocket/connection.py",
     "msgdef/registry.py",
