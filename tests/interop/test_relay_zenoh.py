@@ -17,8 +17,8 @@ from rostether.graph.ports import Graph
 from rostether.msgdef.interface import ANY_MESSAGE, MessageType
 from rostether.msgdef.registry import Registry
 from rostether.relay.relay import Relay
-from rostether.relay.relay_filter import RelayFilter, Services, Topics
-from rostether.relay.side import Side
+from rostether.relay.relay_filter import RelayFilter, ServiceFilter, TopicFilter
+from rostether.relay.side import RelaySide
 from rostether.ros1.environment import RosEnvironment
 from rostether.ros1.master.server import MasterServer
 from rostether.ros1.node.node import join_ros1
@@ -60,9 +60,9 @@ async def world() -> AsyncIterator[World]:
             return ADD_DIAGNOSTICS.name
 
         relay = Relay(
-            Side("ROS 1", ros1_nodes[0], finding_types(ros2_types(), probe)),
-            Side("ROS 2", ros2_nodes[0], finding_types(ros2_types())),
-            RelayFilter((Topics("*"),), (Services("/add*"),)),
+            RelaySide("ROS 1", ros1_nodes[0], finding_types(ros2_types(), probe)),
+            RelaySide("ROS 2", ros2_nodes[0], finding_types(ros2_types())),
+            RelayFilter((TopicFilter("*"),), (ServiceFilter("/add*"),)),
             lambda _level, line: lines.append(line),
         )
         running = asyncio.ensure_future(relay.run())

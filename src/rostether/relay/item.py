@@ -5,7 +5,7 @@ from __future__ import annotations
 from enum import Enum
 from typing import NamedTuple
 
-from rostether.relay.side import Side
+from rostether.relay.side import RelaySide
 
 
 class ItemKind(Enum):
@@ -24,8 +24,8 @@ class RelayItem(NamedTuple):
 
     kind: ItemKind
     name: str
-    source: Side
-    target: Side
+    source: RelaySide
+    target: RelaySide
     chosen_type: str = ""
 
     @property

@@ -28,9 +28,9 @@ from rostether.graph.ports import Level, Publisher, Report, Snapshot
 from rostether.mechanisms.tasks import cancel_all
 from rostether.relay.action_relay import ActionRelay, action_entries
 from rostether.relay.item import ItemKind, RelayItem
-from rostether.relay.relay_filter import Direction, RelayFilter
+from rostether.relay.relay_filter import RelayDirection, RelayFilter
 from rostether.relay.service_relay import ServiceRelay
-from rostether.relay.side import Side
+from rostether.relay.side import RelaySide
 from rostether.relay.topic_relay import TopicRelay
 from rostether.ros2.actions.board_graph import BoardJoin
 
@@ -59,8 +59,8 @@ class Relay:
 
     def __init__(
         self,
-        first: Side,
-        second: Side,
+        first: RelaySide,
+        second: RelaySide,
         relay_filter: RelayFilter,
         report: Report,
         actions: BoardJoin | None = None,
@@ -99,11 +99,11 @@ class Relay:
             await cancel_all(*tasks)
             await asyncio.gather(*(mark.close() for mark in marks), return_exceptions=True)
 
-    async def _leave(self, side: Side) -> None:
+    async def _leave(self, side: RelaySide) -> None:
         reason = await side.graph.wait_closed()
         raise GraphError(f"the relay's node has left {side.name}: {reason}")
 
-    async def _follow(self, side: Side) -> None:
+    async def _follow(self, side: RelaySide) -> None:
         while True:
             try:
                 async for snapshot in side.graph.changes():
@@ -128,7 +128,7 @@ class Relay:
         self._marked = MarkedNodes(relays, marked.joint)
         replace_names(self._skip_nodes, self._marked.names | self._gone)
 
-    async def _forget_gone(self, side: Side) -> None:
+    async def _forget_gone(self, side: RelaySide) -> None:
         """Find relays that were killed, and remove their registrations from the graph of a side."""
         if side.forget_if_gone is None:
             return
@@ -180,8 +180,8 @@ class Relay:
         """Yield the items to relay; `left_out` gets those that another relay relays, with the reason."""
         first, second = self._sides
         for item, there in (
-            *self._topics(first, second, Direction.FIRST_TO_SECOND),
-            *self._topics(second, first, Direction.SECOND_TO_FIRST),
+            *self._topics(first, second, RelayDirection.FIRST_TO_SECOND),
+            *self._topics(second, first, RelayDirection.SECOND_TO_FIRST),
             *self._services(first, second),
             *self._services(second, first),
             *self._actions(),
@@ -193,7 +193,7 @@ class Relay:
                 yield item
 
     def _topics(
-        self, source: Side, target: Side, direction: Direction
+        self, source: RelaySide, target: RelaySide, direction: RelayDirection
     ) -> Iterator[tuple[RelayItem, tuple[str, ...]]]:
         """Yield the topics of one side to relay, each with its publishers on the other side."""
         there = self._snapshots[target.name].topics
@@ -207,7 +207,7 @@ class Relay:
                     there[name].publishers if name in there else (),
                 )
 
-    def _services(self, source: Side, target: Side) -> Iterator[tuple[RelayItem, tuple[str, ...]]]:
+    def _services(self, source: RelaySide, target: RelaySide) -> Iterator[tuple[RelayItem, tuple[str, ...]]]:
         """Yield the services of one side to relay, each with its providers on the other side."""
         there = self._snapshots[target.name].services
         own = {source.graph.node_name, *self._skip_nodes}

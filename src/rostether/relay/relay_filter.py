@@ -28,7 +28,7 @@ PRIVATE_SERVICES = (
 ACTION_TOPICS = ("goal", "cancel", "feedback", "result", "status")
 
 
-class Direction(Enum):
+class RelayDirection(Enum):
     """The directions in which a relay copies messages between its two graphs."""
 
     BOTH = "both"
@@ -36,22 +36,22 @@ class Direction(Enum):
     SECOND_TO_FIRST = "second to first"
 
 
-class Topics(Struct, frozen=True):
+class TopicFilter(Struct, frozen=True):
     """Topics that match a pattern, in one direction or both."""
 
     pattern: str
-    direction: Direction = Direction.BOTH
+    direction: RelayDirection = RelayDirection.BOTH
 
-    def covers(self, name: str, direction: Direction) -> bool:
+    def covers(self, name: str, direction: RelayDirection) -> bool:
         """Return whether a topic is relayed in a direction."""
-        if self.direction not in (Direction.BOTH, direction):
+        if self.direction not in (RelayDirection.BOTH, direction):
             return False
         if name in PRIVATE_TOPICS or "/_action/" in name:
             return name == self.pattern
         return fnmatchcase(name, self.pattern)
 
 
-class Services(Struct, frozen=True):
+class ServiceFilter(Struct, frozen=True):
     """Services that match a pattern; `type` is needed if the graph does not know it."""
 
     pattern: str
@@ -67,11 +67,11 @@ class Services(Struct, frozen=True):
 class RelayFilter(Struct, frozen=True):
     """Everything that a relay relays; `actions` are patterns."""
 
-    topics: tuple[Topics, ...] = ()
-    services: tuple[Services, ...] = ()
+    topics: tuple[TopicFilter, ...] = ()
+    services: tuple[ServiceFilter, ...] = ()
     actions: tuple[str, ...] = ()
 
-    def relays_topic(self, name: str, direction: Direction) -> bool:
+    def relays_topic(self, name: str, direction: RelayDirection) -> bool:
         """Return whether a topic is relayed in a direction; those of a relayed action are not."""
         action, _, part = name.rpartition("/")
         if part in ACTION_TOPICS and self.relays_action(action):
@@ -82,6 +82,6 @@ class RelayFilter(Struct, frozen=True):
         """Return whether an action is relayed to the graph that does not have it."""
         return any(fnmatchcase(name, pattern) for pattern in self.actions)
 
-    def service(self, name: str) -> Services | None:
+    def service(self, name: str) -> ServiceFilter | None:
         """Return the first entry that covers a service, None if it is not relayed."""
         return next((each for each in self.services if each.covers(name)), None)

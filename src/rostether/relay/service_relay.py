@@ -6,13 +6,13 @@ import asyncio
 
 from rostether.graph.ports import ServiceServer
 from rostether.msgdef.interface import ANY_TYPE
-from rostether.relay.side import Side
+from rostether.relay.side import RelaySide
 
 
 class ServiceRelay:
     """Forwards calls from `open` to `close`; `chosen_type` is the type that the user gave, or empty."""
 
-    def __init__(self, service: str, source: Side, target: Side, chosen_type: str) -> None:
+    def __init__(self, service: str, source: RelaySide, target: RelaySide, chosen_type: str) -> None:
         # `*` before the type is known.
         self.type_name = ANY_TYPE
         self._service = service

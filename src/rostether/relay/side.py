@@ -18,7 +18,7 @@ FindServiceType = Callable[[str, str], Awaitable[ServiceType]]
 ForgetNode = Callable[[str], Awaitable[bool]]
 
 
-class Side(Struct, frozen=True):
+class RelaySide(Struct, frozen=True):
     """A graph, its name for users, and a function that finds the types of services.
 
     `forget_if_gone` is for a graph that keeps the registrations of nodes that were killed: ROS 1.

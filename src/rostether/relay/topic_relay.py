@@ -8,7 +8,7 @@ from collections.abc import Container, Mapping, Sequence
 
 from rostether.graph.ports import Publisher, Subscriber
 from rostether.msgdef.interface import ANY_MESSAGE, MessageType
-from rostether.relay.side import Side
+from rostether.relay.side import RelaySide
 
 # How long a slow subscriber on the other side may delay the others, as in the bridge to boards.
 PAUSE_S = 0.1
@@ -41,7 +41,7 @@ class TopicRelay:
     subscription pauses, so that further messages wait in the source graph's queues.
     """
 
-    def __init__(self, topic: str, source: Side, target: Side, skip_nodes: Container[str]) -> None:
+    def __init__(self, topic: str, source: RelaySide, target: RelaySide, skip_nodes: Container[str]) -> None:
         self._topic = topic
         self._source = source
         self._target = target

@@ -16,8 +16,8 @@ from rostether.graph.memory_network import MemoryNetwork
 from rostether.graph.ports import Level
 from rostether.msgdef.interface import ServiceType
 from rostether.relay.relay import Relay
-from rostether.relay.relay_filter import RelayFilter, Services, Topics
-from rostether.relay.side import ForgetNode, Side
+from rostether.relay.relay_filter import RelayFilter, ServiceFilter, TopicFilter
+from rostether.relay.side import ForgetNode, RelaySide
 
 SERVICE_TYPES = {each.name: each for each in (SET_BOOL, ADD_DIAGNOSTICS, EMPTY)}
 
@@ -56,11 +56,14 @@ class World:
 
     @asynccontextmanager
     async def relaying(
-        self, *topics: Topics, services: tuple[Services, ...] = (), forget_if_gone: ForgetNode | None = None
+        self,
+        *topics: TopicFilter,
+        services: tuple[ServiceFilter, ...] = (),
+        forget_if_gone: ForgetNode | None = None,
     ) -> AsyncIterator[None]:
         sides = [
-            Side("one", self.relays[0], service_type, forget_if_gone),
-            Side("two", self.relays[1], service_type),
+            RelaySide("one", self.relays[0], service_type, forget_if_gone),
+            RelaySide("two", self.relays[1], service_type),
         ]
 
         def report(_: Level, line: str) -> None:

@@ -16,11 +16,11 @@ from rostether.msgdef.registry import Registry
 from rostether.msgdef.ros2.definitions import Ros2Definitions
 from rostether.relay.action_relay import CHECK_S
 from rostether.relay.relay import Relay
-from rostether.relay.relay_filter import RelayFilter, Services, Topics
-from rostether.relay.side import Side
+from rostether.relay.relay_filter import RelayFilter, ServiceFilter, TopicFilter
+from rostether.relay.side import RelaySide
 from rostether.ros2.actions.board_graph import BoardJoin, NativeSession
 from rostether.ros2.actions.ros1_form import ActionForms
-from rostether.ros2.actions.server import ActionServer
+from rostether.ros2.actions.server import Ros2ActionServer
 from rostether.ros2.actions.types import GoalCall, GoalStatus
 from rostether.ros2.types.native_registry import NativeRegistry
 from rostether.ros2.types.native_types import NativeTypes
@@ -50,7 +50,7 @@ class Server:
     def __init__(self) -> None:
         self.goals: list[tuple[bytes, bytes]] = []
         self.cancels: list[bytes] = []
-        self.action = ActionServer(
+        self.action = Ros2ActionServer(
             ACTION,
             FORMS.types,
             empty_result=FORMS.empty_result,
@@ -87,9 +87,9 @@ class Chain:
             types = Ros2Types(REGISTRY, Ros2Definitions())
             joins.append(BoardJoin(ros2.join, types, partial(open_session, session)))
             relay = Relay(
-                Side("ROS 1", await ros1.join(name), no_service),
-                Side("ROS 2", await ros2.join(name), no_service),
-                RelayFilter((Topics("*"),), (Services("*"),), (ACTION,)),
+                RelaySide("ROS 1", await ros1.join(name), no_service),
+                RelaySide("ROS 2", await ros2.join(name), no_service),
+                RelayFilter((TopicFilter("*"),), (ServiceFilter("*"),), (ACTION,)),
                 self.report,
                 joins[-1],
             )

@@ -20,7 +20,7 @@ from rostether.graph.joint_marks import MARK_TYPE, new_joint_mark, new_relay_mar
 from rostether.graph.memory_graph import MemoryGraph
 from rostether.graph.ports import Snapshot
 from rostether.relay import relay as relay_module
-from rostether.relay.relay_filter import Services, Topics
+from rostether.relay.relay_filter import ServiceFilter, TopicFilter
 from unit.relay.relay_world import World
 from waiting import until
 
@@ -40,7 +40,7 @@ async def test_a_board_in_both_graphs_is_skipped(world: World) -> None:
     mine = [await board.advertise("/chat", STRING) for board in boards]
     inbox = Inbox()
     await world.two.subscribe("/chat", STRING, inbox.store)
-    async with world.relaying(Topics("/*"), services=(Services("/*"),)):
+    async with world.relaying(TopicFilter("/*"), services=(ServiceFilter("/*"),)):
         await until(lambda: world.lines)
         assert world.lines == ["/board is a node of both graphs: its messages are not relayed"]
         await asyncio.sleep(0.05)
@@ -57,7 +57,7 @@ async def test_a_board_in_both_graphs_is_skipped(world: World) -> None:
 
 async def test_nodes_with_the_same_name_in_both_graphs_are_two_nodes(world: World) -> None:
     talkers = [await (await network.join("/talker")).advertise("/chat", STRING) for network in world.networks]
-    async with world.relaying(Topics("/chat")):
+    async with world.relaying(TopicFilter("/chat")):
         await until(lambda: all(talker.subscriber_count for talker in talkers))
 
 
@@ -68,7 +68,7 @@ async def test_topics_and_services_of_another_relay_are_not_relayed(world: World
     theirs = await others[1].advertise("/chat", STRING)
     await world.one.advertise_service("/switch", SET_BOOL, answer_set_bool)
     served = await others[1].advertise_service("/switch", SET_BOOL, answer_set_bool)
-    async with world.relaying(Topics("/*"), services=(Services("/*"),)):
+    async with world.relaying(TopicFilter("/*"), services=(ServiceFilter("/*"),)):
         for what in ("/chat", "service /switch"):
             reason = "the relay /other_relay already relays it"
             line = f"not relaying {what} from one to two: {reason}"
@@ -82,7 +82,7 @@ async def test_topics_and_services_of_another_relay_are_not_relayed(world: World
 
 async def test_of_two_active_relays_the_younger_one_stops(world: World) -> None:
     await world.one.advertise("/chat", STRING)
-    async with world.relaying(Topics("/*")):
+    async with world.relaying(TopicFilter("/*")):
         await until(lambda: world.carries("/chat", 1))
         younger = await marked(world, "/younger", new_relay_mark().replace("relay_", "relay_f"))
         await younger[1].advertise("/chat", STRING)
@@ -97,7 +97,7 @@ async def test_of_two_active_relays_the_younger_one_stops(world: World) -> None:
 async def test_a_younger_relay_waits_for_older_ones(world: World, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(relay_module, "OLDER_RELAY_WAIT_S", 0.5)
     others = await marked(world, "/older", new_relay_mark())
-    async with world.relaying(Topics("/*")):
+    async with world.relaying(TopicFilter("/*")):
         await until(lambda: any("/older" in line for line in world.lines))
         await world.one.advertise("/chat", STRING)
         await asyncio.sleep(0.01)
@@ -122,7 +122,7 @@ async def test_a_killed_relay_is_forgotten(world: World) -> None:
         asked.append(name)
         return is_gone
 
-    async with world.relaying(services=(Services("/*"),), forget_if_gone=forget):
+    async with world.relaying(services=(ServiceFilter("/*"),), forget_if_gone=forget):
         await until(lambda: any("relays it" in line for line in world.lines))
         assert not world.relayed
         is_gone = True
@@ -155,7 +155,7 @@ async def test_a_relay_that_was_killed_before_is_not_a_source(
     async def forget(_: str) -> bool:
         return True
 
-    async with world.relaying(Topics("/chat"), services=(Services("/*"),), forget_if_gone=forget):
+    async with world.relaying(TopicFilter("/chat"), services=(ServiceFilter("/*"),), forget_if_gone=forget):
         await until(lambda: world.carries("/chat", 1))
         assert "the relay /killed was killed: removed its registrations" in world.lines
         assert not any("/switch" in line for line in world.lines)

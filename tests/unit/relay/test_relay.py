@@ -24,8 +24,8 @@ from rostether.msgdef.interface import ServiceType
 from rostether.msgdef.registry import Registry
 from rostether.relay import relay as relay_module
 from rostether.relay.relay import Relay
-from rostether.relay.relay_filter import Direction, RelayFilter, Services, Topics
-from rostether.relay.side import Side
+from rostether.relay.relay_filter import RelayDirection, RelayFilter, ServiceFilter, TopicFilter
+from rostether.relay.side import RelaySide
 from rostether.relay.topic_relay import StaticTransforms
 from rostether.serde.store import TypeStore
 from unit.relay.relay_world import World, service_type
@@ -37,7 +37,7 @@ async def test_topics_are_relayed_in_both_directions_and_nothing_comes_back(worl
     talkers = [await graph.advertise("/chat", STRING) for graph in (world.one, world.two)]
     for graph, inbox in zip((world.one, world.two), inboxes, strict=True):
         await graph.subscribe("/chat", STRING, inbox.store)
-    async with world.relaying(Topics("/chat")):
+    async with world.relaying(TopicFilter("/chat")):
         await until(lambda: world.carries("/chat", 0) and world.carries("/chat", 1))
         await until(lambda: all(talker.subscriber_count == 2 for talker in talkers))
         for number in range(3):
@@ -59,9 +59,9 @@ async def test_only_chosen_topics_are_relayed(world: World) -> None:
         for topic in ("/forth/a", "/back/a", "/other", "/clock"):
             await graph.advertise(topic, STRING)
     chosen = (
-        Topics("/forth/*", Direction.FIRST_TO_SECOND),
-        Topics("/back/*", Direction.SECOND_TO_FIRST),
-        Topics("/ro*"),
+        TopicFilter("/forth/*", RelayDirection.FIRST_TO_SECOND),
+        TopicFilter("/back/*", RelayDirection.SECOND_TO_FIRST),
+        TopicFilter("/ro*"),
     )
     async with world.relaying(*chosen):
         await until(lambda: world.carries("/forth/a", 1) and world.carries("/back/a", 0))
@@ -77,7 +77,7 @@ async def test_only_chosen_topics_are_relayed(world: World) -> None:
 async def test_a_topic_is_relayed_as_long_as_it_is_published(world: World) -> None:
     inbox = Inbox()
     await world.two.subscribe("/chat", STRING, inbox.store)
-    async with world.relaying(Topics("/chat")):
+    async with world.relaying(TopicFilter("/chat")):
         for number in range(3):
             talker = await world.one.advertise("/chat", STRING)
             await until(lambda: world.carries("/chat", 1) and talker.subscriber_count)  # noqa: B023
@@ -94,7 +94,7 @@ async def test_messages_published_right_after_the_first_connection_arrive_once_a
     inbox = Inbox()
     await world.two.subscribe("/chat", STRING, inbox.store)
     talker = await world.one.advertise("/chat", STRING)
-    async with world.relaying(Topics("/chat")):
+    async with world.relaying(TopicFilter("/chat")):
         while not talker.subscriber_count:
             await asyncio.sleep(0)
         expected = [string(f"{number}") for number in range(300)]
@@ -107,7 +107,7 @@ async def test_messages_published_right_after_the_first_connection_arrive_once_a
 
 async def test_a_topic_whose_type_changes_is_still_relayed(world: World) -> None:
     talker = await world.one.advertise("/chat", STRING)
-    async with world.relaying(Topics("/chat")):
+    async with world.relaying(TopicFilter("/chat")):
         await until(lambda: world.carries("/chat", 1))
         await talker.close()
         talker = await world.one.advertise("/chat", BOOL, latch=True)
@@ -122,7 +122,7 @@ async def test_a_topic_whose_type_changes_is_still_relayed(world: World) -> None
 async def test_latched_topics_are_latched_in_the_other_graph(world: World) -> None:
     talker = await world.one.advertise("/map", STRING, latch=True)
     talker.publish_raw([string("the map")])
-    async with world.relaying(Topics("/map")):
+    async with world.relaying(TopicFilter("/map")):
         await until(lambda: world.carries("/map", 1))
         for _ in range(2):
             inbox = Inbox()
@@ -148,7 +148,7 @@ async def test_a_late_subscriber_receives_the_static_transforms_of_all_publisher
     await broadcast("lidar")
     first = Inbox()
     await world.two.subscribe("/tf_static", message_type, first.store)
-    async with world.relaying(Topics("/tf_static")):
+    async with world.relaying(TopicFilter("/tf_static")):
         await until(lambda: world.carries("/tf_static", 1))
         await broadcast("camera")
         await until(lambda: len(first.payloads) == 2)
@@ -165,7 +165,7 @@ async def test_a_slow_subscriber_slows_the_publisher_in_the_other_graph(world: W
     talker = await world.one.advertise("/chat", STRING)
     inbox = Inbox()
     slow = await world.two.subscribe("/chat", STRING, inbox.store)
-    async with world.relaying(Topics("/chat", Direction.FIRST_TO_SECOND)):
+    async with world.relaying(TopicFilter("/chat", RelayDirection.FIRST_TO_SECOND)):
         await until(lambda: talker.subscriber_count and slow.publisher_count)
         slow.pause()
         sent = 0
@@ -189,7 +189,7 @@ async def test_services_are_offered_where_they_are_missing(world: World) -> None
         raise GraphError("not today")
 
     await world.two.advertise_service("/refuse", SET_BOOL, refuse)
-    async with world.relaying(services=(Services("/*"),)):
+    async with world.relaying(services=(ServiceFilter("/*"),)):
         await until(lambda: len(world.relayed) == 2)
         assert await world.two.call_service("/switch", SET_BOOL, TRUE) == answer("done")
         with pytest.raises(GraphError, match="not today"):
@@ -215,11 +215,11 @@ async def test_an_unknown_service_type_is_reported_once_and_can_be_given(
     odd = ServiceType("own/Odd", SET_BOOL.md5sum, SET_BOOL.request, SET_BOOL.response)
     await world.one.advertise_service("/odd", odd, answer_set_bool)
     trouble = "cannot relay service /odd from one to two: no definition of own/Odd, the type of /odd; "
-    async with world.relaying(services=(Services("/odd"),)):
+    async with world.relaying(services=(ServiceFilter("/odd"),)):
         await until(lambda: world.lines)
         await asyncio.sleep(0.02)
         assert world.lines == [f"{trouble}or give it as /odd=package/Type"]
-    async with world.relaying(services=(Services("/odd", "std_srvs/SetBool"),)):
+    async with world.relaying(services=(ServiceFilter("/odd", "std_srvs/SetBool"),)):
         await until(lambda: world.relayed)
         assert await world.two.call_service("/odd", SET_BOOL, TRUE) == answer("done")
 
@@ -236,7 +236,7 @@ async def test_refused_requests_are_tried_again(world: World, monkeypatch: pytes
 
     await world.one.advertise("/chat", STRING)
     monkeypatch.setattr(MemoryGraph, "advertise", refuse)
-    async with world.relaying(Topics("/chat")):
+    async with world.relaying(TopicFilter("/chat")):
         await until(lambda: "cannot relay /chat from one to two: no room" in world.lines)
         await asyncio.sleep(0.01)
         assert len(world.lines) == 1
@@ -245,7 +245,7 @@ async def test_refused_requests_are_tried_again(world: World, monkeypatch: pytes
 
 
 async def test_a_node_shutdown_ends_the_relay(world: World) -> None:
-    sides = [Side(str(number), graph, service_type) for number, graph in enumerate(world.relays)]
+    sides = [RelaySide(str(number), graph, service_type) for number, graph in enumerate(world.relays)]
     relay = Relay(sides[0], sides[1], RelayFilter(), lambda _level, _text: None)
     running = asyncio.ensure_future(relay.run())
     await asyncio.sleep(0)
@@ -257,22 +257,24 @@ async def test_a_node_shutdown_ends_the_relay(world: World) -> None:
 @pytest.mark.parametrize(
     ("topics", "name", "direction", "carried"),
     [
-        (Topics("/a"), "/a", Direction.FIRST_TO_SECOND, True),
-        (Topics("/a"), "/a/b", Direction.FIRST_TO_SECOND, False),
-        (Topics("/a/*"), "/a/b/c", Direction.SECOND_TO_FIRST, True),
-        (Topics("/a", Direction.FIRST_TO_SECOND), "/a", Direction.SECOND_TO_FIRST, False),
-        (Topics("*"), "/rosout", Direction.FIRST_TO_SECOND, False),
-        (Topics("*"), "/parameter_events", Direction.FIRST_TO_SECOND, False),
-        (Topics("/clock"), "/clock", Direction.FIRST_TO_SECOND, True),
+        (TopicFilter("/a"), "/a", RelayDirection.FIRST_TO_SECOND, True),
+        (TopicFilter("/a"), "/a/b", RelayDirection.FIRST_TO_SECOND, False),
+        (TopicFilter("/a/*"), "/a/b/c", RelayDirection.SECOND_TO_FIRST, True),
+        (TopicFilter("/a", RelayDirection.FIRST_TO_SECOND), "/a", RelayDirection.SECOND_TO_FIRST, False),
+        (TopicFilter("*"), "/rosout", RelayDirection.FIRST_TO_SECOND, False),
+        (TopicFilter("*"), "/parameter_events", RelayDirection.FIRST_TO_SECOND, False),
+        (TopicFilter("/clock"), "/clock", RelayDirection.FIRST_TO_SECOND, True),
     ],
 )
-def test_the_filter_chooses_topics(topics: Topics, name: str, direction: Direction, *, carried: bool) -> None:
+def test_the_filter_chooses_topics(
+    topics: TopicFilter, name: str, direction: RelayDirection, *, carried: bool
+) -> None:
     assert RelayFilter((topics,)).relays_topic(name, direction) is carried
 
 
 def test_the_filter_chooses_services() -> None:
-    choice = RelayFilter(services=(Services("/lab/*", "a/B"), Services("/node/get_loggers")))
-    assert choice.service("/lab/switch") == Services("/lab/*", "a/B")
+    choice = RelayFilter(services=(ServiceFilter("/lab/*", "a/B"), ServiceFilter("/node/get_loggers")))
+    assert choice.service("/lab/switch") == ServiceFilter("/lab/*", "a/B")
     assert choice.service("/lab/node/set_parameters") is None
-    assert choice.service("/node/get_loggers") == Services("/node/get_loggers")
+    assert choice.service("/node/get_loggers") == ServiceFilter("/node/get_loggers")
     assert choice.service("/other") is None

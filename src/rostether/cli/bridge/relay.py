@@ -25,7 +25,7 @@ from rostether.graph.ports import Level
 from rostether.mechanisms.block_end import closed_at_end
 from rostether.msgdef.interface import ANY_TYPE, ServiceType
 from rostether.names.graph_name import validate_name
-from rostether.relay.relay_filter import Direction, RelayFilter, Services, Topics
+from rostether.relay.relay_filter import RelayDirection, RelayFilter, ServiceFilter, TopicFilter
 from rostether.ros1.environment import RosEnvironment
 from rostether.ros1.node.leftovers import Leftovers
 from rostether.ros1.node.service_probe import probe_type
@@ -72,12 +72,12 @@ class RelayOptions:
         """
         return RelayFilter(
             (
-                *(Topics(_full(name)) for name in self.topics),
-                *(Topics(_full(name), Direction.FIRST_TO_SECOND) for name in self.to_ros2),
-                *(Topics(_full(name), Direction.SECOND_TO_FIRST) for name in self.to_ros1),
+                *(TopicFilter(_full(name)) for name in self.topics),
+                *(TopicFilter(_full(name), RelayDirection.FIRST_TO_SECOND) for name in self.to_ros2),
+                *(TopicFilter(_full(name), RelayDirection.SECOND_TO_FIRST) for name in self.to_ros1),
             ),
             tuple(
-                Services(_full(name), kind)
+                ServiceFilter(_full(name), kind)
                 for name, _, kind in (each.partition("=") for each in self.services)
             ),
             tuple(_full(name) for name in self.actions),
@@ -147,7 +147,7 @@ async def relay_between(
         msg_paths: Folders with definitions.
     """
     from rostether.relay.relay import Relay
-    from rostether.relay.side import Side
+    from rostether.relay.side import RelaySide
     from rostether.ros2.actions.board_graph import BoardJoin
 
     assert graph.ros2 is not None
@@ -178,8 +178,8 @@ async def relay_between(
         ):
             leftovers = Leftovers(used.environment.master_uri, ros1.node_name)
             sides = (
-                Side("ROS 1", ros1, finding_types(access.types, probe), leftovers.forget_if_gone),
-                Side("ROS 2", ros2, find),
+                RelaySide("ROS 1", ros1, finding_types(access.types, probe), leftovers.forget_if_gone),
+                RelaySide("ROS 2", ros2, find),
             )
             await Relay(*sides, choice, report, actions).run()
 

@@ -15,7 +15,7 @@ from rostether.gateways.rosbridge.request import Request
 from rostether.gateways.rosbridge.rosbridge_context import RosbridgeContext
 from rostether.gateways.rosbridge.settings import MAX_ACTIONS, MAX_GOALS, check_allowed
 from rostether.gateways.shown_values import show
-from rostether.ros2.actions.server import ActionServer
+from rostether.ros2.actions.server import Ros2ActionServer
 from rostether.ros2.actions.types import ActionTypes, GoalCall, GoalStatus
 from rostether.ros2.types.native_registry import NativeRegistry
 
@@ -162,7 +162,7 @@ class _OfferedAction:
         self._types = types
         self._send = send
         self._name, self._type_name = shown
-        self.server = ActionServer(
+        self.server = Ros2ActionServer(
             action,
             types,
             empty_result=self._forms.from_json(types.result, {}),

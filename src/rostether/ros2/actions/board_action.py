@@ -1,6 +1,6 @@
 """Offers an action of ROS 1, which consists of topics, as a ROS 2 action; its server is a board or a node.
 
-    ROS 2 action client  --  ActionServer  --  goal, cancel, feedback, result, status  --  the board
+    ROS 2 action client  --  Ros2ActionServer  --  goal, cancel, feedback, result, status  --  the board
 
 A goal's id of 16 bytes is a string of 32 digits in ROS 1. The board's messages have the form of ROS 1; goals,
 results and feedback are converted between this form and that of ROS 2.
@@ -22,7 +22,7 @@ from rostether.ros2.actions.ros1_form import (
     read_statuses,
     write_header,
 )
-from rostether.ros2.actions.server import ActionServer
+from rostether.ros2.actions.server import Ros2ActionServer
 from rostether.ros2.actions.types import GoalStatus
 from rostether.ros2.types.native_registry import NativeRegistry
 from rostether.ros2.types.native_types import NativeTypes
@@ -54,7 +54,7 @@ class BoardAction:
         self._types = types
         self._clock = asyncio.get_running_loop().time
         self._graph: Graph | None = None
-        self._server: ActionServer | None = None
+        self._server: Ros2ActionServer | None = None
         # The active goals by their id strings, and their send times.
         self._sent_s: dict[str, float] = {}
         self._canceled: set[str] = set()
@@ -63,7 +63,7 @@ class BoardAction:
         """Offer the action on a node with native ROS 2 types. Raises GraphError, DefinitionError."""
         self._graph = graph
         self._forms = forms = ActionForms(self.action_type, self._types, types, registry)
-        server = ActionServer(
+        server = Ros2ActionServer(
             self.action,
             forms.types,
             empty_result=forms.empty_result,

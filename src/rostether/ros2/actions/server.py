@@ -44,7 +44,7 @@ class _Goal(msgspec.Struct):
     result: asyncio.Future[bytes] = field(default_factory=lambda: asyncio.get_running_loop().create_future())
 
 
-class ActionServer:
+class Ros2ActionServer:
     """One action; `on_goal` gets the id and the payload of each goal, `on_cancel` the id of a goal to cancel.
 
     Every goal is accepted as long as there are fewer than `MAX_GOALS`. A goal being canceled stays active

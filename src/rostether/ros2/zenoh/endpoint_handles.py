@@ -20,7 +20,7 @@ from rostether.ros2.zenoh.publication import ZenohPublication
 from rostether.ros2.zenoh.service_client import ZenohServiceClient
 from rostether.ros2.zenoh.service_server import ZenohServiceServer
 from rostether.ros2.zenoh.shared_session import LiveToken
-from rostether.ros2.zenoh.subscription import Receiver, ZenohSubscriber
+from rostether.ros2.zenoh.subscription import SubscriberCallbacks, ZenohSubscriber
 from rostether.ros2.zenoh.tokens import Token, TokenKind
 
 # The time to wait until an unknown service is announced: 1 ms on one machine, longer through several routers.
@@ -94,11 +94,13 @@ class ZenohEndpoints:
         """Subscribe to a topic. Raises TypeMismatchError, UnknownTypeError."""
         is_any = message_type.name == ANY_TYPE
         on_connection = options.get("on_connection")
-        receiver = Receiver(on_messages, on_connection, self._subscribers.discard, self._report, describe)
+        callbacks = SubscriberCallbacks(
+            on_messages, on_connection, self._subscribers.discard, self._report, describe
+        )
         subscriber = ZenohSubscriber(
             topic,
             None if is_any else self._node.session.types.message(message_type),
-            receiver,
+            callbacks,
             node=self._node,
             own_gids=(lambda: self._own_gids(topic)) if options.get("skip_own") else None,
             skip_nodes=options.get("skip_nodes", ()),

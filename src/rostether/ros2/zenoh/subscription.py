@@ -30,7 +30,7 @@ from rostether.ros2.zenoh.tokens import Token, TokenKind, data_key
 LATCHED_SAMPLES = 1
 
 
-class Receiver(Struct, frozen=True):
+class SubscriberCallbacks(Struct, frozen=True):
     """The callbacks of a subscription."""
 
     on_messages: OnMessages
@@ -52,7 +52,7 @@ class ZenohSubscriber:
         self,
         topic: str,
         support: MessageSupport | None,
-        receiver: Receiver,
+        callbacks: SubscriberCallbacks,
         *,
         node: NodeEntities,
         own_gids: Callable[[], set[bytes]] | None,
@@ -61,7 +61,7 @@ class ZenohSubscriber:
     ) -> None:
         self.topic = topic
         self._support = support
-        self._receiver = receiver
+        self._callbacks = callbacks
         self._node = node
         self._own_gids = own_gids
         self._skip_nodes = skip_nodes
@@ -82,7 +82,7 @@ class ZenohSubscriber:
             self._mismatches = None
             self._key = data_key(domain_id, topic, "*", "*")
         else:
-            self._mismatches = Mismatches(topic, support, receiver.report)
+            self._mismatches = Mismatches(topic, support, callbacks.report)
             self._key = data_key(domain_id, topic, dds_name(support.name), support.type_hash)
         self._queue: Handover[tuple[str, bytes, Received]] = Handover(
             self._handle_samples, limit=DEFAULT_QUEUE_BYTES
@@ -90,8 +90,8 @@ class ZenohSubscriber:
         self._types = DescribedTypes(
             topic,
             node.session.types,
-            describe=receiver.describe,
-            report=receiver.report,
+            describe=callbacks.describe,
+            report=callbacks.report,
             on_waiting=self._queue.pause,
             on_found=self._learn,
         )
@@ -137,7 +137,7 @@ class ZenohSubscriber:
         for token in self._tokens.values():
             token.withdraw()
         self._subscriber.undeclare()
-        self._receiver.on_close(self)
+        self._callbacks.on_close(self)
 
     def _put(self, sample: zenoh.Sample) -> None:
         # Called in a zenoh thread, or in this one during a publication.
@@ -181,10 +181,10 @@ class ZenohSubscriber:
             except SerializationError as error:
                 self._refuse(error)
         if payloads and not self._is_closed:
-            call_safely(self._what, self._receiver.on_messages, payloads)
+            call_safely(self._what, self._callbacks.on_messages, payloads)
         if self._queue.dropped_count and not self._is_loss_reported:
             self._is_loss_reported = True
-            self._receiver.report(Level.WARN, loss_text(self.topic))
+            self._callbacks.report(Level.WARN, loss_text(self.topic))
 
     @property
     def _accepts_all(self) -> bool:
@@ -212,7 +212,7 @@ class ZenohSubscriber:
             self._declare_token(support)
         if self._accepts_one_type and node_name not in self._skip_nodes:
             self._learned_type = support
-        if self._receiver.on_connection is not None and not self._is_closed:
+        if self._callbacks.on_connection is not None and not self._is_closed:
             fields = connection_fields(
                 self.topic,
                 support.ros1_type,
@@ -220,7 +220,7 @@ class ZenohSubscriber:
                 is_latching=qos.is_latching,
                 reliability=qos.reliability.name,
             )
-            call_safely(f"on_connection of {self.topic}", self._receiver.on_connection, fields)
+            call_safely(f"on_connection of {self.topic}", self._callbacks.on_connection, fields)
 
     def _of_token(self, token: Token) -> MessageSupport | None:
         if self._support is None:
@@ -263,4 +263,4 @@ class ZenohSubscriber:
     def _refuse(self, error: SerializationError) -> None:
         if not self._is_misfit_reported:
             self._is_misfit_reported = True
-            self._receiver.report(Level.WARN, f"{self.topic}: a message does not fit its type: {error}")
+            self._callbacks.report(Level.WARN, f"{self.topic}: a message does not fit its type: {error}")

@@ -20,7 +20,7 @@ from rostether.graph.memory_network import MemoryNetwork
 from rostether.graph.ports import Graph
 from rostether.msgdef.registry import Registry
 from rostether.msgdef.ros2.definitions import Ros2Definitions
-from rostether.relay.relay_filter import Direction, Services, Topics
+from rostether.relay.relay_filter import RelayDirection, ServiceFilter, TopicFilter
 from rostether.ros1.environment import RosEnvironment
 from rostether.ros1.master.server import MasterServer
 from rostether.ros1.node.node import join_ros1
@@ -34,12 +34,12 @@ def test_what_is_typed() -> None:
         ("/chatter", "odom"), ("/sensors/*",), ("*",), ("/enable", "/plan=nav_msgs/GetPlan")
     ).choice()
     assert choice.topics == (
-        Topics("/chatter"),
-        Topics("/odom"),
-        Topics("/sensors/*", Direction.FIRST_TO_SECOND),
-        Topics("*", Direction.SECOND_TO_FIRST),
+        TopicFilter("/chatter"),
+        TopicFilter("/odom"),
+        TopicFilter("/sensors/*", RelayDirection.FIRST_TO_SECOND),
+        TopicFilter("*", RelayDirection.SECOND_TO_FIRST),
     )
-    assert choice.services == (Services("/enable"), Services("/plan", "nav_msgs/GetPlan"))
+    assert choice.services == (ServiceFilter("/enable"), ServiceFilter("/plan", "nav_msgs/GetPlan"))
 
 
 @pytest.mark.parametrize(
