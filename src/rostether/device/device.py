@@ -112,7 +112,7 @@ class Device(Endpoints, BlockClosable):
         return self
 
     async def close(self) -> None:
-        """Close the line, and fail all pending requests. Idempotent."""
+        """Close the line, fail all pending requests, and end the loops over messages. Idempotent."""
         if self._keeper is not None:
             await cancel_all(self._keeper)
         transport = self._line.transport
@@ -120,6 +120,8 @@ class Device(Endpoints, BlockClosable):
         self._fail_requests("the device was closed")
         for server in self._servers:
             server.close()
+        for stream in self._streams:
+            stream.end()
         if transport is not None:
             await transport.wait_closed()
 

@@ -103,7 +103,8 @@ class Subscriber(Declared):
 class Messages(Generic[M]):
     """The messages of one topic, to loop over; `Device.messages` returns it.
 
-    The queue is bounded: if the loop is too slow, the oldest messages are dropped (`dropped_count`).
+    The loop ends when the device is closed. The queue is bounded: if the loop is too slow, the oldest messages
+    are dropped (`dropped_count`).
     """
 
     def __init__(self, topic: str, queue_size: int) -> None:
@@ -111,11 +112,17 @@ class Messages(Generic[M]):
         self.dropped_count = 0
         self._waiting: deque[Message] = deque(maxlen=max(queue_size, 1))
         self._wakeup = asyncio.Event()
+        self._has_ended = False
 
     def put(self, message: Message) -> None:
         """Add a message that arrived."""
         self.dropped_count += len(self._waiting) == self._waiting.maxlen
         self._waiting.append(message)
+        self._wakeup.set()
+
+    def end(self) -> None:
+        """End the loop after the messages that have arrived, because the device was closed."""
+        self._has_ended = True
         self._wakeup.set()
 
     def __aiter__(self) -> Self:
@@ -124,6 +131,8 @@ class Messages(Generic[M]):
     async def __anext__(self) -> M:
         """Wait for the next message and return it."""
         while not self._waiting:
+            if self._has_ended:
+                raise StopAsyncIteration
             self._wakeup.clear()
             await self._wakeup.wait()
         return cast("M", self._waiting.popleft())

@@ -31,6 +31,7 @@ class Endpoints(LogMethods):
         self._line = line
         self._receivers: dict[int, Callable[[list[bytes]], None]] = {}
         self._servers: list[ServiceServer] = []
+        self._streams: list[Messages[Any]] = []
         self._clients: list[ServiceClient[Any]] = []
 
     @abstractmethod
@@ -97,6 +98,7 @@ class Endpoints(LogMethods):
         """
         messages = Messages[Any](topic, queue_size)
         self.subscriber(topic, name_of_type(type_name), messages.put)
+        self._streams.append(messages)
         return messages
 
     @overload

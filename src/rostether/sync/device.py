@@ -50,7 +50,7 @@ class ServiceClient(Blocking[DeviceServiceClient[Response]]):
 
 
 class Messages(Blocking[DeviceMessages[M]]):
-    """The messages of a topic, to loop over; made by `Device.messages`."""
+    """The messages of a topic, to loop over until the device is closed; made by `Device.messages`."""
 
     @property
     def dropped_count(self) -> int:
@@ -62,7 +62,10 @@ class Messages(Blocking[DeviceMessages[M]]):
 
     def __next__(self) -> M:
         """Wait for the next message and return it."""
-        return LOOP.call(self.wrapped.__anext__())
+        try:
+            return LOOP.call(self.wrapped.__anext__())
+        except StopAsyncIteration:
+            raise StopIteration from None
 
 
 class Device(OpenContext[device.Device], LogMethods):

@@ -72,6 +72,25 @@ async def test_publish_messages_mappings_and_fields(pair: tuple[Device, Any]) ->
     assert publisher.publish(data=6) is False
 
 
+async def test_a_loop_over_messages_ends_when_the_device_is_closed(pair: tuple[Device, Any]) -> None:
+    device, line = pair
+    messages = device.messages("in", UInt32)
+    got: list[int] = []
+
+    async def collect() -> None:
+        async for message in messages:
+            got.append(message.data)
+
+    async with tethered(device, line) as host:
+        collecting = asyncio.create_task(collect())
+        await host.until(lambda: ("in", TopicRole.SUBSCRIBER) in host.announced)
+        host.publish("in", {"data": 1})
+        await until(lambda: got == [1])
+    async with asyncio.timeout(10):
+        await collecting
+    assert got == [1]
+
+
 async def test_messages_that_do_not_fit_are_refused_before_they_are_sent(pair: tuple[Device, Any]) -> None:
     device, line = pair
     count = device.publisher("count", "std_msgs/UInt32")

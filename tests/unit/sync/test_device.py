@@ -76,3 +76,12 @@ def test_services_both_ways(line: tuple[rostether.sync.Device, Host]) -> None:
     device.wait_connected(timeout_s=LIMIT_S)
     LOOP.call(host.until(lambda: {"add", "enable"} <= host.services.keys()))
     assert LOOP.call(host.call("enable", {"data": True})).success is True
+
+
+def test_a_loop_over_messages_ends_when_the_device_is_closed(
+    line: tuple[rostether.sync.Device, Host],
+) -> None:
+    device, _ = line
+    switches = device.messages("switch", Bool)
+    device.close()
+    assert list(switches) == []
