@@ -103,8 +103,8 @@ class Subscriber(Declared):
 class Messages(Generic[M]):
     """The messages of one topic, to loop over; `Device.messages` returns it.
 
-    The loop ends when the device is closed. The queue is bounded: if the loop is too slow, the oldest messages
-    are dropped (`dropped_count`).
+    The loop ends when the device is closed. The queue is bounded: if the loop is too slow, the oldest
+    messages are dropped (`dropped_count`).
     """
 
     def __init__(self, topic: str, queue_size: int) -> None:
