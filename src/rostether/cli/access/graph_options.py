@@ -22,7 +22,6 @@ from rostether.cli.shell.option_group import (
     ignored_options,
     option_group,
 )
-from rostether.mechanisms.anonymous import anonymous_name
 
 ROS2_OPTION = "--ros2"
 # The value of `--ros2` alone: the middleware in the environment, else the installed one.
@@ -135,6 +134,9 @@ class GraphOptions:
 
     def node_name(self, purpose: str) -> str:
         """Return the name of the command's node: `__name:=`, else a unique one that begins with `purpose`."""
+        # Imported here because it needs socket and random, and most commands have no node.
+        from rostether.mechanisms.anonymous import anonymous_name
+
         return self.arguments.get("__name") or anonymous_name(purpose)
 
 
