@@ -43,7 +43,7 @@ class NodeHandleBase_ : public FrameWriter {
   }
 
   // The number (modulo 65536) of received frames that were dropped because of damage, a wrong length or an unknown
-  // topic, and of messages that were too long to be sent.
+  // topic, and of messages that were not sent because they were too long or the line did not accept them.
   uint16_t dropped() const { return window_.dropped(); }
 
   // The host's time; before its first answer, the time since the board started.
@@ -222,7 +222,7 @@ class NodeHandleBase_ : public FrameWriter {
     contactAgain();
   }
 
-  // Prepares for another host; the next spinOnce introduces the node to it.
+  // Prepares for another host; the next keepInTouch introduces the node to it.
   void contactAgain() {
     connected_ = false;
     unanswered_ = 0;

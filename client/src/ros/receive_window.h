@@ -106,7 +106,7 @@ class ReceiveWindow {
     if (space() >= FIRST_LOOK_BYTES) goal_ += FIRST_LOOK_BYTES;
   }
   ROS_NOINLINE void countDropped() { ++dropped_; }
-  // The number of frames that started and were dropped (modulo 65536).
+  // The number (modulo 65536) of frames that started and were dropped, and of messages that were not sent.
   uint16_t dropped() const { return dropped_; }
 
   // Lends memory below the limit for bytes to send, and returns its size: at most `wanted` and at most half of the free
