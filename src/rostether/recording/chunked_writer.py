@@ -113,11 +113,11 @@ class ChunkedWriter(ABC):
 
     @abstractmethod
     def _pop_unwritten(self, number: int) -> Iterable[bytes]:
-        """Return the records that must come before the first message of a connection in a chunk."""
+        """Return the records that must precede the first message of a connection in a chunk."""
 
     @abstractmethod
     def _message_form(self, number: int, time_ns: int) -> tuple[tuple[int, ...], Callable[[int], bytes]]:
-        """Return a time as index columns, and a function that makes a message's header from its size.
+        """Return a time as index columns, and a function that returns a message's header for its size.
 
         All headers have the same length.
         """

@@ -21,7 +21,7 @@ class FileLock:
     """Locks a file for writing until `release`; a missing file is created.
 
     Without file locks (Windows, some network file systems), or if the file is not writable, it does nothing.
-    Raises RecordingError if another writer holds the lock.
+    Raises RecordingError if another writer has locked it.
     """
 
     def __init__(self, path: Path) -> None:

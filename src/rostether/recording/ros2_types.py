@@ -28,7 +28,7 @@ _STAMPS = {"builtin_interfaces/Time": "time", "builtin_interfaces/Duration": "du
 
 
 class RecordedDefinitions(Ros2Definitions):
-    """The definitions of a recording; missing ones come from `others`, by default those of the environment.
+    """The definitions of a recording; missing ones are those of `others`, by default of the environment.
 
     The first definition of a name is used.
     """

@@ -4,7 +4,7 @@ A topic is relayed as long as a node other than the relay publishes it. If both 
 are active at the same time. No message comes back, because the relay's subscribers omit the messages that the
 relay itself publishes. A service is offered in the graph that does not have it, while the other has it.
 
-Nodes that are in both graphs themselves (`graph.joint_marks`) are skipped: boards, which need no relay, and
+Nodes that are in both graphs (`graph.joint_marks`) are skipped. These are boards, which need no relay, and
 other relays, whose messages are those of the other graph. If there are several relays, the first one that
 relays a topic or service continues to do so. If two start at the same time, the younger one waits.
 """
@@ -40,7 +40,7 @@ RETRY_S = 2.0
 # The time for relays and boards in both graphs to see a new relay: ROS 1 shows changes after a second.
 DISCOVERY_S = 2.0
 
-# How long a relay waits for each older one: until the graphs show what the older one relays.
+# How long a relay waits for each older one: until the graphs show the items that the older one relays.
 OLDER_RELAY_WAIT_S = 1.5
 
 # How often the relay checks whether other relays still run. Until then, the copies of a killed relay are
@@ -52,7 +52,7 @@ SEEN_POLL_S = 0.05
 
 
 class Relay:
-    """Relays what `relay_filter` chooses; `report` gets a line for each start, end and error.
+    """Relays the items that `relay_filter` chooses; `report` gets a line for each start, end and error.
 
     `actions` is needed to relay actions; then `first` is ROS 1 and `second` is ROS 2.
     """

@@ -17,9 +17,8 @@ from rostether.recording.bag.records import U32, Fields, Op, op_of, read_record,
 from rostether.recording.chunked_reader import tally
 from rostether.recording.compression import MAX_CHUNK_BYTES, NONE, Buffer, check_unpacked_size, decompress
 
-# A chunk's header has the fields op, compression and size in any order. These are the field op, and the
-# numbers of bytes that can be before it: the header's length, and 13 bytes of size, 19 or 20 of compression,
-# or both.
+# A chunk's header has the fields op, compression and size in any order. This is the field op. Before it
+# can be the header's length (4 bytes), and 13 bytes of size, 19 or 20 of compression, or both.
 _CHUNK_KIND = re.compile(rb"\x04\x00\x00\x00op=\x05")
 _BEFORE_KIND = (4, 17, 23, 24, 36, 37)
 _MAX_CHUNK_HEADER_BYTES = 41

@@ -32,8 +32,8 @@ from rostether.recording.chunked_writer import DEFAULT_CHUNK_BYTES, ChunkedWrite
 from rostether.recording.compression import NONE, compress
 from rostether.recording.recorded import Connection
 
-# The beginning of a message record: the length of its header, then the fields conn (13 bytes with its
-# length), op (8) and time (17, here without its value of 8 bytes).
+# The beginning of a message record: the length of its header, and the fields conn, op and time. With their
+# lengths, they have 13, 8 and 17 bytes; the value of time (8 bytes) is added later.
 _MESSAGE_HEAD = struct.Struct("<II5sII4sI5s")
 _MESSAGE_HEADER_BYTES = 38
 

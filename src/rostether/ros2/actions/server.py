@@ -47,7 +47,7 @@ class _Goal(msgspec.Struct):
 class Ros2ActionServer:
     """One action; `on_goal` gets the id and the payload of each goal, `on_cancel` the id of a goal to cancel.
 
-    Every goal is accepted as long as there are fewer than `MAX_GOALS`. A goal being canceled stays active
+    Every goal is accepted as long as there are fewer than `MAX_GOALS`. A goal being canceled remains active
     until `finish`. `empty_result` is the payload of a default result.
     """
 

@@ -18,7 +18,7 @@ from rostether.ros2.rclpy.service_server import RclpyServiceServer
 from rostether.ros2.rclpy.subscription import RclpySubscriber
 from rostether.ros2.types.type_support import ServiceSupport
 
-# How often a subscriber to which rclpy reports no new publishers looks for them; users do not notice 0.2 s.
+# How often subscribers search for new publishers if rclpy does not report them; users do not notice 0.2 s.
 PUBLISHER_POLL_INTERVAL_S = 0.2
 
 

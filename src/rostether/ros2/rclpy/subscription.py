@@ -158,7 +158,7 @@ class RclpySubscriber:
             self._own.thread.submit(partial(self._use_type, support))
 
     def _use_type(self, support: MessageSupport) -> None:
-        # This runs in the executor's thread, so no message of an older type comes afterwards.
+        # This runs in the executor's thread, so no message of an older type arrives afterwards.
         self.end()
         self._support = support
         self.adapt()
