@@ -208,7 +208,7 @@ def cycles_table() -> Table:
             "" if not operation.established else f"{neutral[operation] / operation.established:.0%}",
             f"{serial[operation]:,}",
             "" if not operation.established else f"{operation.established:,}",
-            "" if not operation.established else f"{operation.wanted_part:.0%}",
+            "" if not operation.established else f"{operation.max_part:.0%}",
         )
     return table
 

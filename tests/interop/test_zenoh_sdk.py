@@ -76,8 +76,8 @@ async def test_publisher_to_sdk_subscriber(node: Graph, peer: SdkPeer) -> None:
     await until(lambda: publisher.subscriber_count == 1)
     texts = [f"message {number} ä" for number in range(500)]
     publisher.publish_raw([string(text) for text in texts])
-    await until(lambda: len(peer.got) == 500)
-    assert [fields["data"] for fields in peer.got] == texts
+    await until(lambda: len(peer.received) == 500)
+    assert [fields["data"] for fields in peer.received] == texts
 
 
 async def test_sdk_publisher_to_subscriber(node: Graph, peer: SdkPeer) -> None:
@@ -119,8 +119,8 @@ async def test_a_stamped_message_both_ways(node: Graph, session: ZenohSession, p
         {**fields, "header": {"seq": 9, "stamp": {"secs": 12, "nsecs": 34}, "frame_id": "sonar"}}
     )
     there.publish_raw([ros1])
-    await until(lambda: peer.got)
-    got = peer.got[0]
+    await until(lambda: peer.received)
+    got = peer.received[0]
     assert {name: got[name] for name in fields} == fields
     assert got["header"] == header
     await peer.do("publish", "/back", messages=[{**fields, "variance": 0.0, "header": header}])
@@ -139,10 +139,10 @@ async def test_latched_topic_to_sdk_subscriber(node: Graph, peer: SdkPeer) -> No
         msg_definition=STRING_TEXT,
         qos=":1:,1:,:,:,,",
     )
-    await until(lambda: peer.got)
+    await until(lambda: peer.received)
     publisher.publish_raw([string("newer")])
-    await until(lambda: len(peer.got) == 2)
-    assert [fields["data"] for fields in peer.got] == ["new", "newer"]
+    await until(lambda: len(peer.received) == 2)
+    assert [fields["data"] for fields in peer.received] == ["new", "newer"]
 
 
 async def test_service_called_by_sdk(node: Graph, peer: SdkPeer) -> None:

@@ -25,8 +25,8 @@ class SdkPeer:
     """
 
     def __init__(self, process: asyncio.subprocess.Process) -> None:
-        self.got: list[dict[str, Any]] = []
-        self.got_on: dict[str, list[dict[str, Any]]] = {}
+        self.received: list[dict[str, Any]] = []
+        self.received_on: dict[str, list[dict[str, Any]]] = {}
         self._process = process
         self._answers: asyncio.Queue[dict[str, Any]] = asyncio.Queue()
         self._reading = asyncio.ensure_future(self._read())
@@ -62,8 +62,8 @@ class SdkPeer:
                 continue
             fields = json.loads(line)
             if "got" in fields:
-                self.got.append(fields["fields"])
-                self.got_on.setdefault(fields["got"], []).append(fields["fields"])
+                self.received.append(fields["fields"])
+                self.received_on.setdefault(fields["got"], []).append(fields["fields"])
             else:
                 self._answers.put_nowait(fields)
 

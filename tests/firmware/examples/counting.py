@@ -20,12 +20,12 @@ class Operation:
     """An operation whose cycles are counted, with the cycles of the established library, if known, and the
     largest allowed part of them.
 
-    `max_cycles` is the limit of the test without a line, a few percent above the last measurement.
+    `max_cycles` is the limit of the test with a line in memory, a few percent above the last measurement.
     """
 
     name: str
     established: int | None
-    wanted_part: float
+    max_part: float
     max_cycles: int
 
 
@@ -43,7 +43,7 @@ OPERATIONS = (
     Operation("receive and dispatch String, 12 letters", 4042, 1, 2400),
 )
 # The sketch subscribes to the two topics first.
-ARRIVALS = {
+INPUTS = {
     OPERATIONS[1]: encode_frame(0, b""),
     OPERATIONS[7]: encode_frame(100, b"\x34\x12"),
     OPERATIONS[8]: encode_frame(102, b""),
@@ -68,8 +68,8 @@ async def count_async(*, neutral: bool) -> dict[Operation, int]:
         await board.send_command("run")
         async with asyncio.timeout(TIMEOUT_S):
             for operation in OPERATIONS:
-                if not neutral and operation in ARRIVALS:
-                    await board.send(ARRIVALS[operation])
+                if not neutral and operation in INPUTS:
+                    await board.send(INPUTS[operation])
                 while (await event).name != "region":
                     event = asyncio.ensure_future(anext(events))
                 cycles[operation] = int(event.result()["cycles"])

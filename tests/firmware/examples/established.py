@@ -104,18 +104,18 @@ class RamSize:
     static_bytes: int
     stack_bytes: int
 
-    def part(self, *, without_bytes: int = 0) -> float:
+    def part(self, *, excluded_bytes: int = 0) -> float:
         """RAM and stack, as a part of the established library's; `without_bytes` are not counted in
         either.
         """
         established = ESTABLISHED["uno"][self.example][1] + ESTABLISHED_STACK_BYTES
-        return (self.static_bytes + self.stack_bytes - without_bytes) / (established - without_bytes)
+        return (self.static_bytes + self.stack_bytes - excluded_bytes) / (established - excluded_bytes)
 
 
 def has_measured_compiler() -> bool:
     """Return whether avr-gcc has the version with which the limits of the tests were measured."""
-    asked = subprocess.run(["avr-gcc", "-dumpversion"], capture_output=True, text=True, check=True)
-    return asked.stdout.startswith("5.")
+    version = subprocess.run(["avr-gcc", "-dumpversion"], capture_output=True, text=True, check=True)
+    return version.stdout.startswith("5.")
 
 
 async def ram_size(example: str) -> RamSize:

@@ -32,7 +32,7 @@ NODE = "board"
 # For a busy machine; on an idle one nothing takes longer than two seconds.
 TIMEOUT_S = 60.0
 
-Meets = Callable[[Message], object]
+Condition = Callable[[Message], object]
 Prepare = Callable[[TypedGraph, str], Awaitable[None]]
 
 
@@ -41,42 +41,44 @@ async def build_example(name: str | Path, kind: str) -> BuiltFirmware:
     return await build_sketch(EXAMPLES / name, find_board(kind), BuildOptions(warnings=True))
 
 
-class Ear:
+class TypedInbox:
     """Collects the messages of a topic."""
 
     def __init__(self) -> None:
-        self.received: list[Message] = []
-        self._came = asyncio.Event()
+        self.messages: list[Message] = []
+        self._arrived = asyncio.Event()
 
-    def take(self, message: Message) -> None:
+    def store(self, message: Message) -> None:
         """Store one message."""
-        self.received.append(message)
-        self._came.set()
+        self.messages.append(message)
+        self._arrived.set()
 
-    async def next(self, meets: Meets = lambda _message: True, *, timeout_s: float = TIMEOUT_S) -> Message:
+    async def wait_for(
+        self, condition: Condition = lambda _message: True, *, timeout_s: float = TIMEOUT_S
+    ) -> Message:
         """Return the next message that meets a condition; at the time limit, fail with the last message."""
-        seen = len(self.received)
+        seen = len(self.messages)
         with contextlib.suppress(TimeoutError):
             async with asyncio.timeout(timeout_s):
                 while True:
-                    self._came.clear()
-                    for message in self.received[seen:]:
-                        if meets(message):
+                    self._arrived.clear()
+                    for message in self.messages[seen:]:
+                        if condition(message):
                             return message
-                    seen = len(self.received)
-                    await self._came.wait()
-        raise AssertionError(f"no such message; of {len(self.received)} the last is\n{self.received[-1:]}")
+                    seen = len(self.messages)
+                    await self._arrived.wait()
+        raise AssertionError(f"no such message; of {len(self.messages)} the last is\n{self.messages[-1:]}")
 
-    async def reached(self, count: int) -> None:
+    async def wait_for_count(self, count: int) -> None:
         """Wait until `count` messages were received in total."""
-        if len(self.received) < count:
-            await self.next(lambda _message: len(self.received) >= count)
+        if len(self.messages) < count:
+            await self.wait_for(lambda _message: len(self.messages) >= count)
 
-    async def several(self, count: int) -> list[Message]:
+    async def next_messages(self, count: int) -> list[Message]:
         """Return the next `count` messages."""
-        first = len(self.received)
-        await self.reached(first + count)
-        return self.received[first : first + count]
+        first = len(self.messages)
+        await self.wait_for_count(first + count)
+        return self.messages[first : first + count]
 
 
 class Stage:
@@ -90,58 +92,60 @@ class Stage:
         self.master_uri = master_uri
         self.reporter = reporter
 
-    async def listen(self, topic: str, type_name: str) -> Ear:
+    async def listen(self, topic: str, type_name: str) -> TypedInbox:
         """Subscribe, and wait until a publisher is connected."""
-        ear = Ear()
+        inbox = TypedInbox()
         codec = STORE.codec(type_name)
 
-        def take(payloads: Sequence[bytes]) -> None:
+        def store(payloads: Sequence[bytes]) -> None:
             for payload in payloads:
-                ear.take(codec.decode(payload))
+                inbox.store(codec.decode(payload))
 
-        subscriber = await self.graph.raw.subscribe(topic, STORE.registry.message_type(type_name), take)
+        subscriber = await self.graph.raw.subscribe(topic, STORE.registry.message_type(type_name), store)
         await until(lambda: subscriber.publisher_count, f"a publisher of {topic}")
-        return ear
+        return inbox
 
-    async def message(self, topic: str, type_name: str, meets: Meets = lambda _message: True) -> Message:
+    async def message(
+        self, topic: str, type_name: str, condition: Condition = lambda _message: True
+    ) -> Message:
         """Return the next message of a topic that meets a condition."""
-        return await (await self.listen(topic, type_name)).next(meets)
+        return await (await self.listen(topic, type_name)).wait_for(condition)
 
-    async def log(self) -> Ear:
+    async def listen_to_log(self) -> TypedInbox:
         """Collect the board's log messages."""
         return await self.listen("/rosout", "rosgraph_msgs/Log")
 
     async def publisher(self, topic: str, type_name: str) -> TypedPublisher[...]:
         """Advertise a topic, and wait for the board's subscription."""
         publisher = await self.graph.publisher(topic, type_name)
-        assert await publisher.wait_for_subscriber(TIMEOUT_S), f"nobody subscribed to {topic}"
+        assert await publisher.wait_for_subscriber(TIMEOUT_S), f"no subscriber of {topic}"
         return publisher
 
-    async def service(self, service: str) -> None:
+    async def wait_for_service(self, service: str) -> None:
         """Wait until a node offers a service."""
-        await _eventually(lambda: self._offers(service), f"service {service}")
+        await _wait_until(lambda: self._offers(service), f"service {service}")
 
-    async def memory_becomes(self, symbol: str, data: bytes) -> None:
+    async def wait_for_memory(self, symbol: str, data: bytes) -> None:
         """Wait until a variable of the program begins with these bytes."""
 
-        async def has_become() -> bool:
+        async def has_data() -> bool:
             return await self.board.memory(symbol, len(data)) == data
 
-        await _eventually(has_become, f"{data!r} in {symbol}")
+        await _wait_until(has_data, f"{data!r} in {symbol}")
 
-    async def servo_turns(self, pin: str, angle: float) -> None:
+    async def wait_for_servo(self, pin: str, angle: float) -> None:
         """Wait until a servo is within one degree of an angle."""
 
-        async def stands() -> bool:
+        async def is_near() -> bool:
             return abs(await self.board.servo_angle(pin) - angle) < 1
 
-        await _eventually(stands, f"{angle} degrees at {pin}")
+        await _wait_until(is_near, f"{angle} degrees at {pin}")
 
     async def _offers(self, service: str) -> bool:
         return service in (await self.graph.raw.snapshot()).services
 
 
-async def _eventually(condition: Callable[[], Awaitable[bool]], what: str) -> None:
+async def _wait_until(condition: Callable[[], Awaitable[bool]], what: str) -> None:
     deadline_s = asyncio.get_running_loop().time() + TIMEOUT_S
     while not await condition():
         assert asyncio.get_running_loop().time() < deadline_s, f"gave up waiting for {what}"
@@ -149,7 +153,7 @@ async def _eventually(condition: Callable[[], Awaitable[bool]], what: str) -> No
 
 
 @contextlib.asynccontextmanager
-async def a_graph(master_uri: str, name: str = "/onlooker") -> AsyncIterator[TypedGraph]:
+async def open_graph(master_uri: str, name: str = "/onlooker") -> AsyncIterator[TypedGraph]:
     """Join the stage's graph as a node."""
     graph = await _join(master_uri, name)
     try:
@@ -159,7 +163,9 @@ async def a_graph(master_uri: str, name: str = "/onlooker") -> AsyncIterator[Typ
 
 
 @contextlib.asynccontextmanager
-async def a_bridge(master_uri: str, reporter: RecordingReporter, address: str) -> AsyncIterator[Supervisor]:
+async def open_bridge(
+    master_uri: str, reporter: RecordingReporter, address: str
+) -> AsyncIterator[Supervisor]:
     """Serve a link address."""
 
     async def join(
@@ -179,14 +185,13 @@ async def a_bridge(master_uri: str, reporter: RecordingReporter, address: str) -
 async def running(
     name: str | Path,
     kind: str = "uno",
-    words: Sequence[str] = (),
+    commands: Sequence[str] = (),
     prepare: Prepare | None = None,
     *,
     uses_network: bool = False,
     options: str = "",
 ) -> AsyncIterator[Stage]:
-    """Run an example. `words` are commands to the board at its start; `prepare` is called with the graph
-    before that.
+    """Run an example. `commands` are sent to the board at its start; `prepare` gets the graph before that.
 
     With `uses_network`, the sketch reaches the bridge over the network, at a link address with `options`;
     otherwise on the serial line.
@@ -196,20 +201,20 @@ async def running(
     async with contextlib.AsyncExitStack() as stack:
         master = await MasterServer.start(port=0)
         stack.push_async_callback(master.close)
-        graph = await stack.enter_async_context(a_graph(master.uri))
+        graph = await stack.enter_async_context(open_graph(master.uri))
         if prepare is not None:
             await prepare(graph, master.uri)
-        words = list(words)
+        commands = list(commands)
         if uses_network:
             bridge = await stack.enter_async_context(
-                a_bridge(master.uri, reporter, f"tcp://127.0.0.1:0?name={NODE}{options}")
+                open_bridge(master.uri, reporter, f"tcp://127.0.0.1:0?name={NODE}{options}")
             )
-            words.append("network " + bridge.listening_on[0].removeprefix("tcp://").partition("?")[0])
+            commands.append("network " + bridge.listening_on[0].removeprefix("tcp://").partition("?")[0])
         board = await stack.enter_async_context(
-            await SimulatedBoard.start(built.elf, board=kind, commands=words)
+            await SimulatedBoard.start(built.elf, board=kind, commands=commands)
         )
         if not uses_network:
-            await stack.enter_async_context(a_bridge(master.uri, reporter, f"{board.address}?name={NODE}"))
+            await stack.enter_async_context(open_bridge(master.uri, reporter, f"{board.address}?name={NODE}"))
         try:
             yield Stage(board, graph, master.uri, reporter)
         except AssertionError as error:

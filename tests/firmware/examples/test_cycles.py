@@ -22,4 +22,4 @@ async def test_no_operation_takes_longer_than_before(capsys: pytest.CaptureFixtu
 @pytest.mark.parametrize("operation", counting.OPERATIONS, ids=lambda each: each.name)
 def test_no_limit_is_above_the_established_library(operation: counting.Operation) -> None:
     if operation.established is not None:
-        assert operation.max_cycles <= operation.established * operation.wanted_part
+        assert operation.max_cycles <= operation.established * operation.max_part

@@ -51,7 +51,7 @@ async def test_rosservice_call_is_answered(tmp_path: Path) -> None:
         peers = Ros1Peers(stage.master_uri, tmp_path)
         peers.environment["PYTHONPATH"] = str(types)
         try:
-            await stage.service("/test_srv")
+            await stage.wait_for_service("/test_srv")
             assert "rosserial_arduino/Test" in await peers.run("rosservice", "type", "/test_srv")
             for reported in ("hello", "world"):
                 printed = await peers.run("rosservice", "call", "/test_srv", "input: anybody there?")

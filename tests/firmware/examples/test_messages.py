@@ -42,7 +42,7 @@ async def test_blinker_with_class(kind: str) -> None:
         gaps_ms = [1000 * (after - before) for before, after in itertools.pairwise(edges_s)]
         assert gaps_ms == pytest.approx([50] * 3, abs=4)
 
-        await stage.service("/activate_blinker")
+        await stage.wait_for_service("/activate_blinker")
         answer = await stage.graph.call(
             "/activate_blinker", "std_srvs/SetBool", {"data": False}, timeout_s=60
         )
@@ -80,21 +80,21 @@ async def test_button_example(kind: str) -> None:
             await board.drive_pin("D7", level)
             await board.run("2ms")
         await board.send_command("run")
-        await pushed.reached(1)
+        await pushed.wait_for_count(1)
         assert await board.pin_level("D13")
         await board.drive_pin("D7", None)
-        await pushed.reached(2)
-        assert [each.data for each in pushed.received] == [True, False]
+        await pushed.wait_for_count(2)
+        assert [each.data for each in pushed.messages] == [True, False]
 
 
 async def test_blinkm_sends_colors_and_reports_a_missing_light(kind: str) -> None:
     # The simulated board has no BlinkM: the bytes for it are in the buffer of the I2C library.
     async with running("BlinkM", kind) as stage:
-        log = await stage.log()
+        log = await stage.listen_to_log()
         blinkm = await stage.publisher("/blinkm", "std_msgs/String")
         for text, sent in (("Sm", b"n\xff\x00\xff"), ("g", b"c\x00\xff\x00"), ("So", b"n\x00\x00\x00")):
             blinkm.publish(data=text)
-            await stage.memory_becomes("_ZN7TwoWire8txBufferE", sent)
+            await stage.wait_for_memory("_ZN7TwoWire8txBufferE", sent)
         blinkm.publish(data="")
-        await log.next(lambda line: line.msg == "colors are: r g b y c m w o")
-        assert "no BlinkM answers on I2C" in [line.msg for line in log.received]
+        await log.wait_for(lambda line: line.msg == "colors are: r g b y c m w o")
+        assert "no BlinkM answers on I2C" in [line.msg for line in log.messages]

@@ -39,15 +39,15 @@ async def driving(cmd_vel: TypedPublisher[...], speed: float, turn_rate: float) 
         commanding.cancel()
 
 
-async def duty(stage: Stage, pin: str, wanted: float) -> None:
+async def wait_for_duty(stage: Stage, pin: str, wanted: float) -> None:
     """Wait until a motor's PWM has this duty."""
 
-    def is_so() -> bool:
+    def has_duty() -> bool:
         reported = [each for each in stage.board.recent if each.name == "pwm" and each["pin"] == pin]
         return bool(reported) and abs(reported[-1]["duty"] - wanted) < 0.02
 
     async with asyncio.timeout(TIMEOUT_S):
-        while not is_so():
+        while not has_duty():
             await asyncio.sleep(0.01)
 
 
@@ -59,37 +59,37 @@ async def test_it_drives(kind: str) -> None:
         state = await stage.listen("/sensor_state", "turtlebot3_msgs/SensorState")
         cmd_vel = await stage.publisher("/cmd_vel", "geometry_msgs/Twist")
         async with driving(cmd_vel, 0.15, 0.5):
-            await duty(stage, "D5", (0.15 - 0.5 * WHEEL_SEPARATION / 2) / 0.22)
-            await duty(stage, "D6", (0.15 + 0.5 * WHEEL_SEPARATION / 2) / 0.22)
-            moving = await odom.next(lambda message: yaw_of(message.pose.pose.orientation) > 0.6)
+            await wait_for_duty(stage, "D5", (0.15 - 0.5 * WHEEL_SEPARATION / 2) / 0.22)
+            await wait_for_duty(stage, "D6", (0.15 + 0.5 * WHEEL_SEPARATION / 2) / 0.22)
+            moving = await odom.wait_for(lambda message: yaw_of(message.pose.pose.orientation) > 0.6)
         assert moving.twist.twist.linear.x == pytest.approx(0.15, abs=0.005)
         assert moving.twist.twist.angular.z == pytest.approx(0.5, abs=0.05)
         assert (moving.header.frame_id, moving.child_frame_id) == ("odom", "base_footprint")
         # It has moved along a circle with this radius.
-        yaw, place = yaw_of(moving.pose.pose.orientation), moving.pose.pose.position
-        assert place.x == pytest.approx(0.3 * math.sin(yaw), abs=0.01)
-        assert place.y == pytest.approx(0.3 * (1 - math.cos(yaw)), abs=0.01)
+        yaw, position = yaw_of(moving.pose.pose.orientation), moving.pose.pose.position
+        assert position.x == pytest.approx(0.3 * math.sin(yaw), abs=0.01)
+        assert position.y == pytest.approx(0.3 * (1 - math.cos(yaw)), abs=0.01)
 
         # No node commands it any more.
-        stopped = await odom.next(lambda message: message.twist.twist.linear.x == 0)
-        await odom.next()
+        stopped = await odom.wait_for(lambda message: message.twist.twist.linear.x == 0)
+        await odom.wait_for()
         yaw = yaw_of(stopped.pose.pose.orientation)
-        wheels = await joints.next()
+        wheels = await joints.wait_for()
         assert list(wheels.name) == ["wheel_left_joint", "wheel_right_joint"]
-        gone = (wheels.position[0] + wheels.position[1]) / 2 * WHEEL_RADIUS
-        assert gone == pytest.approx(0.3 * yaw, abs=0.01)
+        distance = (wheels.position[0] + wheels.position[1]) / 2 * WHEEL_RADIUS
+        assert distance == pytest.approx(0.3 * yaw, abs=0.01)
         turned = (wheels.position[1] - wheels.position[0]) * WHEEL_RADIUS / WHEEL_SEPARATION
         assert turned == pytest.approx(yaw, abs=0.02)
-        ticks = await state.next()
+        ticks = await state.wait_for()
         assert ticks.left_encoder == pytest.approx(wheels.position[0] * 4096 / math.tau, abs=1)
         assert ticks.right_encoder == pytest.approx(wheels.position[1] * 4096 / math.tau, abs=1)
-        (frame,) = (await tf.next()).transforms
+        (frame,) = (await tf.wait_for()).transforms
         assert frame.transform.translation.x == stopped.pose.pose.position.x
         assert yaw_of(frame.transform.rotation) == pytest.approx(yaw)
 
         reset = await stage.publisher("/reset", "std_msgs/Empty")
         reset.publish()
-        await odom.next(lambda message: message.pose.pose.position.x == message.pose.pose.position.y == 0)
+        await odom.wait_for(lambda message: message.pose.pose.position.x == message.pose.pose.position.y == 0)
 
 
 async def test_it_obeys_the_motor_switch_and_makes_sounds(kind: str) -> None:
@@ -98,15 +98,15 @@ async def test_it_obeys_the_motor_switch_and_makes_sounds(kind: str) -> None:
         power = await stage.publisher("/motor_power", "std_msgs/Bool")
         cmd_vel = await stage.publisher("/cmd_vel", "geometry_msgs/Twist")
         async with driving(cmd_vel, -0.1, 0):
-            await odom.next(lambda message: message.twist.twist.linear.x < -0.09)
+            await odom.wait_for(lambda message: message.twist.twist.linear.x < -0.09)
             # If the commands come late on a busy machine, the motors stop until the next one.
             await stage.board.wait_for_pin("D4", True, timeout_s=TIMEOUT_S)
             await stage.board.wait_for_pin("D7", True, timeout_s=TIMEOUT_S)
             power.publish(data=False)
-            await odom.next(lambda message: message.twist.twist.linear.x == 0)
+            await odom.wait_for(lambda message: message.twist.twist.linear.x == 0)
             assert (await stage.message("/sensor_state", "turtlebot3_msgs/SensorState")).torque is False
             power.publish(data=True)
-            await odom.next(lambda message: message.twist.twist.linear.x < -0.09)
+            await odom.wait_for(lambda message: message.twist.twist.linear.x < -0.09)
 
         sound = await stage.publisher("/sound", "turtlebot3_msgs/Sound")
         sound.publish(value=4)
@@ -152,12 +152,14 @@ async def test_it_loses_no_command_while_it_publishes(kind: str) -> None:
 
 
 async def test_it_senses(kind: str) -> None:
-    words = ["adc A0=4.0", "pin D9=0", "attitude 0 0 30"]
-    async with running("MobileBase", kind, words) as stage:
+    commands = ["adc A0=4.0", "pin D9=0", "attitude 0 0 30"]
+    async with running("MobileBase", kind, commands) as stage:
         state = await stage.message("/sensor_state", "turtlebot3_msgs/SensorState")
         assert state.bumper == 1
         assert state.battery == pytest.approx(12, abs=0.02)
-        battery = await stage.message("/battery_state", "sensor_msgs/BatteryState", lambda it: it.voltage > 1)
+        battery = await stage.message(
+            "/battery_state", "sensor_msgs/BatteryState", lambda message: message.voltage > 1
+        )
         assert battery.voltage == pytest.approx(12, abs=0.02)
         assert battery.percentage == pytest.approx(1.0 / 1.4, abs=0.02)
         assert battery.present
@@ -173,12 +175,12 @@ async def test_it_senses(kind: str) -> None:
         assert await stage.board.free_stack_bytes() > 100
 
 
-async def test_without_an_imu_the_rest_works_on() -> None:
-    async with running("MobileBase", words=["adc A0=3.8"]) as stage:
+async def test_it_works_without_an_imu() -> None:
+    async with running("MobileBase", commands=["adc A0=3.8"]) as stage:
         await stage.message("/odom", ODOM)
         rates = await stage.listen("/odom", ODOM)
         for _ in range(TRIES):
-            stamps = [message.header.stamp.to_s() for message in await rates.several(15)]
+            stamps = [message.header.stamp.to_s() for message in await rates.next_messages(15)]
             period_s = (stamps[-1] - stamps[3]) / 11
             # On a busy machine, the board's clock is set while it counts.
             if period_s == pytest.approx(0.1, rel=0.1):

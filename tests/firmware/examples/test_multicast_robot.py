@@ -33,7 +33,7 @@ GRACE_S = 0.1
 # 5.4, and with newer versions (1,816 bytes with version 16). With avr-gcc 5.4, and with newer versions.
 MAX_FLASH, MAX_RAM = (1500, 120)
 MAX_FLASH_NEWER, MAX_RAM_NEWER = (1900, 180)
-BARE = """
+BARE_COMMANDS = """
 class BareCommands {
  public:
   void setRobot(int) {}
@@ -71,7 +71,7 @@ void loop() {{}}
 """
 
 
-def _duty(event: BoardEvent) -> float | None:
+def _left_duty(event: BoardEvent) -> float | None:
     """Return the left motor's duty in an event; at rest and at full speed, no timer drives the pin."""
     found = event.values.get("duty" if event.name == "pwm" else "level")
     return None if event.values.get("pin") != "D3" or found is None else float(found)
@@ -110,13 +110,13 @@ class Fleet:
         event = await self.board.ask("wheels", "wheels")
         return round(event["left"] * 255), round(event["right"] * 255)
 
-    def deaf_s(self) -> float:
+    def stalled_s(self) -> float:
         """Return the board's time when the chip first stopped receiving."""
         return next(
             each.time_s for each in self.board.recent if each.name == "w5100" and each["state"] == "stalled"
         )
 
-    async def turns(self, left: int, right: int) -> None:
+    async def wait_for_wheels(self, left: int, right: int) -> None:
         """Wait until both motors have these duties."""
         async with asyncio.timeout(TIMEOUT_S):
             while await self.wheels() != (left, right):
@@ -126,18 +126,18 @@ class Fleet:
         """Return the board's time, in seconds."""
         return await self.board.cycles() / CLOCK_HZ
 
-    def turned_s(self, duty: int) -> float:
+    def duty_changed_s(self, duty: int) -> float:
         """Return the board's time, in seconds, when the left motor last got this duty."""
-        times_s = [each.time_s for each in self.board.recent if _duty(each) == duty]
+        times_s = [each.time_s for each in self.board.recent if _left_duty(each) == duty]
         return times_s[-1] if times_s else 0.0
 
 
 @contextlib.asynccontextmanager
-async def running(name: str, kind: str, *words: str) -> AsyncIterator[Fleet]:
+async def running(name: str, kind: str, *commands: str) -> AsyncIterator[Fleet]:
     """Run the example, with its key and in a group that only this test uses."""
     built = await build_example(name, kind)
-    words = ("watch D3", *words)
-    async with await SimulatedBoard.start(built.elf, board=kind, link="none", commands=words) as board:
+    commands = ("watch D3", *commands)
+    async with await SimulatedBoard.start(built.elf, board=kind, link="none", commands=commands) as board:
         group = GroupAddress(GROUP, 11412, ("lo",), ttl=0)
         channel = CommandChannel(group, lambda level, text: None, key=KEY)
         try:
@@ -159,27 +159,27 @@ async def test_it_obeys_commands_reopens_a_stalled_socket_and_stops_with_its_sen
             (45, 1.414, 255, 180),
         ):
             async with fleet.driving(direction, speed):
-                await fleet.turns(left, right)
+                await fleet.wait_for_wheels(left, right)
         (robot,) = fleet.channel.table.robots.values()
         assert (robot.status.robot_id, robot.address[0]) == (1, "127.0.0.2")
         async with fleet.driving(0, 1):
             await fleet.board.send_command("w5100 stall_after=1")
-            await fleet.turns(0, 0)
-            deaf_s = fleet.deaf_s()
+            await fleet.wait_for_wheels(0, 0)
+            stalled_s = fleet.stalled_s()
             async with asyncio.timeout(TIMEOUT_S):
-                while fleet.turned_s(1) < deaf_s:
+                while fleet.duty_changed_s(1) < stalled_s:
                     await asyncio.sleep(0.01)
-            assert fleet.turned_s(1) - deaf_s < 1
+            assert fleet.duty_changed_s(1) - stalled_s < 1
             await fleet.board.send_command("w5100 stall_after=0")
-            await fleet.turns(255, 255)
-        gone_s = await fleet.time_s()
-        await fleet.turns(0, 0)
-        assert fleet.turned_s(0) - gone_s < TTL_S + GRACE_S
+            await fleet.wait_for_wheels(255, 255)
+        sender_ended_s = await fleet.time_s()
+        await fleet.wait_for_wheels(0, 0)
+        assert fleet.duty_changed_s(0) - sender_ended_s < TTL_S + GRACE_S
 
 
 async def test_the_library_is_small(tmp_path: Path) -> None:
     framed = ElfFile.read((await build_example("MulticastRobot", "uno")).elf)
-    text = re.sub(r"ros::MulticastCommand<[^;]*EthernetUDP>[^;]*;", BARE, TEXT)
+    text = re.sub(r"ros::MulticastCommand<[^;]*EthernetUDP>[^;]*;", BARE_COMMANDS, TEXT)
     bare = ElfFile.read((await build_sketch(write_sketch(tmp_path, "Bare", text), find_board("uno"))).elf)
     is_measured = has_measured_compiler()
     assert framed.flash_bytes - bare.flash_bytes <= (MAX_FLASH if is_measured else MAX_FLASH_NEWER)

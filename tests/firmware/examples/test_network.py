@@ -13,12 +13,12 @@ from waiting import until
 
 async def test_tcp_hello_world(kind: str) -> None:
     async with running("TcpHelloWorld", kind, ["watch serial"], uses_network=True) as stage:
-        received = await stage.listen("/chatter", "std_msgs/String")
-        assert [message.data for message in await received.several(2)] == ["hello world!"] * 2
+        inbox = await stage.listen("/chatter", "std_msgs/String")
+        assert [message.data for message in await inbox.next_messages(2)] == ["hello world!"] * 2
         # The serial line is free for the sketch's texts.
         assert stage.board.serial == b"my address is 192.168.0.177\r\n"
-        asked = [event["asked"] for event in stage.board.recent if event.name == "network"]
-        assert set(asked) == {"192.168.0.11:11411"}
+        requested = [event["asked"] for event in stage.board.recent if event.name == "network"]
+        assert set(requested) == {"192.168.0.11:11411"}
 
 
 async def test_tcp_blink(kind: str) -> None:
@@ -29,7 +29,7 @@ async def test_tcp_blink(kind: str) -> None:
             await stage.board.wait_for_pin("D7", level)
 
 
-def the_key() -> str:
+def sketch_key() -> str:
     found = re.search(r'#define KEY "(\w+)"', (EXAMPLES / "TcpSharedKey/TcpSharedKey.ino").read_text())
     assert found is not None
     return found[1]
@@ -37,11 +37,11 @@ def the_key() -> str:
 
 async def test_tcp_shared_key(kind: str, tmp_path: Path) -> None:
     file = tmp_path / "board.key"
-    file.write_text(f"{the_key()}\n")
+    file.write_text(f"{sketch_key()}\n")
     psk = f"&psk={file}"
     async with running("TcpSharedKey", kind, ["watch serial"], uses_network=True, options=psk) as stage:
-        received = await stage.listen("/chatter", "std_msgs/String")
-        assert [message.data for message in await received.several(2)] == ["hello, friend"] * 2
+        inbox = await stage.listen("/chatter", "std_msgs/String")
+        assert [message.data for message in await inbox.next_messages(2)] == ["hello, friend"] * 2
         assert stage.board.serial == b""
 
 

@@ -42,7 +42,7 @@ async def test_an_uno_publishes_odometry(tmp_path: Path) -> None:
     sketch.write_text(SKETCH)
     async with running(sketch) as stage:
         odom = await stage.listen("/odom", "nav_msgs/Odometry")
-        messages = await odom.several(5)
+        messages = await odom.next_messages(5)
         for message, after in itertools.pairwise(messages):
             assert after.pose.pose.position.x == message.pose.pose.position.x + 0.5
         last = messages[-1]

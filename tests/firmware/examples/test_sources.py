@@ -24,7 +24,7 @@ def test_each_has_a_sketch_of_its_name_and_a_test() -> None:
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_each_begins_with_what_it_does_how_to_wire_it_and_what_to_type(name: str) -> None:
+def test_each_begins_with_its_purpose_its_wiring_and_a_command(name: str) -> None:
     text = (EXAMPLES / name / f"{name}.ino").read_text()
     assert text.startswith(f"// {name}: ")
     assert re.search(r"^// Wiring:  ?\S", text, re.MULTILINE)

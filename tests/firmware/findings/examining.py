@@ -28,9 +28,9 @@ STORE = TypeStore(Registry())
 PORT = "/dev/ttyACM0"
 # A tenth of a second makes a board seem slow.
 MAX_STALL_S = 0.03
-OF_TIME = frozenset({Code.SLOW_LOOP, Code.CLOCK_DRIFT})
+TIMING_CODES = frozenset({Code.SLOW_LOOP, Code.CLOCK_DRIFT})
 TRIES = 3
-Happening = Callable[[SimulatedBoard], Awaitable[None]]
+BoardAction = Callable[[SimulatedBoard], Awaitable[None]]
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,19 +38,19 @@ class Case:
     """A sketch, the commands to its board at the start, and what happens to the board during the examination.
 
     With `baud`, the sketch's rate, the line needs the same rate on both sides; the doctor begins at 57600.
-    `sent_as` are the definitions that the sketch is built with, by file name.
+    `built_with` are the definitions that the sketch is built with, by file name.
     """
 
     sketch: str
-    words: Sequence[str] = ()
-    happening: Happening | None = None
+    commands: Sequence[str] = ()
+    action: BoardAction | None = None
     watch_s: float = 4.0
     baud: int | None = None
-    sent_as: Mapping[str, str] | None = None
+    built_with: Mapping[str, str] | None = None
     known: Mapping[str, str] | None = None
     """Definitions that the doctor has."""
-    of_time: Code | None = None
-    """What is found where lateness or drift is the fault; else they are this machine's when it was slow."""
+    timing_fault: Code | None = None
+    """The expected finding about time. Other findings about time are ignored if this machine was too slow."""
 
 
 async def examine_all(
@@ -60,8 +60,8 @@ async def examine_all(
 
     If other codes are found and this machine was too slow for real time, the board is examined again.
     """
-    programs = await _all({name: _build(case, folder / name) for name, case in cases.items()})
-    found = await _all(
+    programs = await _gather({name: _build(case, folder / name) for name, case in cases.items()})
+    found = await _gather(
         {name: _examine(case, programs[name], folder / name, expected[name]) for name, case in cases.items()}
     )
     wrong = {name: _codes(each) for name, each in found.items() if _codes(each) != expected[name]}
@@ -87,7 +87,7 @@ class Stalls:
 T = TypeVar("T")
 
 
-async def _all(work: Mapping[str, Coroutine[None, None, T]]) -> dict[str, T]:
+async def _gather(work: Mapping[str, Coroutine[None, None, T]]) -> dict[str, T]:
     async with asyncio.TaskGroup() as group:
         tasks = {name: group.create_task(each) for name, each in work.items()}
     return {name: task.result() for name, task in tasks.items()}
@@ -97,7 +97,7 @@ async def _build(case: Case, folder: Path) -> Path:
     sketch = folder / "faulty" / "faulty.ino"
     sketch.parent.mkdir(parents=True)
     sketch.write_text(case.sketch)
-    paths = (_packages(folder / "sent", case.sent_as),) if case.sent_as else ()
+    paths = (_packages(folder / "sent", case.built_with),) if case.built_with else ()
     return (await build_sketch(sketch, find_board("uno"), BuildOptions(msg_paths=paths))).elf
 
 
@@ -107,8 +107,8 @@ async def _examine(case: Case, program: Path, folder: Path, expected: list[Code]
         store = TypeStore(Registry(paths=(_packages(folder / "known", case.known),)))
     for _ in range(TRIES):
         diagnosis, was_slow = await _watch(case, program, store)
-        if was_slow and case.of_time is None:
-            found = tuple(each for each in diagnosis.findings if each.code not in OF_TIME)
+        if was_slow and case.timing_fault is None:
+            found = tuple(each for each in diagnosis.findings if each.code not in TIMING_CODES)
             diagnosis = replace(diagnosis, findings=found)
         if not was_slow or _codes(diagnosis) == expected:
             break
@@ -123,13 +123,13 @@ async def _watch(case: Case, program: Path, store: TypeStore) -> tuple[Diagnosis
     """Return the diagnosis, and whether this machine was too slow for findings about time."""
     link: Literal["pty", "tcp"] = "pty" if case.baud is None else "tcp"
     stalls = Stalls()
-    async with await SimulatedBoard.start(program, commands=case.words, link=link) as board:
+    async with await SimulatedBoard.start(program, commands=case.commands, link=link) as board:
         watching = asyncio.create_task(stalls.watch())
-        happening = asyncio.ensure_future(case.happening(board)) if case.happening is not None else None
+        action = asyncio.ensure_future(case.action(board)) if case.action is not None else None
         try:
             diagnosis = await _diagnose(case, board, store)
         finally:
-            tasks = [watching] if happening is None else [watching, happening]
+            tasks = [watching] if action is None else [watching, action]
             for task in tasks:
                 task.cancel()
             await asyncio.gather(*tasks, return_exceptions=True)

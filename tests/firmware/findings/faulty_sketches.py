@@ -30,7 +30,7 @@ void talk() {
 }
 """
 
-WELL = (
+HEALTHY = (
     _NODE
     + """
 void setup() { begin(); }
@@ -38,7 +38,7 @@ void loop() { talk(); }
 """
 )
 
-SPEAKS_115200 = (
+USES_115200_BAUD = (
     _NODE
     + """
 void setup() {
@@ -49,7 +49,7 @@ void loop() { talk(); }
 """
 )
 
-STAYS_MUTE = """
+SENDS_NOTHING = """
 void setup() { Serial.begin(57600); }
 void loop() { if (Serial.available()) digitalWrite(13, Serial.read() & 1); }
 """
@@ -112,7 +112,7 @@ void loop() {
 )
 
 # Its measurement takes longer than the time of its watchdog.
-IS_BITTEN_BY_ITS_WATCHDOG = (
+IS_RESET_BY_ITS_WATCHDOG = (
     _NODE
     + """
 #include <avr/wdt.h>
@@ -203,7 +203,7 @@ void loop() {
 }
 """
 
-_BY_HAND = """
+_MISTAKEN_CLASS = """
 #include <ros.h>
 
 class Count : public ros::Msg {
@@ -225,8 +225,8 @@ void loop() {
 }
 """
 
-WRITES_TOO_FEW_BYTES = _BY_HAND.replace("SIZE", "3")
-WRITES_TOO_MANY_BYTES = _BY_HAND.replace("SIZE", "12")
+WRITES_TOO_FEW_BYTES = _MISTAKEN_CLASS.replace("SIZE", "3")
+WRITES_TOO_MANY_BYTES = _MISTAKEN_CLASS.replace("SIZE", "12")
 
 _WITHOUT_THE_LIBRARY = """
 uint8_t buffer[160];
@@ -302,7 +302,7 @@ void loop() {
 """
 
 
-def _by_hand(
+def _sketch_without_library(
     *,
     version: int = 0xFE,
     type_name: str = "std_msgs/String",
@@ -323,11 +323,13 @@ def _by_hand(
     return "".join(f"#define {name} {value}\n" for name, value in constants.items()) + _WITHOUT_THE_LIBRARY
 
 
-OF_GROOVY = _by_hand(version=0xFF)
-OF_THE_FUTURE = _by_hand(version=0xFC)
-SENDS_MORE_THAN_IT_ANNOUNCED = _by_hand(size=100)
-SENDS_WHAT_IT_NEVER_ANNOUNCED = _by_hand(topic_id=140)
-HAS_A_SMALL_OUTPUT_BUFFER = _by_hand(type_name="sensor_msgs/Imu", md5sum="6a62c6daae103f4ff57a132d6f95cec2")
+PROTOCOL_VERSION_1 = _sketch_without_library(version=0xFF)
+UNKNOWN_PROTOCOL_VERSION = _sketch_without_library(version=0xFC)
+SENDS_MORE_THAN_IT_ANNOUNCED = _sketch_without_library(size=100)
+SENDS_WHAT_IT_NEVER_ANNOUNCED = _sketch_without_library(topic_id=140)
+HAS_A_SMALL_OUTPUT_BUFFER = _sketch_without_library(
+    type_name="sensor_msgs/Imu", md5sum="6a62c6daae103f4ff57a132d6f95cec2"
+)
 
 ARM = """
 #include <ros.h>

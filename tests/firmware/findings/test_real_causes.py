@@ -1,7 +1,7 @@
 """Findings and their real causes: firmware with the fault, or a board on which it occurs.
 
-Each test examines several boards at once, to save time. The tests of
-the command do at pseudo-terminals (permission, a port in use, no such port) is not here.
+Each test examines several boards at once, to save time. The tests of the command check the findings about
+ports (permission, a port in use, no such port), so they are not here.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from rostether.simulation.simavr.simulated_board import SimulatedBoard
 ARM = "my_robot/msg/Arm.msg"
 
 
-def only(diagnosis: Diagnosis) -> Finding:
+def only_finding(diagnosis: Diagnosis) -> Finding:
     (finding,) = diagnosis.findings
     return finding
 
@@ -27,7 +27,7 @@ async def switch_off(board: SimulatedBoard) -> None:
     await board.power(False)
 
 
-async def sag(board: SimulatedBoard) -> None:
+async def drop_supply_voltage(board: SimulatedBoard) -> None:
     """A motor starts repeatedly, and each time the supply voltage drops."""
     while True:
         await asyncio.sleep(2.0)
@@ -44,18 +44,18 @@ async def unplug(board: SimulatedBoard) -> None:
 async def test_boards_without_rosserial(tmp_path: Path) -> None:
     found = await examine_all(
         {
-            "well": Case(sketches.WELL),
-            "mute": Case(sketches.STAYS_MUTE),
-            "off": Case(sketches.WELL, happening=switch_off),
+            "healthy": Case(sketches.HEALTHY),
+            "mute": Case(sketches.SENDS_NOTHING),
+            "off": Case(sketches.HEALTHY, action=switch_off),
             "prints": Case(sketches.PRINTS),
             "noise": Case(sketches.SENDS_NOISE),
-            "unplugged": Case(sketches.WELL, happening=unplug),
-            "old": Case(sketches.OF_GROOVY),
-            "new": Case(sketches.OF_THE_FUTURE),
+            "unplugged": Case(sketches.HEALTHY, action=unplug),
+            "old": Case(sketches.PROTOCOL_VERSION_1),
+            "new": Case(sketches.UNKNOWN_PROTOCOL_VERSION),
         },
         tmp_path,
         {
-            "well": [],
+            "healthy": [],
             "mute": [Code.NOTHING_RECEIVED],
             "off": [Code.NOTHING_RECEIVED],
             "prints": [Code.TEXT_RECEIVED],
@@ -65,20 +65,20 @@ async def test_boards_without_rosserial(tmp_path: Path) -> None:
             "new": [Code.PROTOCOL_VERSION],
         },
     )
-    assert "'Temperature: " in only(found["prints"]).seen
-    assert "version 1" in only(found["old"]).seen
-    assert "version byte 0xfc" in only(found["new"]).seen
+    assert "'Temperature: " in only_finding(found["prints"]).seen
+    assert "version 1" in only_finding(found["old"]).seen
+    assert "version byte 0xfc" in only_finding(found["new"]).seen
 
 
 async def test_sketches_with_another_baud_rate(tmp_path: Path) -> None:
     bauds = {"slow": 9600, "fast": 115200, "fastest": 1000000}
     cases = {
-        name: Case(sketches.SPEAKS_115200.replace("115200", str(baud)), baud=baud)
+        name: Case(sketches.USES_115200_BAUD.replace("115200", str(baud)), baud=baud)
         for name, baud in bauds.items()
     }
     found = await examine_all(cases, tmp_path, {name: [Code.WRONG_BAUD] for name in bauds})
     for name, baud in bauds.items():
-        finding = only(found[name])
+        finding = only_finding(found[name])
         assert f"uses {baud} baud, not 57600" in finding.seen
         assert f"?baud={baud}" in finding.next_step
         assert found[name].board is not None
@@ -96,8 +96,8 @@ async def test_sketches_with_faults(tmp_path: Path) -> None:
             "few": Case(sketches.WRITES_TOO_FEW_BYTES),
             "many": Case(sketches.WRITES_TOO_MANY_BYTES),
             "more": Case(sketches.SENDS_MORE_THAN_IT_ANNOUNCED),
-            "stale": Case(sketches.ARM, sent_as={ARM: old}, known={ARM: new}),
-            "unknown": Case(sketches.ARM, sent_as={ARM: new}),
+            "stale": Case(sketches.ARM, built_with={ARM: old}, known={ARM: new}),
+            "unknown": Case(sketches.ARM, built_with={ARM: new}),
         },
         tmp_path,
         {
@@ -113,38 +113,40 @@ async def test_sketches_with_faults(tmp_path: Path) -> None:
             "unknown": [Code.UNKNOWN_TYPE],
         },
     )
-    assert "'distance " in only(found["text"]).seen
-    assert "mean'" in only(found["overrun"]).seen
-    assert "my chatter [std_msgs/String]" in only(found["space"]).seen
-    assert only(found["small"]).subject == "goal"
-    assert "100 bytes, and the board announced a buffer of 64" in only(found["more"]).seen
-    assert "arm are stale" in only(found["stale"]).seen
-    assert "its definition lacks 'float32 torque'" in only(found["stale"]).seen
-    assert "no package 'my_robot'" in only(found["unknown"]).seen
+    assert "'distance " in only_finding(found["text"]).seen
+    assert "mean'" in only_finding(found["overrun"]).seen
+    assert "my chatter [std_msgs/String]" in only_finding(found["space"]).seen
+    assert only_finding(found["small"]).subject == "goal"
+    assert "100 bytes, and the board announced a buffer of 64" in only_finding(found["more"]).seen
+    assert "arm are stale" in only_finding(found["stale"]).seen
+    assert "its definition lacks 'float32 torque'" in only_finding(found["stale"]).seen
+    assert "no package 'my_robot'" in only_finding(found["unknown"]).seen
 
 
-async def test_boards_that_work_badly(tmp_path: Path) -> None:
+async def test_boards_with_faults_at_run_time(tmp_path: Path) -> None:
     found = await examine_all(
         {
-            "waits": Case(sketches.WAITS_IN_ITS_LOOP, watch_s=8.0, of_time=Code.SLOW_LOOP),
+            "waits": Case(sketches.WAITS_IN_ITS_LOOP, watch_s=8.0, timing_fault=Code.SLOW_LOOP),
             "hangs": Case(sketches.HANGS_AFTER_SECONDS, watch_s=10.0),
-            "bitten": Case(sketches.IS_BITTEN_BY_ITS_WATCHDOG, watch_s=8.0),
-            "sags": Case(sketches.WELL, happening=sag, watch_s=8.0),
-            "drifts": Case(sketches.STOPS_ITS_CLOCK_FOR_A_LED_STRIP, watch_s=14.0, of_time=Code.CLOCK_DRIFT),
+            "watchdog": Case(sketches.IS_RESET_BY_ITS_WATCHDOG, watch_s=8.0),
+            "sags": Case(sketches.HEALTHY, action=drop_supply_voltage, watch_s=8.0),
+            "drifts": Case(
+                sketches.STOPS_ITS_CLOCK_FOR_A_LED_STRIP, watch_s=14.0, timing_fault=Code.CLOCK_DRIFT
+            ),
             "stray": Case(sketches.SENDS_WHAT_IT_NEVER_ANNOUNCED, watch_s=14.0),
-            "damaged": Case(sketches.WELL, words=["fault from:flip=0.004,seed=3"], watch_s=10.0),
+            "damaged": Case(sketches.HEALTHY, commands=["fault from:flip=0.004,seed=3"], watch_s=10.0),
         },
         tmp_path,
         {
             "waits": [Code.SLOW_LOOP],
             "hangs": [Code.BOARD_SILENT],
-            "bitten": [Code.RESET_LOOP],
+            "watchdog": [Code.RESET_LOOP],
             "sags": [Code.RESET_LOOP],
             "drifts": [Code.CLOCK_DRIFT],
             "stray": [Code.UNANNOUNCED_MESSAGES],
             "damaged": [Code.FRAMES_DAMAGED],
         },
     )
-    assert "too slow" in only(found["drifts"]).seen
-    assert "have topic id 140," in only(found["stray"]).seen
-    assert " % of the frames are damaged" in only(found["damaged"]).seen
+    assert "too slow" in only_finding(found["drifts"]).seen
+    assert "have topic id 140," in only_finding(found["stray"]).seen
+    assert " % of the frames are damaged" in only_finding(found["damaged"]).seen

@@ -14,7 +14,7 @@ from programs import Peer
 from unit.firmware.sketches import users_cache
 
 EXAMPLE = Path(__file__).parents[3] / "examples" / "mearm"
-_LEFT_OUT = ("ROS", "PYTEST", "PYTHONPATH")
+_REMOVED_VARIABLES = ("ROS", "PYTEST", "PYTHONPATH")
 
 
 class Terminals:
@@ -23,7 +23,7 @@ class Terminals:
     def __init__(self, workspace: Path, master_uri: str) -> None:
         self.workspace = workspace
         self._environment = {
-            name: value for name, value in os.environ.items() if not name.startswith(_LEFT_OUT)
+            name: value for name, value in os.environ.items() if not name.startswith(_REMOVED_VARIABLES)
         } | {
             "PATH": f"{Path(sys.executable).parent}:/usr/bin:/bin",
             "ROS_MASTER_URI": master_uri,

@@ -13,7 +13,7 @@ from typing import Any
 
 import pytest
 
-from firmware.examples.stage import a_graph
+from firmware.examples.stage import open_graph
 from firmware.mearm.terminal import EXAMPLE, Terminals, terminals
 from robot_poses import forward_kinematics
 from rostether.firmware.build import build_sketch, find_board
@@ -40,7 +40,7 @@ def angles_of(message: Any) -> tuple[int, ...]:
     return tuple(getattr(message, name) for name in SERVOS)
 
 
-async def hears(graph: TypedGraph, topic: str, wanted: Sequence[int]) -> None:
+async def wait_for_angles(graph: TypedGraph, topic: str, wanted: Sequence[int]) -> None:
     """Wait for a message with these servo angles."""
     seen = None
     try:
@@ -53,7 +53,7 @@ async def hears(graph: TypedGraph, topic: str, wanted: Sequence[int]) -> None:
         pytest.fail(f"{topic} never was {wanted}; the last was {seen}")
 
 
-async def servos_stand(board: SimulatedBoard, wanted: Sequence[float]) -> None:
+async def wait_for_servos(board: SimulatedBoard, wanted: Sequence[float]) -> None:
     angles: list[float] = []
     try:
         async with asyncio.timeout(60):
@@ -64,7 +64,7 @@ async def servos_stand(board: SimulatedBoard, wanted: Sequence[float]) -> None:
         pytest.fail(f"the servos never stood at {wanted}, but at {angles}")
 
 
-async def a_buffer(graph: TypedGraph, child: str, turn: float) -> TransformBuffer:
+async def wait_for_frames(graph: TypedGraph, child: str, turn: float) -> TransformBuffer:
     """Return the frames as soon as a joint's link is turned by this angle about z."""
     buffer = TransformBuffer()
     async with asyncio.timeout(60):
@@ -91,47 +91,49 @@ def product(*matrices: Matrix) -> Matrix:
     return result
 
 
-def moved(x: float, y: float, z: float) -> Matrix:
+def translation_matrix(x: float, y: float, z: float) -> Matrix:
     return [[1, 0, 0, x], [0, 1, 0, y], [0, 0, 1, z], [0, 0, 0, 1]]
 
 
-def about_z(angle: float) -> Matrix:
+def rotation_about_z(angle: float) -> Matrix:
     c, s = math.cos(angle), math.sin(angle)
     return [[c, -s, 0, 0], [s, c, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]
 
 
-def about_y(angle: float) -> Matrix:
+def rotation_about_y(angle: float) -> Matrix:
     c, s = math.cos(angle), math.sin(angle)
     return [[c, 0, s, 0], [0, 1, 0, 0], [-s, 0, c, 0], [0, 0, 0, 1]]
 
 
-def finger_by_hand(joints: Sequence[float]) -> Matrix:
+def finger_pose(joints: Sequence[float]) -> Matrix:
     """Return the pose of the finger in base_link, calculated from the drawing of the arm."""
     return product(
-        moved(0, 0, 0.04),
-        about_z(joints[0]),
-        moved(0.01, 0, 0.025),
-        about_y(joints[1]),
-        moved(0, 0, 0.08),
-        about_y(joints[2]),
-        moved(0.08, 0, 0),
-        moved(0, -0.012, 0),
-        about_z(-joints[3]),
+        translation_matrix(0, 0, 0.04),
+        rotation_about_z(joints[0]),
+        translation_matrix(0.01, 0, 0.025),
+        rotation_about_y(joints[1]),
+        translation_matrix(0, 0, 0.08),
+        rotation_about_y(joints[2]),
+        translation_matrix(0.08, 0, 0),
+        translation_matrix(0, -0.012, 0),
+        rotation_about_z(-joints[3]),
     )
 
 
 async def check_frames(graph: TypedGraph) -> None:
-    buffer = await a_buffer(graph, "turret", SET3[0])
+    buffer = await wait_for_frames(graph, "turret", SET3[0])
     model = parse_urdf(MODEL.read_text())
     positions = {f"joint_{number}": position for number, position in enumerate(SET3)}
-    for link, place in forward_kinematics(model, positions).items():
+    for link, pose in forward_kinematics(model, positions).items():
         found = buffer.lookup("base_link", link).transform
-        assert found.translation == pytest.approx(place.translation, abs=1e-9)
-        assert found.rotation == pytest.approx(place.rotation, abs=1e-9)
-    by_hand = finger_by_hand(SET3)
+        assert found.translation == pytest.approx(pose.translation, abs=1e-9)
+        assert found.rotation == pytest.approx(pose.rotation, abs=1e-9)
+    pose_of_finger = finger_pose(SET3)
     finger = buffer.lookup("base_link", "finger").transform
     for point in ((0.0, 0.0, 0.0), (0.06, 0.0, 0.0), (0.0, 0.01, 0.02)):
-        wanted = [sum(by_hand[row][k] * value for k, value in enumerate((*point, 1))) for row in range(3)]
+        wanted = [
+            sum(pose_of_finger[row][k] * value for k, value in enumerate((*point, 1))) for row in range(3)
+        ]
         assert finger.apply(point) == pytest.approx(wanted, abs=1e-9)
 
 
@@ -147,7 +149,7 @@ async def test_named_positions_move_servos_and_model(tmp_path: Path, remapping: 
     async with AsyncExitStack() as stack:
         master = await MasterServer.start(port=0)
         stack.push_async_callback(master.close)
-        graph = await stack.enter_async_context(a_graph(master.uri))
+        graph = await stack.enter_async_context(open_graph(master.uri))
         board = await stack.enter_async_context(
             await SimulatedBoard.start(built.elf, board="uno", link_path=port)
         )
@@ -157,16 +159,16 @@ async def test_named_positions_move_servos_and_model(tmp_path: Path, remapping: 
             f"rosrun rosserial_python serial_node.py _port:={port} _baud:=115200 {remapping}"
         )
         await bridge.wait_for("Setup publisher on servo_angles [mearm_model/ServoAngles]")
-        await servos_stand(board, (0, 0, 0, 0))
+        await wait_for_servos(board, (0, 0, 0, 0))
 
         assert await select(terminal, "set3") == "success: True"
-        await hears(graph, "/servo_pose_server", (-14, 0, 14, 29))
-        await servos_stand(board, (0, 0, 14, 29))
-        await hears(graph, "/servo_angles", (0, 0, 14, 29))
+        await wait_for_angles(graph, "/servo_pose_server", (-14, 0, 14, 29))
+        await wait_for_servos(board, (0, 0, 14, 29))
+        await wait_for_angles(graph, "/servo_angles", (0, 0, 14, 29))
         await check_frames(graph)
 
         assert await select(terminal, "set2") == "success: False"
         await launch.wait_for("Position set set2 is refused: it has 3 values, but the arm has 4 joints")
         assert await terminal.type('rosservice call /set_servo_pose "position_id: 1"') == "success: True"
-        await servos_stand(board, (45, 120, 60, 10))
-        await hears(graph, "/servo_angles", (45, 120, 60, 10))
+        await wait_for_servos(board, (45, 120, 60, 10))
+        await wait_for_angles(graph, "/servo_angles", (45, 120, 60, 10))

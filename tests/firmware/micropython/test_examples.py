@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from firmware.micropython.boards import EXAMPLES, PROGRAMS, usb_board
-from firmware.platforms.meeting import Meeting, meeting
+from firmware.platforms.node_harness import NodeHarness, node_harness
 from rostether.serde.values import Message
 from waiting import until
 
@@ -18,7 +18,7 @@ NAMES = sorted(each.stem for each in EXAMPLES.glob("*.py"))
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_each_begins_with_what_it_does_how_to_wire_it_and_what_to_type(name: str) -> None:
+def test_each_begins_with_its_purpose_its_wiring_and_a_command(name: str) -> None:
     text = (EXAMPLES / f"{name}.py").read_text()
     assert text.startswith(f"# {name.capitalize()}: ")
     assert re.search(r"^# Wiring:  \S", text, re.MULTILINE)
@@ -30,12 +30,12 @@ def test_each_begins_with_what_it_does_how_to_wire_it_and_what_to_type(name: str
 async def test_blink(library: Path) -> None:
     async with (
         usb_board(EXAMPLES / "blink.py", library, folders=[PICO]) as board,
-        meeting() as met,
-        met.bridge(board.address),
+        node_harness() as harness,
+        harness.bridge(board.address),
     ):
-        await _publish(met, "/toggle_led", "std_msgs/Empty")
+        await _publish(harness, "/toggle_led", "std_msgs/Empty")
         await until(lambda: board.lines, "the LED")
-        await _publish(met, "/toggle_led", "std_msgs/Empty")
+        await _publish(harness, "/toggle_led", "std_msgs/Empty")
         await until(lambda: len(board.lines) > 1, "the LED")
         assert board.lines == ["pin LED 1", "pin LED 0"]
 
@@ -43,10 +43,10 @@ async def test_blink(library: Path) -> None:
 async def test_servo(library: Path) -> None:
     async with (
         usb_board(EXAMPLES / "servo.py", library, folders=[PICO]) as board,
-        meeting() as met,
-        met.bridge(board.address),
+        node_harness() as harness,
+        harness.bridge(board.address),
     ):
-        await _publish(met, "/servo", "std_msgs/UInt16", data=90)
+        await _publish(harness, "/servo", "std_msgs/UInt16", data=90)
         await until(lambda: len(board.lines) >= 2, "a pulse")
         assert board.lines == ["frequency 15 50", "pulse 15 1472000"]
 
@@ -54,10 +54,10 @@ async def test_servo(library: Path) -> None:
 async def test_ultrasound(library: Path) -> None:
     async with (
         usb_board(EXAMPLES / "ultrasound.py", library, folders=[PICO]) as board,
-        meeting() as met,
-        met.bridge(board.address),
+        node_harness() as harness,
+        harness.bridge(board.address),
     ):
-        message = await _message(met, "/ultrasound", "sensor_msgs/Range")
+        message = await _message(harness, "/ultrasound", "sensor_msgs/Range")
     assert message.range == pytest.approx(0.5, abs=0.001)
     assert (message.header.frame_id, message.radiation_type) == ("ultrasound", 0)
     assert message.field_of_view == pytest.approx(0.26)
@@ -66,22 +66,22 @@ async def test_ultrasound(library: Path) -> None:
 async def test_imu_that_is_plugged_in_late(library: Path) -> None:
     async with (
         usb_board(EXAMPLES / "imu.py", library, folders=[PICO]) as board,
-        meeting() as met,
-        met.bridge(board.address),
+        node_harness() as harness,
+        harness.bridge(board.address),
     ):
-        message = await _message(met, "/imu_data", "sensor_msgs/Imu")
+        message = await _message(harness, "/imu_data", "sensor_msgs/Imu")
     assert message.linear_acceleration.z == pytest.approx(9.80665)
     assert message.angular_velocity.z == pytest.approx(4.3633, abs=0.001)
     assert list(message.orientation_covariance) == [-1.0] + [0.0] * 8
 
 
-async def _publish(met: Meeting, topic: str, type_name: str, **fields: Any) -> None:
-    publisher = await met.graph.publisher(topic, type_name)
+async def _publish(harness: NodeHarness, topic: str, type_name: str, **fields: Any) -> None:
+    publisher = await harness.graph.publisher(topic, type_name)
     assert await publisher.wait_for_subscriber(60.0)
     publisher.publish(**fields)
 
 
-async def _message(met: Meeting, topic: str, type_name: str) -> Message:
-    async for message in met.graph.messages(topic, type_name):
+async def _message(harness: NodeHarness, topic: str, type_name: str) -> Message:
+    async for message in harness.graph.messages(topic, type_name):
         return message
     raise AssertionError(f"{topic} has ended")

@@ -20,16 +20,16 @@ from unit.codegen.hostile import write_definitions
 MAX_ELEMENTS = 3
 
 
-def test_all_types_are_written_as_they_were_read(tmp_path: Path) -> None:
+def test_all_types_keep_their_bytes(tmp_path: Path) -> None:
     registry = Registry([write_definitions(tmp_path / "definitions")])
     written = write_micropython_library(tmp_path, registry)
     cases = list(_cases(written.library.types, TypeStore(registry), Random(1)))
     assert len(cases) > 250
-    text = "".join(f"{place} {payload.hex()}\n" for place, payload in cases)
+    text = "".join(f"{name} {payload.hex()}\n" for name, payload in cases)
     lines = run(PROGRAMS / "again.py", written.path, text, heap="16m").splitlines()
     wrong = [
-        (place, payload.hex(), line)
-        for (place, payload), line in zip(cases, lines, strict=True)
+        (name, payload.hex(), line)
+        for (name, payload), line in zip(cases, lines, strict=True)
         if line != payload.hex()
     ]
     assert wrong == []
@@ -59,8 +59,8 @@ def _cases(types: Sequence[str], store: TypeStore, numbers: Random) -> Iterator[
         if full_name in messages:
             yield f"{package} msg {name} ", _payload(store.codec(full_name), numbers)
             continue
-        for half, codec in zip(("Request", "Response"), store.service_codecs(full_name), strict=True):
-            yield f"{package} srv {name} {half}", _payload(codec, numbers)
+        for part, codec in zip(("Request", "Response"), store.service_codecs(full_name), strict=True):
+            yield f"{package} srv {name} {part}", _payload(codec, numbers)
 
 
 def _payload(codec: Codec, numbers: Random) -> bytes:
@@ -78,8 +78,8 @@ def _value(node: Node, numbers: Random) -> Any:
             else [_value(node.element, numbers) for _ in range(count)]
         )
     if isinstance(node, Stamp):
-        made = Time if node.name == "time" else Duration
-        return made(numbers.randrange(1 << 31), numbers.randrange(1 << 30))
+        time_class = Time if node.name == "time" else Duration
+        return time_class(numbers.randrange(1 << 31), numbers.randrange(1 << 30))
     if not isinstance(node, Number):
         return "".join(chr(numbers.choice((65, 0xE9, 0x4E2D))) for _ in range(numbers.randrange(6)))
     if node.code == "?":

@@ -12,7 +12,7 @@ from pathlib import Path
 from effort import effort
 from firmware.micropython.boards import PROGRAMS, running, usb_board
 from firmware.platforms.late_network import late_network
-from firmware.platforms.meeting import meeting
+from firmware.platforms.node_harness import node_harness
 from line_faults import FaultRates, LineFaults
 from rostether.rosserial.frame import encode_frame
 from rostether.transports.memory import Direction, Manipulator
@@ -27,44 +27,44 @@ LONGEST_TEXT = 276
 async def test_exchanges_messages_over_usb(library: Path) -> None:
     async with (
         usb_board(NODE, library, "usb") as board,
-        meeting() as met,
-        met.bridge(board.address),
+        node_harness() as harness,
+        harness.bridge(board.address),
     ):
-        await met.exchange_messages()
+        await harness.exchange_messages()
 
 
 async def test_exchanges_messages_over_a_uart(library: Path, tmp_path: Path) -> None:
     port = tmp_path / "port"
-    async with meeting() as met, met.bridge(f"pty:{port}"):
+    async with node_harness() as harness, harness.bridge(f"pty:{port}"):
         await until(port.exists, "the port")
         async with running(NODE, library, "tty", str(port)):
-            await met.exchange_messages()
+            await harness.exchange_messages()
 
 
 async def test_receives_a_message_whose_packets_are_sent_again(library: Path) -> None:
     async with (
-        meeting() as met,
-        met.bridge("tcp://127.0.0.1:0") as (address,),
-        late_network(address) as place,
-        running(NODE, library, "tcp", *_place(place)),
+        node_harness() as harness,
+        harness.bridge("tcp://127.0.0.1:0") as (address,),
+        late_network(address) as network_address,
+        running(NODE, library, "tcp", *_host_and_port(network_address)),
     ):
-        await met.counting()
-        assert await met.ask("x" * 200) == "x" * 200
+        await harness.wait_for_counts()
+        assert await harness.ask("x" * 200) == "x" * 200
 
 
 async def test_exchanges_messages_over_tcp_and_reconnects_to_another_bridge(library: Path) -> None:
-    async with meeting() as met, contextlib.AsyncExitStack() as node:
-        async with met.bridge("tcp://127.0.0.1:0") as (address,):
-            await node.enter_async_context(running(NODE, library, "tcp", *_place(address)))
-            await met.exchange_messages()
-        async with met.bridge(address):
-            assert await met.ask("hello again") == "hello again"
+    async with node_harness() as harness, contextlib.AsyncExitStack() as node:
+        async with harness.bridge("tcp://127.0.0.1:0") as (address,):
+            await node.enter_async_context(running(NODE, library, "tcp", *_host_and_port(address)))
+            await harness.exchange_messages()
+        async with harness.bridge(address):
+            assert await harness.ask("hello again") == "hello again"
 
 
 async def test_ctrl_c_stops_the_program_and_as_a_byte_of_a_message_does_not(library: Path) -> None:
     async with usb_board(NODE, library, "usb") as board:
-        async with meeting() as met, met.bridge(board.address):
-            assert await met.ask("\x03\r\x03") == "\x03\r\x03"
+        async with node_harness() as harness, harness.bridge(board.address):
+            assert await harness.ask("\x03\r\x03") == "\x03\r\x03"
         # As mpremote does.
         Path(board.address).write_bytes(b"\r\x03")
         await until(lambda: board.has_ended, "the end of the program")
@@ -73,46 +73,46 @@ async def test_ctrl_c_stops_the_program_and_as_a_byte_of_a_message_does_not(libr
 async def test_calls_a_service_from_a_task(library: Path) -> None:
     async with (
         usb_board(PROGRAMS / "tasks.py", library) as board,
-        meeting() as met,
-        met.bridge(board.address),
+        node_harness() as harness,
+        harness.bridge(board.address),
     ):
-        await until(lambda: len(met.answers) >= 3, "responses")
-        assert set(met.answers) == {"pulled"}
+        await until(lambda: len(harness.answers) >= 3, "responses")
+        assert set(harness.answers) == {"pulled"}
 
 
 async def test_exchanges_messages_without_the_modules_of_micropython(library: Path) -> None:
     # As on CircuitPython: its counter of milliseconds, and sockets with recv_into.
     async with (
-        meeting() as met,
-        met.bridge("tcp://127.0.0.1:0") as (address,),
-        running(NODE, library, "tcp", *_place(address), on_cpython=True),
+        node_harness() as harness,
+        harness.bridge("tcp://127.0.0.1:0") as (address,),
+        running(NODE, library, "tcp", *_host_and_port(address), on_cpython=True),
     ):
-        await met.exchange_messages()
+        await harness.exchange_messages()
         # The counter has started again.
-        await until(lambda: met.counts[-1] > 100, "counts")
-        assert await met.ask("hello again") == "hello again"
+        await until(lambda: harness.counts[-1] > 100, "counts")
+        assert await harness.ask("hello again") == "hello again"
 
 
 async def test_exchanges_messages_over_the_second_usb_port_of_circuitpython(
     library: Path, tmp_path: Path
 ) -> None:
     port = tmp_path / "port"
-    async with meeting() as met, met.bridge(f"pty:{port}"):
+    async with node_harness() as harness, harness.bridge(f"pty:{port}"):
         await until(port.exists, "the port")
         async with running(NODE, library, "usb", str(port), on_cpython=True):
-            await met.exchange_messages()
+            await harness.exchange_messages()
 
 
-async def test_a_board_that_is_reset_is_back(library: Path) -> None:
+async def test_a_board_connects_again_after_a_reset(library: Path) -> None:
     async with (
         usb_board(NODE, library, "usb") as board,
-        meeting() as met,
-        met.bridge(board.address),
+        node_harness() as harness,
+        harness.bridge(board.address),
     ):
-        await met.counting()
+        await harness.wait_for_counts()
         await board.reset()
-        await until(lambda: any(b < a for a, b in pairwise(met.counts)), "a counter that starts again")
-        assert await met.ask("hello") == "hello"
+        await until(lambda: any(b < a for a, b in pairwise(harness.counts)), "a counter that starts again")
+        assert await harness.ask("hello") == "hello"
 
 
 async def test_a_connection_to_a_host_that_is_no_longer_reachable_is_replaced(library: Path) -> None:
@@ -132,7 +132,7 @@ async def test_a_connection_to_a_host_that_is_no_longer_reachable_is_replaced(li
     assert 8.0 < began_s[1] - began_s[0] < 12.0 + late.total_s
 
 
-async def test_damaged_frames_cost_only_themselves(library: Path) -> None:
+async def test_a_damaged_frame_loses_only_its_message(library: Path) -> None:
     # One frame in a hundred is damaged, in each direction; a frame has 280 bytes.
     faults = LineFaults(FaultRates(flip_per_byte=0.01 / 280), seed=4)
     is_damaging = True
@@ -142,44 +142,44 @@ async def test_damaged_frames_cost_only_themselves(library: Path) -> None:
         return faults(data, direction) if is_damaging else data
 
     async with (
-        meeting() as met,
-        met.bridge("tcp://127.0.0.1:0") as (address,),
+        node_harness() as harness,
+        harness.bridge("tcp://127.0.0.1:0") as (address,),
         _relay(address, damage) as port,
         running(NODE, library, "tcp", "127.0.0.1", str(port)),
     ):
-        publisher = await met.graph.publisher("/question", "std_msgs/String")
+        publisher = await harness.graph.publisher("/question", "std_msgs/String")
         assert await publisher.wait_for_subscriber(60.0)
         sent = {"end"}
         for number in range(count):
             text = f"{number:04}".ljust(LONGEST_TEXT, "abcdefg"[number % 7])
             sent.add(text)
-            before = len(met.answers)
+            before = len(harness.answers)
             publisher.publish(data=text)
             with contextlib.suppress(TimeoutError):
                 async with asyncio.timeout(0.2):
-                    while len(met.answers) == before:
+                    while len(harness.answers) == before:
                         await asyncio.sleep(0.001)
         is_damaging = False
         async with asyncio.timeout(60.0):
-            while "end" not in met.answers:
+            while "end" not in harness.answers:
                 publisher.publish(data="end")
                 await asyncio.sleep(0.05)
     assert faults.fault_count > 0
-    assert set(met.answers) <= sent
-    assert len(set(met.answers)) > 0.9 * count
+    assert set(harness.answers) <= sent
+    assert len(set(harness.answers)) > 0.9 * count
 
 
-async def test_messages_at_100_hz_leave_the_memory_as_it_is(library: Path) -> None:
+async def test_messages_at_100_hz_do_not_use_up_memory(library: Path) -> None:
     async with (
         usb_board(PROGRAMS / "rate.py", library) as board,
-        meeting() as met,
-        met.bridge(board.address),
+        node_harness() as harness,
+        harness.bridge(board.address),
     ):
         numbers: list[int] = []
         free: list[int] = []
 
         async def listen(topic: str, type_name: str, field: str, values: list[int]) -> None:
-            async for message in met.graph.messages(topic, type_name):
+            async for message in harness.graph.messages(topic, type_name):
                 values.append(getattr(message, field))
 
         tasks = [
@@ -200,7 +200,7 @@ async def test_messages_at_100_hz_leave_the_memory_as_it_is(library: Path) -> No
     assert max(free[1:]) - min(free[1:]) < 1024, free
 
 
-def _place(address: str) -> tuple[str, str]:
+def _host_and_port(address: str) -> tuple[str, str]:
     host, _, port = address.removeprefix("tcp://").rpartition(":")
     return host, port
 
@@ -208,7 +208,7 @@ def _place(address: str) -> tuple[str, str]:
 @contextlib.asynccontextmanager
 async def _relay(address: str, manipulate: Manipulator) -> AsyncIterator[int]:
     """Relay the connections of a board to an address, with faults; yield the port."""
-    host, port = _place(address)
+    host, port = _host_and_port(address)
 
     async def copy(reader: asyncio.StreamReader, writer: asyncio.StreamWriter, direction: Direction) -> None:
         while data := await reader.read(4096):
@@ -216,10 +216,10 @@ async def _relay(address: str, manipulate: Manipulator) -> AsyncIterator[int]:
         writer.close()
 
     async def serve(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
-        there, back = await asyncio.open_connection(host, int(port))
+        to_host_writer, to_host = await asyncio.open_connection(host, int(port))
         await asyncio.gather(
-            copy(reader, back, Direction.FIRST_TO_SECOND),
-            copy(there, writer, Direction.SECOND_TO_FIRST),
+            copy(reader, to_host, Direction.FIRST_TO_SECOND),
+            copy(to_host_writer, writer, Direction.SECOND_TO_FIRST),
             return_exceptions=True,
         )
 

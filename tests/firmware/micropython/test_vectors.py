@@ -15,7 +15,7 @@ from vectors import captures
 LONGEST_STREAM = 5000
 
 
-def test_streams_have_the_frames_that_our_decoder_finds(library: Path) -> None:
+def test_micropython_finds_the_same_frames_as_the_decoder(library: Path) -> None:
     streams = [
         bytes.fromhex(each["bytes"] if each["kind"] == "stream" else each["frame"])
         for each in read_vectors()

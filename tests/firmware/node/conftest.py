@@ -8,6 +8,6 @@ from firmware.node.programs import write_test_library
 
 
 @pytest.fixture(scope="session")
-def test_library(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def library(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The client library with all bundled types and those of the tests."""
     return write_test_library(tmp_path_factory.mktemp("library"))

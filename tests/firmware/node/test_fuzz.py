@@ -15,8 +15,8 @@ FRAMES = effort(20_000, thorough=100_000)
 @pytest.mark.gcc
 @pytest.mark.timeout(300)
 @pytest.mark.parametrize("compiler", ["gcc", "gcc-small"])
-def test_any_frame_leaves_the_node_whole(compiler: str, test_library: Path) -> None:
-    program = built(compiler, "fuzz", test_library, "-Og")
+def test_the_node_works_after_any_frame(compiler: str, library: Path) -> None:
+    program = built(compiler, "fuzz", library, "-Og")
     reported = run(program, "1", str(FRAMES), timeout_s=120)
     frames, delivered = [int(word) for word in reported.split() if word.isdigit()][:2]
     # Damage that leaves most messages intact, or none, would prove nothing.

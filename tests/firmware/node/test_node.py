@@ -17,5 +17,5 @@ COMPILER_NAMES = [
 @pytest.mark.parametrize("concept", CONCEPTS)
 @pytest.mark.parametrize("compiler", COMPILER_NAMES)
 @pytest.mark.timeout(300)
-def test_concept(compiler: str, concept: str, test_library: Path) -> None:
-    run(built(compiler, "node", test_library), concept)
+def test_concept(compiler: str, concept: str, library: Path) -> None:
+    run(built(compiler, "node", library), concept)

@@ -22,7 +22,7 @@ ENDPOINTS = {
 }
 # The first host speaks protocol 1, which the node does not; the type of the other is in a package that is not
 # bundled.
-LEFT_OUT = ("protocol1", "mearm")
+SKIPPED = ("protocol1", "mearm")
 
 
 def endpoints(capture: Capture) -> list[str]:
@@ -44,12 +44,12 @@ def sent_by_host(capture: Capture) -> dict[int, int]:
 
 @pytest.mark.gcc
 @pytest.mark.timeout(300)
-@pytest.mark.parametrize("name", [each for each in captures.names() if each not in LEFT_OUT])
-def test_recorded_host_is_understood(name: str, test_library: Path) -> None:
+@pytest.mark.parametrize("name", [each for each in captures.names() if each not in SKIPPED])
+def test_messages_of_recorded_hosts_are_received(name: str, library: Path) -> None:
     capture = captures.load(name)
     sent = sent_by_host(capture)
     chunks = "".join(f"{int(each.time_s * 1000)} {each.data.hex()}\n" for each in capture.of_host())
-    program = built("gcc", "sessions", test_library)
+    program = built("gcc", "sessions", library)
     lines = run(program, *endpoints(capture), stdin=chunks).splitlines()
     reported = [int(line.split()[1]) for line in lines if line.startswith("sent")]
     received = sum(line.startswith("heard") for line in lines)

@@ -1,4 +1,4 @@
-"""A network that loses a packet of each long message to the node, and delivers it late, as TCP does."""
+"""A network that delivers the end of each long message to the node late, as TCP does after a loss."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ async def late_network(address: str) -> AsyncIterator[str]:
     host, _, port = address.removeprefix("tcp://").rpartition(":")
     tasks: set[asyncio.Task[None]] = set()
 
-    async def carry(reader: asyncio.StreamReader, writer: asyncio.StreamWriter, pause_s: float) -> None:
+    async def forward(reader: asyncio.StreamReader, writer: asyncio.StreamWriter, pause_s: float) -> None:
         try:
             while data := await reader.read(1 << 16):
                 for first in range(0, len(data), PACKET_BYTES):
@@ -29,7 +29,7 @@ async def late_network(address: str) -> AsyncIterator[str]:
 
     async def connect(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
         bridge_reader, bridge_writer = await asyncio.open_connection(host, port)
-        for task in (carry(reader, bridge_writer, 0.0), carry(bridge_reader, writer, LATE_S)):
+        for task in (forward(reader, bridge_writer, 0.0), forward(bridge_reader, writer, LATE_S)):
             tasks.add(asyncio.ensure_future(task))
 
     server = await asyncio.start_server(connect, "127.0.0.1", 0)

@@ -15,7 +15,7 @@ from pathlib import Path
 
 import pytest
 
-from firmware.platforms.meeting import TIMEOUT_S, meeting
+from firmware.platforms.node_harness import TIMEOUT_S, node_harness
 from firmware.platforms.programs import EXTRAS, compile_program, running
 from rostether.rosserial.frame import encode_frame
 from unit.bridge.lateness import lateness
@@ -39,12 +39,12 @@ def udp_sketch(library: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     return _compile("network_node.cpp", library, tmp_path_factory, "-DROSSERIAL_ARDUINO_UDP")
 
 
-def _compile(source: str, library: Path, places: pytest.TempPathFactory, *flags: str) -> Path:
-    output = places.mktemp("arduino") / Path(source).stem
+def _compile(source: str, library: Path, folders: pytest.TempPathFactory, *flags: str) -> Path:
+    output = folders.mktemp("arduino") / Path(source).stem
     return compile_program([*SANITIZED, *flags, f"-I{ON_HOST}"], [ON_HOST / source], library, output)
 
 
-async def test_an_esp32_connects_as_its_sketch_asks_for_it(
+async def test_an_esp32_uses_the_network_without_a_switch(
     library: Path, tmp_path_factory: pytest.TempPathFactory
 ) -> None:
     """On these boards, the established library uses the network without a switch."""
@@ -52,11 +52,11 @@ async def test_an_esp32_connects_as_its_sketch_asks_for_it(
     source = ON_HOST / "network_node.cpp"
     compile_program(["g++", "-DARDUINO=10819", "-DESP32", f"-I{ON_HOST}"], [source], library, program)
     async with (
-        meeting() as met,
-        met.bridge("tcp://127.0.0.1:0") as (address,),
+        node_harness() as harness,
+        harness.bridge("tcp://127.0.0.1:0") as (address,),
         running(program, address.rpartition(":")[2]),
     ):
-        await met.exchange_messages()
+        await harness.exchange_messages()
 
 
 def test_ports_of_any_class(library: Path, tmp_path_factory: pytest.TempPathFactory) -> None:
@@ -65,18 +65,18 @@ def test_ports_of_any_class(library: Path, tmp_path_factory: pytest.TempPathFact
 
 
 async def test_tcp_exchanges_messages_and_reconnects_within_two_seconds(tcp_sketch: Path) -> None:
-    async with meeting() as met, contextlib.AsyncExitStack() as node:
-        async with met.bridge("tcp://127.0.0.1:0") as (address,):
+    async with node_harness() as harness, contextlib.AsyncExitStack() as node:
+        async with harness.bridge("tcp://127.0.0.1:0") as (address,):
             await node.enter_async_context(running(tcp_sketch, address.rpartition(":")[2]))
-            await met.exchange_messages()
+            await harness.exchange_messages()
         # Long enough for the longest pause between its attempts.
         await asyncio.sleep(2.0)
         began_s = time.monotonic()
-        async with met.bridge(address):
+        async with harness.bridge(address):
             async with lateness() as late:
-                await met.counting(1)
+                await harness.wait_for_counts(1)
             assert time.monotonic() - began_s - late.total_s < 2.0
-            await met.exchange_messages()
+            await harness.exchange_messages()
 
 
 async def test_a_connection_to_a_host_that_is_no_longer_reachable_is_replaced(
@@ -85,7 +85,7 @@ async def test_a_connection_to_a_host_that_is_no_longer_reachable_is_replaced(
     """A failed network does not end the connection; the host only stops answering."""
     request_topics = encode_frame(0, b"")
 
-    async def await_second_connection(program: Path, own_host: str) -> float:
+    async def time_until_second_connection(program: Path, own_host: str) -> float:
         began_s: list[float] = []
 
         async def accept(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
@@ -102,24 +102,25 @@ async def test_a_connection_to_a_host_that_is_no_longer_reachable_is_replaced(
         return began_s[1] - began_s[0]
 
     async with lateness() as late:
-        took_s = await asyncio.gather(
-            await_second_connection(tcp_sketch, ""), await_second_connection(linux_program, "127.0.0.1:")
+        times_s = await asyncio.gather(
+            time_until_second_connection(tcp_sketch, ""),
+            time_until_second_connection(linux_program, "127.0.0.1:"),
         )
-    assert 8.0 < min(took_s) <= max(took_s) < 12.0 + late.total_s
+    assert 8.0 < min(times_s) <= max(times_s) < 12.0 + late.total_s
 
 
 async def test_udp_exchanges_messages(udp_sketch: Path) -> None:
     async with (
-        meeting() as met,
-        met.bridge("udp://127.0.0.1:0") as (address,),
+        node_harness() as harness,
+        harness.bridge("udp://127.0.0.1:0") as (address,),
         running(udp_sketch, address.rpartition(":")[2]),
     ):
-        await met.exchange_messages()
+        await harness.exchange_messages()
 
 
 async def test_udp_sends_whole_frames_and_receives_only_from_the_host(udp_sketch: Path) -> None:
     request_topics = encode_frame(0, b"")
-    with _udp_socket() as host, _udp_socket() as stranger:
+    with _udp_socket() as host, _udp_socket() as other:
         async with running(udp_sketch, str(host.getsockname()[1])):
             # Its announcements, every 2.2 s: seven topic infos (two for a service), and the time request.
             first, board = await asyncio.to_thread(host.recvfrom, 2048)
@@ -129,12 +130,12 @@ async def test_udp_sends_whole_frames_and_receives_only_from_the_host(udp_sketch
                 assert (sync, version, length + 8) == (0xFF, 0xFE, len(datagram))
             host.settimeout(0.3)
             for _ in range(10):
-                stranger.sendto(request_topics, board)
+                other.sendto(request_topics, board)
                 # On a busy machine, it may have announced itself again in this time.
                 if not await asyncio.to_thread(_receive_all, host):
                     break
             else:
-                pytest.fail("each request of a stranger was answered")
+                pytest.fail("each request of another program was answered")
             host.settimeout(TIMEOUT_S)
             host.sendto(request_topics, board)
             assert await asyncio.to_thread(host.recv, 2048)
@@ -150,7 +151,7 @@ def _receive_all(receiver: socket.socket) -> int:
 
 
 def _udp_socket() -> socket.socket:
-    made = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
-    made.bind(("127.0.0.1", 0))
-    made.settimeout(TIMEOUT_S)
-    return made
+    udp_socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+    udp_socket.bind(("127.0.0.1", 0))
+    udp_socket.settimeout(TIMEOUT_S)
+    return udp_socket

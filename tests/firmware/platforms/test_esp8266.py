@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from firmware.platforms.meeting import meeting
+from firmware.platforms.node_harness import node_harness
 from firmware.platforms.programs import NODE, compile_for_esp8266, running
 
 QEMU = (
@@ -28,7 +28,7 @@ QEMU = (
 @pytest.mark.lx106
 async def test_exchanges_messages_over_its_serial_port(library: Path, tmp_path: Path) -> None:
     program = compile_for_esp8266(NODE / "arduino.cpp", library, tmp_path / "node.elf")
-    async with meeting() as met, met.bridge("tcp://127.0.0.1:0") as listening:
+    async with node_harness() as harness, harness.bridge("tcp://127.0.0.1:0") as listening:
         host = listening[0].removeprefix("tcp://")
         async with running(*QEMU, "-serial", f"tcp:{host}", "-kernel", str(program)):
-            await met.exchange_messages()
+            await harness.exchange_messages()

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from firmware.platforms.meeting import meeting
+from firmware.platforms.node_harness import node_harness
 from firmware.platforms.programs import compile_program, running
 
 # Its host is a text constant, which the library must not change. It reads the line once a second.
@@ -77,12 +77,12 @@ int _tmain (int, _TCHAR **)
 async def test_linux(library: Path, tmp_path: Path) -> None:
     source = tmp_path / "sonar.cpp"
     source.write_text(LINUX)
-    async with meeting() as met, met.bridge("tcp://127.0.0.1:0") as (address,):
+    async with node_harness() as harness, harness.bridge("tcp://127.0.0.1:0") as (address,):
         host = f'-DHOST="{address.removeprefix("tcp://")}"'
         command = ["g++", "-O1", "-Wno-write-strings", host]
         program = compile_program(command, [source], library, tmp_path / "sonar")
         async with running(program):
-            await met.counting(1)
+            await harness.wait_for_counts(1)
 
 
 @pytest.mark.mingw

@@ -105,7 +105,7 @@ def test_a_turtlebot3(tmp_path: Path) -> None:
 
 @pytest.mark.arm
 @pytest.mark.parametrize("flag", ["-DESP8266", "-DSTUB_UDP_WITHOUT_MULTICAST"])
-def test_other_ways_into_a_group(control_library: Path, tmp_path: Path, flag: str) -> None:
+def test_boards_with_other_multicast_interfaces(control_library: Path, tmp_path: Path, flag: str) -> None:
     source = tmp_path / "robot.cpp"
     source.write_text(
         "#include <Arduino.h>\n#include <WiFi.h>\n#include <arduino_control/ArduinoControl.h>\n"
@@ -137,7 +137,7 @@ def test_avr_boards(library: Path, board: str, switch: str) -> None:
 
 @pytest.mark.avr
 @pytest.mark.parametrize("optimization", ["-O0", "-Og", "-Os"])
-def test_avr_programs_of_debuggers_link(library: Path, tmp_path: Path, optimization: str) -> None:
+def test_avr_programs_for_debuggers_link(library: Path, tmp_path: Path, optimization: str) -> None:
     source = tmp_path / "main.cpp"
     source.write_text(
         "#include <ros/node_handle.h>\n"

@@ -31,10 +31,10 @@ def program(library: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     return compile_program([*SANITIZED, f"-I{ON_HOST}"], [ON_HOST / "keyed_client.cpp"], library, output)
 
 
-def run_client(program: Path, data: bytes, *, stays: bool = False) -> tuple[int, int, bytes]:
+def run_client(program: Path, data: bytes, *, keeps_open: bool = False) -> tuple[int, int, bytes]:
     """Return the refusal, the number of unread bytes, and the client's output."""
     done = subprocess.run(
-        [program, KEY, "stays" if stays else "leaves"], input=data, capture_output=True, timeout=120
+        [program, KEY, "stays" if keeps_open else "leaves"], input=data, capture_output=True, timeout=120
     )
     assert done.returncode == 0, done.stderr.decode()
     refusal, left, reported = done.stdout.split(b" ", 2)
@@ -49,14 +49,14 @@ def test_digests_are_those_of_python(program: Path) -> None:
         assert line == f"{digest} {mac}", length
 
 
-def test_our_listener_takes_its_proof(program: Path) -> None:
+def test_the_listener_accepts_its_proof(program: Path) -> None:
     refusal, _, reported = run_client(program, GREETING)
     assert refusal == NO_ANSWER
     listener = ListenerHello({None: KEY.encode()}, NONCE)
     assert listener.greeting == GREETING
     assert listener.receive(reported + b"\xff\xfe")[1] == b"\xff\xfe"
     others = {run_client(program, f"RSPSK1 {bytes([first] * 16).hex()}\n".encode())[2] for first in range(4)}
-    assert len({each.split()[1] for each in others}) == 4, "nonces are its own each time"
+    assert len({each.split()[1] for each in others}) == 4, "each client has another nonce"
 
 
 def test_a_host_without_the_key_is_refused(program: Path) -> None:
@@ -79,15 +79,15 @@ def test_a_host_without_the_key_is_refused(program: Path) -> None:
         b"RSPSK1 " + b"a" * 100_000,
     ],
 )
-def test_what_is_not_a_hello_is_left_at_once(program: Path, data: bytes) -> None:
-    assert run_client(program, data, stays=True)[0] == NO_HELLO
+def test_other_data_ends_the_connection_at_once(program: Path, data: bytes) -> None:
+    assert run_client(program, data, keeps_open=True)[0] == NO_HELLO
 
 
-def test_a_silent_host_is_abandoned_in_time(program: Path) -> None:
-    assert run_client(program, b"RSPSK1 00", stays=True)[0] == NO_ANSWER
+def test_the_connection_to_a_silent_host_ends_in_time(program: Path) -> None:
+    assert run_client(program, b"RSPSK1 00", keeps_open=True)[0] == NO_ANSWER
 
 
-def test_noise_never_gets_through(program: Path) -> None:
+def test_damaged_proofs_are_refused(program: Path) -> None:
     rng = random.Random(7)
     for _ in range(30):
         data = bytearray(GREETING + b"RSPSK1 " + b"0" * 64 + b"\n")

@@ -16,7 +16,7 @@ from pathlib import Path
 import pytest
 
 from firmware.platforms.late_network import late_network
-from firmware.platforms.meeting import TIMEOUT_S, meeting
+from firmware.platforms.node_harness import TIMEOUT_S, node_harness
 from firmware.platforms.programs import running
 from unit.bridge.lateness import lateness
 from waiting import until
@@ -26,59 +26,63 @@ pytestmark = pytest.mark.gcc
 
 async def test_exchanges_messages_over_tcp(linux_program: Path) -> None:
     async with (
-        meeting() as met,
-        met.bridge("tcp://127.0.0.1:0") as (address,),
+        node_harness() as harness,
+        harness.bridge("tcp://127.0.0.1:0") as (address,),
         running(linux_program, address.removeprefix("tcp://")),
     ):
-        await met.exchange_messages()
+        await harness.exchange_messages()
 
 
 async def test_receives_a_message_whose_packets_are_sent_again(linux_program: Path) -> None:
     async with (
-        meeting() as met,
-        met.bridge("tcp://127.0.0.1:0") as (address,),
-        late_network(address) as place,
-        running(linux_program, place),
+        node_harness() as harness,
+        harness.bridge("tcp://127.0.0.1:0") as (address,),
+        late_network(address) as network_address,
+        running(linux_program, network_address),
     ):
-        await met.counting()
-        assert await met.ask("x" * 200) == "x" * 200
+        await harness.wait_for_counts()
+        assert await harness.ask("x" * 200) == "x" * 200
 
 
 async def test_exchanges_messages_over_a_serial_port(linux_program: Path, tmp_path: Path) -> None:
     port = tmp_path / "port"
-    async with meeting() as met, met.bridge(f"pty:{port}"), running(linux_program, port, "1000000"):
-        await met.exchange_messages()
+    async with (
+        node_harness() as harness,
+        harness.bridge(f"pty:{port}"),
+        running(linux_program, port, "1000000"),
+    ):
+        await harness.exchange_messages()
 
 
-async def test_takes_its_port_from_the_environment(linux_program: Path) -> None:
-    async with meeting() as met, met.bridge("tcp://127.0.0.1:0") as (address,):
-        place = f"localhost:{address.rpartition(':')[2]}"
-        async with running(linux_program, environment={"ROSSERIAL_PORT": place}):
-            await met.counting()
+async def test_uses_the_port_of_the_environment(linux_program: Path) -> None:
+    async with node_harness() as harness, harness.bridge("tcp://127.0.0.1:0") as (address,):
+        network_address = f"localhost:{address.rpartition(':')[2]}"
+        async with running(linux_program, environment={"ROSSERIAL_PORT": network_address}):
+            await harness.wait_for_counts()
 
 
 async def test_reconnects_within_two_seconds_of_the_bridge(linux_program: Path) -> None:
-    async with meeting() as met, contextlib.AsyncExitStack() as node:
-        async with met.bridge("tcp://127.0.0.1:0") as (address,):
+    async with node_harness() as harness, contextlib.AsyncExitStack() as node:
+        async with harness.bridge("tcp://127.0.0.1:0") as (address,):
             await node.enter_async_context(running(linux_program, address.removeprefix("tcp://")))
-            await met.counting()
+            await harness.wait_for_counts()
         # Long enough for the longest pause between its attempts.
         await asyncio.sleep(2.0)
         began_s = time.monotonic()
-        async with met.bridge(address):
+        async with harness.bridge(address):
             async with lateness() as late:
-                await met.counting(1)
+                await harness.wait_for_counts(1)
             assert time.monotonic() - began_s - late.total_s < 2.0
-            await met.exchange_messages()
+            await harness.exchange_messages()
 
 
-async def test_reconnects_to_a_serial_port_that_was_gone(linux_program: Path, tmp_path: Path) -> None:
+async def test_reconnects_to_a_serial_port_that_returns(linux_program: Path, tmp_path: Path) -> None:
     port = tmp_path / "port"
-    async with meeting() as met, running(linux_program, port):
+    async with node_harness() as harness, running(linux_program, port):
         for _ in range(2):
-            async with met.bridge(f"pty:{port}"):
-                await met.counting()
-                assert await met.ask("hello") == "hello"
+            async with harness.bridge(f"pty:{port}"):
+                await harness.wait_for_counts()
+                assert await harness.ask("hello") == "hello"
 
 
 async def test_survives_a_host_that_resets_the_connection_while_it_writes(linux_program: Path) -> None:

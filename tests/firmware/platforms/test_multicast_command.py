@@ -48,7 +48,7 @@ def robot(control_library: Path, tmp_path_factory: pytest.TempPathFactory) -> Pa
     return compile_program(command, [ON_HOST / "multicast_robot.cpp"], control_library, output)
 
 
-def expected(series: list[tuple[int, bytes]]) -> list[str]:
+def python_lines(series: list[tuple[int, bytes]]) -> list[str]:
     """Return the receiver's commands and answers for the same datagrams."""
     robot, reporter, lines = CommandReceiver(ROBOT), StatusReporter(3, KEY), []
     for now_ms, datagram in series:
@@ -62,7 +62,7 @@ def expected(series: list[tuple[int, bytes]]) -> list[str]:
     return lines
 
 
-def actual(robot: Path, series: list[tuple[int, bytes]]) -> list[str]:
+def sketch_lines(robot: Path, series: list[tuple[int, bytes]]) -> list[str]:
     text = "".join(f"{now_ms} {datagram.hex()}\n" for now_ms, datagram in series)
     done = subprocess.run([robot], input=text, capture_output=True, text=True, timeout=120, check=True)
     return done.stdout.splitlines()
@@ -72,7 +72,7 @@ def status_of(line: str) -> RobotStatus:
     return decode_status(bytes.fromhex(line[2:]), KEY)
 
 
-def test_it_obeys_and_answers_as_our_receiver(robot: Path) -> None:
+def test_it_obeys_and_answers_like_the_python_receiver(robot: Path) -> None:
     rng = random.Random(16)
     to_robot = SenderSettings(3, to_groups=False, kind=KIND, key=KEY)
     first = CommandSender(to_robot, 1_700_000_000_000_000)
@@ -105,9 +105,9 @@ def test_it_obeys_and_answers_as_our_receiver(robot: Path) -> None:
             ]
             series.append((now_ms, datagram))
         now_ms += rng.choice([17, 57, 261, 1100]) if round_number != 250 else 5000
-    answers = expected(series)
+    answers = python_lines(series)
     assert {each.split()[0] for each in answers} == {"0", "1", "2", "3"}
-    obeyed = actual(robot, series)
+    obeyed = sketch_lines(robot, series)
     assert [each.split()[0] for each in obeyed] == [each.split()[0] for each in answers]
     # A board answers a stop earlier after a command.
     both = [
@@ -123,7 +123,7 @@ def test_tags_of_every_length(robot: Path) -> None:
         (5, CommandFrame(3, 7, 1 + size, kind=KIND, payload=bytes(range(size))).encode(KEY))
         for size in range(32)
     ]
-    assert {each[0] for each in actual(robot, series)} == {"1"}
+    assert {each[0] for each in sketch_lines(robot, series)} == {"1"}
 
 
 def test_other_senders_are_refused_with_the_name_of_the_holder(robot: Path) -> None:
@@ -147,8 +147,8 @@ def test_other_senders_are_refused_with_the_name_of_the_holder(robot: Path) -> N
         # A frame that releases the robot must not move it, because no sender would stop it.
         (17_000, CommandFrame(3, 5_000, 1, Flags.ARMED | Flags.RELEASE, kind=KIND).encode(KEY)),
     ]
-    lines = actual(robot, series)
-    assert [each[0] for each in lines] == [each[0] for each in expected(series)]
+    lines = sketch_lines(robot, series)
+    assert [each[0] for each in lines] == [each[0] for each in python_lines(series)]
     assert lines[-1][0] == "2"
     statuses = [status_of(each) for each in lines if each[2:] != "-"]
     assert [(each.epoch_us, each.refusal, each.holder, each.is_moving) for each in statuses] == [
@@ -173,7 +173,7 @@ class Robot:
         self._output = process.stdout
         self.lines: list[str] = []
 
-    async def line(self, wanted: str) -> None:
+    async def wait_for_line(self, wanted: str) -> None:
         """Wait for a new line with this text."""
         async with asyncio.timeout(TIMEOUT_S):
             while True:
@@ -222,10 +222,10 @@ async def test_a_sketch_obeys_answers_and_stops_when_its_sender_is_silent(robot:
     group = loopback_group()
     channel = CommandChannel(group, lambda level, text: None, key=KEY)
     async with running(robot, group.port) as sketch:
-        await sketch.line("open")
+        await sketch.wait_for_line("open")
         assert sketch.lines == ["halt", "open"]
         async with sending(channel, struct.pack("<dd", -45, 0.5)):
-            await sketch.line("drive -45 0.5")
+            await sketch.wait_for_line("drive -45 0.5")
             async with asyncio.timeout(TIMEOUT_S):
                 while not channel.table.robots:
                     await asyncio.sleep(0.01)
@@ -233,20 +233,20 @@ async def test_a_sketch_obeys_answers_and_stops_when_its_sender_is_silent(robot:
             assert (known.status.robot_id, known.status.is_moving, known.address[1]) == (3, True, group.port)
             assert known.status.holder.rpartition(":")[0] == known.address[0]
         # The sender has ended without a stop. The silence also reopens the socket.
-        await sketch.line("halt")
-        await sketch.line("open")
+        await sketch.wait_for_line("halt")
+        await sketch.wait_for_line("open")
     channel.close()
 
 
-async def test_a_deaf_socket_is_reopened_and_receives_again(robot: Path) -> None:
+async def test_a_stalled_socket_is_reopened_and_receives_again(robot: Path) -> None:
     group = loopback_group()
     channel = CommandChannel(group, lambda level, text: None, key=KEY)
     async with running(robot, group.port, 10) as sketch:
-        await sketch.line("open")
+        await sketch.wait_for_line("open")
         async with sending(channel, struct.pack("<dd", 90, 1)):
             for _ in range(3):
-                await sketch.line("drive 90 1")
-                await sketch.line("open")
+                await sketch.wait_for_line("drive 90 1")
+                await sketch.wait_for_line("open")
     channel.close()
 
 
@@ -265,10 +265,10 @@ async def test_bare_datagrams_are_obeyed_until_they_end(robot: Path) -> None:
 
     async with running(robot, group.port, "bare") as sketch:
         sending_all = asyncio.create_task(repeat())
-        await sketch.line("drive -0 1")
+        await sketch.wait_for_line("drive -0 1")
         sending_all.cancel()
-        await sketch.line("halt")
-        await sketch.line("open")
+        await sketch.wait_for_line("halt")
+        await sketch.wait_for_line("open")
     assert set(sketch.lines) == {"halt", "open", "drive -0 1"}
 
 

@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from firmware.platforms.meeting import meeting
+from firmware.platforms.node_harness import node_harness
 from rostether.errors import BoardError
 from rostether.firmware.opencr_build import build_for_linux
 from rostether.simulation.opencr.board import BLUETOOTH, OpenCrBoard
@@ -210,16 +210,16 @@ TYPES = {
 }
 
 
-async def _look_at(shown: OpenCrNodeBoard) -> None:
+async def _check_interface_of_the_dashboard(node_board: OpenCrNodeBoard) -> None:
     """Use the board like the page of the dashboard."""
-    pins = await shown.pins()
+    pins = await node_board.pins()
     assert [pins[name] for name in ("DXL_PWR_EN", "LED_USER_1", "PUSH_SW_1")] == ["out1", "out1", "in0"]
     for command, state in (("1", "in1"), ("z", "in0")):
-        await shown.send_command(f"pin PUSH_SW_1={command}")
-        assert (await shown.pins())["PUSH_SW_1"] == state
+        await node_board.send_command(f"pin PUSH_SW_1={command}")
+        assert (await node_board.pins())["PUSH_SW_1"] == state
     with pytest.raises(BoardError, match="no pin 'D99'"):
-        await shown.send_command("pin D99=1")
-    assert (await shown.ask("wheels", "wheels"))["heading_rad"] == 0
+        await node_board.send_command("pin D99=1")
+    assert (await node_board.ask("wheels", "wheels"))["heading_rad"] == 0
 
 
 async def test_a_sketch_with_the_same_api_works(tmp_path: Path) -> None:
@@ -229,36 +229,36 @@ async def test_a_sketch_with_the_same_api_works(tmp_path: Path) -> None:
     program = await build_for_linux(sketch)
     last: dict[str, Any] = {}
     printed: list[str] = []
-    async with meeting() as met, await OpenCrBoard.start(program) as board:
+    async with node_harness() as harness, await OpenCrBoard.start(program) as board:
         execute(board, "watch bluetooth")
         board.on_event = lambda event: printed.append(event["text"]) if event.name == BLUETOOTH else None
-        await met.graph.set_param("/core/tf_prefix", "tb3_1")
+        await harness.graph.set_param("/core/tf_prefix", "tb3_1")
 
-        async def hear(topic: str) -> None:
-            async for message in met.graph.messages(f"/{topic}", TYPES[topic]):
+        async def collect(topic: str) -> None:
+            async for message in harness.graph.messages(f"/{topic}", TYPES[topic]):
                 last[topic] = message
 
-        ears = [asyncio.ensure_future(hear(topic)) for topic in TYPES]
-        async with met.bridge(f"{board.address}?name=core"):
+        tasks = [asyncio.ensure_future(collect(topic)) for topic in TYPES]
+        async with harness.bridge(f"{board.address}?name=core"):
             for topic, kind, fields in (
                 ("/cmd_vel", "geometry_msgs/Twist", {"linear": {"x": 1.0}}),
                 ("/sound", "turtlebot3_msgs/Sound", {"value": 1}),
                 ("/motor_power", "std_msgs/Bool", {"data": True}),
             ):
-                publisher = await met.graph.publisher(topic, kind)
+                publisher = await harness.graph.publisher(topic, kind)
                 assert await publisher.wait_for_subscriber(60)
                 publisher.publish(**fields)
             await until(lambda: last.keys() == TYPES.keys(), "each topic")
             await until(lambda: board.tones and board.pins.get(32), "the tone and the power")
-            await _look_at(OpenCrNodeBoard(board))
+            await _check_interface_of_the_dashboard(OpenCrNodeBoard(board))
             await until(lambda: last["odom"].twist.twist.linear.x > 0.2, "the speed")
             await until(lambda: len(printed) == 2, "what the sketch prints")
             # The command may arrive before the parameter.
             assert printed in (["Button : 0", f"     theta : {speed}"] for speed in ("0.00", "0.22"))
             await until(lambda: last["odom"].header.frame_id == "tb3_1/odom", "the prefix")
-        for ear in ears:
-            ear.cancel()
-        await asyncio.gather(*ears, return_exceptions=True)
+        for task in tasks:
+            task.cancel()
+        await asyncio.gather(*tasks, return_exceptions=True)
     assert list(last["joint_states"].position) == [1.5, 0]
     # The sketch sets a length, and no efforts.
     assert list(last["joint_states"].effort) == []
@@ -269,5 +269,5 @@ async def test_a_sketch_with_the_same_api_works(tmp_path: Path) -> None:
         "1.2.3",
         "base_footprint",
     )
-    assert met.reporter.having("This core(v1.2.3) is compatible with TB3 Burger")
-    assert met.reporter.having("Setup TF on Odometry [tb3_1/odom]")
+    assert harness.reporter.having("This core(v1.2.3) is compatible with TB3 Burger")
+    assert harness.reporter.having("Setup TF on Odometry [tb3_1/odom]")

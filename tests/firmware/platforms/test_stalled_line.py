@@ -9,7 +9,7 @@ from firmware.platforms.programs import NODE, compile_program
 
 
 @pytest.mark.gcc
-def test_a_line_that_accepts_nothing_is_waited_for_once(library: Path, tmp_path: Path) -> None:
+def test_the_node_waits_once_for_a_line_that_accepts_nothing(library: Path, tmp_path: Path) -> None:
     """If the host sleeps, the robot must not wait for each message."""
     program = compile_program(["g++", "-O1"], [NODE / "stalled_line.cpp"], library, tmp_path / "line")
     done = subprocess.run([program], check=False)

@@ -14,7 +14,7 @@ from typing import Any
 import pytest
 
 from firmware.examples.attitudes import yaw_of
-from firmware.platforms.meeting import TIMEOUT_S, Meeting, meeting
+from firmware.platforms.node_harness import TIMEOUT_S, NodeHarness, node_harness
 from firmware.platforms.programs import EXAMPLES
 from rostether.errors import SketchError
 from rostether.firmware.opencr_build import build_for_linux
@@ -40,77 +40,77 @@ def program() -> Path:
 class Robot:
     """The board, and a program on the graph of its bridge."""
 
-    def __init__(self, board: OpenCrBoard, met: Meeting) -> None:
+    def __init__(self, board: OpenCrBoard, harness: NodeHarness) -> None:
         self.board = board
-        self.met = met
+        self.harness = harness
 
     async def message(
-        self, topic: str, type_name: str, meets: Callable[[Any], object] = lambda _message: True
+        self, topic: str, type_name: str, condition: Callable[[Any], object] = lambda _message: True
     ) -> Message:
         """Return the next message of a topic that meets a condition."""
         async with asyncio.timeout(TIMEOUT_S):
-            async for message in self.met.graph.messages(topic, type_name):
-                if meets(message):
+            async for message in self.harness.graph.messages(topic, type_name):
+                if condition(message):
                     return message
         raise AssertionError("the graph has ended")
 
     async def publish(self, topic: str, type_name: str, **fields: Any) -> None:
         """Publish one message to the board."""
-        publisher = await self.met.graph.publisher(topic, type_name)
+        publisher = await self.harness.graph.publisher(topic, type_name)
         assert await publisher.wait_for_subscriber(TIMEOUT_S), f"the board does not subscribe to {topic}"
         publisher.publish(**fields)
 
-    async def drive_until(self, speed: float, turn: float, reached: Callable[[Any], object]) -> None:
+    async def drive_until(self, speed: float, turn_rate: float, condition: Callable[[Any], object]) -> None:
         """Command a speed until an odometry message meets a condition, then wait until the robot is at
         rest.
         """
-        publisher = await self.met.graph.publisher("/cmd_vel", TWIST)
+        publisher = await self.harness.graph.publisher("/cmd_vel", TWIST)
         assert await publisher.wait_for_subscriber(TIMEOUT_S)
         async with asyncio.timeout(TIMEOUT_S):
-            async for message in self.met.graph.messages("/odom", ODOM):
-                if reached(message.pose.pose):
+            async for message in self.harness.graph.messages("/odom", ODOM):
+                if condition(message.pose.pose):
                     break
-                publisher.publish(linear={"x": speed}, angular={"z": turn})
+                publisher.publish(linear={"x": speed}, angular={"z": turn_rate})
         publisher.publish(linear={"x": 0.0})
-        await self.message("/odom", ODOM, stands)
+        await self.message("/odom", ODOM, is_at_rest)
 
 
-def stands(message: Any) -> bool:
+def is_at_rest(message: Any) -> bool:
     return bool(message.twist.twist.linear.x == message.twist.twist.angular.z == 0)
 
 
-def is_away(start: Any, pose: Any) -> bool:
+def has_driven_a_side(start: Any, pose: Any) -> bool:
     return math.dist((pose.position.x, pose.position.y), (start.x, start.y)) > SIDE_M - 0.01
 
 
-def is_turned(heading: float, pose: Any) -> bool:
+def has_turned(heading: float, pose: Any) -> bool:
     return math.remainder(heading - yaw_of(pose.orientation), math.tau) < 0.08
 
 
 @contextlib.asynccontextmanager
-async def burger(program: Path, lost: Container[int] = (), **parameters: Any) -> AsyncIterator[Robot]:
+async def burger(program: Path, lost_answers: Container[int] = (), **parameters: Any) -> AsyncIterator[Robot]:
     """Start the robot with private parameters. The servos' answers with the numbers in `lost` are lost."""
-    async with meeting() as met, await OpenCrBoard.start(program) as board:
+    async with node_harness() as harness, await OpenCrBoard.start(program) as board:
         answers = itertools.count()
-        board.base.damage = lambda answer: b"" if next(answers) in lost else answer
+        board.base.damage = lambda answer: b"" if next(answers) in lost_answers else answer
         for key, value in parameters.items():
-            await met.graph.set_param(f"/burger/{key}", value)
-        async with met.bridge(f"{board.address}?name=burger"):
-            yield Robot(board, met)
+            await harness.graph.set_param(f"/burger/{key}", value)
+        async with harness.bridge(f"{board.address}?name=burger"):
+            yield Robot(board, harness)
 
 
-async def test_it_drives_a_square_and_knows_where_it_is(program: Path) -> None:
+async def test_it_drives_a_square_with_correct_odometry(program: Path) -> None:
     async with burger(program) as robot:
         base = robot.board.base
         for side in range(4):
-            start = (await robot.message("/odom", ODOM, stands)).pose.pose.position
-            began = base.x_m, base.y_m
-            await robot.drive_until(0.2, 0, partial(is_away, start))
-            await robot.drive_until(0, 2.0, partial(is_turned, (side + 1) * math.pi / 2))
-            pose = (await robot.message("/odom", ODOM, stands)).pose.pose
+            start = (await robot.message("/odom", ODOM, is_at_rest)).pose.pose.position
+            start_position = base.x_m, base.y_m
+            await robot.drive_until(0.2, 0, partial(has_driven_a_side, start))
+            await robot.drive_until(0, 2.0, partial(has_turned, (side + 1) * math.pi / 2))
+            pose = (await robot.message("/odom", ODOM, is_at_rest)).pose.pose
             base.advance()
             # On a busy machine it stops late; its odometry is still correct.
-            assert math.dist((base.x_m, base.y_m), began) > SIDE_M - 0.02
+            assert math.dist((base.x_m, base.y_m), start_position) > SIDE_M - 0.02
             assert math.dist((pose.position.x, pose.position.y), (base.x_m, base.y_m)) < 0.01
             assert abs(math.remainder(yaw_of(pose.orientation) - base.heading_rad, math.tau)) < 0.01
         (frame,) = (await robot.message("/tf", "tf/tfMessage")).transforms
@@ -128,7 +128,7 @@ async def test_it_drives_a_square_and_knows_where_it_is(program: Path) -> None:
         await robot.publish("/cmd_vel", TWIST, linear={"x": 1.0}, angular={"z": 0.0})
         await driving
         assert base.speed_m_s < 0.22
-        await robot.message("/odom", ODOM, stands)
+        await robot.message("/odom", ODOM, is_at_rest)
         await robot.publish("/reset", "std_msgs/Empty")
         await robot.message("/odom", ODOM, lambda each: each.pose.pose.position.x == 0)
 
@@ -173,7 +173,7 @@ async def test_it_senses(program: Path) -> None:
             board.send_remote_buttons(4)
             await asyncio.sleep(0.1)
         assert (await turning).angular_velocity.z == pytest.approx(1, abs=0.1)
-        await robot.message("/odom", ODOM, stands)
+        await robot.message("/odom", ODOM, is_at_rest)
 
         await robot.publish("/sound", "turtlebot3_msgs/Sound", value=4)
         await until(lambda: board.tones, "a tone")
@@ -183,38 +183,38 @@ async def test_it_senses(program: Path) -> None:
 async def test_each_lost_sender_stops_it(program: Path) -> None:
     async with burger(program) as robot:
         board = robot.board
-        commands = await robot.met.graph.publisher("/cmd_vel", TWIST)
+        commands = await robot.harness.graph.publisher("/cmd_vel", TWIST)
         assert await commands.wait_for_subscriber(TIMEOUT_S)
 
         def command(speed: float) -> None:
             commands.publish(linear={"x": speed})
 
-        async def repeat(send: Callable[[], None], reached: Callable[[], bool]) -> None:
+        async def repeat(send: Callable[[], None], condition: Callable[[], bool]) -> None:
             async with asyncio.timeout(TIMEOUT_S):
-                while not reached():
+                while not condition():
                     send()
                     await asyncio.sleep(0.05)
 
         def is_moving() -> bool:
             return board.base.speed_m_s > 0.05
 
-        def stands_still() -> bool:
+        def is_stopped() -> bool:
             return board.base.speed_m_s == 0
 
         # The remote control is lost while a computer commands speed 0.
         await repeat(partial(board.send_remote_buttons, 1), is_moving)
-        await repeat(partial(command, 0.0), stands_still)
+        await repeat(partial(command, 0.0), is_stopped)
         # The computer is lost while the remote control sends that no button is pressed.
         await repeat(partial(command, 0.1), is_moving)
-        await repeat(partial(board.send_remote_buttons, 0), stands_still)
+        await repeat(partial(board.send_remote_buttons, 0), is_stopped)
         # NaN is not a speed.
         await repeat(partial(command, 0.1), is_moving)
-        await repeat(partial(command, math.nan), stands_still)
+        await repeat(partial(command, math.nan), is_stopped)
 
 
 async def test_torque_and_errors_of_the_servos(program: Path) -> None:
     # The left servo does not answer at first, and is set up later.
-    async with burger(program, lost=(0,)) as robot:
+    async with burger(program, lost_answers=(0,)) as robot:
         base = robot.board.base
         await robot.message("/sensor_state", STATE, lambda each: each.torque)
         await until(lambda: base.servos[1]["operating_mode"] == 1, "velocity mode")

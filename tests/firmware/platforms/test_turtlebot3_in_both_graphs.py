@@ -17,7 +17,7 @@ import pytest_asyncio
 
 from contract.graphs import Inbox, snapshot_when
 from contract.zenoh_graphs import open_session
-from firmware.examples.stage import EXAMPLES, STORE, a_graph
+from firmware.examples.stage import EXAMPLES, STORE, open_graph
 from firmware.ros2.serving import serving
 from interop.ros1_peers import free_port
 from programs import Peer
@@ -74,7 +74,7 @@ async def world() -> AsyncIterator[World]:
         await bridge.wait_for("Setup subscriber on sound", TIMEOUT_S)
         session = await open_session(router, is_router=False, domain_id=DOMAIN)
         stack.push_async_callback(session.close)
-        ros1 = await stack.enter_async_context(a_graph(environment["ROS_MASTER_URI"]))
+        ros1 = await stack.enter_async_context(open_graph(environment["ROS_MASTER_URI"]))
         yield World(bridge, {"ROS 1": ros1.raw, "ROS 2": await session.join("/onlooker")})
 
 
@@ -166,14 +166,14 @@ async def send(
     inbox = await listen(watching, answer, kind)
     await until(lambda: publisher.subscriber_count)
 
-    async def until_seen(meets: Callable[[Any], object]) -> None:
-        def has_come() -> bool:
+    async def repeat_until(condition: Callable[[Any], object]) -> None:
+        def is_observed() -> bool:
             publisher.publish_raw([codec.encode(fields)])
             payloads, inbox.payloads = inbox.payloads, []
-            return any(meets(STORE.codec(kind).decode(payload)) for payload in payloads)
+            return any(condition(STORE.codec(kind).decode(payload)) for payload in payloads)
 
         async with asyncio.timeout(TIMEOUT_S):
-            while not has_come():
+            while not is_observed():
                 await until(lambda: inbox.payloads)
 
-    return until_seen
+    return repeat_until

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from firmware.platforms.meeting import meeting
+from firmware.platforms.node_harness import node_harness
 from firmware.platforms.programs import running
 
 pytestmark = [pytest.mark.mingw, pytest.mark.wine, pytest.mark.timeout(300)]
@@ -45,17 +45,17 @@ def wine(tmp_path: Path) -> Iterator[dict[str, str]]:
 async def test_exchanges_messages_over_tcp_reconnects_and_exchanges_messages_over_a_com_port(
     windows_program: Path, wine: dict[str, str], tmp_path: Path
 ) -> None:
-    async with meeting() as met:
-        async with met.bridge("tcp://127.0.0.1:0") as (address,):
+    async with node_harness() as harness:
+        async with harness.bridge("tcp://127.0.0.1:0") as (address,):
             pass
         async with running("wine", windows_program, address.removeprefix("tcp://"), environment=wine):
             for _ in range(2):
-                async with met.bridge(address):
-                    await met.exchange_messages()
+                async with harness.bridge(address):
+                    await harness.exchange_messages()
                 await asyncio.sleep(0.5)
         port = tmp_path / "port"
-        async with met.bridge(f"pty:{port}"):
+        async with harness.bridge(f"pty:{port}"):
             # Above COM9, the long form of the name is necessary.
             (Path(wine["WINEPREFIX"]) / "dosdevices" / "com33").symlink_to(port)
             async with running("wine", windows_program, "COM33", "115200", environment=wine):
-                await met.exchange_messages()
+                await harness.exchange_messages()

@@ -11,7 +11,7 @@ from rostether.simulation.simavr.simulated_board import SimulatedBoard
 
 STEP_MS = 20
 # Events that show a fault of the program.
-ALARMS = ("reset", "restart", "stack_overflow", "bad_opcode", "bad_write", "bad_read", "guarded_write")
+FAULTS = ("reset", "restart", "stack_overflow", "bad_opcode", "bad_write", "bad_read", "guarded_write")
 
 
 class ScriptedHost:
@@ -28,9 +28,9 @@ class ScriptedHost:
     @classmethod
     async def start(cls, elf: Path, *, board: str = "uno") -> ScriptedHost:
         """Start a board that is paused until `run`."""
-        words = ["watch serial"]
+        commands = ["watch serial"]
         simulated = await SimulatedBoard.start(
-            elf, board=board, link="none", realtime=False, paused=True, commands=words
+            elf, board=board, link="none", realtime=False, paused=True, commands=commands
         )
         return cls(simulated)
 
@@ -63,7 +63,7 @@ class ScriptedHost:
                 return True
         return False
 
-    def alarms(self) -> list[str]:
+    def faults(self) -> list[str]:
         """Return the faults since the board was switched on."""
         names = [event.name for event in self.board.recent]
-        return [name for name in names[names.index("reset") + 1 :] if name in ALARMS]
+        return [name for name in names[names.index("reset") + 1 :] if name in FAULTS]

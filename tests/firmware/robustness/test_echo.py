@@ -16,20 +16,20 @@ SKETCH = str(Path(__file__).parent / "sketches" / "Echo")
 LONGEST_TEXT = 276
 
 
-def layout_and(form: str, values: list[int] | list[float]) -> bytes:
+def array_payload(form: str, values: list[int] | list[float]) -> bytes:
     return struct.pack(f"<III{len(values)}{form}", 0, 0, len(values), *values)
 
 
 @pytest.mark.timeout(300)
 async def test_messages_of_280_bytes_all_come_back() -> None:
     async with running(SKETCH) as stage:
-        ear = await stage.listen("/texts_out", "std_msgs/String")
+        inbox = await stage.listen("/texts_out", "std_msgs/String")
         publisher = await stage.publisher("/texts_in", "std_msgs/String")
         for number in range(20):
             wanted = f"{number:03}".ljust(LONGEST_TEXT - (number % 3), "abcdefg"[number % 7])
             publisher.publish(data=wanted)
-            await ear.reached(number + 1)
-            assert ear.received[-1].data == wanted
+            await inbox.wait_for_count(number + 1)
+            assert inbox.messages[-1].data == wanted
 
 
 @pytest.mark.timeout(300)
@@ -38,19 +38,19 @@ async def test_sixty_four_bits_come_back_exactly() -> None:
     edges = [0, -1, 1, 2**63 - 1, -(2**63), 2**32, -(2**32) - 1]
     batches = [edges, *([numbers.randrange(-(2**63), 2**63) for _ in range(30)] for _ in range(3))]
     async with running(SKETCH) as stage:
-        ear = await stage.listen("/integers_out", "std_msgs/Int64MultiArray")
+        inbox = await stage.listen("/integers_out", "std_msgs/Int64MultiArray")
         publisher = await stage.publisher("/integers_in", "std_msgs/Int64MultiArray")
         for count, batch in enumerate(batches, 1):
-            publisher.raw.publish_raw([layout_and("q", batch)])
-            await ear.reached(count)
-            assert list(ear.received[-1].data) == batch
+            publisher.raw.publish_raw([array_payload("q", batch)])
+            await inbox.wait_for_count(count)
+            assert list(inbox.messages[-1].data) == batch
 
 
 @pytest.mark.timeout(300)
 async def test_doubles_come_back_as_the_nearest_floats() -> None:
     numbers = random.Random(2)
 
-    def real() -> float:
+    def random_double() -> float:
         return float(struct.unpack("<d", struct.pack("<Q", numbers.getrandbits(64)))[0])
 
     edges = [
@@ -68,14 +68,14 @@ async def test_doubles_come_back_as_the_nearest_floats() -> None:
     ]
     edges += [float("inf"), -float("inf"), 16777217.0, 5e-324, 1 + 2**-24, 1 + 3 * 2**-24]
     near = [numbers.uniform(-1, 1) * 10.0 ** numbers.randrange(-45, 39) for _ in range(30)]
-    batches = [edges, [-each for each in edges], near, [real() for _ in range(30)]]
+    batches = [edges, [-each for each in edges], near, [random_double() for _ in range(30)]]
     async with running(SKETCH) as stage:
-        ear = await stage.listen("/reals_out", "std_msgs/Float64MultiArray")
+        inbox = await stage.listen("/reals_out", "std_msgs/Float64MultiArray")
         publisher = await stage.publisher("/reals_in", "std_msgs/Float64MultiArray")
         for count, batch in enumerate(batches, 1):
-            publisher.raw.publish_raw([layout_and("d", batch)])
-            await ear.reached(count)
-            assert _bits(ear.received[-1]) == [_nearest(each) for each in batch]
+            publisher.raw.publish_raw([array_payload("d", batch)])
+            await inbox.wait_for_count(count)
+            assert _bits(inbox.messages[-1]) == [_nearest(each) for each in batch]
 
 
 def _bits(message: Message) -> list[bytes]:

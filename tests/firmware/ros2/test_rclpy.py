@@ -57,41 +57,43 @@ async def counting_sketch(folder: Path) -> Path:
     return built.elf
 
 
-async def eventually(ask: Callable[[], Awaitable[Any]], is_it: Callable[[Any], object]) -> Any:
+async def ask_until(ask: Callable[[], Awaitable[Any]], condition: Callable[[Any], object]) -> Any:
     """Ask until the answer meets a condition, and return it."""
     answer = None
     deadline_s = asyncio.get_running_loop().time() + TIMEOUT_S
-    while not is_it(answer := await ask()):
+    while not condition(answer := await ask()):
         assert asyncio.get_running_loop().time() < deadline_s, f"the last answer was {answer}"
         await asyncio.sleep(0.05)
     return answer
 
 
-async def received_on(peer: RclpyPeer, topic: str, reported: Callable[[], Awaitable[Any]]) -> list[Any]:
-    """Publish until an answer arrives, because discovery of the way back may take longer."""
+async def publish_until_received(
+    peer: RclpyPeer, topic: str, publish: Callable[[], Awaitable[Any]]
+) -> list[Any]:
+    """Publish until the board's message arrives, because its publisher may be discovered later."""
 
     async def ask() -> list[Any]:
         received: list[Any] = await peer.ask("receive", topic=topic, count=0)
         if not received:
-            await reported()
+            await publish()
             await asyncio.sleep(0.2)
         return received
 
-    found: list[Any] = await eventually(ask, bool)
+    found: list[Any] = await ask_until(ask, bool)
     return found
 
 
 @pytest.mark.parametrize("name", NAMES)
-async def test_messages_go_to_the_board_and_come_from_it(peer: RclpyPeer, name: str) -> None:
+async def test_messages_reach_the_board_and_come_back(peer: RclpyPeer, name: str) -> None:
     short = name.partition("/")[2]
-    there, back = f"/lab/in_{short}", f"/lab/out_{short}"
-    await peer.ask("subscribe", topic=back, type=ros2_name(name))
-    await peer.ask("advertise", topic=there, type=ros2_name(name))
+    input_topic, output_topic = f"/lab/in_{short}", f"/lab/out_{short}"
+    await peer.ask("subscribe", topic=output_topic, type=ros2_name(name))
+    await peer.ask("advertise", topic=input_topic, type=ros2_name(name))
 
     async def publish() -> None:
-        await peer.ask("publish", topic=there, messages=[MIRRORED[name]])
+        await peer.ask("publish", topic=input_topic, messages=[MIRRORED[name]])
 
-    received = await received_on(peer, back, publish)
+    received = await publish_until_received(peer, output_topic, publish)
     assert received[0] == {**MIRRORED[name], **ADDED.get(name, {})}
 
 
@@ -110,7 +112,7 @@ async def test_the_board_serves_an_action(peer: RclpyPeer) -> None:
     reached = await peer.ask("act", **action, goal={"order": 3})
     assert (reached["status"], reached["result"]) == (SUCCEEDED, {"sequence": [0, 1, 1, 2]})
     # On a busy machine, the board continues to count until the cancel arrives, perhaps to the end.
-    canceled = await eventually(
+    canceled = await ask_until(
         lambda: peer.ask("act", **action, goal={"order": 19}, cancel=True),
         lambda answer: answer["status"] == CANCELED,
     )
@@ -121,13 +123,13 @@ async def test_the_board_serves_an_action(peer: RclpyPeer) -> None:
 
 
 async def test_the_board_calls(peer: RclpyPeer) -> None:
-    closed = {"success": True, "message": "gripped"}
-    await peer.ask("serve", service="/lab/gripper", type="std_srvs/srv/SetBool", response=closed)
-    honked = {"success": True, "message": "honked"}
-    await peer.ask("serve", service="/lab/horn", type="std_srvs/srv/Trigger", response=honked)
+    gripper_response = {"success": True, "message": "gripped"}
+    await peer.ask("serve", service="/lab/gripper", type="std_srvs/srv/SetBool", response=gripper_response)
+    horn_response = {"success": True, "message": "honked"}
+    await peer.ask("serve", service="/lab/horn", type="std_srvs/srv/Trigger", response=horn_response)
     await peer.ask("subscribe", topic="/lab/answers", type="std_msgs/msg/String")
     await peer.ask("advertise", topic="/lab/call", type="std_msgs/msg/Empty")
-    await eventually(lambda: peer.ask("endpoints", topic="/lab/answers"), lambda found: len(found) == 2)
+    await ask_until(lambda: peer.ask("endpoints", topic="/lab/answers"), lambda found: len(found) == 2)
     await peer.ask("publish", topic="/lab/call", messages=[{}])
     answers = await peer.ask("receive", topic="/lab/answers", count=2)
     assert answers == [{"data": "gripped"}, {"data": "honked"}]
@@ -138,14 +140,14 @@ async def test_the_board_reads_its_parameters_and_logs(peer: RclpyPeer) -> None:
     await peer.ask("subscribe", topic="/rosout", type="rcl_interfaces/msg/Log", quality="rosout")
     await peer.ask("subscribe", topic="/lab/parameters", type="sensor_msgs/msg/JointState")
     await peer.ask("advertise", topic="/lab/read", type="std_msgs/msg/Empty")
-    await eventually(lambda: peer.ask("endpoints", topic="/lab/parameters"), lambda found: len(found) == 2)
-    set_ = await peer.ask(
+    await ask_until(lambda: peer.ask("endpoints", topic="/lab/parameters"), lambda found: len(found) == 2)
+    result = await peer.ask(
         "parameters",
         node="/lab/arm",
         method="set_parameters",
         arguments=[("gains", [0.5, 0.25]), ("count", 42), ("side", "left")],
     )
-    assert [each["successful"] for each in set_["results"]] == [True] * 3
+    assert [each["successful"] for each in result["results"]] == [True] * 3
     await peer.ask("publish", topic="/lab/read", messages=[{}])
     (read,) = await peer.ask("receive", topic="/lab/parameters", count=1)
     assert (read["header"]["frame_id"], read["position"]) == ("left", [0.5, 0.25, 42.0])
@@ -155,16 +157,16 @@ async def test_the_board_reads_its_parameters_and_logs(peer: RclpyPeer) -> None:
             (log["msg"], log["level"], log["name"]) for log in logs
         ]
 
-    await eventually(lambda: peer.ask("receive", topic="/rosout", count=0), is_logged)
+    await ask_until(lambda: peer.ask("receive", topic="/rosout", count=0), is_logged)
 
 
 async def test_the_board_is_a_node_with_its_endpoints(peer: RclpyPeer) -> None:
-    await eventually(lambda: peer.ask("nodes"), lambda nodes: ["arm", "/lab"] in nodes)
+    await ask_until(lambda: peer.ask("nodes"), lambda nodes: ["arm", "/lab"] in nodes)
     publishers = [[f"/lab/out_{name.partition('/')[2]}", [ros2_name(name)]] for name in NAMES]
     subscribers = [[f"/lab/in_{name.partition('/')[2]}", [ros2_name(name)]] for name in NAMES]
     services = [["/lab/switch", ["std_srvs/srv/SetBool"]], ["/lab/pull", ["std_srvs/srv/Trigger"]]]
     # They are discovered one by one.
-    await eventually(
+    await ask_until(
         lambda: peer.ask("of_node", name="arm", namespace="/lab"),
         lambda seen: all(
             each in seen[kind]
@@ -184,23 +186,23 @@ async def test_types_have_the_hashes_of_the_official_packages(peer: RclpyPeer, n
     publisher = f"/official/{name}"
     await peer.ask("advertise", topic=publisher, type=ros2_name(name))
     try:
-        (official,) = await eventually(
+        (official,) = await ask_until(
             lambda: peer.ask("endpoints", topic=publisher),
             lambda found: [each["type"] for each in found] == [ros2_name(name)],
         )
         for direction in ("in", "out"):
             topic = f"/lab/{direction}_{name.partition('/')[2]}"
-            found = await eventually(
+            found = await ask_until(
                 lambda: peer.ask("endpoints", topic=topic),  # noqa: B023 - awaited at once
                 lambda found: "arm" in [each["node"] for each in found],
             )
-            (ours,) = [each for each in found if each["node"] == "arm"]
-            assert (ours["type"], ours["hash"]) == (ros2_name(name), official["hash"])
+            (endpoint,) = [each for each in found if each["node"] == "arm"]
+            assert (endpoint["type"], endpoint["hash"]) == (ros2_name(name), official["hash"])
     finally:
         await peer.ask("unadvertise", topic=publisher)
 
 
-async def test_best_effort_ends_meet_the_board(peer: RclpyPeer) -> None:
+async def test_best_effort_endpoints_connect_to_the_board(peer: RclpyPeer) -> None:
     kind = {"type": "sensor_msgs/msg/Range", "quality": "sensor"}
     await peer.ask("subscribe", topic="/lab/out_Range", into="sensor", **kind)
     await peer.ask("advertise", topic="/lab/in_Range", **kind)
@@ -208,5 +210,5 @@ async def test_best_effort_ends_meet_the_board(peer: RclpyPeer) -> None:
     async def publish() -> None:
         await peer.ask("publish", topic="/lab/in_Range", messages=[MIRRORED["sensor_msgs/Range"]])
 
-    received = await received_on(peer, "sensor", publish)
+    received = await publish_until_received(peer, "sensor", publish)
     assert received[0] == {**MIRRORED["sensor_msgs/Range"], **ADDED["sensor_msgs/Range"]}

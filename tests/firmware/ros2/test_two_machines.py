@@ -30,8 +30,11 @@ pytestmark = [
 TIMEOUT_S = 60.0
 ROUTER_PORT = 7447
 UINT32 = {"msg_type": "std_msgs/msg/UInt32", "msg_definition": "uint32 data\n"}
-HALVES = {"request_definition": "bool data", "response_definition": "bool success\nstring message"}
-NOBODY = {"ROS_DOMAIN_ID": "0", "ZENOH_CONFIG_OVERRIDE": "", "ZENOH_SESSION_CONFIG_URI": ""}
+SET_BOOL_DEFINITIONS = {
+    "request_definition": "bool data",
+    "response_definition": "bool success\nstring message",
+}
+DEFAULT_SETTINGS = {"ROS_DOMAIN_ID": "0", "ZENOH_CONFIG_OVERRIDE": "", "ZENOH_SESSION_CONFIG_URI": ""}
 
 
 class Router:
@@ -45,7 +48,7 @@ class Router:
     async def start(self) -> None:
         """Start it, and wait until it routes."""
         command = ("core", "--ros2", "zenoh", *self._options)
-        self._process = await start_command(*command, environment=NOBODY, on=self._on)
+        self._process = await start_command(*command, environment=DEFAULT_SETTINGS, on=self._on)
         await self._process.wait_for("Press Ctrl-C", TIMEOUT_S)
 
     async def stop(self) -> None:
@@ -61,25 +64,25 @@ class Fleet:
     def __init__(self, routers: dict[str, Router], node: SdkPeer) -> None:
         self.routers = routers
         self.node = node
-        self._said = 0
+        self._sent = 0
 
     def numbers(self, topic: str) -> list[int]:
         """Return the numbers that the node has received on a topic."""
-        return [fields["data"] for fields in self.node.got_on.get(topic, [])]
+        return [fields["data"] for fields in self.node.received_on.get(topic, [])]
 
-    async def flows(self) -> None:
+    async def wait_for_messages(self) -> None:
         """Wait until messages pass in both directions; from then on, nothing may be missing."""
         received = len(self.numbers("/count"))
         await until(lambda: len(self.numbers("/count")) > received, "the count")
         for _ in range(100):
-            self._said += 1
-            await self.node.do("publish", "/say", messages=[{"data": self._said}])
+            self._sent += 1
+            await self.node.do("publish", "/say", messages=[{"data": self._sent}])
             await asyncio.sleep(0.05)
-            if self._said in self.numbers("/repeated"):
+            if self._sent in self.numbers("/repeated"):
                 return
-        raise AssertionError("the board hears nothing")
+        raise AssertionError("the board receives nothing")
 
-    async def fallen_silent(self) -> int:
+    async def wait_for_silence(self) -> int:
         """Wait until nothing arrives any more; return the number of counts received."""
         received = -1
         while len(self.numbers("/count")) != received:
@@ -90,8 +93,8 @@ class Fleet:
     async def require_all(self, count: int) -> None:
         """Check that `count` messages pass in both directions, each once and in order."""
         counted, repeated = len(self.numbers("/count")), len(self.numbers("/repeated"))
-        sent = list(range(self._said + 1, self._said + count + 1))
-        self._said += count
+        sent = list(range(self._sent + 1, self._sent + count + 1))
+        self._sent += count
         for number in sent:
             await self.node.do("publish", "/say", messages=[{"data": number}])
             # An Uno can store 64 bytes while it waits for its line.
@@ -107,7 +110,7 @@ class Fleet:
     async def call(self) -> bool:
         """Call the board's service."""
         answered = await self.node.do(
-            "call", "/switch", srv_type="std_srvs/srv/SetBool", request={"data": True}, **HALVES
+            "call", "/switch", srv_type="std_srvs/srv/SetBool", request={"data": True}, **SET_BOOL_DEFINITIONS
         )
         return answered["response"] is not None and bool(answered["response"]["success"])
 
@@ -131,7 +134,9 @@ async def fleet(network: Machines, tmp_path_factory: pytest.TempPathFactory) -> 
         for router in routers.values():
             stack.push_async_callback(router.stop)
             await router.start()
-        await stack.enter_async_context(serving("--ros2", "zenoh", board, environment=NOBODY, on=robot))
+        await stack.enter_async_context(
+            serving("--ros2", "zenoh", board, environment=DEFAULT_SETTINGS, on=robot)
+        )
         node = await stack.enter_async_context(sdk_peer(ROUTER_PORT, home, on=laptop))
         await node.do("subscribe", "/count", **UINT32)
         await node.do("subscribe", "/repeated", **UINT32)
@@ -139,19 +144,19 @@ async def fleet(network: Machines, tmp_path_factory: pytest.TempPathFactory) -> 
         yield Fleet(routers, node)
 
 
-async def test_a_board_and_a_node_meet(fleet: Fleet) -> None:
-    await fleet.flows()
+async def test_a_board_and_a_node_exchange_messages(fleet: Fleet) -> None:
+    await fleet.wait_for_messages()
     await fleet.require_all(50)
     assert await fleet.call()
 
 
 @pytest.mark.parametrize("name", ["robot", "laptop"])
 async def test_a_router_restarts(fleet: Fleet, name: str) -> None:
-    await fleet.flows()
+    await fleet.wait_for_messages()
     await fleet.routers[name].stop()
-    received = await fleet.fallen_silent()
+    received = await fleet.wait_for_silence()
     await fleet.routers[name].start()
     await until(lambda: len(fleet.numbers("/count")) > received, "the count again")
-    await fleet.flows()
+    await fleet.wait_for_messages()
     await fleet.require_all(50)
     assert await fleet.call()

@@ -110,13 +110,15 @@ async def world(tmp_path_factory: pytest.TempPathFactory) -> AsyncIterator[World
         yield World(bridge, ros1, await session.join("/onlooker"), sdk)
 
 
-async def received_back(world: World, name: str, payload: bytes, there: str, back: str) -> bytes:
+async def send_and_receive(
+    world: World, name: str, payload: bytes, input_topic: str, output_topic: str
+) -> bytes:
     """Publish a message in ROS 2, and return the message that the board sends back."""
     message_type, inbox = STORE.registry.message_type(name), Inbox()
-    await world.ros2.subscribe(back, message_type, inbox.store, on_connection=inbox.store_header)
-    publisher = await world.ros2.advertise(there, message_type)
-    await until(lambda: publisher.subscriber_count, f"a subscriber of {there}")
-    await until(lambda: inbox.headers, f"a publisher of {back}")
+    await world.ros2.subscribe(output_topic, message_type, inbox.store, on_connection=inbox.store_header)
+    publisher = await world.ros2.advertise(input_topic, message_type)
+    await until(lambda: publisher.subscriber_count, f"a subscriber of {input_topic}")
+    await until(lambda: inbox.headers, f"a publisher of {output_topic}")
     assert inbox.headers[0]["callerid"] == "/lab/arm"
     publisher.publish_raw([payload])
     await until(lambda: inbox.payloads)
@@ -124,11 +126,11 @@ async def received_back(world: World, name: str, payload: bytes, there: str, bac
 
 
 @pytest.mark.parametrize("name", NAMES)
-async def test_messages_go_to_the_board_and_come_from_it(world: World, name: str) -> None:
+async def test_messages_reach_the_board_and_come_back(world: World, name: str) -> None:
     short, codec = name.partition("/")[2], STORE.codec(name)
     payload = codec.encode(with_times(MIRRORED[name]))
-    back = await received_back(world, name, payload, f"/lab/in_{short}", f"/lab/out_{short}")
-    assert without_seq(to_plain(codec.decode(back))) == MIRRORED[name]
+    received = await send_and_receive(world, name, payload, f"/lab/in_{short}", f"/lab/out_{short}")
+    assert without_seq(to_plain(codec.decode(received))) == MIRRORED[name]
 
 
 async def test_sdk_receives_from_and_sends_to_the_board(world: World) -> None:
@@ -137,19 +139,21 @@ async def test_sdk_receives_from_and_sends_to_the_board(world: World) -> None:
     await world.sdk.do("advertise", "/lab/in_String", **kind)
     for number in range(100):
         await world.sdk.do("publish", "/lab/in_String", messages=[{"data": f"try {number}"}])
-        if any(fields.get("data", "").startswith("try") for fields in world.sdk.got):
+        if any(fields.get("data", "").startswith("try") for fields in world.sdk.received):
             break
         await asyncio.sleep(0.1)
-    assert any(fields.get("data", "").startswith("try") for fields in world.sdk.got)
+    assert any(fields.get("data", "").startswith("try") for fields in world.sdk.received)
 
 
 async def test_sdk_calls_the_board_and_serves_it(world: World) -> None:
-    halves = {"request_definition": "bool data", "response_definition": "bool success\nstring message"}
+    definitions = {"request_definition": "bool data", "response_definition": "bool success\nstring message"}
     answered = await world.sdk.do(
-        "call", "/lab/switch", srv_type="std_srvs/srv/SetBool", request={"data": True}, **halves
+        "call", "/lab/switch", srv_type="std_srvs/srv/SetBool", request={"data": True}, **definitions
     )
     assert (answered["response"]["success"], answered["response"]["message"]) == (True, "on")
-    await world.sdk.do("serve", "/lab/gripper", srv_type="std_srvs/srv/SetBool", answer="said ", **halves)
+    await world.sdk.do(
+        "serve", "/lab/gripper", srv_type="std_srvs/srv/SetBool", answer="said ", **definitions
+    )
 
     async def honk(_request: bytes) -> bytes:
         return b"\x01" + string("honked")
@@ -168,13 +172,13 @@ async def test_sdk_calls_the_board_and_serves_it(world: World) -> None:
                 await asyncio.sleep(1.0)
 
 
-async def test_frames_are_tf2s(world: World) -> None:
+async def test_frames_have_the_type_of_tf2(world: World) -> None:
     assert ros2_types().by_name("tf2_msgs/msg/TFMessage").type_hash == TF_HASH
     kind = {"msg_type": "tf2_msgs/msg/TFMessage", "msg_definition": TF_TEXT, "type_hash": TF_HASH}
     await world.sdk.do("subscribe", "/tf", **kind)
 
     def frames() -> list[Any]:
-        return [fields["transforms"][0] for fields in world.sdk.got if "transforms" in fields]
+        return [fields["transforms"][0] for fields in world.sdk.received if "transforms" in fields]
 
     await until(frames)
     frame = frames()[0]

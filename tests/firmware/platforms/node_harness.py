@@ -23,7 +23,7 @@ STORE = TypeStore(Registry())
 TIMEOUT_S = 60.0
 
 
-class Meeting:
+class NodeHarness:
     """A graph in memory with a bridge and a program that uses the node."""
 
     def __init__(self, network: MemoryNetwork, graph: TypedGraph) -> None:
@@ -45,7 +45,7 @@ class Meeting:
         finally:
             await supervisor.close()
 
-    async def counting(self, more: int = 3) -> None:
+    async def wait_for_counts(self, more: int = 3) -> None:
         """Wait until the node has published `more` messages."""
         before = len(self.counts)
         await until(lambda: len(self.counts) >= before + more, "the node's counter")
@@ -64,7 +64,7 @@ class Meeting:
 
     async def exchange_messages(self) -> None:
         """Use all topics, services and parameters of the node."""
-        await self.counting()
+        await self.wait_for_counts()
         assert await self.ask("hello") == "hello"
         long = "".join(chr(32 + n % 95) for n in range(450))
         assert await self.ask(long) == long
@@ -78,34 +78,34 @@ class Meeting:
 
 
 @contextlib.asynccontextmanager
-async def meeting() -> AsyncIterator[Meeting]:
+async def node_harness() -> AsyncIterator[NodeHarness]:
     """Open a graph with a program that subscribes to the node's topics and offers the service that the node
     calls.
     """
     network = MemoryNetwork()
     graph = TypedGraph(await network.join("program"), STORE)
-    made = Meeting(network, graph)
+    harness = NodeHarness(network, graph)
 
     def pull(_request: Message) -> dict[str, Any]:
         return {"success": True, "message": "pulled"}
 
-    async def hear_counts() -> None:
+    async def collect_counts() -> None:
         async for message in graph.messages("/count", "std_msgs/UInt32"):
-            made.counts.append(message.data)
+            harness.counts.append(message.data)
 
-    async def hear_answers() -> None:
+    async def collect_answers() -> None:
         async for message in graph.messages("/answer", "std_msgs/String"):
-            made.answers.append(message.data)
+            harness.answers.append(message.data)
 
     await graph.service_server("/trigger", "std_srvs/Trigger", pull)
-    ears = [asyncio.ensure_future(hear_counts()), asyncio.ensure_future(hear_answers())]
+    tasks = [asyncio.ensure_future(collect_counts()), asyncio.ensure_future(collect_answers())]
     try:
-        yield made
+        yield harness
     except AssertionError as error:
-        error.add_note("\n".join(["the bridge reported:", *made.reporter.texts[-10:]]))
+        error.add_note("\n".join(["the bridge reported:", *harness.reporter.texts[-10:]]))
         raise
     finally:
-        for ear in ears:
-            ear.cancel()
-        await asyncio.gather(*ears, return_exceptions=True)
+        for task in tasks:
+            task.cancel()
+        await asyncio.gather(*tasks, return_exceptions=True)
         await graph.close()

@@ -30,7 +30,7 @@ void follow() {
   digitalWrite(BDPIN_LED_USER_1, pushed ? LOW : HIGH);
 }
 """
-WORDS = """\
+COMMANDS = """\
 pin BDPIN_PUSH_SW_9=1
 adc A1=4
 battery full
@@ -73,12 +73,12 @@ def running(sketch: Path) -> Iterator[subprocess.Popen[str]]:
         process.kill()
 
 
-def test_words_change_the_surroundings_and_answer(running: subprocess.Popen[str]) -> None:
+def test_commands_change_the_surroundings_and_print_events(running: subprocess.Popen[str]) -> None:
     assert running.stdin is not None and running.stdout is not None and running.stderr is not None
     ready = json.loads(running.stdout.readline())
     assert (ready["event"], ready["board"]) == ("ready", "opencr")
     assert ready["link"].startswith("/dev/pts/")
-    running.stdin.write(WORDS)
+    running.stdin.write(COMMANDS)
     running.stdin.flush()
     events = [json.loads(running.stdout.readline()) for _ in range(3)]
     assert [event["event"] for event in events] == ["pose", "tone", "pin"]
@@ -101,7 +101,7 @@ def test_words_change_the_surroundings_and_answer(running: subprocess.Popen[str]
 @pytest.mark.parametrize(
     ("options", "reason"), [("seed=2", "omit --uart, --seed"), ("servo=D9", "servo: the simulated OpenCR")]
 )
-async def test_words_of_other_boards_are_refused(sketch: Path, options: str, reason: str) -> None:
+async def test_options_of_other_boards_are_refused(sketch: Path, options: str, reason: str) -> None:
     with pytest.raises(ConfigError, match=reason):
         async with simulated([parse_address(f"sim:{sketch}?board=opencr&{options}")], SilentReporter()):
             pass
