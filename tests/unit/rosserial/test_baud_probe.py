@@ -19,14 +19,14 @@ LIMIT_S = 35.0
 
 
 def answer(version: int = 2) -> bytes:
-    """What a board says to a topic request."""
+    """Return a board's answer to a topic request."""
     return encode_frame(ids.TIME, bytes(8), version) + encode_frame(ids.PUBLISHER, CHATTER.encode(), version)
 
 
 class Device:
-    """A device behind a port, in time that the test turns; it hears and speaks at one rate.
+    """A device behind a port, with a clock that the test advances; it receives and sends at one rate.
 
-    `deaf_until_s` is its bootloader, `talks` what it sends by itself each period.
+    Until `deaf_until_s` its bootloader runs; `talks` is sent in each period without a request.
     """
 
     def __init__(

@@ -20,7 +20,7 @@ def run(
     rate_hz: float = 20.0,
     resolution_s: float = 0.0,
 ) -> None:
-    """Answer a board's clock every 2.5 s and let it stamp messages, each `delay` under way."""
+    """Answer a board's clock every 2.5 s and let it stamp messages, which arrive after `delay`."""
     step_s = 1 / rate_hz
     answered_s = 0.0
     estimate.answered(EPOCH_NS, 0.0)

@@ -19,7 +19,7 @@ BATCHES: list[list[bytes]] = [
     [b"abcd"] * 50,
     [b"abc", b"", b"a" * 300, b"b"] * 9,
     [bytes(64)] * 30 + [b"other"] + [bytes(64)] * 30,
-    # Payloads that look like prefixes must not make a run where there is none.
+    # Payloads that look like prefixes must not be taken for a run.
     [b"\x04\0\0\0"] * 12 + [b"\x08\0\0\0abcd"] * 12,
     [b"x" * 70_000, b"y", b"z" * 70_000],
 ]

@@ -9,7 +9,7 @@ from rostether.transports import mdns
 
 
 async def test_a_listener_is_found_by_its_service_type() -> None:
-    """Over loopback, where no other machine hears it."""
+    """Over loopback, which no other machine receives."""
     zeroconf = pytest.importorskip("zeroconf")
     from zeroconf.asyncio import AsyncServiceInfo, AsyncZeroconf
 

@@ -17,7 +17,7 @@ from rostether.xmlrpc.document_writer import dump_fault, dump_response
 from rostether.xmlrpc.values import MAX_INT, MAX_NESTING, MIN_INT, DateTime, FaultError, XmlRpcValue
 from xmlrpc_documents import dump_call, load_response
 
-# Carriage returns are omitted: XML reads them as line feeds, whoever writes them.
+# Carriage returns are omitted: XML reads them as line feeds.
 XML_TEXT = st.text(
     st.characters(
         exclude_categories=["Cs", "Cc"], exclude_characters="\ufffe\uffff", include_characters="\n\t"

@@ -156,7 +156,7 @@ async def test_a_port_that_the_user_may_not_open() -> None:
     master, slave = os.openpty()
     path = os.ttyname(slave)
     Path(path).chmod(0o600)
-    # Imports first: the user `nobody` may not read all modules.
+    # Imports first: the unprivileged user may not read all modules.
     program = f"""
 import concurrent.futures.thread, difflib, grp, os, sys, tty
 import rostether.bridge.health.doctor, rostether.cli.bridge.doctor, rostether.cli.bridge.doctor_report
