@@ -17,10 +17,12 @@ from rostether.recording.bag.records import U32, Fields, Op, op_of, read_record,
 from rostether.recording.chunked_reader import tally
 from rostether.recording.compression import MAX_CHUNK_BYTES, NONE, Buffer, check_unpacked_size, decompress
 
-# A chunk's header has the fields op, compression and size in any order. This is the field op. Before it
-# can be the header's length (4 bytes), and 13 bytes of size, 19 or 20 of compression, or both.
+# The field op in the header of a chunk, whose fields op, compression and size may have any order.
 _CHUNK_KIND = re.compile(rb"\x04\x00\x00\x00op=\x05")
+# The possible numbers of bytes before it: 4 of the header's length, and 13 of size, 19 or 20 of compression,
+# or both.
 _BEFORE_KIND = (4, 17, 23, 24, 36, 37)
+# The three fields have 8, 13, and at most 20 bytes.
 _MAX_CHUNK_HEADER_BYTES = 41
 
 

@@ -26,9 +26,9 @@ _ALL_ADDRESSES = ("/0.0.0.0:", "/[::]:")
 # A local router accepts a connection within a millisecond, or within this time if the machine swaps.
 PROBE_TIMEOUT_S = 1.0
 
-# How long a put waits for room on a full link: as long as a slow subscriber may pause a board, and long
-# enough for a process that is not scheduled for a moment. Zenoh does not wait for this link again until it
-# has sent something.
+# How long a put waits for room on a full link: as long as a slow subscriber may pause a board. This is enough
+# for a process that is not scheduled for a moment. Zenoh does not wait for this link again until it has sent
+# something.
 WAIT_BEFORE_DROP_US = 100_000
 
 _SHARED = {
