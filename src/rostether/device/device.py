@@ -105,6 +105,8 @@ class Device(Endpoints, BlockClosable):
         """Open the line; if that fails, retry in the background. Raises ConfigError."""
         # After this, topics of any type can be added without a search of folders.
         await definitions_searched(self._store.registry)
+        for stream in self._streams:
+            stream.begin()
         transport = await self._open()
         if transport is not None:
             self._line.attach(transport)

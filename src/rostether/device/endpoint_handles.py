@@ -120,6 +120,10 @@ class Messages(Generic[M]):
         self._waiting.append(message)
         self._wakeup.set()
 
+    def begin(self) -> None:
+        """Let loops wait for messages again, because the device was opened."""
+        self._has_ended = False
+
     def end(self) -> None:
         """End the loop after the messages that have arrived, because the device was closed."""
         self._has_ended = True

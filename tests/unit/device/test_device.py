@@ -394,6 +394,23 @@ async def test_reconnect_to_a_host_that_starts_late_and_restarts(scheme: str) ->
     await hosts.close()
 
 
+async def test_messages_arrive_again_when_a_closed_device_is_opened_again() -> None:
+    hosts = Hosts()
+    listener = await listen("tcp://:0", hosts)
+    device = device_on(listener.address)
+    messages = device.messages("in", UInt32)
+    for value in (1, 2):
+        async with device:
+            host = await hosts.next()
+            await host.until(lambda host=host: ("in", TopicRole.SUBSCRIBER) in host.announced)  # type: ignore[misc]
+            host.publish("in", {"data": value})
+            async with asyncio.timeout(60):
+                assert (await anext(messages)).data == value
+        await host.close()
+    await listener.close()
+    await hosts.close()
+
+
 async def test_tether_over_a_pseudo_terminal(tmp_path: Path) -> None:
     line = await open_transport(f"pty:{tmp_path}/board")
     device = device_on(f"{tmp_path}/board")
