@@ -13,7 +13,7 @@ from rostether.msgdef.registry import Registry
 from waiting import until
 
 
-async def test_batches_arrive_whole_and_in_order(join: JoinGraph) -> None:
+async def test_batches_arrive_completely_and_in_order(join: JoinGraph) -> None:
     talker, listener = await join("/talker"), await join("/listener")
     inbox = Inbox()
     publisher = await talker.advertise("/chat", STRING)

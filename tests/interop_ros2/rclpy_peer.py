@@ -28,17 +28,17 @@ class RclpyPeer:
         """The process's id."""
         return self._process.pid
 
-    async def ask(self, verb: str, **words: Any) -> Any:
+    async def ask(self, verb: str, **arguments: Any) -> Any:
         """Run a verb in the peer, and return its answer."""
-        return await asyncio.to_thread(self._ask, {"verb": verb, **words})
+        return await asyncio.to_thread(self._ask, {"verb": verb, **arguments})
 
     def wait_until_ready(self) -> None:
         """Wait for its first line."""
         self._read()
 
-    def _ask(self, words: dict[str, Any]) -> Any:
+    def _ask(self, request: dict[str, Any]) -> Any:
         assert self._process.stdin is not None
-        self._process.stdin.write(json.dumps(words) + "\n")
+        self._process.stdin.write(json.dumps(request) + "\n")
         self._process.stdin.flush()
         return self._read()
 
@@ -49,7 +49,7 @@ class RclpyPeer:
             raise AssertionError(f"the peer ended with {self._process.wait(10)}")
         reply = json.loads(line)
         if "error" in reply:
-            raise AssertionError(f"the peer says: {reply['error']}")
+            raise AssertionError(f"the peer reports: {reply['error']}")
         return reply["answer"]
 
 

@@ -111,7 +111,7 @@ class Peer:
 
     def publish(self, topic: str, messages: list[dict[str, Any]], subscribers: int = 1) -> None:
         publisher = self.publishers[topic]
-        wait_for(lambda: publisher.get_subscription_count() >= subscribers, f"nobody subscribes to {topic}")
+        wait_for(lambda: publisher.get_subscription_count() >= subscribers, f"no subscriber of {topic}")
         for values in messages:
             publisher.publish(fill(publisher.msg_type(), values))
 
@@ -130,7 +130,7 @@ class Peer:
 
     def receive(self, topic: str, count: int) -> Any:
         messages = self.received[topic]
-        wait_for(lambda: len(messages) >= count, f"{len(messages)} of {count} messages came on {topic}")
+        wait_for(lambda: len(messages) >= count, f"{len(messages)} of {count} messages arrived on {topic}")
         return [plain(message) for message in messages]
 
     def serve(self, service: str, type: str, response: dict[str, Any]) -> None:  # noqa: A002
@@ -142,7 +142,7 @@ class Peer:
 
         self.node.create_service(find(type), service, answer)
 
-    def served(self, service: str) -> Any:
+    def received_requests(self, service: str) -> Any:
         return self.requests[service]
 
     def call(
@@ -155,7 +155,7 @@ class Peer:
         client: Any = self.node.create_client(find(type), service)
         try:
             if not client.wait_for_service(TIMEOUT_S):
-                raise TimeoutError(f"nobody offers {service}")
+                raise TimeoutError(f"no node offers {service}")
             future = client.call_async(fill(client.srv_type.Request(), request))
             deadline_s = time.monotonic() + timeout_s
             while not future.done():
@@ -166,13 +166,13 @@ class Peer:
         finally:
             self.node.destroy_client(client)
 
-    def act(self, action: str, type: str, goal: dict[str, Any], cancel: bool = False) -> Any:  # noqa: A002
+    def send_goal(self, action: str, type: str, goal: dict[str, Any], cancel: bool = False) -> Any:  # noqa: A002
         """Send a goal, and with `cancel` cancel it after a feedback; return feedback, status and result."""
         client: Any = ActionClient(self.node, find(type), action)
         feedback: list[Any] = []
         try:
             if not client.wait_for_server(TIMEOUT_S):
-                raise TimeoutError(f"nobody offers {action}")
+                raise TimeoutError(f"no node offers {action}")
             sent = client.send_goal_async(
                 fill(find(type).Goal(), goal), lambda message: feedback.append(plain(message.feedback))
             )
@@ -236,15 +236,15 @@ class Peer:
             )
         ]
 
-    def described(self, topic: str) -> Any:
+    def describe_topic(self, topic: str) -> Any:
         """Return rclpy's description of a topic's endpoints."""
-        ends = (
+        endpoints = (
             *self.node.get_publishers_info_by_topic(topic),
             *self.node.get_subscriptions_info_by_topic(topic),
         )
-        return {each.node_name: str(each) for each in ends}
+        return {each.node_name: str(each) for each in endpoints}
 
-    def of_node(self, name: str, namespace: str) -> Any:
+    def endpoints_of_node(self, name: str, namespace: str) -> Any:
         return {
             "publishers": self.node.get_publisher_names_and_types_by_node(name, namespace),
             "subscribers": self.node.get_subscriber_names_and_types_by_node(name, namespace),
@@ -257,9 +257,9 @@ def main() -> None:
     peer = Peer(sys.argv[1])
     print(json.dumps({"answer": "ready"}), flush=True)
     for line in sys.stdin:
-        words = json.loads(line)
+        request = json.loads(line)
         try:
-            reply = {"answer": getattr(peer, words.pop("verb"))(**words)}
+            reply = {"answer": getattr(peer, request.pop("verb"))(**request)}
         except Exception as error:  # noqa: BLE001 - the test gets it
             reply = {"error": f"{type(error).__name__}: {error}"}
         print(json.dumps(reply), flush=True)

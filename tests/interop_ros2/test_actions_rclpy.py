@@ -82,13 +82,13 @@ async def test_rclpy_sends_a_goal_to_a_board(context: RclpyContext, peer: RclpyP
             await until(
                 lambda: supervisor.boards() and len(supervisor.boards()[0].endpoints) == 5, "the board"
             )
-            acted = await peer.ask(
-                "act", action="/count", type="test_msgs/action/Fibonacci", goal={"order": 5}
+            answer = await peer.ask(
+                "send_goal", action="/count", type="test_msgs/action/Fibonacci", goal={"order": 5}
             )
-            assert acted["status"] == SUCCEEDED
-            assert acted["result"] == {"sequence": [0, 1, 1, 2, 3, 5]}
+            assert answer["status"] == SUCCEEDED
+            assert answer["result"] == {"sequence": [0, 1, 1, 2, 3, 5]}
             # If rclpy receives the feedback after the result, it drops the feedback.
-            assert acted["feedback"] in ([], [{"sequence": [0, 1, 1, 2, 3]}])
+            assert answer["feedback"] in ([], [{"sequence": [0, 1, 1, 2, 3]}])
     finally:
         await supervisor.close()
         await asyncio.wait_for(join.close(), 60)

@@ -44,7 +44,7 @@ class Boards:
         device = Device(self.supervisor.listening_on[0], store=self._store)
         return await self._stack.enter_async_context(device)
 
-    async def announced(self, role: str, name: str) -> str:
+    async def wait_for_endpoint(self, role: str, name: str) -> str:
         """Wait until an endpoint is in the graph; return its board's node."""
 
         def nodes() -> list[str]:
@@ -77,7 +77,7 @@ async def test_boards_publish_to_rclpy(boards: Boards, peer: RclpyPeer) -> None:
         topic = f"out_{name.partition('/')[2]}"
         await peer.ask("subscribe", topic=f"/{topic}", type=ros2_name(name))
         publisher = device.publisher(topic, name)
-        await boards.announced("publisher", topic)
+        await boards.wait_for_endpoint("publisher", topic)
         while not (received := await peer.ask("receive", topic=f"/{topic}", count=0)):
             publisher.publish(**with_times(MESSAGES[name]))
             await asyncio.sleep(0.02)
@@ -89,13 +89,13 @@ async def test_rclpy_publishes_to_boards(boards: Boards, peer: RclpyPeer) -> Non
     device = await boards.connect()
     for name in MESSAGES:
         topic = f"in_{name.partition('/')[2]}"
-        arrived: list[Any] = []
-        device.subscriber(topic, name, arrived.append)
-        await boards.announced("subscriber", topic)
+        received: list[Any] = []
+        device.subscriber(topic, name, received.append)
+        await boards.wait_for_endpoint("subscriber", topic)
         await peer.ask("advertise", topic=f"/{topic}", type=ros2_name(name))
         await peer.ask("publish", topic=f"/{topic}", messages=[MESSAGES[name]])
-        await until(lambda: arrived, name)  # noqa: B023 - awaited at once
-        assert without_seq(to_plain(arrived[0])) == MESSAGES[name]
+        await until(lambda: received, name)  # noqa: B023 - awaited at once
+        assert without_seq(to_plain(received[0])) == MESSAGES[name]
 
 
 async def test_rclpy_calls_a_board(boards: Boards, peer: RclpyPeer) -> None:
@@ -104,8 +104,8 @@ async def test_rclpy_calls_a_board(boards: Boards, peer: RclpyPeer) -> None:
         "switch", "std_srvs/SetBool", lambda request: {"success": request.data, "message": "done"}
     )
     device.service_server("pull", "std_srvs/Trigger", lambda _: {"success": True, "message": "bang"})
-    await boards.announced("service server", "switch")
-    await boards.announced("service server", "pull")
+    await boards.wait_for_endpoint("service server", "switch")
+    await boards.wait_for_endpoint("service server", "pull")
     called = await peer.ask("call", service="/switch", type="std_srvs/srv/SetBool", request={"data": True})
     assert called == {"success": True, "message": "done"}
     called = await peer.ask("call", service="/pull", type="std_srvs/srv/Trigger", request={})
@@ -117,23 +117,23 @@ async def test_a_board_calls_rclpy(boards: Boards, peer: RclpyPeer) -> None:
     await peer.ask("serve", service="/gripper", type="std_srvs/srv/SetBool", response=response)
     device = await boards.connect()
     client = device.service_client("gripper", "std_srvs/SetBool")
-    node = await boards.announced("service client", "gripper")
+    node = await boards.wait_for_endpoint("service client", "gripper")
     # Listed before its first call, as soon as the peer has discovered the node.
     while [node.removeprefix("/"), "/"] not in await peer.ask("nodes"):
         await asyncio.sleep(0.01)
     while ["/gripper", ["std_srvs/srv/SetBool"]] not in (
-        await peer.ask("of_node", name=node.removeprefix("/"), namespace="/")
+        await peer.ask("endpoints_of_node", name=node.removeprefix("/"), namespace="/")
     )["clients"]:
         await asyncio.sleep(0.01)
     received = await client.call(data=True)
     assert (received.success, received.message) == (True, "gripped")
-    assert await peer.ask("served", service="/gripper") == [{"data": True}]
+    assert await peer.ask("received_requests", service="/gripper") == [{"data": True}]
 
 
 async def test_a_board_reads_the_parameters_of_its_node(boards: Boards, peer: RclpyPeer) -> None:
     device = await boards.connect()
     device.publisher("beacon", "std_msgs/Empty")
-    node = await boards.announced("publisher", "beacon")
+    node = await boards.wait_for_endpoint("publisher", "beacon")
     values = [("gain", 2.5), ("count", 42), ("side", "left"), ("flags", [True, False])]
     await peer.ask("parameters", node=node, method="set_parameters", arguments=values)
     read = [await device.get_param(name) for name in ("~gain", "count", "/side", "~flags")]
@@ -143,11 +143,11 @@ async def test_a_board_reads_the_parameters_of_its_node(boards: Boards, peer: Rc
 async def test_each_board_is_a_node(boards: Boards, peer: RclpyPeer) -> None:
     device = await boards.connect()
     device.publisher("own", "std_msgs/String")
-    node = await boards.announced("publisher", "own")
+    node = await boards.wait_for_endpoint("publisher", "own")
     while [node.removeprefix("/"), "/"] not in await peer.ask("nodes"):
         await asyncio.sleep(0.01)
     while True:
-        seen = await peer.ask("of_node", name=node.removeprefix("/"), namespace="/")
+        seen = await peer.ask("endpoints_of_node", name=node.removeprefix("/"), namespace="/")
         if ["/own", ["std_msgs/msg/String"]] in seen["publishers"]:
             break
         await asyncio.sleep(0.01)

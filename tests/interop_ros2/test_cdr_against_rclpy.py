@@ -28,7 +28,7 @@ PACKAGES = (
     "trajectory_msgs", "type_description_interfaces", "unique_identifier_msgs",
 )  # fmt: skip
 ROUNDS = 5
-LESS_IN_ROS2 = ("rcl_interfaces/msg/Log",)
+LOSSY_TYPES = ("rcl_interfaces/msg/Log",)
 
 DEFINITIONS = Ros2Definitions(prefixes=[sys.prefix], bundled=False)
 TYPES = Ros2Types(Registry(), DEFINITIONS)
@@ -44,7 +44,7 @@ def names() -> list[str]:
     return found
 
 
-def through_ros2(name: str, cdr: bytes) -> bytes:
+def round_trip_in_rclpy(name: str, cdr: bytes) -> bytes:
     """Let rclpy read a CDR message, and return the CDR that it writes."""
     from rclpy.serialization import deserialize_message, serialize_message
 
@@ -55,7 +55,7 @@ def through_ros2(name: str, cdr: bytes) -> bytes:
     return bytes(serialize_message(deserialize_message(cdr, message_class)))
 
 
-def as_ros2_keeps_it(value: Any) -> Any:
+def as_ros2_stores_it(value: Any) -> Any:
     """Set a header's `seq` to 0, end strings before a NUL as rclpy does, and limit values to valid severities
     and bounds.
     """
@@ -68,9 +68,9 @@ def as_ros2_keeps_it(value: Any) -> Any:
             del value.floating_point_range[1:], value.integer_range[1:]
         names: tuple[str, ...] = value.__slots__
         for name in names:
-            setattr(value, name, as_ros2_keeps_it(getattr(value, name)))
+            setattr(value, name, as_ros2_stores_it(getattr(value, name)))
     elif isinstance(value, list):
-        return [as_ros2_keeps_it(each) for each in value]
+        return [as_ros2_stores_it(each) for each in value]
     elif isinstance(value, str):
         return value.partition("\0")[0]
     return value
@@ -79,13 +79,13 @@ def as_ros2_keeps_it(value: Any) -> Any:
 def require_round_trips(name: str, codec: Codec, converter: CdrConverter) -> None:
     random = RandomMessages(1)
     for _ in range(ROUNDS):
-        payload = codec.encode(as_ros2_keeps_it(random.message(codec)))
+        payload = codec.encode(as_ros2_stores_it(random.message(codec)))
         cdr = converter.to_cdr(payload)
-        back = through_ros2(name, cdr)
+        returned = round_trip_in_rclpy(name, cdr)
         # Fast DDS does not clear the padding, and reserves more bytes at the end than it needs.
-        assert converter.to_cdr(converter.from_cdr(back)) == cdr
-        if name not in LESS_IN_ROS2:
-            assert converter.from_cdr(back) == payload
+        assert converter.to_cdr(converter.from_cdr(returned)) == cdr
+        if name not in LOSSY_TYPES:
+            assert converter.from_cdr(returned) == payload
 
 
 def codec_of(message_type: MessageType) -> Codec:
@@ -95,17 +95,17 @@ def codec_of(message_type: MessageType) -> Codec:
     return TypeStore(registry).codec(message_type.name)
 
 
-def test_all_packages_are_here() -> None:
+def test_all_packages_are_installed() -> None:
     assert len(names()) > 150
 
 
 @pytest.mark.parametrize("name", names())
-def test_values_come_back(name: str) -> None:
+def test_values_are_the_same_after_a_round_trip(name: str) -> None:
     support = TYPES.by_name(name)
     require_round_trips(name, codec_of(support.ros1_type), support.converter)
 
 
 @pytest.mark.parametrize("name", names())
-def test_values_of_the_native_view_come_back(name: str) -> None:
+def test_native_values_are_the_same_after_a_round_trip(name: str) -> None:
     native = native_message(TYPES.definitions.message(name), TYPES.definitions).ros1_type
     require_round_trips(name, codec_of(native), TYPES.message(native).converter)

@@ -31,9 +31,9 @@ async def test_parameters_that_are_set_are_described(
 ) -> None:
     # A busy machine may need longer than users wait.
     monkeypatch.setattr("rostether.ros2.parameters.client.CALL_TIMEOUT_S", 60)
-    node, asker = await join("/described"), await join("/asker")
+    node, client_node = await join("/described"), await join("/asker")
     await node.set_param("~gain", 1.5)
-    client = ParameterClient(asker)
+    client = ParameterClient(client_node)
     # Another node sets it, without a declaration.
     await client.set("/described", {"name": typed_value("name", "arm")})
     described = await client.describe("/described", ["gain", "name"])
@@ -57,7 +57,7 @@ async def test_rclpy_client_to_server(join: JoinGraph, peer: RclpyPeer, store: T
         received.append(payload)
         return store.codec(f"{name}Response").encode(response)
 
-    service = f"/ours/{name.replace('/', '_')}"
+    service = f"/rostether/{name.replace('/', '_')}"
     server = await node.advertise_service(service, store.registry.service_type(name), handle)
     assert await peer.ask("call", service=service, type=ros2_service(name), request=request) == response
     assert received == [store.codec(f"{name}Request").encode(request)]
@@ -67,24 +67,24 @@ async def test_rclpy_client_to_server(join: JoinGraph, peer: RclpyPeer, store: T
 @pytest.mark.parametrize("name", SERVICES)
 async def test_client_to_rclpy_server(join: JoinGraph, peer: RclpyPeer, store: TypeStore, name: str) -> None:
     request, response = SERVICES[name]
-    service = f"/theirs/{name.replace('/', '_')}"
+    service = f"/rclpy/{name.replace('/', '_')}"
     await peer.ask("serve", service=service, type=ros2_service(name), response=response)
     node = await join("/board")
     payload = store.codec(f"{name}Request").encode(request)
     received = await node.call_service(service, store.registry.service_type(name), payload, timeout_s=60)
     assert received == store.codec(f"{name}Response").encode(response)
-    (seen,) = await peer.ask("served", service=service)
+    (seen,) = await peer.ask("received_requests", service=service)
     assert seen == request or not request
 
 
 async def test_a_call_of_another_type_is_refused(join: JoinGraph, peer: RclpyPeer, store: TypeStore) -> None:
-    await peer.ask("serve", service="/theirs/typed", type="std_srvs/srv/SetBool", response={})
+    await peer.ask("serve", service="/rclpy/typed", type="std_srvs/srv/SetBool", response={})
     node = await join("/board")
-    while "/theirs/typed" not in (await node.snapshot()).services:
+    while "/rclpy/typed" not in (await node.snapshot()).services:
         await asyncio.sleep(0.01)
-    reported = "/theirs/typed is std_srvs/srv/SetBool, not std_srvs/srv/Trigger"
+    reported = "/rclpy/typed is std_srvs/srv/SetBool, not std_srvs/srv/Trigger"
     with pytest.raises(TypeMismatchError, match=reported):
-        await node.call_service("/theirs/typed", store.registry.service_type("std_srvs/Trigger"), b"")
+        await node.call_service("/rclpy/typed", store.registry.service_type("std_srvs/Trigger"), b"")
 
 
 async def test_a_failing_handler_leaves_the_caller_waiting_and_reports_the_reason(
@@ -95,21 +95,23 @@ async def test_a_failing_handler_leaves_the_caller_waiting_and_reports_the_reaso
     async def refuse(_: bytes) -> bytes:
         raise SessionError("the board is away")
 
-    await node.advertise_service("/ours/refusing", store.registry.service_type("std_srvs/Trigger"), refuse)
-    call = {"service": "/ours/refusing", "type": "std_srvs/srv/Trigger", "request": {}}
+    await node.advertise_service(
+        "/rostether/refusing", store.registry.service_type("std_srvs/Trigger"), refuse
+    )
+    call = {"service": "/rostether/refusing", "type": "std_srvs/srv/Trigger", "request": {}}
     assert await peer.ask("call", **call, timeout_s=0.3) is None
-    await until(lambda: "no answer to a call of /ours/refusing: the board is away" in caplog.text)
+    await until(lambda: "no answer to a call of /rostether/refusing: the board is away" in caplog.text)
 
 
-async def test_a_burst_of_calls_is_answered_to_the_last(join: JoinGraph, store: TypeStore) -> None:
+async def test_all_calls_of_a_burst_are_answered(join: JoinGraph, store: TypeStore) -> None:
     node, other = await join("/board"), await join("/other")
 
     async def handle(_: bytes) -> bytes:
         return b"\1\0\0\0\0"
 
     set_bool = store.registry.service_type("std_srvs/SetBool")
-    await node.advertise_service("/ours/busy", set_bool, handle)
-    calls = [other.call_service("/ours/busy", set_bool, TRUE, timeout_s=60) for _ in range(60)]
+    await node.advertise_service("/rostether/busy", set_bool, handle)
+    calls = [other.call_service("/rostether/busy", set_bool, TRUE, timeout_s=60) for _ in range(60)]
     assert set(await asyncio.gather(*calls)) == {b"\1\0\0\0\0"}
 
 
@@ -123,16 +125,18 @@ async def test_a_server_that_does_not_answer_times_out(
         raise AssertionError("unreachable")
 
     set_bool = store.registry.service_type("std_srvs/SetBool")
-    await node.advertise_service("/ours/hanging", set_bool, hang)
-    await wait_for_service(other, "/ours/hanging")
-    with pytest.raises(ServiceTimeoutError, match=r"/ours/hanging did not answer within 0.2 s"):
-        await other.call_service("/ours/hanging", set_bool, TRUE, timeout_s=0.2)
+    await node.advertise_service("/rostether/hanging", set_bool, hang)
+    await wait_for_service(other, "/rostether/hanging")
+    with pytest.raises(ServiceTimeoutError, match=r"/rostether/hanging did not answer within 0.2 s"):
+        await other.call_service("/rostether/hanging", set_bool, TRUE, timeout_s=0.2)
 
 
 async def test_a_service_type_that_is_not_installed_is_refused(join: JoinGraph) -> None:
     node = await join("/board")
-    half = MessageType("my_robot_srvs/FlyRequest", "0" * 32, "float32 height\n")
-    fly = ServiceType("my_robot_srvs/Fly", "0" * 32, half, MessageType("my_robot_srvs/FlyResponse", "1" * 32))
+    request_type = MessageType("my_robot_srvs/FlyRequest", "0" * 32, "float32 height\n")
+    fly = ServiceType(
+        "my_robot_srvs/Fly", "0" * 32, request_type, MessageType("my_robot_srvs/FlyResponse", "1" * 32)
+    )
     with pytest.raises(UnknownTypeError, match="the package my_robot_srvs is not installed"):
         await node.call_service("/fly", fly, b"\0\0\0\0")
 
@@ -149,7 +153,7 @@ PARAMETERS: dict[str, ParamValue] = {
 }
 
 
-async def test_rclpy_sets_and_reads_our_parameters(join: JoinGraph, peer: RclpyPeer) -> None:
+async def test_rclpy_sets_and_reads_parameters_of_a_node(join: JoinGraph, peer: RclpyPeer) -> None:
     node = await join("/tuned")
     seen: list[ParamValue] = []
     await node.watch_param("~arm/gain", seen.append)
@@ -167,7 +171,7 @@ async def test_rclpy_sets_and_reads_our_parameters(join: JoinGraph, peer: RclpyP
     assert reply["values"][0]["double_value"] == 0.75
 
 
-async def test_what_a_board_asks_for_is_listed(join: JoinGraph, peer: RclpyPeer) -> None:
+async def test_parameters_that_a_board_reads_are_listed(join: JoinGraph, peer: RclpyPeer) -> None:
     node = await join("/asking")
     assert not await node.has_param("~baud")
     with pytest.raises(LookupError):

@@ -66,7 +66,9 @@ async def test_rclpy_publisher_to_subscriber(
     await until(lambda: subscriber.publisher_count == 0)
 
 
-async def test_a_burst_arrives_whole_and_in_order(join: JoinGraph, peer: RclpyPeer, store: TypeStore) -> None:
+async def test_a_burst_arrives_completely_and_in_order(
+    join: JoinGraph, peer: RclpyPeer, store: TypeStore
+) -> None:
     node, inbox = await join("/board"), Inbox()
     string_type = store.registry.message_type("std_msgs/String")
     await peer.ask("subscribe", topic="/burst/out", type="std_msgs/msg/String")
@@ -86,7 +88,7 @@ async def test_a_burst_arrives_whole_and_in_order(join: JoinGraph, peer: RclpyPe
 
 
 @pytest.mark.parametrize("is_first", [True, False])
-async def test_a_subscriber_of_any_type_learns_it(
+async def test_a_subscriber_of_any_type_learns_the_type(
     join: JoinGraph, peer: RclpyPeer, store: TypeStore, is_first: bool
 ) -> None:
     topic = f"/any/{'first' if is_first else 'second'}"
@@ -105,7 +107,7 @@ async def test_a_subscriber_of_any_type_learns_it(
     await peer.ask("unadvertise", topic=topic)
 
 
-async def test_sensor_data_is_received(join: JoinGraph, peer: RclpyPeer, store: TypeStore) -> None:
+async def test_best_effort_messages_are_exchanged(join: JoinGraph, peer: RclpyPeer, store: TypeStore) -> None:
     node, inbox = await join("/board"), Inbox()
     string_type = store.registry.message_type("std_msgs/String")
     # The subscription is reliable before a publisher exists, then it adapts.
@@ -126,7 +128,7 @@ async def test_sensor_data_is_received(join: JoinGraph, peer: RclpyPeer, store: 
 
 
 @pytest.mark.parametrize("is_known", [True, False])
-async def test_a_latched_topic_of_rclpy_greets_a_subscriber(
+async def test_a_subscriber_gets_the_latched_message_of_rclpy(
     join: JoinGraph, peer: RclpyPeer, store: TypeStore, is_known: bool
 ) -> None:
     topic = f"/latched/in/{'known' if is_known else 'unknown'}"
@@ -146,9 +148,7 @@ async def test_a_latched_topic_of_rclpy_greets_a_subscriber(
     assert [header["latching"] for header in inbox.headers] == ["1"]
 
 
-async def test_a_latched_topic_greets_a_subscriber_of_rclpy(
-    join: JoinGraph, peer: RclpyPeer, store: TypeStore
-) -> None:
+async def test_rclpy_gets_the_latched_message(join: JoinGraph, peer: RclpyPeer, store: TypeStore) -> None:
     node = await join("/board")
     string_type = store.registry.message_type("std_msgs/String")
     publisher = await node.advertise("/latched/out", string_type, latch=True)
@@ -159,7 +159,7 @@ async def test_a_latched_topic_greets_a_subscriber_of_rclpy(
         await asyncio.sleep(0.05)
 
 
-async def test_a_latched_burst_reaches_a_connected_subscriber_of_rclpy_whole(
+async def test_a_connected_subscriber_of_rclpy_gets_all_messages_of_a_latched_topic(
     join: JoinGraph, peer: RclpyPeer, store: TypeStore
 ) -> None:
     node = await join("/board")
@@ -172,7 +172,7 @@ async def test_a_latched_burst_reaches_a_connected_subscriber_of_rclpy_whole(
     assert [int(each["data"][:3]) for each in texts] == list(range(100))
 
 
-async def test_a_subscriber_that_asks_for_too_much_is_explained(
+async def test_a_subscriber_with_an_incompatible_quality_of_service_is_reported(
     join: JoinGraph, peer: RclpyPeer, store: TypeStore, caplog: pytest.LogCaptureFixture
 ) -> None:
     node = await join("/board")
@@ -206,11 +206,11 @@ async def test_logs_reach_rosout(join: JoinGraph, peer: RclpyPeer) -> None:
         node.log(level, f"of level {level.name}")
     while True:
         logs = await peer.ask("receive", topic="/rosout", count=len(Level))
-        ours = [log for log in logs if log["name"] == "robot.board"]
-        if len(ours) == len(Level):
+        node_logs = [log for log in logs if log["name"] == "robot.board"]
+        if len(node_logs) == len(Level):
             break
         await asyncio.sleep(0.01)
-    assert [(log["level"], log["msg"]) for log in ours] == [
+    assert [(log["level"], log["msg"]) for log in node_logs] == [
         (10, "of level DEBUG"),
         (20, "of level INFO"),
         (30, "of level WARN"),
@@ -221,8 +221,11 @@ async def test_logs_reach_rosout(join: JoinGraph, peer: RclpyPeer) -> None:
 
 async def test_a_type_that_is_not_installed_is_refused(join: JoinGraph) -> None:
     node = await join("/board")
-    theirs = MessageType("my_robot_msgs/Feather", "0" * 32, "float32 weight\n")
-    for attempt in (node.advertise("/feather", theirs), node.subscribe("/feather", theirs, Inbox().store)):
+    custom_type = MessageType("my_robot_msgs/Feather", "0" * 32, "float32 weight\n")
+    for attempt in (
+        node.advertise("/feather", custom_type),
+        node.subscribe("/feather", custom_type, Inbox().store),
+    ):
         with pytest.raises(UnknownTypeError, match="the package my_robot_msgs is not installed") as caught:
             await attempt
         assert "\n" not in str(caught.value)

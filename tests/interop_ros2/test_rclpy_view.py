@@ -45,7 +45,7 @@ async def test_a_node_of_rclpy_describes_its_services(join: JoinGraph, peer: Rcl
     await node.close()
 
 
-async def test_rclpy_sees_our_nodes_with_what_they_do(
+async def test_rclpy_lists_nodes_with_their_endpoints(
     join: JoinGraph, peer: RclpyPeer, store: TypeStore
 ) -> None:
     node = await join("board", namespace="/robot", remappings={"chat": "/talk"})
@@ -59,7 +59,7 @@ async def test_rclpy_sees_our_nodes_with_what_they_do(
     while ["board", "/robot"] not in await peer.ask("nodes"):
         await asyncio.sleep(0.01)
     while True:
-        seen = await peer.ask("of_node", name="board", namespace="/robot")
+        seen = await peer.ask("endpoints_of_node", name="board", namespace="/robot")
         if len(seen["publishers"]) == 3 and len(seen["subscribers"]) == 1 and len(seen["services"]) == 8:
             break
         await asyncio.sleep(0.01)
@@ -71,7 +71,7 @@ async def test_rclpy_sees_our_nodes_with_what_they_do(
     assert [(each["reliability"], each["durability"]) for each in endpoints] == [("RELIABLE", "VOLATILE")]
 
 
-async def test_we_see_the_nodes_of_rclpy(join: JoinGraph, peer: RclpyPeer) -> None:
+async def test_nodes_of_rclpy_are_listed(join: JoinGraph, peer: RclpyPeer) -> None:
     node = await join("/board")
     changes = node.changes()
     await anext(changes)
@@ -91,7 +91,7 @@ async def test_we_see_the_nodes_of_rclpy(join: JoinGraph, peer: RclpyPeer) -> No
         snapshot = await asyncio.wait_for(anext(changes), 60)
 
 
-async def test_a_node_that_leaves_is_removed_there(join: JoinGraph, peer: RclpyPeer) -> None:
+async def test_rclpy_removes_a_node_that_leaves(join: JoinGraph, peer: RclpyPeer) -> None:
     node = await join("/leaver")
     while ["leaver", "/"] not in await peer.ask("nodes"):
         await asyncio.sleep(0.01)

@@ -55,8 +55,8 @@ async def test_messages_of_rclpy_are_recorded_and_played_back(peer: RclpyPeer, t
     assert {each.header.frame_id for each in received} == {"laser"}
 
     await peer.ask("subscribe", topic="/again", type="sensor_msgs/msg/LaserScan")
-    words = ["-i", "-d", "2", "--wait-for-subscribers", "--topics", "/scan"]
-    words += ["--bags", str(folder), "/scan:=/again"]
-    assert await tool("bag", "play", *words) == "played 3 messages\n"
+    options = ["-i", "-d", "2", "--wait-for-subscribers", "--topics", "/scan"]
+    options += ["--bags", str(folder), "/scan:=/again"]
+    assert await tool("bag", "play", *options) == "played 3 messages\n"
     played = await peer.ask("receive", topic="/again", count=3)
     assert [each["ranges"] for each in played] == [scan["ranges"]] * 3

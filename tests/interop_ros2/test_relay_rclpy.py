@@ -124,7 +124,7 @@ async def sides(peer: RclpyPeer, tmp_path_factory: pytest.TempPathFactory) -> As
         yield Sides(ros1, peer, relays, folder)
 
 
-async def received(peer: RclpyPeer, topic: str, count: int) -> list[Any]:
+async def wait_for_messages(peer: RclpyPeer, topic: str, count: int) -> list[Any]:
     """Wait until ROS 2 has received `count` messages."""
     while len(found := await peer.ask("receive", topic=topic, count=0)) < count:
         await asyncio.sleep(0.05)
@@ -136,7 +136,7 @@ async def test_ros2_receives_each_message_of_ros1_once(sides: Sides) -> None:
     await sides.ros2.ask("subscribe", topic="/sensors/joints", type="sensor_msgs/msg/JointState")
     counter = await sides.ros1.rospy(COUNTER)
     # The peer's queue has 100 places, enough for a pause of a few seconds on a busy machine.
-    joints = await received(sides.ros2, "/sensors/joints", 40)
+    joints = await wait_for_messages(sides.ros2, "/sensors/joints", 40)
     await counter.stop()
     assert joints[0]["name"] == ["left", "right"]
     numbers = [each["position"][0] for each in joints]
@@ -152,11 +152,11 @@ async def test_ros1_receives_messages_of_ros2(sides: Sides) -> None:
     await echo.stop()
 
 
-async def test_both_ways_without_an_echo(sides: Sides) -> None:
+async def test_messages_are_not_sent_back(sides: Sides) -> None:
     await sides.ros2.ask("subscribe", topic="/chatter", type="std_msgs/msg/String")
     echo = await sides.ros1.start("rostopic", "echo", "/chatter")
     talker = await sides.ros1.rospy(TALKER)
-    await received(sides.ros2, "/chatter", 20)
+    await wait_for_messages(sides.ros2, "/chatter", 20)
     await talker.stop()
     await sides.ros2.ask("advertise", topic="/chatter", type="std_msgs/msg/String")
     reported = 0
@@ -171,7 +171,7 @@ async def test_both_ways_without_an_echo(sides: Sides) -> None:
     await echo.stop()
 
 
-async def test_services_of_each_are_called_in_the_other(sides: Sides) -> None:
+async def test_services_are_called_from_the_other_graph(sides: Sides) -> None:
     server = await sides.ros1.rospy(SERVER)
     await server.wait_for("serving")
     answered = await sides.ros2.ask(
@@ -186,21 +186,21 @@ async def test_services_of_each_are_called_in_the_other(sides: Sides) -> None:
     await server.stop()
 
 
-async def test_actions_of_each_are_called_in_the_other(sides: Sides) -> None:
+async def test_actions_are_called_from_the_other_graph(sides: Sides) -> None:
     if find_spec("test_msgs") is None:
         pytest.skip("test_msgs is not installed: pip install ros-test-msgs")
     ros2, action = sides.ros2, ACTION.replace("/", "/action/")
     await ros2.ask("serve_action", action="/count_2", type=action, result={"sequence": [0, 1, 1, 2]})
     text = Registry([sides.definitions]).message_type(f"{ACTION}Action").definition
     counting = await sides.ros1.start("python", "-c", COUNTING, stdin=text.encode())
-    acted = await ros2.ask("act", action="/count_1", type=action, goal={"order": 5})
-    assert acted["status"] == SUCCEEDED, (acted, counting.text, [relay.text for relay in sides.relays])
-    assert acted["result"] == {"sequence": [0, 1, 1, 2, 3, 5]}
+    answer = await ros2.ask("send_goal", action="/count_1", type=action, goal={"order": 5})
+    assert answer["status"] == SUCCEEDED, (answer, counting.text, [relay.text for relay in sides.relays])
+    assert answer["result"] == {"sequence": [0, 1, 1, 2, 3, 5]}
     await counting.wait_for("SUCCEEDED [0, 1, 1, 2]")
     await counting.stop()
 
 
-async def test_one_relay_follows_when_the_other_is_killed(sides: Sides) -> None:
+async def test_the_second_relay_continues_when_the_first_is_killed(sides: Sides) -> None:
     response = {"success": True, "message": "from ROS 2"}
     await sides.ros2.ask("serve", service="/pull", type="std_srvs/srv/Trigger", response=response)
     while "/pull" not in (await sides.ros1.run("rosservice", "list")).split():

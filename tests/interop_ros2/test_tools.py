@@ -67,7 +67,7 @@ async def test_listings(peer: RclpyPeer) -> None:
     assert "    /numbers: std_msgs/msg/Int32\n  Publishers:\n" in node
     assert "    /enable: std_srvs/srv/Trigger\n" in node
     assert "/enable [std_srvs/srv/Trigger]" in services.splitlines()
-    described = await peer.ask("described", topic="/text")
+    described = await peer.ask("describe_topic", topic="/text")
     # rclpy knows the depth of its own queue, which the network does not report to other nodes.
     for line in described["peer"].splitlines():
         if "History (Depth)" not in line:
@@ -95,14 +95,14 @@ async def test_calls_and_parameters(peer: RclpyPeer) -> None:
         "serve", service="/set_led", type="std_srvs/srv/SetBool", response={"success": True, "message": "on"}
     )
     await peer.ask("set_own_parameter", name="gain", value=1.5)
-    called, got, listed = await asyncio.gather(
+    called, gain, listed = await asyncio.gather(
         tool("service", "call", "/set_led", "std_srvs/srv/SetBool", "{data: true}"),
         tool("param", "get", PEER_NAME, "gain"),
         tool("param", "list", PEER_NAME, "--param-type"),
     )
     assert called.endswith("response:\nstd_srvs.srv.SetBool_Response(success=True, message='on')\n\n")
-    assert await peer.ask("served", service="/set_led") == [{"data": True}]
-    assert got == "Double value is: 1.5\n"
+    assert await peer.ask("received_requests", service="/set_led") == [{"data": True}]
+    assert gain == "Double value is: 1.5\n"
     assert "  gain (type: double)\n" in listed
     assert await tool("param", "set", PEER_NAME, "gain", "2.5") == "Set parameter successful\n"
     assert await peer.ask("get_own_parameter", name="gain") == 2.5
@@ -131,15 +131,15 @@ def test_messages_are_shown_as_python_shows_them(name: str, fields: dict[str, An
     from interop_ros2.rclpy_program import fill, find
 
     package, kind, short = name.split("/")
-    half = short.partition("_")
-    message_class = find(f"{package}/{kind}/{half[0]}")
-    theirs = fill((getattr(message_class, half[2]) if half[2] else message_class)(), fields)
+    parts = short.partition("_")
+    message_class = find(f"{package}/{kind}/{parts[0]}")
+    rclpy_message = fill((getattr(message_class, parts[2]) if parts[2] else message_class)(), fields)
     registry = NativeRegistry(Ros2Definitions(), Registry())
     definition = registry.ros2_message(name)
     codec = TypeStore(registry).codec(definition.full_name.replace(f"/{kind}/", "/").replace("_R", "R"))
-    ours = ValueForm(registry.ros2_message, Time).fill(codec, definition, [fields])
-    assert MessageText(registry.ros2_message, TextStyle()).python(ours, definition) == repr(theirs)
+    value = ValueForm(registry.ros2_message, Time).fill(codec, definition, [fields])
+    assert MessageText(registry.ros2_message, TextStyle()).python(value, definition) == repr(rclpy_message)
 
 
-async def test_the_doctor_joins(peer: RclpyPeer) -> None:
+async def test_the_doctor_joins_the_graph(peer: RclpyPeer) -> None:
     assert "ok: graph: " in await tool("doctor")

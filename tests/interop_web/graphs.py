@@ -25,7 +25,7 @@ from rostether.serde.store import TypeStore
 
 
 @dataclass(frozen=True, slots=True)
-class GraphOfTest:
+class WebGraph:
     """An empty graph, and the function with which a gateway joins it."""
 
     join: JoinGraph
@@ -35,15 +35,15 @@ class GraphOfTest:
 
 
 @asynccontextmanager
-async def _memory() -> AsyncIterator[GraphOfTest]:
-    yield GraphOfTest(MemoryNetwork().join, TypeStore(Registry()))
+async def _memory() -> AsyncIterator[WebGraph]:
+    yield WebGraph(MemoryNetwork().join, TypeStore(Registry()))
 
 
 @asynccontextmanager
-async def _ros1() -> AsyncIterator[GraphOfTest]:
+async def _ros1() -> AsyncIterator[WebGraph]:
     master = await MasterServer.start(port=0)
     client = MasterClient(master.uri, "/asking")
-    yield GraphOfTest(
+    yield WebGraph(
         functools.partial(join_ros1, environment=RosEnvironment.read({}).with_master(master.uri)),
         TypeStore(Registry()),
         ask_type=functools.partial(probe_type, client),
@@ -53,7 +53,7 @@ async def _ros1() -> AsyncIterator[GraphOfTest]:
 
 
 @asynccontextmanager
-async def _zenoh() -> AsyncIterator[GraphOfTest]:
+async def _zenoh() -> AsyncIterator[WebGraph]:
     registry = NativeRegistry.from_environment(environ={})
     types = NativeTypes(registry)
     for attempt in range(5):
@@ -64,11 +64,11 @@ async def _zenoh() -> AsyncIterator[GraphOfTest]:
             # Another program's connection has just used the port.
             if attempt == 4:
                 raise
-    yield GraphOfTest(session.join, TypeStore(registry, NativeClasses(registry)), Style.ROS2)
+    yield WebGraph(session.join, TypeStore(registry, NativeClasses(registry)), Style.ROS2)
     await session.close()
 
 
-GRAPHS: dict[str, Callable[[], AbstractAsyncContextManager[GraphOfTest]]] = {
+GRAPHS: dict[str, Callable[[], AbstractAsyncContextManager[WebGraph]]] = {
     "memory": _memory,
     "ros1": _ros1,
     "zenoh": _zenoh,

@@ -19,7 +19,7 @@ def reports(peer: Peer) -> dict[str, Any]:
     return {each["check"]: each.get("found", each.get("error")) for each in found}
 
 
-async def until(peer: Peer, condition: Callable[[], object]) -> None:
+async def wait_until(peer: Peer, condition: Callable[[], object]) -> None:
     """Wait for a condition; at the time limit, fail with the program's output."""
     try:
         async with asyncio.timeout(TIMEOUT_S):
@@ -27,17 +27,17 @@ async def until(peer: Peer, condition: Callable[[], object]) -> None:
                 await asyncio.sleep(0.01)
     except TimeoutError:
         pass
-    assert condition(), f"it did not come to pass; the program printed:\n{peer.text}"
+    assert condition(), f"the condition never became true; the program printed:\n{peer.text}"
 
 
-async def until_served(stage: RobotStage, service: str) -> None:
+async def wait_until_served(stage: RobotStage, service: str) -> None:
     """Wait until the robot finds a client's service."""
     async with asyncio.timeout(TIMEOUT_S):
         while not await stage.is_served(service):
             await asyncio.sleep(0.01)
 
 
-async def go_on(peer: Peer) -> None:
+async def resume(peer: Peer) -> None:
     """Let a program that waits for a line continue."""
     assert peer.process.stdin is not None
     peer.process.stdin.write(b"go on\n")

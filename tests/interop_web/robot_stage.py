@@ -9,7 +9,7 @@ from base64 import b64encode
 from collections.abc import AsyncIterator
 from typing import Any
 
-from interop_web.graphs import GraphOfTest
+from interop_web.graphs import WebGraph
 from rostether.errors import ServiceCallError
 from rostether.gateways.rosbridge.rosapi.rosapi import Rosapi, offering_rosapi
 from rostether.gateways.rosbridge.server import RosbridgeServer
@@ -35,7 +35,7 @@ IMAGE_BYTES = 300_000
 class RobotStage:
     """The graph, its talker, and the messages that clients have published; `url` is the server's address."""
 
-    def __init__(self, graph: GraphOfTest, talker: TypedGraph, gateway: Graph) -> None:
+    def __init__(self, graph: WebGraph, talker: TypedGraph, gateway: Graph) -> None:
         self.graph = graph
         self.talker = talker
         self.received: dict[str, list[Message]] = {}
@@ -121,7 +121,7 @@ class RobotStage:
 
 
 @contextlib.asynccontextmanager
-async def robot_stage(graph: GraphOfTest) -> AsyncIterator[RobotStage]:
+async def robot_stage(graph: WebGraph) -> AsyncIterator[RobotStage]:
     """Run the robot and the server until the block ends."""
     talker = TypedGraph(await graph.join("/talker"), graph.store)
     gateway = await graph.join("/gateway")

@@ -8,7 +8,7 @@ import sys
 from interop.ros1_peers import free_port
 from interop_web.web_peers import WebPeers
 
-LIMIT_S = 180.0
+TIMEOUT_S = 180.0
 
 
 async def test_a_client_written_from_the_page_passes(web_peers: WebPeers) -> None:
@@ -19,7 +19,7 @@ async def test_a_client_written_from_the_page_passes(web_peers: WebPeers) -> Non
         stderr=asyncio.subprocess.STDOUT,
     )
     await web_peers.start("conformance_client.mjs", str(port))
-    out, _ = await asyncio.wait_for(process.communicate(), LIMIT_S)
+    out, _ = await asyncio.wait_for(process.communicate(), TIMEOUT_S)
     *cases, total = out.decode().splitlines()
     assert [line for line in cases[1:] if not line.startswith("pass ")] == []
     assert total.endswith(" passed, 0 failed, 0 not applicable")

@@ -28,7 +28,9 @@ PARAMETERS: dict[str, ParamValue] = {
 }
 
 
-async def hear_all(client: ProtocolClient, publish: Callable[[], Awaitable[None]]) -> dict[str, Any]:
+async def use_all_operations(
+    client: ProtocolClient, publish: Callable[[], Awaitable[None]]
+) -> dict[str, Any]:
     """Use every operation once; return the answers without the ids, which the server chooses."""
     info = await client.wait("serverInfo")
     channel = await client.channel("/chatter")
@@ -68,49 +70,49 @@ async def failure(client: ProtocolClient) -> dict[str, Any]:
     return await client.wait("serviceCallFailure")
 
 
-async def test_both_give_the_same_output(web_peers: WebPeers, tmp_path: Path) -> None:
+async def test_the_gateway_sends_the_same_messages_as_the_sdk(web_peers: WebPeers, tmp_path: Path) -> None:
     (tmp_path / "mesh.stl").write_bytes(b"solid")
-    async with stage(find_packages=lambda: {"arm": tmp_path}) as there, there.client() as client:
-        registry = there.store.registry
+    async with stage(find_packages=lambda: {"arm": tmp_path}) as gateway, gateway.client() as client:
+        registry = gateway.store.registry
         string, set_bool = registry.message_type("std_msgs/String"), registry.service_type("std_srvs/SetBool")
 
         async def handle(_: bytes) -> bytes:
             return b"\1\0\0\0\0"
 
-        publisher = await there.robot.advertise("/chatter", string)
-        await there.robot.advertise_service("/motor", set_bool, handle)
+        publisher = await gateway.robot.advertise("/chatter", string)
+        await gateway.robot.advertise_service("/motor", set_bool, handle)
         for name, value in PARAMETERS.items():
-            await there.robot.set_param(name, value)
+            await gateway.robot.set_param(name, value)
 
         async def publish() -> None:
             await until(lambda: publisher.subscriber_count)
             publisher.publish_raw([b"\5\0\0\0hello"])
 
-        ours = await hear_all(client, publish)
+        gateway_messages = await use_all_operations(client, publish)
         offer = {
             "message": {"name": string.name, "text": string.definition},
             "request": {"name": set_bool.request.name, "text": set_bool.request.definition},
             "response": {"name": set_bool.response.name, "text": set_bool.response.definition},
         }
-    theirs = await hear_sdk(await web_peers.start("foxglove_sdk_server.py"), offer)
-    for each in (ours, theirs):
+    sdk_messages = await use_sdk_server(await web_peers.start("foxglove_sdk_server.py"), offer)
+    for each in (gateway_messages, sdk_messages):
         each["info"]["capabilities"] = set(each["info"]["capabilities"])
-    assert ours == theirs
+    assert gateway_messages == sdk_messages
 
 
-async def hear_sdk(server: Peer, offer: dict[str, Any]) -> dict[str, Any]:
-    say = server.process.stdin
-    assert say is not None
-    say.write(json.dumps(offer).encode() + b"\n")
+async def use_sdk_server(server: Peer, offer: dict[str, Any]) -> dict[str, Any]:
+    stdin = server.process.stdin
+    assert stdin is not None
+    stdin.write(json.dumps(offer).encode() + b"\n")
     await server.wait_for(lambda lines: bool(lines) and lines[-1].isdecimal())
     protocols = [Subprotocol("foxglove.sdk.v1")]
     url = f"ws://127.0.0.1:{server.lines[-1]}"
     client = ProtocolClient(await connect(url, subprotocols=protocols, proxy=None, compression=None))
 
     async def publish() -> None:
-        say.write(b"\n")
+        stdin.write(b"\n")
 
     try:
-        return await hear_all(client, publish)
+        return await use_all_operations(client, publish)
     finally:
         await client.close()

@@ -25,11 +25,13 @@ def make_script(source: random.Random) -> str:
     for parent, child in FRAMES:
         is_static = child == "laser"
         for step in range(1 if is_static else 40):
-            turn = [source.gauss(0, 1) for _ in range(4)]
-            length = math.hypot(*turn)
-            place = [source.uniform(-2, 2) for _ in range(3)]
+            rotation = [source.gauss(0, 1) for _ in range(4)]
+            length = math.hypot(*rotation)
+            translation = [source.uniform(-2, 2) for _ in range(3)]
             time_s = 100 + step * 0.1 + source.uniform(0, 0.05)
-            transforms.append([parent, child, time_s, *place, *(each / length for each in turn), is_static])
+            transforms.append(
+                [parent, child, time_s, *translation, *(each / length for each in rotation), is_static]
+            )
     names = ["map", *(child for _, child in FRAMES)]
     lookups = [[*source.sample(names, 2), 100 + source.uniform(0.2, 3.8)] for _ in range(50)]
     return json.dumps({"transforms": transforms, "lookups": lookups})
@@ -51,8 +53,8 @@ def test_lookups_are_those_of_tf2(tmp_path: Path) -> None:
     node = str(Path(sys.executable).parent / "node")
     found = run([node, "--no-warnings", str(PEERS / "tf_buffer_lookups.mts"), str(SCENE)], dict(os.environ))
     assert len(found) == len(expected) == 50
-    for ours, theirs in zip(found, expected, strict=True):
-        assert ours[:3] == pytest.approx(theirs[:3], abs=1e-6)
+    for page_pose, tf2_pose in zip(found, expected, strict=True):
+        assert page_pose[:3] == pytest.approx(tf2_pose[:3], abs=1e-6)
         # A rotation and its negative are the same.
-        sign = math.copysign(1, sum(a * b for a, b in zip(ours[3:], theirs[3:], strict=True)))
-        assert [sign * each for each in ours[3:]] == pytest.approx(theirs[3:], abs=1e-6)
+        sign = math.copysign(1, sum(a * b for a, b in zip(page_pose[3:], tf2_pose[3:], strict=True)))
+        assert [sign * each for each in page_pose[3:]] == pytest.approx(tf2_pose[3:], abs=1e-6)

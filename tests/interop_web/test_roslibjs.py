@@ -5,14 +5,14 @@ from __future__ import annotations
 import pytest
 
 from interop_web.graphs import GRAPHS
-from interop_web.pages import TIMEOUT_S, go_on, reports, until, until_served
+from interop_web.pages import TIMEOUT_S, reports, resume, wait_until, wait_until_served
 from interop_web.robot_stage import IMAGE_BYTES, POSE, robot_stage
 from interop_web.web_peers import WebPeers
 from rostether.gateways.rosbridge.cdr_form import CdrForm
 
 
 @pytest.mark.parametrize(("generation", "ros"), [("1", "ros1"), ("2", "ros1"), ("2", "zenoh")])
-async def test_a_page_does_with_a_robot_what_it_does_with_rosbridge_suite(
+async def test_a_page_uses_a_robot_as_with_rosbridge_suite(
     web_peers: WebPeers, generation: str, ros: str
 ) -> None:
     async with GRAPHS[ros]() as graph, robot_stage(graph) as stage:
@@ -22,15 +22,15 @@ async def test_a_page_does_with_a_robot_what_it_does_with_rosbridge_suite(
         stage.collect("/bytes_from_page", "std_msgs/UInt8MultiArray")
         page = await web_peers.start("roslib_client.mjs", generation, stage.url, parameter)
 
-        await until(page, lambda: "serving" in reports(page))
-        await until_served(stage, "/from_page/double")
+        await wait_until(page, lambda: "serving" in reports(page))
+        await wait_until_served(stage, "/from_page/double")
         answer = await stage.talker.call(
             "/from_page/double", "std_srvs/SetBool", {"data": True}, timeout_s=60
         )
         assert (answer.success, answer.message) == (False, "page got true")
-        await go_on(page)
+        await resume(page)
 
-        await until(page, lambda: "waiting for close" in reports(page))
+        await wait_until(page, lambda: "waiting for close" in reports(page))
         await stage.stop_server()
         await stage.start_server()
         await page.finish(TIMEOUT_S)

@@ -5,29 +5,27 @@ from __future__ import annotations
 import pytest
 
 from interop_web.graphs import GRAPHS
-from interop_web.pages import TIMEOUT_S, go_on, reports, until, until_served
+from interop_web.pages import TIMEOUT_S, reports, resume, wait_until, wait_until_served
 from interop_web.robot_stage import POSE, robot_stage
 from interop_web.web_peers import WebPeers
 
 
 @pytest.mark.parametrize("transport", ["twisted", "asyncio"])
-async def test_a_program_does_with_a_robot_what_it_does_with_rosbridge_suite(
-    web_peers: WebPeers, transport: str
-) -> None:
+async def test_a_program_uses_a_robot_as_with_rosbridge_suite(web_peers: WebPeers, transport: str) -> None:
     async with GRAPHS["memory"]() as graph, robot_stage(graph) as stage:
         stage.collect("/from_program", "geometry_msgs/Twist")
         stage.collect("/stamped_from_program", "geometry_msgs/PoseStamped")
         program = await web_peers.start("roslibpy_client.py", str(stage.port), transport)
 
-        await until(program, lambda: "serving" in reports(program))
-        await until_served(stage, "/from_program/double")
+        await wait_until(program, lambda: "serving" in reports(program))
+        await wait_until_served(stage, "/from_program/double")
         answer = await stage.talker.call(
             "/from_program/double", "std_srvs/SetBool", {"data": True}, timeout_s=60
         )
         assert (answer.success, answer.message) == (False, "program got True")
-        await go_on(program)
+        await resume(program)
 
-        await until(program, lambda: "waiting for close" in reports(program))
+        await wait_until(program, lambda: "waiting for close" in reports(program))
         await stage.stop_server()
         await stage.start_server()
         await program.finish(TIMEOUT_S)

@@ -20,7 +20,7 @@ pytest.importorskip("roslibpy")
 PEER = Path(__file__).parent / "peers" / "roslibpy_tf.py"
 
 
-async def test_a_client_of_roslibpy_sees_where_a_frame_is() -> None:
+async def test_roslibpy_receives_the_transform_of_a_frame() -> None:
     port = free_port()
     async with AsyncExitStack() as stack:
         master = await MasterServer.start(port=0)
@@ -40,11 +40,11 @@ async def test_a_client_of_roslibpy_sees_where_a_frame_is() -> None:
         async with asyncio.timeout(60):
             while "/republish_tfs" not in (await client.system_state())[2]:
                 await asyncio.sleep(0.05)
-        text = await _client(port)
+        text = await _run_client(port)
     assert json.loads(text)["translation"] == {"x": 1.0, "y": 2.0, "z": 3.0}
 
 
-async def _client(port: int) -> str:
+async def _run_client(port: int) -> str:
     process = await asyncio.create_subprocess_exec(
         sys.executable, str(PEER), str(port), stdout=asyncio.subprocess.PIPE
     )

@@ -5,7 +5,7 @@ import json
 from interop_web.web_peers import WebPeers
 
 
-async def test_the_webs_own_libraries_are_there(web_peers: WebPeers) -> None:
+async def test_the_web_libraries_are_installed(web_peers: WebPeers) -> None:
     assert json.loads(await web_peers.run("versions.mjs")) == {
         "foxglove": "foxglove.websocket.v1",
         "roslib1": "1.4.1",

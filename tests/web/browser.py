@@ -68,12 +68,14 @@ class Browser:
                 os.killpg(self._process.pid, signal.SIGKILL)
             await self._process.wait()
 
-    async def do(self, command: str, **given: Any) -> Any:
+    async def do(self, command: str, **arguments: Any) -> Any:
         """Run a command of `browser.mjs`."""
         assert self._process.stdin is not None
         assert self._process.stdout is not None
         number = next(self._numbers)
-        self._process.stdin.write(json.dumps({"id": number, "command": command, **given}).encode() + b"\n")
+        self._process.stdin.write(
+            json.dumps({"id": number, "command": command, **arguments}).encode() + b"\n"
+        )
         answer: dict[str, Any] = {}
         # The answer to a cancelled command still arrives.
         while answer.get("id") != number:
@@ -81,7 +83,7 @@ class Browser:
             assert line, "the browser's program has ended"
             answer = json.loads(line)
         if "error" in answer:
-            raise AssertionError(f"{command} {given}: {answer['error']}")
+            raise AssertionError(f"{command} {arguments}: {answer['error']}")
         return answer["result"]
 
     async def wait_for(self, page: int, script: str) -> None:

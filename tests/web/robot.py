@@ -55,7 +55,7 @@ class Robot:
             *("dashboard", "--port", port, "--no-open", "--ros1", "--master", self._master),
             *("--recordings", recordings, *options),
         )
-        await wait_page(self.url, self._dashboard)
+        await wait_for_page(self.url, self._dashboard)
 
     async def restore_dashboard(self) -> None:
         """Start the dashboard again if a test has ended it or set options."""
@@ -108,18 +108,18 @@ class LaunchedRobot:
         self.url = f"http://127.0.0.1:{free_port()}/"
 
     async def __aenter__(self) -> Self:
-        place = self.url.removeprefix("http://").rstrip("/")
+        address = self.url.removeprefix("http://").rstrip("/")
         self._process = await run_rostether(
-            self._home, self.master, "launch", str(self._launch), "--dashboard", place
+            self._home, self.master, "launch", str(self._launch), "--dashboard", address
         )
-        await wait_page(self.url, self._process)
+        await wait_for_page(self.url, self._process)
         return self
 
     async def __aexit__(self, *_: object) -> None:
         await end(self._process, signal.SIGTERM)
 
 
-async def wait_page(url: str, process: asyncio.subprocess.Process) -> None:
+async def wait_for_page(url: str, process: asyncio.subprocess.Process) -> None:
     """Wait until a process serves its page."""
     async with asyncio.timeout(TIMEOUT_S):
         while not await asyncio.to_thread(_answers, url):

@@ -53,17 +53,17 @@ async def sensing_fleet(
             return await stack.enter_async_context(rostether.join(name, master=master))
 
         node, monitor = await join("robots"), await join("fleet_monitor")
-        works = [FleetMonitor(monitor, FleetSettings(address=address), Lines()).run()]
+        tasks = [FleetMonitor(monitor, FleetSettings(address=address), Lines()).run()]
         if has_manager:
-            works.append(SensingManager(await join("sensing_manager"), Lines()).run())
+            tasks.append(SensingManager(await join("sensing_manager"), Lines()).run())
         for number in range(1, robots + 1):
-            works.append(receive_topic(node, _receiver(number, address), Lines()))
-            works += [
+            tasks.append(receive_topic(node, _receiver(number, address), Lines()))
+            tasks += [
                 _publish(node, number, name, sensors)
                 for name in SENSORS
                 if name != "camera" or number <= cameras
             ]
-        await stack.enter_async_context(running(*works))
+        await stack.enter_async_context(running(*tasks))
         yield sensors
 
 

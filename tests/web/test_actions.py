@@ -139,7 +139,7 @@ async def test_a_recording_is_made_listed_and_played(robot: Robot, browser: Brow
     await browser.wait_for(page, "document.querySelector('.banner')?.innerText.includes('none.bag')")
 
 
-async def test_a_page_that_may_only_view_cannot_act(robot: Robot, browser: Browser) -> None:
+async def test_a_view_only_page_cannot_act(robot: Robot, browser: Browser) -> None:
     await robot.kill_dashboard()
     await robot.start_dashboard("--token", "all", "--view-token", "look")
     page = await browser.do("open", url=robot.url + "#token=look")

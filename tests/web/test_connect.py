@@ -12,7 +12,7 @@ import pytest_asyncio
 import rostether
 from interop.ros1_peers import free_port
 from web.browser import Browser
-from web.robot import POLL_S, TIMEOUT_S, end, run_rostether, wait_page
+from web.robot import POLL_S, TIMEOUT_S, end, run_rostether, wait_for_page
 from web.usb_board import UsbBoard
 
 pytestmark = pytest.mark.asyncio(loop_scope="session")
@@ -30,7 +30,7 @@ async def served(tmp_path_factory: pytest.TempPathFactory) -> AsyncIterator[tupl
     )
     url = f"http://127.0.0.1:{port}/"
     try:
-        await wait_page(url, process)
+        await wait_for_page(url, process)
         yield url, master
     finally:
         await end(process, signal.SIGTERM)
@@ -55,16 +55,16 @@ async def test_the_board_of_a_page_is_a_node(served: tuple[str, str], browser: B
             async for message in graph.messages("/heard", "std_msgs/String"):
                 received.append(message.data)
 
-        async def talk(text: str) -> None:
+        async def publish_until_received(text: str) -> None:
             async with asyncio.timeout(TIMEOUT_S):
                 while text not in received:
-                    spoken.publish(data=text)
+                    publisher.publish(data=text)
                     await asyncio.sleep(POLL_S)
 
         following = asyncio.ensure_future(follow())
-        spoken = await graph.publisher("/spoken", "std_msgs/String")
+        publisher = await graph.publisher("/spoken", "std_msgs/String")
         page = await connected_page(url, board, browser)
-        await talk("by page")
+        await publish_until_received("by page")
         assert board.bauds == ["57600"]
         # The board was reset once, before the robot got its bytes.
         assert board.signals == [False, True]
@@ -73,7 +73,7 @@ async def test_the_board_of_a_page_is_a_node(served: tuple[str, str], browser: B
         await browser.wait_for(page, f"{STATE} === 'Disconnected while the page is hidden'")
         await browser.do("hide", page=page, hidden=False)
         await browser.wait_for(page, f"{STATE} === 'Connected'")
-        await talk("again")
+        await publish_until_received("again")
 
         await board.unplug()
         await browser.wait_for(page, f"{STATE} === 'Unplugged'")
@@ -81,7 +81,7 @@ async def test_the_board_of_a_page_is_a_node(served: tuple[str, str], browser: B
             "evaluate", page=page, script="void navigator.serial.dispatchEvent(new Event('connect'))"
         )
         await browser.wait_for(page, f"{STATE} === 'Connected'")
-        await talk("plugged in")
+        await publish_until_received("plugged in")
         # It keeps its name after every reconnection.
         await browser.do("evaluate", page=page, script="void (location.hash = '#/boards')")
         await browser.wait_for(page, "document.body.innerText.includes('web_uno')")

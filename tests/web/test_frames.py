@@ -24,12 +24,14 @@ POSES = 10
 
 
 def random_pose(source: random.Random) -> list[float]:
-    turn = [source.gauss(0, 1) for _ in range(4)]
-    length = math.hypot(*turn)
-    return [source.uniform(-1, 1) for _ in range(3)] + [each / length for each in turn]
+    rotation = [source.gauss(0, 1) for _ in range(4)]
+    length = math.hypot(*rotation)
+    return [source.uniform(-1, 1) for _ in range(3)] + [each / length for each in rotation]
 
 
-async def test_ten_poses_are_drawn_where_tf2_has_them(robot: Robot, browser: Browser, tmp_path: Path) -> None:
+async def test_ten_poses_are_drawn_as_tf2_computes_them(
+    robot: Robot, browser: Browser, tmp_path: Path
+) -> None:
     source = random.Random(5)
     steps = [[(*names, random_pose(source)) for names in CHAIN] for _ in range(POSES)]
     script = {

@@ -79,7 +79,7 @@ async def test_a_topic_is_shown_as_a_tree_with_its_values(robot: Robot, browser:
     assert "/virtual_board" in detail
 
 
-async def test_a_hidden_page_subscribes_nothing(robot: Robot, browser: Browser) -> None:
+async def test_a_hidden_page_has_no_subscriptions(robot: Robot, browser: Browser) -> None:
     page = await browser.do("open", url=robot.url)
     await browser.wait_for(page, "rostether.subscriptionCount > 2")
     await robot.wait_subscribed("/ultrasound", wanted=True)
@@ -91,7 +91,7 @@ async def test_a_hidden_page_subscribes_nothing(robot: Robot, browser: Browser) 
     await browser.wait_for(page, f"!{RANGE}.isStale()")
 
 
-async def test_a_plot_goes_on_while_another_panel_is_shown(robot: Robot, browser: Browser) -> None:
+async def test_a_plot_continues_while_another_panel_is_shown(robot: Robot, browser: Browser) -> None:
     page = await browser.do("open", url=robot.url)
     script = "void (location.hash = '#/plots?s=' + btoa(JSON.stringify({ series: ['/ultrasound.range'] })))"
     await browser.do("evaluate", page=page, script=script)
@@ -120,7 +120,7 @@ async def test_a_recording_has_the_format_that_suits_the_graph(robot: Robot, bro
     await browser.wait_for(page, f"{select}.value === 'mcap' && {select}.options[0].text.includes('ROS 2')")
 
 
-async def test_a_number_to_plot_is_searched_at_once(robot: Robot, browser: Browser) -> None:
+async def test_the_picker_of_plots_searches_at_once(robot: Robot, browser: Browser) -> None:
     page = await browser.do("open", url=robot.url + "#/plots")
     await browser.do("click", page=page, selector=".plots-add")
     await browser.wait_for(page, "document.activeElement?.closest('.plots-picker') !== null")
@@ -205,7 +205,7 @@ async def test_the_page_connects_again(robot: Robot, browser: Browser) -> None:
     await browser.wait_for(page, "document.querySelector('.card-boards .badge.ok') !== null")
 
 
-async def test_every_panel_opens_without_an_error_and_leaves_nothing(robot: Robot, browser: Browser) -> None:
+async def test_every_panel_opens_without_an_error(robot: Robot, browser: Browser) -> None:
     page = await browser.do("open", url=robot.url)
     await browser.wait_for(page, "document.querySelectorAll('.card').length > 2")
     script = "[...document.querySelectorAll('.navigation a')].map((each) => each.getAttribute('href'))"
@@ -219,7 +219,7 @@ async def test_every_panel_opens_without_an_error_and_leaves_nothing(robot: Robo
     assert (await browser.do("seen", page=page))["errors"] == []
 
 
-async def test_a_phone_sees_everything_in_one_column(robot: Robot, browser: Browser) -> None:
+async def test_a_phone_shows_everything_in_one_column(robot: Robot, browser: Browser) -> None:
     page = await browser.do("open", url=robot.url, width=360, height=740, touch=True)
     await browser.wait_for(page, "document.querySelectorAll('.card').length > 2")
     # The page is not wider than the screen.
@@ -258,7 +258,7 @@ async def test_closed_panels_are_freed(robot: Robot, browser: Browser) -> None:
         assert min(last) < min(first) + noise, kept
 
 
-async def test_the_overview_is_arranged_and_keeps_it(robot: Robot, browser: Browser) -> None:
+async def test_changes_of_the_overview_are_kept(robot: Robot, browser: Browser) -> None:
     page = await browser.do("open", url=robot.url)
     titles = "[...document.querySelectorAll('.card h2')].map((each) => each.innerText)"
     await browser.wait_for(page, f"{titles}.includes('/led') && {titles}.includes('/count')")
@@ -275,7 +275,7 @@ async def test_the_overview_is_arranged_and_keeps_it(robot: Robot, browser: Brow
     await browser.wait_for(page, f"{titles}.includes('/ultrasound, /count') && !{titles}.includes('/led')")
 
 
-async def test_a_token_is_taken_from_the_address_and_hidden(robot: Robot, browser: Browser) -> None:
+async def test_a_token_is_read_from_the_address_and_hidden(robot: Robot, browser: Browser) -> None:
     await robot.kill_dashboard()
     await robot.start_dashboard("--token", "7f3c9a")
     refused = await browser.do("open", url=robot.url)
@@ -288,7 +288,7 @@ async def test_a_token_is_taken_from_the_address_and_hidden(robot: Robot, browse
     await browser.wait_for(page, f"{RANGE}.last !== undefined")
 
 
-async def test_a_panel_that_could_not_be_loaded_is_tried_again(robot: Robot, browser: Browser) -> None:
+async def test_a_panel_that_could_not_be_loaded_is_loaded_again(robot: Robot, browser: Browser) -> None:
     page = await browser.do("open", url=robot.url)
     await browser.wait_for(page, f"{RANGE}.last !== undefined")
     await robot.kill_dashboard()

@@ -32,7 +32,7 @@ TOPICS = {
     "Camera": ("/phone/camera/compressed", "sensor_msgs/CompressedImage"),
     "Battery": ("/phone/battery", "sensor_msgs/BatteryState"),
 }
-NAMED = "localStorage['rostether.phone.name'] = JSON.stringify('phone')"
+SETS_THE_NAME = "localStorage['rostether.phone.name'] = JSON.stringify('phone')"
 
 
 @pytest_asyncio.fixture(scope="module", loop_scope="session")
@@ -59,18 +59,18 @@ async def test_a_phone_publishes_its_sensors_in_the_robot_s_time(robot: Robot, b
     page = await browser.do(
         "open",
         url=robot.url + "#/phone",
-        script=NAMED,
+        script=SETS_THE_NAME,
         permissions=["camera", "geolocation", "accelerometer", "gyroscope", "magnetometer"],
         geolocation={"latitude": 48.1, "longitude": 11.5, "accuracy": 9.8},
     )
     await browser.do("sense", page=page, readings=READINGS)
     async with rostether.join("probe", master=robot.master) as graph, asyncio.timeout(TIMEOUT_S):
-        firsts = [
+        first_messages = [
             asyncio.ensure_future(first(graph.messages(topic, kind))) for topic, kind in TOPICS.values()
         ]
         for name in TOPICS:
             await browser.do("click", page=page, selector=switch(name))
-        imu, fix, picture, battery = await asyncio.gather(*firsts)
+        imu, fix, picture, battery = await asyncio.gather(*first_messages)
         for message in (imu, picture, battery):
             stamp = message.header.stamp
             # Both clocks are those of this machine, which may be busy.
@@ -92,7 +92,7 @@ async def test_a_phone_publishes_its_sensors_in_the_robot_s_time(robot: Robot, b
     assert (await browser.do("seen", page=page))["errors"] == []
 
 
-async def test_a_sensor_that_is_denied_is_explained(robot: Robot, browser: Browser) -> None:
+async def test_a_denied_sensor_is_explained(robot: Robot, browser: Browser) -> None:
     page = await browser.do("open", url=robot.url + "#/phone", permissions=[])
     for name in ("Position", "Motion", "Camera"):
         await browser.do("click", page=page, selector=switch(name))

@@ -9,7 +9,7 @@ import pytest
 
 from interop.ros1_peers import free_port
 from web.browser import Browser
-from web.robot import end, run_rostether, wait_page
+from web.robot import end, run_rostether, wait_for_page
 
 pytestmark = [pytest.mark.simavr, pytest.mark.asyncio(loop_scope="session")]
 
@@ -27,16 +27,16 @@ void loop() {
 """
 
 
-async def test_pins_are_live_and_the_surroundings_change(tmp_path: Path, browser: Browser) -> None:
+async def test_pins_are_shown_and_inputs_are_changed(tmp_path: Path, browser: Browser) -> None:
     sketch = tmp_path / "button" / "button.ino"
     sketch.parent.mkdir()
     sketch.write_text(SKETCH)
-    place = f"127.0.0.1:{free_port()}"
+    address = f"127.0.0.1:{free_port()}"
     master = f"http://127.0.0.1:{free_port()}"
-    process = await run_rostether(tmp_path, master, "serve", f"sim:{sketch}", "--dashboard", place)
+    process = await run_rostether(tmp_path, master, "serve", f"sim:{sketch}", "--dashboard", address)
     try:
-        await wait_page(f"http://{place}/", process)
-        page = await browser.do("open", url=f"http://{place}/#/simulation", width=390)
+        await wait_for_page(f"http://{address}/", process)
+        page = await browser.do("open", url=f"http://{address}/#/simulation", width=390)
         await browser.wait_for(page, f"{_level('D13')} === '0' && {_level('D7')} === '1'")
         # A button connects its pin to ground.
         await browser.do("click", page=page, selector="[data-pin=D7]")
@@ -56,7 +56,7 @@ async def test_pins_are_live_and_the_surroundings_change(tmp_path: Path, browser
         await browser.do("click", page=page, selector="[data-pin=D7]")
         await browser.wait_for(page, f"{_level('D13')} === '0'")
         # On touch screens, pins are also buttons.
-        phone = await browser.do("open", url=f"http://{place}/#/simulation", width=390, touch=True)
+        phone = await browser.do("open", url=f"http://{address}/#/simulation", width=390, touch=True)
         button = "button[data-pin=D7]"
         await browser.wait_for(phone, f"document.querySelector('{button}')?.offsetHeight >= 44")
         await browser.do("click", page=phone, selector=button)

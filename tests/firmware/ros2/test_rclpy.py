@@ -109,16 +109,16 @@ async def test_the_board_serves(peer: RclpyPeer) -> None:
 
 async def test_the_board_serves_an_action(peer: RclpyPeer) -> None:
     action = {"action": "/lab/fibonacci", "type": "test_msgs/action/Fibonacci"}
-    reached = await peer.ask("act", **action, goal={"order": 3})
+    reached = await peer.ask("send_goal", **action, goal={"order": 3})
     assert (reached["status"], reached["result"]) == (SUCCEEDED, {"sequence": [0, 1, 1, 2]})
     # On a busy machine, the board continues to count until the cancel arrives, perhaps to the end.
     canceled = await ask_until(
-        lambda: peer.ask("act", **action, goal={"order": 19}, cancel=True),
+        lambda: peer.ask("send_goal", **action, goal={"order": 19}, cancel=True),
         lambda answer: answer["status"] == CANCELED,
     )
     assert canceled["feedback"][0]["sequence"][:3] == [0, 1, 1]
     assert canceled["result"]["sequence"][:3] == [0, 1, 1]
-    refused = await peer.ask("act", **action, goal={"order": 40})
+    refused = await peer.ask("send_goal", **action, goal={"order": 40})
     assert (refused["status"], refused["result"]) == (ABORTED, {"sequence": []})
 
 
@@ -133,7 +133,7 @@ async def test_the_board_calls(peer: RclpyPeer) -> None:
     await peer.ask("publish", topic="/lab/call", messages=[{}])
     answers = await peer.ask("receive", topic="/lab/answers", count=2)
     assert answers == [{"data": "gripped"}, {"data": "honked"}]
-    assert await peer.ask("served", service="/lab/gripper") == [{"data": True}]
+    assert await peer.ask("received_requests", service="/lab/gripper") == [{"data": True}]
 
 
 async def test_the_board_reads_its_parameters_and_logs(peer: RclpyPeer) -> None:
@@ -167,7 +167,7 @@ async def test_the_board_is_a_node_with_its_endpoints(peer: RclpyPeer) -> None:
     services = [["/lab/switch", ["std_srvs/srv/SetBool"]], ["/lab/pull", ["std_srvs/srv/Trigger"]]]
     # They are discovered one by one.
     await ask_until(
-        lambda: peer.ask("of_node", name="arm", namespace="/lab"),
+        lambda: peer.ask("endpoints_of_node", name="arm", namespace="/lab"),
         lambda seen: all(
             each in seen[kind]
             for kind, expected in (

@@ -62,8 +62,10 @@ server = foxglove.start_server(
     asset_handler=lambda uri: b"solid" if uri.endswith(".stl") else None,
 )
 channel = Channel("/chatter", schema=schema(offer["message"]), message_encoding="ros1", context=context)
-half = {each: MessageSchema(encoding="ros1", schema=schema(offer[each])) for each in ("request", "response")}
-service_schema = ServiceSchema("std_srvs/SetBool", request=half["request"], response=half["response"])
+schemas = {
+    each: MessageSchema(encoding="ros1", schema=schema(offer[each])) for each in ("request", "response")
+}
+service_schema = ServiceSchema("std_srvs/SetBool", request=schemas["request"], response=schemas["response"])
 server.add_services([Service("/motor", schema=service_schema, handler=lambda _: b"\1\0\0\0\0")])
 graph = ConnectionGraph()
 graph.set_published_topic("/chatter", ["/robot"])

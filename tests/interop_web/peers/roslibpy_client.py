@@ -13,26 +13,26 @@ import roslibpy
 import roslibpy.core
 from roslibpy.ros1 import actionlib
 
-LIMIT_S = 60.0
+TIMEOUT_S = 60.0
 
 
-def tell(check: str, found: Any = None) -> None:
+def report(check: str, found: Any = None) -> None:
     print(json.dumps({"check": check, "found": found}), flush=True)
 
 
-def first(ros: Any, name: str, type_name: str, **more: Any) -> Any:
+def next_message(ros: Any, name: str, type_name: str, **options: Any) -> Any:
     """Return the next message of a topic."""
-    topic = roslibpy.Topic(ros, name, type_name, **more)
+    topic = roslibpy.Topic(ros, name, type_name, **options)
     found: list[Any] = []
-    came = threading.Event()
+    arrived = threading.Event()
 
-    def take(message: Any) -> None:
+    def store(message: Any) -> None:
         found.append(message)
-        came.set()
+        arrived.set()
 
-    topic.subscribe(take)
-    if not came.wait(LIMIT_S):
-        return "nothing came"
+    topic.subscribe(store)
+    if not arrived.wait(TIMEOUT_S):
+        return "no message arrived"
     topic.unsubscribe()
     return dict(found[0])
 
@@ -44,7 +44,7 @@ def failure(call: Callable[[], object]) -> str:
         return str(error)
 
 
-def served(ros: Any) -> bool:
+def serve_until_called(ros: Any) -> bool:
     service = roslibpy.Service(ros, "/from_program/double", "std_srvs/SetBool")
 
     def answer(request: Any, response: Any) -> bool:
@@ -53,7 +53,7 @@ def served(ros: Any) -> bool:
         return True
 
     service.advertise(answer)
-    tell("serving")
+    report("serving")
     sys.stdin.readline()
     service.unadvertise()
     return True
@@ -71,59 +71,61 @@ def action(ros: Any) -> str:
     client = actionlib.ActionClient(ros, "/lookup", "tf2_msgs/LookupTransformAction")
     goal = actionlib.Goal(client, roslibpy.Message({"target_frame": "base", "source_frame": "tool"}))
     goal.send()
-    result = goal.wait(LIMIT_S)
+    result = goal.wait(TIMEOUT_S)
     client.dispose()
     return str(result["error"]["error_string"])
 
 
-def reconnected(ros: Any) -> Any:
+def wait_for_reconnection(ros: Any) -> Any:
     topic = roslibpy.Topic(ros, "/latched", "std_msgs/String")
     found: list[Any] = []
-    came = threading.Event()
+    arrived = threading.Event()
     closed = threading.Event()
     ros.on("close", lambda _: closed.set())
 
-    def take(message: Any) -> None:
+    def store(message: Any) -> None:
         if closed.is_set():
             found.append(message)
-            came.set()
+            arrived.set()
 
-    topic.subscribe(take)
-    tell("waiting for close")
-    came.wait(LIMIT_S)
+    topic.subscribe(store)
+    report("waiting for close")
+    arrived.wait(TIMEOUT_S)
     return found[-1:] and dict(found[-1])
 
 
 def main(port: int, transport: str) -> None:
     ros = roslibpy.Ros("127.0.0.1", port, transport=transport)
-    ros.run(timeout=LIMIT_S)
+    ros.run(timeout=TIMEOUT_S)
     enable = roslibpy.Service(ros, "/enable", "std_srvs/SetBool")
-    tell("latched", first(ros, "/latched", "std_msgs/String"))
-    tell("relative", first(ros, "latched", "std_msgs/String"))
-    tell("nested", first(ros, "/pose", "geometry_msgs/PoseStamped"))
-    tell("throttled", first(ros, "/pose", "geometry_msgs/PoseStamped", throttle_rate=50, queue_length=1))
-    tell("called", dict(enable.call(roslibpy.ServiceRequest({"data": True}), timeout=LIMIT_S)))
+    report("latched", next_message(ros, "/latched", "std_msgs/String"))
+    report("relative", next_message(ros, "latched", "std_msgs/String"))
+    report("nested", next_message(ros, "/pose", "geometry_msgs/PoseStamped"))
+    report(
+        "throttled", next_message(ros, "/pose", "geometry_msgs/PoseStamped", throttle_rate=50, queue_length=1)
+    )
+    report("called", dict(enable.call(roslibpy.ServiceRequest({"data": True}), timeout=TIMEOUT_S)))
     fail = roslibpy.Service(ros, "/fail", "std_srvs/Trigger")
-    tell("refused", failure(lambda: fail.call(roslibpy.ServiceRequest(), timeout=LIMIT_S)))
-    tell("misfit", failure(lambda: enable.call(roslibpy.ServiceRequest({"data": "x"}), timeout=LIMIT_S)))
+    report("refused", failure(lambda: fail.call(roslibpy.ServiceRequest(), timeout=TIMEOUT_S)))
+    report("misfit", failure(lambda: enable.call(roslibpy.ServiceRequest({"data": "x"}), timeout=TIMEOUT_S)))
     publish(ros)
     gain = roslibpy.Param(ros, "/program/gain")
-    gain.set({"p": 1.5}, timeout=LIMIT_S)
-    tell("parameter", gain.get(timeout=LIMIT_S))
-    gain.delete(timeout=LIMIT_S)
-    tell("deleted", gain.get(timeout=LIMIT_S))
-    tell("topics", "/pose" in ros.get_topics())
-    tell("topicType", ros.get_topic_type("/pose"))
-    tell("topicsForType", ros.get_topics_for_type("geometry_msgs/PoseStamped"))
-    tell("serviceType", ros.get_service_type("/enable"))
-    tell("servicesForType", ros.get_services_for_type("std_srvs/SetBool"))
-    tell("nodes", ros.get_nodes())
-    tell("nodeDetails", ros.get_node_details("/talker")["services"])
-    tell("details", ros.get_message_details("geometry_msgs/Twist")["typedefs"][1]["fieldnames"])
-    tell("time", ros.get_time()["secs"] > 1_600_000_000)
-    tell("action", action(ros))
-    tell("served", served(ros))
-    tell("reconnected", reconnected(ros))
+    gain.set({"p": 1.5}, timeout=TIMEOUT_S)
+    report("parameter", gain.get(timeout=TIMEOUT_S))
+    gain.delete(timeout=TIMEOUT_S)
+    report("deleted", gain.get(timeout=TIMEOUT_S))
+    report("topics", "/pose" in ros.get_topics())
+    report("topicType", ros.get_topic_type("/pose"))
+    report("topicsForType", ros.get_topics_for_type("geometry_msgs/PoseStamped"))
+    report("serviceType", ros.get_service_type("/enable"))
+    report("servicesForType", ros.get_services_for_type("std_srvs/SetBool"))
+    report("nodes", ros.get_nodes())
+    report("nodeDetails", ros.get_node_details("/talker")["services"])
+    report("details", ros.get_message_details("geometry_msgs/Twist")["typedefs"][1]["fieldnames"])
+    report("time", ros.get_time()["secs"] > 1_600_000_000)
+    report("action", action(ros))
+    report("served", serve_until_called(ros))
+    report("reconnected", wait_for_reconnection(ros))
     ros.terminate()
     # With one of its transports, threads of roslibpy do not end.
     sys.stdout.flush()

@@ -12,20 +12,20 @@ import threading
 import roslibpy
 import roslibpy.tf
 
-came = threading.Event()
+arrived = threading.Event()
 client = roslibpy.Ros("127.0.0.1", int(sys.argv[1]))
 client.run(60)
 
 
-def take(transform: dict[str, object]) -> None:
+def print_first(transform: dict[str, object]) -> None:
     """Print the first transform."""
-    if not came.is_set():
+    if not arrived.is_set():
         print(json.dumps(transform), flush=True)
-        came.set()
+        arrived.set()
 
 
 tf = roslibpy.tf.TFClient(client, fixed_frame="/world", topic_timeout=60_000.0)
-tf.subscribe("/arm", take)
-is_there = came.wait(60)
+tf.subscribe("/arm", print_first)
+has_arrived = arrived.wait(60)
 client.terminate()
-sys.exit(0 if is_there else 1)
+sys.exit(0 if has_arrived else 1)
