@@ -212,7 +212,10 @@ class SimulatedBoard(BlockClosable):
         return (await self.servo_pulse_us(pin) - 544.0) * 180.0 / (2400.0 - 544.0)
 
     async def set_faults(self, faults: str) -> None:
-        """Set the faults of the line, such as `flip=0.01,to:drop=0.001,seed=3`, or `none`."""
+        """Set faults of the line, such as `flip=0.01,to:drop=0.001,seed=3`; `none` ends all of them.
+
+        Rates that are not named do not change.
+        """
         await self.send_command(f"fault {faults}")
 
     async def reset(self) -> None:
