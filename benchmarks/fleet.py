@@ -13,7 +13,7 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parent.parent / "tests"))
 
-from interop.fleet_robots import KEY, STILL, fleet_on_bad_wifi
+from interop.fleet_robots import KEY, ZERO_COMMAND, fleet_on_bad_wifi
 from programs import started
 from rostether.platform.command_frame import Flags, decode_frame
 from waiting import until
@@ -23,7 +23,7 @@ _SECONDS = 15.0
 
 async def measure(folder: Path) -> str:
     """Return the gaps between accepted commands, and when the last robot obeyed a stop."""
-    async with fleet_on_bad_wifi(folder) as (robots, air, _, options):
+    async with fleet_on_bad_wifi(folder) as (robots, network, _, options):
         async with started("fleet", "drive", "--all", *options):
             await until(lambda: all(robot.commands for robot in robots))
             await asyncio.sleep(_SECONDS)
@@ -34,9 +34,9 @@ async def measure(folder: Path) -> str:
             )
             async with started("fleet", "stop", *options) as stopper:
                 await stopper.process.wait()
-        sent_s = next(at_s for frame, at_s in air.sent if Flags.STOP in decode_frame(frame, KEY).flags)
+        sent_s = next(at_s for frame, at_s in network.sent if Flags.STOP in decode_frame(frame, KEY).flags)
         stopped_s = [
-            next(at_s for payload, at_s in robot.commands if payload == STILL and at_s >= sent_s)
+            next(at_s for payload, at_s in robot.commands if payload == ZERO_COMMAND and at_s >= sent_s)
             for robot in robots
         ]
     return (

@@ -69,13 +69,13 @@ def end_left_running() -> list[str]:
     if sys.platform != "linux":
         return []
     mark = f"\0{MARK}={os.environ[MARK]}".encode()
-    kept = {os.getpid(), *warm_start.interpreter_pids()}
+    excluded = {os.getpid(), *warm_start.interpreter_pids()}
     ended = []
     for folder in Path("/proc").glob("[0-9]*"):
         # Other users' processes cannot be read. The environment of a zombie is empty.
         with contextlib.suppress(OSError):
             variables = b"\0" + (folder / "environ").read_bytes()
-            if mark in variables and int(folder.name) not in kept:
+            if mark in variables and int(folder.name) not in excluded:
                 command = (folder / "cmdline").read_bytes().rstrip(b"\0").replace(b"\0", b" ")
                 os.kill(int(folder.name), signal.SIGKILL)
                 ended.append(command.decode(errors="replace"))

@@ -93,7 +93,7 @@ PEERS: dict[str, Callable[[], str]] = {
 
 
 # The folders of tests that mostly wait for programs.
-WAITING = (
+WAITING_FOLDERS = (
     "tests/architecture/",
     "tests/docs/",
     "tests/firmware/",
@@ -103,14 +103,14 @@ WAITING = (
 )
 
 # Of these, the folders whose tests share a browser, compiled programs or rclpy, once in each test process.
-SHARING = ("tests/firmware/platforms/", "tests/interop_ros2/", "tests/web/")
+SHARING_FOLDERS = ("tests/firmware/platforms/", "tests/interop_ros2/", "tests/web/")
 
 # The only reason for which CI may skip a test.
 SKIPPED_IN_CI = ("this graph lacks:",)
 
 
 @pytest.fixture(autouse=True, scope="session")
-def _own_settings(tmp_path_factory: pytest.TempPathFactory) -> None:
+def _separate_settings(tmp_path_factory: pytest.TempPathFactory) -> None:
     """Separate the settings and saved state of the tests from those of the developer's machine."""
     home = tmp_path_factory.mktemp("home")
     os.environ["XDG_CONFIG_HOME"] = str(home / "config")
@@ -132,27 +132,27 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     end of another's part. So no long test is the last.
     """
     count = pytest_xdist_auto_num_workers()
-    folders: dict[str, list[pytest.Item]] = {folder: [] for folder in SHARING}
+    folders: dict[str, list[pytest.Item]] = {folder: [] for folder in SHARING_FOLDERS}
     files: dict[str, list[pytest.Item]] = {}
     short = []
     for item in items:
         file = item.nodeid.partition("::")[0]
-        folder = next((each for each in SHARING if file.startswith(each)), "")
+        folder = next((each for each in SHARING_FOLDERS if file.startswith(each)), "")
         if folder:
             folders[folder].append(item)
-        elif file.startswith(WAITING):
+        elif file.startswith(WAITING_FOLDERS):
             files.setdefault(file, []).append(item)
         else:
             short.append(item)
     parts: list[list[pytest.Item]] = [*folders.values(), *([] for _ in range(count - len(folders)))]
     for number, tests in enumerate(files.values()):
         parts[-1 - number % (count - len(folders))] += tests
-    left = len(items)
+    remaining = len(items)
     for number, part in enumerate(parts):
-        more = max(0, left // (count - number) - len(part))
+        more = max(0, remaining // (count - number) - len(part))
         part += short[:more]
         del short[:more]
-        left -= len(part)
+        remaining -= len(part)
     items[:] = [item for part in parts for item in part]
 
 

@@ -75,8 +75,10 @@ class FolderWatch:
         callers = traceback.extract_stack(limit=12)
         # Imports also list folders.
         if not any("importlib" in each.filename for each in callers):
-            ours = [f"{each.filename}:{each.lineno}" for each in callers if "/rostether/" in each.filename]
-            self.listed.append(f"{path} by {ours[-1] if ours else callers[0]}")
+            own_lines = [
+                f"{each.filename}:{each.lineno}" for each in callers if "/rostether/" in each.filename
+            ]
+            self.listed.append(f"{path} by {own_lines[-1] if own_lines else callers[0]}")
 
 
 _folder_watches: weakref.WeakSet[FolderWatch] = weakref.WeakSet()
@@ -103,12 +105,12 @@ class LoopWatch:
         monkeypatch.setattr(search_path, "_list_folder", self._list_slowly)
 
     def _list_slowly(self, path: str, seen: set[tuple[int, int]]) -> tuple[frozenset[str], list[str]] | None:
-        went_round = threading.Event()
+        loop_ran = threading.Event()
         if threading.get_ident() == self._thread:
             self.held += 1
         else:
-            self._loop.call_soon_threadsafe(went_round.set)
-            if went_round.wait(TIMEOUT_S):
+            self._loop.call_soon_threadsafe(loop_ran.set)
+            if loop_ran.wait(TIMEOUT_S):
                 self.folders += 1
             else:
                 self.held += 1

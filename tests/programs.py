@@ -52,13 +52,13 @@ class Peer:
         self, condition: Callable[[list[str]], bool] | str, timeout_s: float = TIMEOUT_S
     ) -> None:
         """Wait until its output contains a text or meets a condition."""
-        wanted = (
+        holds = (
             (lambda lines: any(condition in line for line in lines))
             if isinstance(condition, str)
             else condition
         )
         deadline = time.monotonic() + timeout_s
-        while not wanted(self.lines):
+        while not holds(self.lines):
             if time.monotonic() > deadline or (self.process.returncode is not None and self.reader_done):
                 raise AssertionError(f"peer never printed {condition!r}; it printed:\n{self.text}")
             await asyncio.sleep(0.01)

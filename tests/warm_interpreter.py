@@ -126,7 +126,7 @@ def enter_namespace(file: str) -> None:
     os.close(fd)
 
 
-def become(request: dict[str, Any], fds: list[int]) -> None:
+def set_up_process(request: dict[str, Any], fds: list[int]) -> None:
     """Give this new process the state that the program would have at its start."""
     if request["is_leader"]:
         os.setsid()
@@ -214,7 +214,7 @@ def next_request(control: socket.socket) -> dict[str, Any]:
         pid = fork_sibling()
         if pid == 0:
             control.close()
-            become(request, fds)
+            set_up_process(request, fds)
             return request
         for fd in fds:
             os.close(fd)

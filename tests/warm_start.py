@@ -61,19 +61,19 @@ class WarmInterpreter:
     """One running interpreter."""
 
     def __init__(self, python: str, libraries: str, variables: Mapping[str, str]) -> None:
-        self._control, theirs = socket.socketpair()
+        self._control, child_socket = socket.socketpair()
         self._lock = threading.Lock()
         environment = {name: value for name, value in os.environ.items() if not name.startswith("PYTHON")}
         if python == sys.executable and "PYTHONPATH" in os.environ:
             # The libraries of the tests.
             environment["PYTHONPATH"] = os.environ["PYTHONPATH"]
-        command = [python, str(_INTERPRETER), str(theirs.fileno()), libraries]
+        command = [python, str(_INTERPRETER), str(child_socket.fileno()), libraries]
         self._process = subprocess.Popen(
             [*command, "-" * _COMMAND_LINE_BYTES],
-            pass_fds=[theirs.fileno()],
+            pass_fds=[child_socket.fileno()],
             env={**environment, **_UTF8, **variables},
         )
-        theirs.close()
+        child_socket.close()
 
     @property
     def pid(self) -> int:
@@ -177,12 +177,12 @@ def _start(process: subprocess.Popen[Any], *arguments: Any, **options: Any) -> N
         _execute_child(process, *arguments, **options)
         return
     python, request = found
-    ends = [
+    descriptors = [
         call[name] if call[name] != -1 else fd for fd, name in enumerate(("p2cread", "c2pwrite", "errwrite"))
     ]
     if python not in _interpreters:
         _interpreters[python] = WarmInterpreter(python, _LIBRARIES[python], {})
-    process.pid = _interpreters[python].start(request, ends)
+    process.pid = _interpreters[python].start(request, descriptors)
     if process.pid == 0:
         _is_enabled = _has_warm_workers = False
         _execute_child(process, *arguments, **options)
@@ -203,7 +203,7 @@ def _request(call: Mapping[str, Any]) -> tuple[str, dict[str, Any]] | None:
     folder = Path.cwd() / (call["cwd"] or "")
     namespaces, command = _namespaces([os.fspath(word) for word in call["args"]])
     program = _program(command, environment, folder)
-    if program is None or not _follows(environment):
+    if program is None or not _can_apply(environment):
         return None
     added = [part for part in environment.get("PYTHONPATH", "").split(os.pathsep) if part]
     return program.python, {
@@ -249,7 +249,7 @@ def _is_plain(call: Mapping[str, Any]) -> bool:
     )
 
 
-def _follows(environment: Mapping[str, str]) -> bool:
+def _can_apply(environment: Mapping[str, str]) -> bool:
     """Return whether a running interpreter can apply the settings of these variables."""
     unknown = [name for name in environment if name.startswith("PYTHON") and name not in _KNOWN]
     locale = next((value for name in _LOCALE if (value := environment.get(name))), "C")
@@ -292,15 +292,15 @@ def _program(command: list[str], environment: Mapping[str, str], folder: Path) -
 
 def _python_program(python: str, command: list[str], folder: Path) -> _Program | None:
     options = list(itertools.takewhile(("-P", "-u").__contains__, command[1:]))
-    words = command[1 + len(options) :]
-    match words:
+    remaining = command[1 + len(options) :]
+    match remaining:
         case ["-m", "rostether", *rest]:
             what, path, arguments = ("module", "rostether"), str(folder), ["-m", *rest]
         case ["-c", text, *rest]:
             what, path, arguments = ("text", text), "", ["-c", *rest]
         case [file, *_] if not file.startswith("-"):
             script = folder / file
-            what, path, arguments = ("file", str(script)), str(script.resolve().parent), words
+            what, path, arguments = ("file", str(script)), str(script.resolve().parent), remaining
         case _:
             return None
     added = [] if "-P" in options else [path]

@@ -41,7 +41,7 @@ def test_all_files_of_the_build_are_copied() -> None:
     assert all((REPOSITORY / each).exists() for each in copied)
     readme = PYPROJECT["tool"]["hatch"]["metadata"]["hooks"]["fancy-pypi-readme"]["fragments"]
     wheel = PYPROJECT["tool"]["hatch"]["build"]["targets"]["wheel"]
-    wanted = {"pyproject.toml", *(each["path"] for each in readme), *wheel["force-include"]}
-    wanted |= {each.partition("/")[0] for each in PYPROJECT["project"]["license-files"]}
-    wanted |= {each.partition("/")[0] for each in wheel["packages"]}
-    assert wanted <= copied
+    expected = {"pyproject.toml", *(each["path"] for each in readme), *wheel["force-include"]}
+    expected |= {each.partition("/")[0] for each in PYPROJECT["project"]["license-files"]}
+    expected |= {each.partition("/")[0] for each in wheel["packages"]}
+    assert expected <= copied

@@ -58,11 +58,11 @@ def folder(tmp_path: Path) -> Path:
 
 
 def run(*command: str, **options: Any) -> Any:
-    done = subprocess.run(
+    completed = subprocess.run(
         [*command, *ARGUMENTS], capture_output=True, text=True, input="a line\n", check=False, **options
     )
-    assert (done.returncode, done.stderr) == (0, "")
-    return json.loads(done.stdout)
+    assert (completed.returncode, completed.stderr) == (0, "")
+    return json.loads(completed.stdout)
 
 
 @pytest.mark.parametrize("is_leader", [False, True])
@@ -93,8 +93,8 @@ def test_a_program_has_the_environment_of_a_cold_start(
 def test_libraries_are_imported_before_the_start(python: str) -> None:
     code = "import sys; print(*sys.modules)"
     shown = subprocess.run([python, "-c", code], capture_output=True, text=True, check=True).stdout
-    wanted = "rostether.cli.main" if python == sys.executable else "genpy"
-    assert wanted in shown.split()
+    expected = "rostether.cli.main" if python == sys.executable else "genpy"
+    assert expected in shown.split()
 
 
 @pytest.mark.parametrize(

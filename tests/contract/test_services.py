@@ -239,10 +239,10 @@ async def test_a_client_is_listed_before_it_calls(join: JoinGraph, capabilities:
         seen = -1
         async with asyncio.timeout(60):
             while seen != expected:
-                ends = await cast(Ros2Graph, other).endpoints()
-                clients = [each for each in ends if each.kind is EndpointKind.CLIENT]
-                wanted = ("/node", "/switch", "std_srvs/srv/SetBool")
-                seen = [(each.node_name, each.name, each.type) for each in clients].count(wanted)
+                endpoints = await cast(Ros2Graph, other).endpoints()
+                clients = [each for each in endpoints if each.kind is EndpointKind.CLIENT]
+                client = ("/node", "/switch", "std_srvs/srv/SetBool")
+                seen = [(each.node_name, each.name, each.type) for each in clients].count(client)
                 await asyncio.sleep(0.005)
 
     assert isinstance(node, ListsClients)

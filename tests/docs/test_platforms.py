@@ -47,10 +47,10 @@ def test_the_program_of_a_page_compiles(page: str, flags: tuple[str, ...], text_
     code = re.search(r"```cpp[^\n]*\n(.*?)```", text, re.DOTALL)
     assert code is not None
     command = ("arm-none-eabi-g++", "-std=gnu++14", "-mcpu=cortex-m4", "-mthumb", "-fno-exceptions", "-Wall")
-    done = subprocess.run(
+    completed = subprocess.run(
         [*command, *flags, f"-I{text_library}/src", "-fsyntax-only", "-x", "c++", "-"],
         input=code[1],
         capture_output=True,
         text=True,
     )
-    assert not done.stderr, done.stderr
+    assert not completed.stderr, completed.stderr

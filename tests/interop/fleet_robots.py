@@ -8,7 +8,7 @@ from contextlib import asynccontextmanager
 from pathlib import Path
 from typing import NamedTuple
 
-from interop.lossy_air import LossyAir
+from interop.lossy_network import LossyNetwork
 from rostether.graph.typed_graph import TypedGraph
 from rostether.msgdef.interface import ANY_MESSAGE
 from rostether.platform.command_link import ReceiverSettings
@@ -22,7 +22,7 @@ ROBOTS = 20
 CONTROL = "arduino_control/ArduinoControl"
 KIND = bytes.fromhex("7528cb4c")
 KEY = bytes.fromhex("00112233445566778899aabbccddeeff")
-STILL = bytes(16)
+ZERO_COMMAND = bytes(16)
 
 
 class Robot:
@@ -34,19 +34,19 @@ class Robot:
         self.commands: list[tuple[bytes, float]] = []
 
     @property
-    def is_still(self) -> bool:
-        return self.commands[-1][0] == STILL
+    def is_stopped(self) -> bool:
+        return self.commands[-1][0] == ZERO_COMMAND
 
     def settings(self) -> ReceiverNodeSettings:
         framed = ReceiverSettings(self.number, kind=KIND, key=KEY)
         return ReceiverNodeSettings(CONTROL, f"/robot{self.number}", self.address, (), framed, has_key=True)
 
     async def listen(self, graph: TypedGraph) -> None:
-        def take(payloads: Sequence[bytes]) -> None:
+        def store(payloads: Sequence[bytes]) -> None:
             now_s = asyncio.get_running_loop().time()
             self.commands += [(each, now_s) for each in payloads]
 
-        await graph.raw.subscribe(f"/robot{self.number}", ANY_MESSAGE, take)
+        await graph.raw.subscribe(f"/robot{self.number}", ANY_MESSAGE, store)
 
 
 class Fleet(NamedTuple):
@@ -55,7 +55,7 @@ class Fleet(NamedTuple):
     """
 
     robots: list[Robot]
-    air: LossyAir
+    network: LossyNetwork
     senders: GroupAddress
     options: tuple[str, ...]
 
@@ -74,5 +74,5 @@ async def fleet_on_bad_wifi(folder: Path) -> AsyncIterator[Fleet]:
         await robot.listen(listener)
     async with running(*[receive_topic(node, robot.settings(), lines) for robot in robots]):
         await until(lambda: len(lines.texts) == ROBOTS)
-        with LossyAir(senders, [robot.address for robot in robots], loss=0.3, jitter_s=0.1) as air:
-            yield Fleet(robots, air, senders, options)
+        with LossyNetwork(senders, [robot.address for robot in robots], loss=0.3, jitter_s=0.1) as network:
+            yield Fleet(robots, network, senders, options)

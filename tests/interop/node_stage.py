@@ -17,7 +17,7 @@ from rostether.ros1.environment import RosEnvironment
 from rostether.ros1.master.server import MasterServer
 from rostether.ros1.node.node import Ros1Graph, join_ros1
 
-ON_BOTH_MASTERS = pytest.mark.parametrize("stage", ["our master", "Debian's roscore"], indirect=True)
+ON_BOTH_MASTERS = pytest.mark.parametrize("stage", ["rostether's master", "Debian's roscore"], indirect=True)
 
 
 class Stage:
@@ -51,7 +51,7 @@ class Stage:
 async def stage_on(master: str, home: Path) -> AsyncIterator[Stage]:
     """Open a stage on one of the two masters."""
     async with contextlib.AsyncExitStack() as stack:
-        if master == "our master":
+        if master == "rostether's master":
             server = await MasterServer.start(port=0)
             stack.push_async_callback(server.close)
             peers = Ros1Peers(server.uri, home)

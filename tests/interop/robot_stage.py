@@ -15,7 +15,7 @@ from rostether.ros1.node.master_client import MasterClient
 
 RECORDER = Path(__file__).parent / "peers" / "robot_recorder.py"
 LIBRARIES = "/usr/lib"
-OUR_ROLES = {
+ROLES = {
     "robot_state_publisher": "robot-state-publisher",
     "joint_state_publisher": "joint-state-publisher",
     "tf2_ros": "static-transform-publisher",
@@ -24,7 +24,7 @@ PROGRAMS = {"tf2_ros": "static_transform_publisher"}
 
 
 class RobotStage:
-    """Starts nodes and a recorder; `side` is `debian` or `ours`."""
+    """Starts nodes and a recorder; `side` is `debian` or `rostether`."""
 
     def __init__(self, peers: Ros1Peers) -> None:
         self._peers = peers
@@ -42,7 +42,7 @@ class RobotStage:
         if side == "debian":
             program = PROGRAMS.get(package, package)
             return await self._peers.start(f"{LIBRARIES}/{package}/{program}", *arguments)
-        role = OUR_ROLES[package]
+        role = ROLES[package]
         return await self._peers.start(sys.executable, "-P", "-m", "rostether", "role", role, *arguments)
 
     async def start_recorder(self, topic: str = "/joint_states") -> None:

@@ -59,8 +59,8 @@ def missing_ros1() -> str:
 
 def debian_python_version() -> tuple[int, ...]:
     """Return the version of the Python that Debian's ROS 1 uses, such as (3, 11)."""
-    asked = subprocess.run([DEBIAN_PYTHON, "-V"], capture_output=True, text=True, check=True)
-    return tuple(map(int, asked.stdout.split()[1].split(".")[:2]))
+    version = subprocess.run([DEBIAN_PYTHON, "-V"], capture_output=True, text=True, check=True)
+    return tuple(map(int, version.stdout.split()[1].split(".")[:2]))
 
 
 def missing_roscpp() -> str:

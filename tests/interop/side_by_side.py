@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 from interop.ros1_peers import Ros1Peers
 
-OURS = {"rosparam": "param", "rosmsg": "msg", "rossrv": "srv", "rosnode": "node", "rosservice": "service"}
+VERBS = {"rosparam": "param", "rosmsg": "msg", "rossrv": "srv", "rosnode": "node", "rosservice": "service"}
 
 
 @dataclass(frozen=True)
@@ -29,37 +29,43 @@ class SideBySide:
         # More commands at once would only reach their time limits.
         self._slots = asyncio.Semaphore(4)
 
-    async def theirs(self, tool: str, *arguments: str, stdin: str = "") -> Output:
+    async def run_debian(self, tool: str, *arguments: str, stdin: str = "") -> Output:
         """Run Debian's tool."""
         return await self._run(tool, *arguments, stdin=stdin)
 
-    async def ours(self, tool: str, *arguments: str, stdin: str = "") -> Output:
+    async def run_rostether(self, tool: str, *arguments: str, stdin: str = "") -> Output:
         """Run rostether's command for the tool."""
-        return await self._run(sys.executable, "-m", "rostether", OURS[tool], *arguments, stdin=stdin)
+        return await self._run(sys.executable, "-m", "rostether", VERBS[tool], *arguments, stdin=stdin)
 
-    async def same(
-        self, tool: str, *arguments: str, stdin: str = "", blur: Callable[[str], str] = str
+    async def assert_same(
+        self, tool: str, *arguments: str, stdin: str = "", normalize: Callable[[str], str] = str
     ) -> str:
         """Run both, assert that output and exit code are the same, and return the output.
 
-        `blur` replaces what differs from run to run, such as times.
+        `normalize` replaces what differs from run to run, such as times.
         """
-        theirs, ours = await asyncio.gather(
-            self.theirs(tool, *arguments, stdin=stdin), self.ours(tool, *arguments, stdin=stdin)
+        debian, rostether = await asyncio.gather(
+            self.run_debian(tool, *arguments, stdin=stdin), self.run_rostether(tool, *arguments, stdin=stdin)
         )
-        assert (ours.code, blur(ours.out)) == (theirs.code, blur(theirs.out)), (arguments, ours, theirs)
-        return ours.out
+        assert (rostether.code, normalize(rostether.out)) == (debian.code, normalize(debian.out)), (
+            arguments,
+            rostether,
+            debian,
+        )
+        return rostether.out
 
-    async def all_same(self, tool: str, *commands: tuple[str, ...]) -> list[str]:
+    async def assert_all_same(self, tool: str, *commands: tuple[str, ...]) -> list[str]:
         """Assert the same for several commands at once, because Debian's tools mostly wait."""
-        return await asyncio.gather(*(self.same(tool, *command) for command in commands))
+        return await asyncio.gather(*(self.assert_same(tool, *command) for command in commands))
 
-    async def both_fail(self, tool: str, *arguments: str) -> str:
+    async def assert_both_fail(self, tool: str, *arguments: str) -> str:
         """Run both, assert that both fail, and return rostether's one line."""
-        theirs, ours = await asyncio.gather(self.theirs(tool, *arguments), self.ours(tool, *arguments))
-        assert theirs.code != 0, (arguments, theirs)
-        assert ours.code != 0, (arguments, ours)
-        return ours.err.splitlines()[-1]
+        debian, rostether = await asyncio.gather(
+            self.run_debian(tool, *arguments), self.run_rostether(tool, *arguments)
+        )
+        assert debian.code != 0, (arguments, debian)
+        assert rostether.code != 0, (arguments, rostether)
+        return rostether.err.splitlines()[-1]
 
     async def _run(self, *command: str, stdin: str) -> Output:
         async with self._slots:

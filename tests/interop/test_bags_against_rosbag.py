@@ -7,7 +7,7 @@ import hashlib
 import json
 import os
 import signal
-from collections.abc import AsyncIterator, Callable
+from collections.abc import AsyncIterator
 from contextlib import closing
 from pathlib import Path
 
@@ -28,6 +28,7 @@ from rostether.recording.recorded import Connection
 from rostether.recording.recorder import FLUSH_PERIOD_S
 from rostether.serde.store import TypeStore
 from unit.recording.bags import write_reset
+from waiting import until
 
 STORE = TypeStore(Registry())
 TYPES = (
@@ -84,11 +85,11 @@ with rosbag.Bag(sys.argv[1], 'w', compression=sys.argv[2], chunk_threshold=2000)
 
 @pytest_asyncio.fixture
 async def stage(tmp_path: Path) -> AsyncIterator[Stage]:
-    async with stage_on("our master", tmp_path) as set_up:
-        yield set_up
+    async with stage_on("rostether's master", tmp_path) as stage:
+        yield stage
 
 
-def _ours(path: Path) -> list[list[object]]:
+def _read(path: Path) -> list[list[object]]:
     reader = BagReader(path)
     try:
         assert not reader.damage
@@ -110,7 +111,7 @@ def _ours(path: Path) -> list[list[object]]:
         reader.close()
 
 
-async def _theirs(stage: Stage, path: Path) -> list[list[object]]:
+async def _read_with_rosbag(stage: Stage, path: Path) -> list[list[object]]:
     peer = await stage.peers.rospy(READ, str(path))
     return [json.loads(line) for line in (await peer.finish()).splitlines()]
 
@@ -122,18 +123,12 @@ async def _run(stage: Stage, *arguments: str) -> str:
     return text
 
 
-async def _ours_started(stage: Stage, *arguments: str) -> Peer:
+async def _start(stage: Stage, *arguments: str) -> Peer:
     return await start_command(*arguments, environment={"ROS_MASTER_URI": stage.peers.master_uri})
 
 
-async def _until(condition: Callable[[], bool]) -> None:
-    async with asyncio.timeout(60):
-        while not condition():
-            await asyncio.sleep(0.01)
-
-
 async def _publish(publisher: Publisher) -> list[bytes]:
-    """Publish a number every 5 ms; return what was sent."""
+    """Publish a message every 5 ms; return the payloads."""
     encode = STORE.codec("std_msgs/String").encode
     sent = [encode({"data": f"message {number}"}) for number in range(100)]
     for payload in sent:
@@ -153,14 +148,14 @@ async def _kill_when_written(recorder: Peer, active: Path, count: int) -> None:
         except RecordingError:
             return False
 
-    await _until(is_written)
+    await until(is_written)
     recorder.process.send_signal(signal.SIGKILL)
     await recorder.process.wait()
 
 
 @pytest.mark.parametrize("compression", ["none", "bz2", "lz4"])
-async def test_rosbag_reads_ours_of_twenty_types(stage: Stage, tmp_path: Path, compression: str) -> None:
-    path = tmp_path / "ours.bag"
+async def test_rosbag_reads_bags_of_twenty_types(stage: Stage, tmp_path: Path, compression: str) -> None:
+    path = tmp_path / "rostether.bag"
     writer = BagWriter(path, compression=compression, chunk_bytes=3000)
     for round_number in range(20):
         for index, name in enumerate(TYPES):
@@ -169,7 +164,7 @@ async def test_rosbag_reads_ours_of_twenty_types(stage: Stage, tmp_path: Path, c
             payload = STORE.codec(name).encode({})
             writer.write(number, START_NS + round_number * 100_000_000 + index, [payload])
     writer.close()
-    assert await _theirs(stage, path) == _ours(path)
+    assert await _read_with_rosbag(stage, path) == _read(path)
     text = await stage.peers.run("rosbag", "info", str(path))
     assert "messages:    400" in text or "messages:     400" in text
     if debian_python_version() < (3, 13):
@@ -177,77 +172,87 @@ async def test_rosbag_reads_ours_of_twenty_types(stage: Stage, tmp_path: Path, c
         # On Python 3.13, it does not find its rules for them.
         assert "All rules defined" in await stage.peers.run("rosbag", "check", str(path))
     # One compression is enough.
-    forms = (("-y",), ("-y", "--freq"), ("-y", "-k", "topics[3].messages")) if compression == "bz2" else ()
-    for options in forms:
+    option_sets = (
+        (("-y",), ("-y", "--freq"), ("-y", "-k", "topics[3].messages")) if compression == "bz2" else ()
+    )
+    for options in option_sets:
         assert await _run(stage, "bag", "info", *options, str(path)) == await stage.peers.run(
             "rosbag", "info", *options, str(path)
         )
     # The text is the same, except for the padding of numbers.
-    squeezed = [" ".join(line.split()) for line in text.splitlines()]
-    ours = [" ".join(line.split()) for line in (await _run(stage, "bag", "info", str(path))).splitlines()]
-    assert [line for line in ours if not line.startswith(("start", "end"))] == [
-        line for line in squeezed if not line.startswith(("start", "end"))
+    debian_lines = [" ".join(line.split()) for line in text.splitlines()]
+    rostether_lines = [
+        " ".join(line.split()) for line in (await _run(stage, "bag", "info", str(path))).splitlines()
+    ]
+    assert [line for line in rostether_lines if not line.startswith(("start", "end"))] == [
+        line for line in debian_lines if not line.startswith(("start", "end"))
     ]
 
 
 @pytest.mark.parametrize("compression", ["none", "bz2", "lz4"])
-async def test_ours_reads_rosbags_of_twenty_types(stage: Stage, tmp_path: Path, compression: str) -> None:
-    path = tmp_path / "theirs.bag"
+async def test_bags_of_rosbag_with_twenty_types_are_read(
+    stage: Stage, tmp_path: Path, compression: str
+) -> None:
+    path = tmp_path / "debian.bag"
     peer = await stage.peers.rospy(WRITE, str(path), compression, *TYPES)
     assert not await peer.finish()
-    found = _ours(path)
+    found = _read(path)
     assert len(found) == 15 * len(TYPES)
-    assert found == await _theirs(stage, path)
+    assert found == await _read_with_rosbag(stage, path)
     assert "no errors" in await _run(stage, "bag", "check", str(path))
 
 
-async def test_conversion_to_mcap_and_back_loses_nothing_of_theirs(stage: Stage, tmp_path: Path) -> None:
-    path = tmp_path / "theirs.bag"
+async def test_conversion_of_rosbags_to_mcap_and_back_loses_nothing(stage: Stage, tmp_path: Path) -> None:
+    path = tmp_path / "debian.bag"
     await (await stage.peers.rospy(WRITE, str(path), "none", *TYPES)).finish()
     await _run(stage, "bag", "convert", str(path), str(tmp_path / "a.mcap"))
     await _run(stage, "bag", "convert", str(tmp_path / "a.mcap"), str(tmp_path / "b.bag"))
-    assert _ours(tmp_path / "b.bag") == _ours(path)
-    assert await _theirs(stage, tmp_path / "b.bag") == await _theirs(stage, path)
+    assert _read(tmp_path / "b.bag") == _read(path)
+    assert await _read_with_rosbag(stage, tmp_path / "b.bag") == await _read_with_rosbag(stage, path)
 
 
-async def test_both_record_the_same_and_each_plays_the_others(stage: Stage, tmp_path: Path) -> None:
+async def test_both_record_the_same_and_play_bags_of_each_other(stage: Stage, tmp_path: Path) -> None:
     node = await stage.join("/node")
     codec = STORE.codec("std_msgs/String")
     publisher = await node.advertise("/chat", STORE.registry.message_type("std_msgs/String"))
-    theirs = await stage.peers.start(
-        "rosbag", "record", "-l", "50", "-O", str(tmp_path / "theirs.bag"), "/chat"
+    debian = await stage.peers.start(
+        "rosbag", "record", "-l", "50", "-O", str(tmp_path / "debian.bag"), "/chat"
     )
-    ours = await _ours_started(stage, "bag", "record", "-l", "50", "-O", str(tmp_path / "ours.bag"), "/chat")
-    await _until(lambda: publisher.subscriber_count == 2)
+    rostether = await _start(
+        stage, "bag", "record", "-l", "50", "-O", str(tmp_path / "rostether.bag"), "/chat"
+    )
+    await until(lambda: publisher.subscriber_count == 2)
     for number in range(50):
         publisher.publish_raw([codec.encode({"data": f"message {number}"})])
         await asyncio.sleep(0.002)
-    await theirs.finish()
-    await ours.finish()
+    await debian.finish()
+    await rostether.finish()
     await publisher.close()
-    read = [[row[:3] + row[4:] for row in _ours(tmp_path / f"{each}.bag")] for each in ("ours", "theirs")]
+    read = [
+        [row[:3] + row[4:] for row in _read(tmp_path / f"{each}.bag")] for each in ("rostether", "debian")
+    ]
     assert read[0] == read[1]
     assert len(read[0]) == 50
     received: list[bytes] = []
     await node.subscribe("/chat", STORE.registry.message_type("std_msgs/String"), received.extend)
     expected = [codec.encode({"data": f"message {number}"}) for number in range(50)]
-    await stage.peers.start("rosbag", "play", "--wait-for-subscribers", str(tmp_path / "ours.bag"))
-    await _until(lambda: len(received) == 50)
+    await stage.peers.start("rosbag", "play", "--wait-for-subscribers", str(tmp_path / "rostether.bag"))
+    await until(lambda: len(received) == 50)
     assert received == expected
     received.clear()
-    await _run(stage, "bag", "play", "--wait-for-subscribers", str(tmp_path / "theirs.bag"))
-    await _until(lambda: len(received) == 50)
+    await _run(stage, "bag", "play", "--wait-for-subscribers", str(tmp_path / "debian.bag"))
+    await until(lambda: len(received) == 50)
     assert received == expected
 
 
-async def test_a_killed_recording_lacks_a_second_at_most(stage: Stage, tmp_path: Path) -> None:
+async def test_a_killed_recording_loses_at_most_one_second(stage: Stage, tmp_path: Path) -> None:
     node = await stage.join("/node")
     publisher = await node.advertise("/chat", STORE.registry.message_type("std_msgs/String"))
-    ours = await _ours_started(stage, "bag", "record", "--lz4", "-O", str(tmp_path / "a.bag"), "/chat")
-    await _until(lambda: publisher.subscriber_count == 1)
+    recorder = await _start(stage, "bag", "record", "--lz4", "-O", str(tmp_path / "a.bag"), "/chat")
+    await until(lambda: publisher.subscriber_count == 1)
     active = tmp_path / "a.bag.active"
     sent = await _publish(publisher)
-    await _kill_when_written(ours, active, len(sent))
+    await _kill_when_written(recorder, active, len(sent))
     with closing(open_recording(active)) as reader:
         assert [each.payload for each in reader.messages()] == sent
     # Debian's rosbag repairs it too, with the same messages.
@@ -255,34 +260,36 @@ async def test_a_killed_recording_lacks_a_second_at_most(stage: Stage, tmp_path:
     copy.write_bytes(active.read_bytes())
     await stage.peers.run("rosbag", "reindex", str(copy))
     await _run(stage, "bag", "reindex", str(active))
-    mended = _ours(tmp_path / "a.bag")
-    assert len(mended) == len(sent)
-    assert await _theirs(stage, copy) == mended == await _theirs(stage, tmp_path / "a.bag")
+    repaired = _read(tmp_path / "a.bag")
+    assert len(repaired) == len(sent)
+    assert (
+        await _read_with_rosbag(stage, copy) == repaired == await _read_with_rosbag(stage, tmp_path / "a.bag")
+    )
 
 
-async def test_a_killed_mcap_recording_lacks_a_second_at_most(stage: Stage, tmp_path: Path) -> None:
+async def test_a_killed_mcap_recording_loses_at_most_one_second(stage: Stage, tmp_path: Path) -> None:
     node = await stage.join("/node")
     publisher = await node.advertise("/chat", STORE.registry.message_type("std_msgs/String"))
-    ours = await _ours_started(stage, "bag", "record", "-O", str(tmp_path / "a.mcap"), "/chat")
-    await _until(lambda: publisher.subscriber_count == 1)
+    recorder = await _start(stage, "bag", "record", "-O", str(tmp_path / "a.mcap"), "/chat")
+    await until(lambda: publisher.subscriber_count == 1)
     active = tmp_path / "a.mcap.active"
     sent = await _publish(publisher)
-    await _kill_when_written(ours, active, len(sent))
+    await _kill_when_written(recorder, active, len(sent))
     with closing(open_recording(active)) as reader:
-        left = [(each.time_ns, each.payload) for each in reader.messages()]
-    assert [payload for _, payload in left] == sent
+        found = [(each.time_ns, each.payload) for each in reader.messages()]
+    assert [payload for _, payload in found] == sent
     await _run(stage, "bag", "reindex", str(active))
     with (tmp_path / "a.mcap").open("rb") as file:
-        theirs = make_reader(file)
-        assert theirs.get_summary() is not None
-        assert [(each.log_time, each.data) for _, _, each in theirs.iter_messages()] == left
+        mcap_reader = make_reader(file)
+        assert mcap_reader.get_summary() is not None
+        assert [(each.log_time, each.data) for _, _, each in mcap_reader.iter_messages()] == found
 
 
-async def test_what_a_killed_roscpp_recorder_left_is_read_and_mended(stage: Stage, tmp_path: Path) -> None:
+async def test_the_file_of_a_killed_roscpp_recorder_is_repaired(stage: Stage, tmp_path: Path) -> None:
     node = await stage.join("/node")
     publisher = await node.advertise("/chat", STORE.registry.message_type("std_msgs/String"))
-    theirs = await stage.peers.start("rosbag", "record", "-O", str(tmp_path / "a.bag"), "/chat")
-    await _until(lambda: publisher.subscriber_count == 1)
+    recorder = await stage.peers.start("rosbag", "record", "-O", str(tmp_path / "a.bag"), "/chat")
+    await until(lambda: publisher.subscriber_count == 1)
     payload = STORE.codec("std_msgs/String").encode({"data": "x" * 1000})
     active = tmp_path / "a.bag.active"
     # More than a chunk; the recorder drops messages that arrive too fast.
@@ -290,28 +297,28 @@ async def test_what_a_killed_roscpp_recorder_left_is_read_and_mended(stage: Stag
         while not active.exists() or active.stat().st_size < 1_000_000:
             publisher.publish_raw([payload] * 10)
             await asyncio.sleep(0.005)
-    await theirs.stop(signal.SIGKILL)
+    await recorder.stop(signal.SIGKILL)
     text = await _run(stage, "bag", "reindex", str(active))
     assert "messages kept" in text
-    mended = _ours(tmp_path / "a.bag")
-    assert len(mended) > 700
-    assert await _theirs(stage, tmp_path / "a.bag") == mended
+    repaired = _read(tmp_path / "a.bag")
+    assert len(repaired) > 700
+    assert await _read_with_rosbag(stage, tmp_path / "a.bag") == repaired
 
 
-@pytest.mark.parametrize("packing", [(), ("--lz4",)])
-async def test_a_file_that_may_not_grow_ends_the_recording_with_a_line(
-    stage: Stage, tmp_path: Path, packing: tuple[str, ...]
+@pytest.mark.parametrize("compression", [(), ("--lz4",)])
+async def test_a_limit_of_the_file_size_ends_the_recording_with_an_error(
+    stage: Stage, tmp_path: Path, compression: tuple[str, ...]
 ) -> None:
     node = await stage.join("/node")
     publisher = await node.advertise("/chat", STORE.registry.message_type("std_msgs/String"))
     path = tmp_path / "a.bag"
-    command = ("bag", "record", "--chunksize", "20", *packing, "-O", str(path), "/chat")
+    command = ("bag", "record", "--chunksize", "20", *compression, "-O", str(path), "/chat")
     recorder = await start_command(
         *command,
         environment={"ROS_MASTER_URI": stage.peers.master_uri},
         on=("prlimit", "--fsize=200000"),
     )
-    await _until(lambda: publisher.subscriber_count == 1)
+    await until(lambda: publisher.subscriber_count == 1)
     while recorder.process.returncode is None:
         # Data that no compression makes smaller.
         publisher.publish_raw([(1000).to_bytes(4, "little") + os.urandom(1000) for _ in range(5)])
@@ -323,18 +330,18 @@ async def test_a_file_that_may_not_grow_ends_the_recording_with_a_line(
     assert "Traceback" not in text
     if "gives it an index" in text:  # if the last chunk has left no room for that
         await _run(stage, "bag", "reindex", str(path))
-    found = _ours(path)
+    found = _read(path)
     # If the writer is late, the chunk that did not fit has more messages.
     assert 50 < len(found) < 200
-    assert await _theirs(stage, path) == found
+    assert await _read_with_rosbag(stage, path) == found
 
 
-async def test_rosbag_finds_all_of_a_bag_whose_time_went_back_once_it_is_filtered(
+async def test_rosbag_finds_all_messages_of_a_filtered_bag_whose_time_went_back(
     stage: Stage, tmp_path: Path
 ) -> None:
-    path, mended = tmp_path / "reset.bag", tmp_path / "mended.bag"
+    path, repaired = tmp_path / "reset.bag", tmp_path / "repaired.bag"
     write_reset(BagWriter(path, chunk_bytes=300))
-    await _run(stage, "bag", "filter", str(path), str(mended), "True")
-    assert await _theirs(stage, mended) == _ours(mended) == _ours(path)
-    peer = await stage.peers.rospy(SEEK, str(mended))
+    await _run(stage, "bag", "filter", str(path), str(repaired), "True")
+    assert await _read_with_rosbag(stage, repaired) == _read(repaired) == _read(path)
+    peer = await stage.peers.rospy(SEEK, str(repaired))
     assert (await peer.finish()).split() == ["50", "25", "1.0", "1029.0"]

@@ -32,16 +32,16 @@ LOG_ECHO = """
 import rospy
 from rosgraph_msgs.msg import Log
 rospy.init_node("py_log")
-def take(log):
+def handle(log):
     if log.name == "/arm" and log.msg == "battery low":
         print(log.level, log.msg, flush=True)
         rospy.signal_shutdown("done")
-rospy.Subscriber("/rosout", Log, take)
+rospy.Subscriber("/rosout", Log, handle)
 print("listening", flush=True)
 rospy.spin()
 """
 
-ADDER = """
+SERVER = """
 import rospy
 from std_srvs.srv import SetBool, SetBoolResponse
 rospy.init_node("py_service")
@@ -55,7 +55,7 @@ rospy.spin()
 REGISTERED = ("publisher", "subscriber", "service server")
 
 
-class Bridged:
+class BridgeStage:
     """A stage with a bridge, and devices at its TCP port."""
 
     def __init__(self, stage: Stage, service_timeout_s: float = 60.0) -> None:
@@ -80,7 +80,7 @@ class Bridged:
             remappings=remappings,
         )
 
-    async def open(self) -> Bridged:
+    async def open(self) -> BridgeStage:
         await self.supervisor.start([parse_address("tcp://127.0.0.1:0?name=arm")])
         return self
 
@@ -92,16 +92,16 @@ class Bridged:
         await self._stack.aclose()
         await self.supervisor.close()
 
-    def has(self, role: str, name: str) -> bool:
+    def has_endpoint(self, role: str, name: str) -> bool:
         return any(
             (each.role, each.name, each.is_attached) == (role, name, True)
             for view in self.supervisor.boards()
             for each in view.endpoints
         )
 
-    async def announced(self, role: str, name: str) -> None:
+    async def wait_for_endpoint(self, role: str, name: str) -> None:
         """Wait until a board has an endpoint, and the master has its registration."""
-        await until(lambda: self.has(role, name), f"{role} {name}")
+        await until(lambda: self.has_endpoint(role, name), f"{role} {name}")
         if role not in REGISTERED:
             return
         master = MasterClient(self.peers.master_uri, "/test")
@@ -113,13 +113,13 @@ class Bridged:
 
 @pytest_asyncio.fixture
 async def stage(request: pytest.FixtureRequest, tmp_path: Path) -> AsyncIterator[Stage]:
-    async with stage_on(getattr(request, "param", "our master"), tmp_path) as stage:
+    async with stage_on(getattr(request, "param", "rostether's master"), tmp_path) as stage:
         yield stage
 
 
 @pytest_asyncio.fixture
-async def bridged(stage: Stage) -> AsyncIterator[Bridged]:
-    bridged = Bridged(stage)
+async def bridged(stage: Stage) -> AsyncIterator[BridgeStage]:
+    bridged = BridgeStage(stage)
     await bridged.open()
     yield bridged
     await bridged.close()
@@ -132,12 +132,12 @@ async def publish_until_stopped(publisher: Any, **fields: Any) -> None:
 
 
 @ON_BOTH_MASTERS
-async def test_rostopic_echoes_a_boards_topic(bridged: Bridged) -> None:
+async def test_rostopic_echoes_a_boards_topic(bridged: BridgeStage) -> None:
     device = await bridged.device()
-    talking = asyncio.ensure_future(
+    publishing = asyncio.ensure_future(
         publish_until_stopped(device.publisher("chatter", "std_msgs/String"), data="hi")
     )
-    await bridged.announced("publisher", "chatter")
+    await bridged.wait_for_endpoint("publisher", "chatter")
     assert (
         await bridged.peers.run("rostopic", "echo", "-n", "2", "/chatter")
         == 'data: "hi"\n---\ndata: "hi"\n---'
@@ -145,15 +145,15 @@ async def test_rostopic_echoes_a_boards_topic(bridged: Bridged) -> None:
     assert await bridged.peers.run("rostopic", "type", "/chatter") == "std_msgs/String"
     info = await bridged.peers.run("rostopic", "info", "/chatter")
     assert " * /arm (http://" in info
-    talking.cancel()
+    publishing.cancel()
 
 
 @ON_BOTH_MASTERS
-async def test_rostopic_publishes_to_a_board(bridged: Bridged) -> None:
+async def test_rostopic_publishes_to_a_board(bridged: BridgeStage) -> None:
     device = await bridged.device()
     received: list[Any] = []
     device.subscriber("velocity", "geometry_msgs/Twist", received.append)
-    await bridged.announced("subscriber", "velocity")
+    await bridged.wait_for_endpoint("subscriber", "velocity")
     await bridged.peers.run(
         "rostopic", "pub", "-1", "/velocity", "geometry_msgs/Twist", "{linear: {x: 0.25}}"
     )
@@ -161,7 +161,7 @@ async def test_rostopic_publishes_to_a_board(bridged: Bridged) -> None:
     assert received[0].linear.x == 0.25
 
 
-async def test_a_latched_message_reaches_a_board_that_comes_later(bridged: Bridged) -> None:
+async def test_a_latched_message_reaches_a_board_that_connects_later(bridged: BridgeStage) -> None:
     await bridged.peers.start("rostopic", "pub", "-l", "/mode", "std_msgs/UInt8", "7")
     device = await bridged.device()
     received: list[Any] = []
@@ -171,26 +171,26 @@ async def test_a_latched_message_reaches_a_board_that_comes_later(bridged: Bridg
 
 
 @ON_BOTH_MASTERS
-async def test_rosservice_calls_a_board(bridged: Bridged) -> None:
+async def test_rosservice_calls_a_board(bridged: BridgeStage) -> None:
     device = await bridged.device()
     device.service_server(
         "switch", "std_srvs/SetBool", lambda request: {"success": request.data, "message": "done"}
     )
-    await bridged.announced("service server", "switch")
+    await bridged.wait_for_endpoint("service server", "switch")
     called = await bridged.peers.run("rosservice", "call", "/switch", "true")
     assert called == 'success: True\nmessage: "done"'
     assert await bridged.peers.run("rosservice", "type", "/switch") == "std_srvs/SetBool"
 
 
 async def test_rosservice_shows_why_a_board_did_not_answer(stage: Stage) -> None:
-    bridged = await Bridged(stage, service_timeout_s=2.0).open()
+    bridged = await BridgeStage(stage, service_timeout_s=2.0).open()
     device = await bridged.device()
 
     async def hang(_request: Any) -> None:
         await asyncio.sleep(60.0)
 
     device.service_server("switch", "std_srvs/SetBool", hang)
-    await bridged.announced("service server", "switch")
+    await bridged.wait_for_endpoint("service server", "switch")
     for _ in range(10):
         failed = await bridged.peers.run("rosservice", "call", "/switch", "true", check=False)
         # On a busy machine, the board may lose its connection during the call.
@@ -200,20 +200,20 @@ async def test_rosservice_shows_why_a_board_did_not_answer(stage: Stage) -> None
     await bridged.close()
 
 
-async def test_a_board_calls_a_rospy_service(bridged: Bridged) -> None:
+async def test_a_board_calls_a_rospy_service(bridged: BridgeStage) -> None:
     device = await bridged.device()
     client = device.service_client("gripper", "std_srvs/SetBool")
-    server = await bridged.peers.rospy(ADDER)
+    server = await bridged.peers.rospy(SERVER)
     await server.wait_for("serving")
-    await bridged.announced("service client", "gripper")
+    await bridged.wait_for_endpoint("service client", "gripper")
     response = await client.call(data=True)
     assert (response.success, response.message) == (True, "gripped")
 
 
-async def test_a_call_without_a_server_fails(bridged: Bridged) -> None:
+async def test_a_call_without_a_server_fails(bridged: BridgeStage) -> None:
     device = await bridged.device()
     client = device.service_client("nobody", "std_srvs/SetBool")
-    await bridged.announced("service client", "nobody")
+    await bridged.wait_for_endpoint("service client", "nobody")
     try:
         response = await client.call(data=True)
         assert (response.success, response.message) == (False, "")
@@ -223,7 +223,7 @@ async def test_a_call_without_a_server_fails(bridged: Bridged) -> None:
 
 
 @ON_BOTH_MASTERS
-async def test_rosparam_sets_what_a_board_gets(bridged: Bridged) -> None:
+async def test_a_board_gets_parameters_of_rosparam(bridged: BridgeStage) -> None:
     for name, value in (
         ("/gain", "2.5"),
         ("/count", "42"),
@@ -238,7 +238,7 @@ async def test_rosparam_sets_what_a_board_gets(bridged: Bridged) -> None:
     assert values == [2.5, 42, "left", [1, 0], [1.5, 2.5]]
 
 
-async def test_a_boards_log_is_in_rosout_under_its_name(bridged: Bridged) -> None:
+async def test_a_boards_log_is_in_rosout_under_its_name(bridged: BridgeStage) -> None:
     listener = await bridged.peers.rospy(LOG_ECHO)
     await listener.wait_for("listening")
     device = await bridged.device()
@@ -250,12 +250,12 @@ async def test_a_boards_log_is_in_rosout_under_its_name(bridged: Bridged) -> Non
     assert "4 battery low" in listener.text
 
 
-async def test_rosnode_sees_each_board_and_ends_one_of_them_until_it_connects_again(bridged: Bridged) -> None:
+async def test_rosnode_lists_each_board_and_kills_one_until_it_reconnects(bridged: BridgeStage) -> None:
     first, second = await bridged.device(), await bridged.device()
     first.publisher("first", "std_msgs/String")
     second.publisher("second", "std_msgs/String")
-    await bridged.announced("publisher", "first")
-    await bridged.announced("publisher", "second")
+    await bridged.wait_for_endpoint("publisher", "first")
+    await bridged.wait_for_endpoint("publisher", "second")
     nodes = (await bridged.peers.run("rosnode", "list")).splitlines()
     assert {"/arm", "/arm_2"} <= set(nodes)
     assert "xmlrpc reply from" in await bridged.peers.run("rosnode", "ping", "-c", "1", "/arm")
@@ -263,32 +263,32 @@ async def test_rosnode_sees_each_board_and_ends_one_of_them_until_it_connects_ag
     await until(lambda: bridged.reporter.having("not served until it reconnects"), "one board to go")
     # The device reconnects automatically.
     await until(lambda: len(bridged.supervisor.boards()) == 2, "the board to come back")
-    await bridged.announced("publisher", "second")
+    await bridged.wait_for_endpoint("publisher", "second")
     assert sorted(view.node for view in bridged.supervisor.boards()) == ["/arm", "/arm_2"]
     assert "xmlrpc reply from" in await bridged.peers.run("rosnode", "ping", "-c", "1", "/arm_2")
 
 
-async def test_a_subscriber_still_receives_from_a_board_that_reconnected(bridged: Bridged) -> None:
+async def test_a_subscriber_still_receives_from_a_board_that_reconnected(bridged: BridgeStage) -> None:
     device = await bridged.device()
     device.publisher("counter", "std_msgs/String")
-    await bridged.announced("publisher", "counter")
+    await bridged.wait_for_endpoint("publisher", "counter")
     echo = await bridged.peers.start("rostopic", "echo", "/counter/data")
     await device.close()
     again = await bridged.device()
-    talking = asyncio.ensure_future(
+    publishing = asyncio.ensure_future(
         publish_until_stopped(again.publisher("counter", "std_msgs/String"), data="back")
     )
     await echo.wait_for("back")
-    talking.cancel()
+    publishing.cancel()
 
 
-async def test_closing_leaves_nothing_on_the_master(stage: Stage) -> None:
-    bridged = await Bridged(stage).open()
+async def test_closing_removes_all_registrations_from_the_master(stage: Stage) -> None:
+    bridged = await BridgeStage(stage).open()
     device = await bridged.device()
     device.publisher("chatter", "std_msgs/String")
     device.service_server("switch", "std_srvs/SetBool", lambda request: {})
-    await bridged.announced("service server", "switch")
-    await bridged.announced("publisher", "chatter")
+    await bridged.wait_for_endpoint("service server", "switch")
+    await bridged.wait_for_endpoint("publisher", "chatter")
     await bridged.close()
     assert "/chatter" not in (await stage.peers.run("rostopic", "list")).splitlines()
     assert "/switch" not in (await stage.peers.run("rosservice", "list")).splitlines()

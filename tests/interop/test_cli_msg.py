@@ -33,7 +33,7 @@ def peers(tmp_path: Path) -> Ros1Peers:
     return Ros1Peers("http://localhost:9/", tmp_path)
 
 
-async def test_all_types_are_shown_alike(peers: Ros1Peers) -> None:
+async def test_all_types_have_the_same_text(peers: Ros1Peers) -> None:
     shown = json.loads(await peers.run("python", "-c", SHOW_ALL, timeout_s=60))
     registry = Registry(package_path=[Path("/usr/share")])
     assert {"sensor_msgs/PointCloud2", "rosgraph_msgs/Log"} <= shown["msg"].keys()
@@ -52,9 +52,9 @@ async def test_all_types_are_shown_alike(peers: Ros1Peers) -> None:
     assert set(shown["srv"]) <= set(registry.services())
 
 
-async def test_the_commands_print_alike(peers: Ros1Peers) -> None:
+async def test_the_commands_print_the_same(peers: Ros1Peers) -> None:
     tools = SideBySide(peers)
-    await tools.all_same(
+    await tools.assert_all_same(
         "rosmsg",
         ("show", "sensor_msgs/Imu"),
         ("show", "-r", "sensor_msgs/BatteryState"),
@@ -62,7 +62,7 @@ async def test_the_commands_print_alike(peers: Ros1Peers) -> None:
         ("md5", "sensor_msgs/Imu"),
         ("package", "-s", "geometry_msgs"),
     )
-    await tools.all_same(
+    await tools.assert_all_same(
         "rossrv",
         ("show", "-r", "sensor_msgs/SetCameraInfo"),
         ("show", "SetBool"),
@@ -70,10 +70,11 @@ async def test_the_commands_print_alike(peers: Ros1Peers) -> None:
         ("package", "std_srvs"),
     )
     assert (
-        await tools.same("rosmsg", "md5", stdin="std_msgs/String\n") == "992ce8a1687cec8c8bd883ec73ca41d1\n"
+        await tools.assert_same("rosmsg", "md5", stdin="std_msgs/String\n")
+        == "992ce8a1687cec8c8bd883ec73ca41d1\n"
     )
-    listed = (await tools.ours("rosmsg", "list")).out.splitlines()
-    assert set((await tools.theirs("rosmsg", "list")).out.splitlines()) <= set(listed)
-    assert "std_msgs/String" in await tools.both_fail("rosmsg", "show", "std_msgs/Strng")
-    await tools.both_fail("rosmsg", "show", "NoSuchMessage")
-    await tools.both_fail("rosmsg", "package", "no_such_package")
+    listed = (await tools.run_rostether("rosmsg", "list")).out.splitlines()
+    assert set((await tools.run_debian("rosmsg", "list")).out.splitlines()) <= set(listed)
+    assert "std_msgs/String" in await tools.assert_both_fail("rosmsg", "show", "std_msgs/Strng")
+    await tools.assert_both_fail("rosmsg", "show", "NoSuchMessage")
+    await tools.assert_both_fail("rosmsg", "package", "no_such_package")

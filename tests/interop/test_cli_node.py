@@ -31,7 +31,7 @@ print("over", flush=True)
 
 @pytest_asyncio.fixture
 async def stage(request: pytest.FixtureRequest, tmp_path: Path) -> AsyncIterator[Stage]:
-    async with stage_on(getattr(request, "param", "our master"), tmp_path) as stage:
+    async with stage_on(getattr(request, "param", "rostether's master"), tmp_path) as stage:
         yield stage
 
 
@@ -56,11 +56,11 @@ async def join_board(stage: Stage) -> None:
 
 
 @ON_BOTH_MASTERS
-async def test_nodes_print_alike(stage: Stage) -> None:
+async def test_nodes_print_the_same(stage: Stage) -> None:
     tools = SideBySide(stage.peers)
     await join_board(stage)
 
-    listed, _, _, of_talker, of_board, *_ = await tools.all_same(
+    listed, _, _, of_talker, of_board, *_ = await tools.assert_all_same(
         "rosnode",
         ("list",),
         ("list", "-a"),
@@ -76,10 +76,10 @@ async def test_nodes_print_alike(stage: Stage) -> None:
     for info, direction in ((of_talker, "outbound"), (of_board, "inbound")):
         assert re.search(rf" \* direction: {direction} \(\d+ - 127\.0\.0\.1:\d+\) \[\d+\]\n", info)
     await asyncio.gather(
-        tools.same("rosnode", "ping", "-c", "2", "talker", blur=without_times),
-        tools.same("rosnode", "ping", "--all", blur=sorted_lines),
+        tools.assert_same("rosnode", "ping", "-c", "2", "talker", normalize=without_times),
+        tools.assert_same("rosnode", "ping", "--all", normalize=sorted_lines),
     )
-    assert "did you mean /talker?" in await tools.both_fail("rosnode", "kill", "/talkr")
+    assert "did you mean /talker?" in await tools.assert_both_fail("rosnode", "kill", "/talkr")
 
 
 @ON_BOTH_MASTERS
@@ -87,10 +87,10 @@ async def test_kill_ends_a_rospy_node(stage: Stage) -> None:
     tools = SideBySide(stage.peers)
     talker = await stage.peers.rospy(TALKER)
     await talker.wait_for("ready")
-    killed = await tools.ours("rosnode", "kill", "/talker")
+    killed = await tools.run_rostether("rosnode", "kill", "/talker")
     assert (killed.code, killed.out, killed.err) == (0, "killing /talker\nkilled\n", "")
     await talker.wait_for("over")
-    assert "/talker" not in (await tools.theirs("rosnode", "list")).out
+    assert "/talker" not in (await tools.run_debian("rosnode", "list")).out
 
 
 @ON_BOTH_MASTERS
@@ -103,8 +103,8 @@ async def test_cleanup_forgets_ended_nodes(stage: Stage, monkeypatch: pytest.Mon
     await master.register_service("/reset", "rosrpc://127.0.0.1:9", "http://127.0.0.1:9/")
     await master.close()
     board = await stage.join("/board")
-    cleaned = await tools.ours("rosnode", "cleanup", stdin="y\n")
+    cleaned = await tools.run_rostether("rosnode", "cleanup", stdin="y\n")
     assert cleaned.out.endswith("Unregistering /gone\ndone\n"), cleaned
-    assert "/gone" not in (await tools.same("rosnode", "list")).splitlines()
-    assert "/reset" not in (await tools.theirs("rosservice", "list")).out
-    assert board.node_name in (await tools.theirs("rosnode", "list")).out
+    assert "/gone" not in (await tools.assert_same("rosnode", "list")).splitlines()
+    assert "/reset" not in (await tools.run_debian("rosservice", "list")).out
+    assert board.node_name in (await tools.run_debian("rosnode", "list")).out

@@ -40,17 +40,17 @@ gain: 3
 
 @pytest_asyncio.fixture
 async def stage(request: pytest.FixtureRequest, tmp_path: Path) -> AsyncIterator[Stage]:
-    async with stage_on(getattr(request, "param", "our master"), tmp_path) as stage:
+    async with stage_on(getattr(request, "param", "rostether's master"), tmp_path) as stage:
         yield stage
 
 
-async def test_what_is_read_prints_alike(stage: Stage, tmp_path: Path) -> None:
+async def test_reading_prints_the_same(stage: Stage, tmp_path: Path) -> None:
     tools = SideBySide(stage.peers)
     file = tmp_path / "parameters.yaml"
     file.write_text(PARAMETERS)
-    await tools.same("rosparam", "load", str(file), "/board")
+    await tools.assert_same("rosparam", "load", str(file), "/board")
 
-    listed, *_ = await tools.all_same(
+    listed, *_ = await tools.assert_all_same(
         "rosparam",
         ("list",),
         ("list", "board/space"),
@@ -67,50 +67,52 @@ async def test_what_is_read_prints_alike(stage: Stage, tmp_path: Path) -> None:
 
 
 @ON_BOTH_MASTERS
-async def test_what_is_written_is_the_same(stage: Stage, tmp_path: Path) -> None:
+async def test_writing_sets_the_same(stage: Stage, tmp_path: Path) -> None:
     tools = SideBySide(stage.peers)
     file = tmp_path / "parameters.yaml"
     file.write_text(PARAMETERS)
 
-    async def write(run: Callable[..., Awaitable[Output]], space: str) -> str:
+    async def write(run: Callable[..., Awaitable[Output]], namespace: str) -> str:
         steps: tuple[tuple[str, ...], ...] = (
-            ("load", str(file), space),
-            ("set", f"{space}/negative", "-5"),
-            ("set", f"{space}/space", "{below: {deeper: 8}, new: [deg(180)]}"),
-            ("set", f"{space}/empty_text", ""),
-            ("set", f"{space}/quoted", "'5'"),
-            ("set", f"{space}/file", "-t", str(file)),
-            ("delete", f"{space}/second"),
-            ("dump", str(tmp_path / f"{space}.yaml"), space),
+            ("load", str(file), namespace),
+            ("set", f"{namespace}/negative", "-5"),
+            ("set", f"{namespace}/space", "{below: {deeper: 8}, new: [deg(180)]}"),
+            ("set", f"{namespace}/empty_text", ""),
+            ("set", f"{namespace}/quoted", "'5'"),
+            ("set", f"{namespace}/file", "-t", str(file)),
+            ("delete", f"{namespace}/second"),
+            ("dump", str(tmp_path / f"{namespace}.yaml"), namespace),
         )
         for step in steps:
             output = await run("rosparam", *step)
             assert (output.code, output.out, output.err) == (0, "", "")
-        return (tmp_path / f"{space}.yaml").read_text()
+        return (tmp_path / f"{namespace}.yaml").read_text()
 
-    ours, theirs = await asyncio.gather(write(tools.ours, "ours"), write(tools.theirs, "theirs"))
-    assert ours == theirs
-    assert "negative: -5" in ours
+    rostether, debian = await asyncio.gather(
+        write(tools.run_rostether, "rostether"), write(tools.run_debian, "debian")
+    )
+    assert rostether == debian
+    assert "negative: -5" in rostether
 
 
-async def test_bytes_go_both_ways(stage: Stage, tmp_path: Path) -> None:
+async def test_bytes_are_set_by_both(stage: Stage, tmp_path: Path) -> None:
     # Debian's rosparam cannot print them.
     tools = SideBySide(stage.peers)
     file = tmp_path / "picture.bin"
     file.write_bytes(bytes(range(256)))
-    for run in (tools.ours, tools.theirs):
+    for run in (tools.run_rostether, tools.run_debian):
         assert (await run("rosparam", "set", "/picture", "-b", str(file))).code == 0
-        printed = (await tools.ours("rosparam", "get", "/picture")).out
+        printed = (await tools.run_rostether("rosparam", "get", "/picture")).out
         assert printed.startswith("!!binary |\n  AAECAwQF")
 
 
 async def test_mistakes_fail_in_both(stage: Stage) -> None:
     tools = SideBySide(stage.peers)
-    assert "did you mean /rosversion?" in await tools.both_fail("rosparam", "get", "/rosversio")
+    assert "did you mean /rosversion?" in await tools.assert_both_fail("rosparam", "get", "/rosversio")
     for arguments in (
         ("delete", "/nothing"),
         ("set", "/", "5"),
         ("set", "/big", "5000000000"),
         ("load", "/no/file"),
     ):
-        await tools.both_fail("rosparam", *arguments)
+        await tools.assert_both_fail("rosparam", *arguments)

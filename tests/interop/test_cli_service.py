@@ -45,7 +45,7 @@ REQUEST = (
 
 @pytest_asyncio.fixture
 async def stage(request: pytest.FixtureRequest, tmp_path: Path) -> AsyncIterator[Stage]:
-    async with stage_on(getattr(request, "param", "our master"), tmp_path) as stage:
+    async with stage_on(getattr(request, "param", "rostether's master"), tmp_path) as stage:
         yield stage
 
 
@@ -54,14 +54,14 @@ async def set_led(request: bytes) -> bytes:
     return STORE.codec("std_srvs/SetBoolResponse").encode({"success": is_on, "message": "on: ä"})
 
 
-async def test_what_services_are_prints_alike(stage: Stage) -> None:
+async def test_listings_print_the_same(stage: Stage) -> None:
     tools = SideBySide(stage.peers)
     board = await stage.join("/board")
     await board.advertise_service("/set_led", STORE.registry.service_type("std_srvs/SetBool"), set_led)
     server = await stage.peers.rospy(RPC_SERVER)
     await server.wait_for("ready")
 
-    listed, with_nodes, info, _, _, found, *_ = await tools.all_same(
+    listed, with_nodes, info, _, _, found, *_ = await tools.assert_all_same(
         "rosservice",
         ("list",),
         ("list", "-n"),
@@ -76,10 +76,10 @@ async def test_what_services_are_prints_alike(stage: Stage) -> None:
     assert "/set_led /board\n" in with_nodes
     assert "Args: start goal tolerance\n" in info
     assert found == "/set_led\n"
-    assert "did you mean /plan?" in await tools.both_fail("rosservice", "type", "/plann")
+    assert "did you mean /plan?" in await tools.assert_both_fail("rosservice", "type", "/plann")
 
 
-async def test_calls_print_alike(stage: Stage) -> None:
+async def test_calls_print_the_same(stage: Stage) -> None:
     tools = SideBySide(stage.peers)
     board = await stage.join("/board")
     await board.advertise_service("/set_led", STORE.registry.service_type("std_srvs/SetBool"), set_led)
@@ -87,18 +87,18 @@ async def test_calls_print_alike(stage: Stage) -> None:
     await server.wait_for("ready")
 
     printed, *_ = await asyncio.gather(
-        tools.same("rosservice", "call", "set_led", "{data: true}"),
-        tools.same("rosservice", "call", "-v", "/plan", REQUEST),
-        tools.same("rosservice", "call", "/server/reset"),
-        tools.same("rosservice", "call", "/server/get_loggers"),
+        tools.assert_same("rosservice", "call", "set_led", "{data: true}"),
+        tools.assert_same("rosservice", "call", "-v", "/plan", REQUEST),
+        tools.assert_same("rosservice", "call", "/server/reset"),
+        tools.assert_same("rosservice", "call", "/server/get_loggers"),
         # If several documents arrive together, rosservice loses all but the first.
-        tools.same("rosservice", "call", "/set_led", stdin="data: true\n---\n"),
+        tools.assert_same("rosservice", "call", "/set_led", stdin="data: true\n---\n"),
     )
     assert printed == 'success: True\nmessage: "on: \\xE4"\n'
     failed, refused, missing = await asyncio.gather(
-        tools.both_fail("rosservice", "call", "/fail"),
-        tools.both_fail("rosservice", "call", "/set_led", "{dta: true}"),
-        tools.both_fail("rosservice", "call", "/nothing_like_it"),
+        tools.assert_both_fail("rosservice", "call", "/fail"),
+        tools.assert_both_fail("rosservice", "call", "/set_led", "{dta: true}"),
+        tools.assert_both_fail("rosservice", "call", "/nothing_like_it"),
     )
     assert "the motor is hot" in failed
     assert "it has data" in refused
@@ -110,9 +110,9 @@ async def test_calls_print_alike(stage: Stage) -> None:
 async def test_a_roscpp_service(stage: Stage) -> None:
     tools = SideBySide(stage.peers)
     server = await stage.peers.roscpp("serve", "/switch")
-    waited = await tools.ours("rosservice", "call", "--wait", "/switch", "true")
-    assert (waited.code, waited.err) == (0, "")
-    assert await tools.same("rosservice", "call", "switch", "True") == waited.out
-    assert "/switch /roscpp_peer" in await tools.same("rosservice", "list", "-n", "/switch")
-    assert "Type: std_srvs/SetBool\nArgs: data\n" in await tools.same("rosservice", "info", "/switch")
+    called = await tools.run_rostether("rosservice", "call", "--wait", "/switch", "true")
+    assert (called.code, called.err) == (0, "")
+    assert await tools.assert_same("rosservice", "call", "switch", "True") == called.out
+    assert "/switch /roscpp_peer" in await tools.assert_same("rosservice", "list", "-n", "/switch")
+    assert "Type: std_srvs/SetBool\nArgs: data\n" in await tools.assert_same("rosservice", "info", "/switch")
     await server.stop()

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import asyncio
 import re
-import sys
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from pathlib import Path
@@ -12,11 +11,9 @@ from pathlib import Path
 import pytest
 
 from interop.ros1_peers import Ros1Peers, debian_roscore
-from programs import Peer
+from programs import ROSTETHER, Peer
 
-ROSTETHER = (sys.executable, "-m", "rostether")
-
-STAGE = """
+NODE = """
 import rospy
 from sensor_msgs.msg import LaserScan, Range
 from std_msgs.msg import Empty, String, UInt8MultiArray
@@ -43,7 +40,7 @@ while not rospy.is_shutdown():
 
 
 @asynccontextmanager
-async def our_master(home: Path) -> AsyncIterator[Ros1Peers]:
+async def rostether_master(home: Path) -> AsyncIterator[Ros1Peers]:
     peers = Ros1Peers("http://localhost:1/", home)
     try:
         core = await peers.start(*ROSTETHER, "core", "--port", "0")
@@ -55,17 +52,17 @@ async def our_master(home: Path) -> AsyncIterator[Ros1Peers]:
         await peers.close()
 
 
-@pytest.fixture(params=["debian", "ours"])
+@pytest.fixture(params=["debian", "rostether"])
 async def stage(request: pytest.FixtureRequest, tmp_path: Path) -> AsyncIterator[Ros1Peers]:
     """A graph with a rospy node that publishes and subscribes."""
-    graph = debian_roscore(tmp_path) if request.param == "debian" else our_master(tmp_path)
+    graph = debian_roscore(tmp_path) if request.param == "debian" else rostether_master(tmp_path)
     async with graph as peers:
-        await (await peers.rospy(STAGE)).wait_for("ready")
+        await (await peers.rospy(NODE)).wait_for("ready")
         yield peers
 
 
 @pytest.mark.parametrize("stage", ["debian"], indirect=True)
-async def test_listings_are_debian_s(stage: Ros1Peers) -> None:
+async def test_listings_equal_those_of_rostopic(stage: Ros1Peers) -> None:
     commands = [
         "topic list",
         "topic list -v",
@@ -78,27 +75,31 @@ async def test_listings_are_debian_s(stage: Ros1Peers) -> None:
         "topic type /scan/header/stamp",
         "topic find std_msgs/String",
     ]
-    gate = asyncio.Semaphore(3)
+    slots = asyncio.Semaphore(3)
 
     async def compare(command: str) -> str:
         group, *rest = command.split()
-        async with gate:
-            ours = await stage.run(*ROSTETHER, group, *rest)
-            theirs = await stage.run(f"ros{group}", *rest)
+        async with slots:
+            rostether = await stage.run(*ROSTETHER, group, *rest)
+            debian = await stage.run(f"ros{group}", *rest)
         # Debian's -v lists topics in the order of their registration, rostether's by name.
-        same = sorted(ours.splitlines()) == sorted(theirs.splitlines()) if "-v" in rest else ours == theirs
-        return "" if same else f"--- {command}\n{theirs}\n--- and ours\n{ours}"
+        same = (
+            sorted(rostether.splitlines()) == sorted(debian.splitlines())
+            if "-v" in rest
+            else rostether == debian
+        )
+        return "" if same else f"--- {command}\n{debian}\n--- and rostether\n{rostether}"
 
     differences = [text for text in await asyncio.gather(*map(compare, commands)) if text]
     assert not differences, "\n".join(differences)
 
 
-def blur_seq(text: str) -> str:
+def without_sequence_number(text: str) -> str:
     """Replace the sequence number, which rospy increments for each new subscriber of a latched topic."""
     return re.sub(r"(seq: +|^7000000005,)\d+", r"\1N", text, flags=re.MULTILINE)
 
 
-async def test_echo_is_debian_s(stage: Ros1Peers) -> None:
+async def test_echo_equals_that_of_rostopic(stage: Ros1Peers) -> None:
     commands = [
         "/name",
         "/scan",
@@ -110,44 +111,44 @@ async def test_echo_is_debian_s(stage: Ros1Peers) -> None:
         "-w 6 /scan",
         "/data",
     ]
-    gate = asyncio.Semaphore(3)
+    slots = asyncio.Semaphore(3)
 
     async def compare(command: str) -> str:
-        async with gate:
-            ours = await stage.run(*ROSTETHER, "topic", "echo", "-n", "1", *command.split())
-            theirs = await stage.run("rostopic", "echo", "-n", "1", *command.split())
-        same = blur_seq(ours) == blur_seq(theirs)
-        return "" if same else f"--- {command}\n{theirs}\n--- and ours\n{ours}"
+        async with slots:
+            rostether = await stage.run(*ROSTETHER, "topic", "echo", "-n", "1", *command.split())
+            debian = await stage.run("rostopic", "echo", "-n", "1", *command.split())
+        same = without_sequence_number(rostether) == without_sequence_number(debian)
+        return "" if same else f"--- {command}\n{debian}\n--- and rostether\n{rostether}"
 
     differences = [text for text in await asyncio.gather(*map(compare, commands)) if text]
     assert not differences, "\n".join(differences)
 
 
 @pytest.mark.parametrize("stage", ["debian"], indirect=True)
-async def test_rates_read_as_debian_s(stage: Ros1Peers) -> None:
+async def test_rates_have_the_format_of_rostopic(stage: Ros1Peers) -> None:
     for verb in ("hz", "bw"):
         for _ in range(10):
-            theirs = await stage.start("rostopic", verb, "/ticks")
-            ours = await stage.start(*ROSTETHER, "topic", verb, "-n", "1", "/ticks")
-            await theirs.wait_for(lambda lines: len(lines) >= 3)
-            await theirs.stop()
-            await ours.finish()
+            debian = await stage.start("rostopic", verb, "/ticks")
+            rostether = await stage.start(*ROSTETHER, "topic", verb, "-n", "1", "/ticks")
+            await debian.wait_for(lambda lines: len(lines) >= 3)
+            await debian.stop()
+            await rostether.finish()
             # On a busy machine, either may measure before enough messages have arrived.
-            if not any("no new messages" in peer.text or len(peer.lines) < 3 for peer in (theirs, ours)):
+            if not any("no new messages" in peer.text or len(peer.lines) < 3 for peer in (debian, rostether)):
                 break
         forms = [
             [
                 re.sub(r"\d+(\.\d+)?", lambda n: "0." + "0" * len((n[1] or ".")[1:]), line)
                 for line in peer.lines[:3]
             ]
-            for peer in (theirs, ours)
+            for peer in (debian, rostether)
         ]
         assert forms[0] == forms[1]
 
 
-@pytest.mark.parametrize("stage", ["ours"], indirect=True)
+@pytest.mark.parametrize("stage", ["rostether"], indirect=True)
 async def test_publishing_both_ways(stage: Ros1Peers) -> None:
-    async def published(echo: Peer, *command: str) -> str:
+    async def publish_until_received(echo: Peer, *command: str) -> str:
         """Publish for three seconds, and repeat it if that was too short for the echo on a busy machine."""
         await echo.wait_for("does not appear to be published yet")
         for _ in range(10):
@@ -156,12 +157,12 @@ async def test_publishing_both_ways(stage: Ros1Peers) -> None:
                 break
         return printed
 
-    theirs = await stage.start("rostopic", "echo", "-n", "1", "/out")
-    words = ("pub", "-1", "/out", "std_msgs/String", "data: from us")
-    ours = await published(theirs, *ROSTETHER, "topic", *words)
-    assert ours == "publishing and latching message for 3.0 seconds"
-    assert 'data: "from us"' in await theirs.finish()
+    debian = await stage.start("rostopic", "echo", "-n", "1", "/out")
+    arguments = ("pub", "-1", "/out", "std_msgs/String", "data: from rostether")
+    rostether = await publish_until_received(debian, *ROSTETHER, "topic", *arguments)
+    assert rostether == "publishing and latching message for 3.0 seconds"
+    assert 'data: "from rostether"' in await debian.finish()
     echoing = await stage.start(*ROSTETHER, "topic", "echo", "-n", "1", "/in")
-    words = ("pub", "-1", "/in", "std_msgs/String", "data: from them")
-    assert await published(echoing, "rostopic", *words) == ours
-    assert 'data: "from them"' in await echoing.finish()
+    arguments = ("pub", "-1", "/in", "std_msgs/String", "data: from Debian")
+    assert await publish_until_received(echoing, "rostopic", *arguments) == rostether
+    assert 'data: "from Debian"' in await echoing.finish()

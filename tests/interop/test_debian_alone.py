@@ -17,7 +17,7 @@ async def test_roscpp_publisher_to_rostopic_echo(roscore: Ros1Peers) -> None:
     assert "over the line" in await roscore.run("rostopic", "echo", "-n", "1", "/chatter")
 
 
-async def test_roscore_is_what_the_other_tests_start_in_its_place(roscore: Ros1Peers, tmp_path: Path) -> None:
+async def test_the_replacement_of_roscore_offers_the_same(roscore: Ros1Peers, tmp_path: Path) -> None:
     port = free_port()
     other = Ros1Peers(f"http://localhost:{port}/", tmp_path / "other")
     try:
@@ -28,11 +28,13 @@ async def test_roscore_is_what_the_other_tests_start_in_its_place(roscore: Ros1P
             while "/rosout_agg" not in await other.run("rostopic", "list", check=False):
                 await asyncio.sleep(0.01)
         for command in (("rosnode", "list"), ("rostopic", "list", "-v"), ("rosservice", "list")):
-            theirs, ours = await asyncio.gather(other.run(*command), roscore.run(*command))
-            assert theirs == ours
-        named, ours_named = await asyncio.gather(
+            expected, replaced = await asyncio.gather(other.run(*command), roscore.run(*command))
+            assert expected == replaced
+        expected_names, names = await asyncio.gather(
             other.run("rosparam", "list"), roscore.run("rosparam", "list")
         )
-        assert [name for name in named.splitlines() if "/roslaunch/" not in name] == ours_named.splitlines()
+        assert [
+            name for name in expected_names.splitlines() if "/roslaunch/" not in name
+        ] == names.splitlines()
     finally:
         await other.close()

@@ -63,10 +63,10 @@ async def world() -> AsyncIterator[World]:
         yield World(board, ros1, ros2, master)
 
 
-async def test_topics_both_ways_and_its_own_once(world: World) -> None:
-    inboxes, mine = {"1": Inbox(), "2": Inbox()}, Inbox()
+async def test_messages_of_both_graphs_and_own_messages_arrive_once(world: World) -> None:
+    inboxes, own_inbox = {"1": Inbox(), "2": Inbox()}, Inbox()
     publisher = await world.board.advertise("/chat", STRING, latch=True)
-    await world.board.subscribe("/chat", STRING, mine.store)
+    await world.board.subscribe("/chat", STRING, own_inbox.store)
     await world.ros1.subscribe("/chat", STRING, inboxes["1"].store)
     await world.ros2.subscribe("/chat", STRING, inboxes["2"].store)
     await until(lambda: publisher.subscriber_count >= 3)
@@ -77,10 +77,10 @@ async def test_topics_both_ways_and_its_own_once(world: World) -> None:
     for number, talker in enumerate(talkers):
         talker.publish_raw([string(f"from {number}")])
     expected = sorted([string("hello"), string("from 0"), string("from 1")])
-    await until(lambda: sorted(mine.payloads) == expected)
+    await until(lambda: sorted(own_inbox.payloads) == expected)
     # Anything else would be a duplicate of the node's message.
     await asyncio.sleep(0.05)
-    assert sorted(mine.payloads) == expected
+    assert sorted(own_inbox.payloads) == expected
 
 
 async def test_services_both_ways(world: World) -> None:
@@ -107,7 +107,7 @@ async def test_parameters_of_either_graph(world: World) -> None:
     assert "/board/gain" in await world.board.list_params()
 
 
-async def test_a_master_that_dies_does_not_disturb_ros2(world: World) -> None:
+async def test_ros2_works_after_the_end_of_the_master(world: World) -> None:
     inbox = Inbox()
     publisher = await world.board.advertise("/before", STRING)
     await world.master.close()

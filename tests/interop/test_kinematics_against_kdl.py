@@ -25,7 +25,7 @@ AXES = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, -1.0), (1.0, 1.0, 1.0), (0.
 POSITIONS = (0.0, math.pi / 2, math.pi, 2 * math.pi / 3, -1.57)
 
 
-def test_signs_of_quaternions_are_kdls() -> None:
+def test_signs_of_quaternions_equal_those_of_kdl() -> None:
     joints = [
         Joint(
             "joint",
@@ -39,16 +39,16 @@ def test_signs_of_quaternions_are_kdls() -> None:
         for axis in AXES
     ]
     cases = [(joint, position) for joint in joints for position in POSITIONS]
-    asked = json.dumps([[joint.origin.rotation, joint.axis, position] for joint, position in cases])
+    request = json.dumps([[joint.origin.rotation, joint.axis, position] for joint, position in cases])
     done = subprocess.run(
-        [DEBIAN_PYTHON, str(PEER)], input=asked, capture_output=True, text=True, check=True, timeout=60
+        [DEBIAN_PYTHON, str(PEER)], input=request, capture_output=True, text=True, check=True, timeout=60
     )
     differing = [
         (joint.origin.rotation, joint.axis, position)
-        for (joint, position), theirs in zip(cases, json.loads(done.stdout), strict=True)
+        for (joint, position), expected in zip(cases, json.loads(done.stdout), strict=True)
         if any(
             abs(a - b) > TOLERANCE
-            for a, b in zip(joint_transform(joint, position).rotation, theirs, strict=True)
+            for a, b in zip(joint_transform(joint, position).rotation, expected, strict=True)
         )
     ]
     assert differing == []

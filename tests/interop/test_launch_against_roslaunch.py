@@ -55,20 +55,20 @@ def roslaunch(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
 
 @pytest.mark.parametrize("file", RIGHT, ids=lambda file: file.stem)
 def test_plan_is_that_of_roslaunch(file: Path, roslaunch: dict[str, Any]) -> None:
-    theirs = roslaunch[file.stem]
-    theirs.pop("warnings", None)
-    assert exact(described(load(file))) == exact(theirs)
+    expected_plan = roslaunch[file.stem]
+    expected_plan.pop("warnings", None)
+    assert exact(described(load(file))) == exact(expected_plan)
 
 
 def test_recorded_vectors_equal_the_output_of_roslaunch(roslaunch: dict[str, Any]) -> None:
-    noted = expected()
-    assert noted.keys() == {file.stem for file in RIGHT}
-    reported = {name: {**roslaunch[name]} for name in noted}
+    recorded = expected()
+    assert recorded.keys() == {file.stem for file in RIGHT}
+    reported = {name: {**roslaunch[name]} for name in recorded}
     for result in reported.values():
         result.pop("warnings", None)
-    assert exact(noted) == exact(reported)
+    assert exact(recorded) == exact(reported)
 
 
 @pytest.mark.parametrize("file", WRONG, ids=lambda file: file.stem)
-def test_roslaunch_refuses_what_we_refuse(file: Path, roslaunch: dict[str, Any]) -> None:
+def test_roslaunch_refuses_the_same_files(file: Path, roslaunch: dict[str, Any]) -> None:
     assert "error" in roslaunch[file.stem]

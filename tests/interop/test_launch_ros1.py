@@ -7,7 +7,6 @@ from __future__ import annotations
 import asyncio
 import json
 import os
-import sys
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +14,7 @@ import pytest
 import yaml
 
 from interop.ros1_peers import Ros1Peers
+from programs import ROSTETHER
 from rostether.ros1.node.master_client import MasterClient
 from unit.launch.corpus import ENVIRON, FOLDER, ROBOT, given_words
 
@@ -24,18 +24,18 @@ LISTED = {
     "--files": "include_pass_all",
     "--dump-params": "arg_default_and_given",
 }
-OURS = (sys.executable, "-m", "rostether", "launch")
-TELL = """#!/usr/bin/python3
+LAUNCH_COMMAND = (*ROSTETHER, "launch")
+REPORTER = """#!/usr/bin/python3
 import json, os, sys
 names = ("ROS_MASTER_URI", "ROS_NAMESPACE", "MODE", "EMPTY")
-said = {
+found = {
     "arguments": [each for each in sys.argv[1:] if not each.startswith("__log:=")],
     "environment": {name: os.environ.get(name) for name in names},
     "folder": os.getcwd(),
     "log": [os.path.basename(each) for each in sys.argv if each.startswith("__log:=")],
 }
-with open(os.path.join(os.environ["TELL_INTO"], sys.argv[1]), "w") as file:
-    json.dump(said, file)
+with open(os.path.join(os.environ["REPORT_FOLDER"], sys.argv[1]), "w") as file:
+    json.dump(found, file)
 """
 LAUNCH = """<launch>
   <arg name="rate" default="1"/>
@@ -46,30 +46,30 @@ LAUNCH = """<launch>
   <remap from="chatter" to="/lab/chatter"/>
   <group ns="left" clear_params="true">
     <env name="MODE" value="a b"/>
-    <node name="first" pkg="teller" type="tell.py" args="first '$(arg rate) x' &quot;$(env HOME)&quot;">
+    <node name="first" pkg="reporter" type="report.py" args="first '$(arg rate) x' &quot;$(env HOME)&quot;">
       <remap from="~in" to="out"/>
       <param name="own" value="0.5"/>
     </node>
   </group>
-  <node name="second" pkg="teller" type="tell.py" args="second" cwd="node"/>
-  <node name="third" pkg="teller" type="tell.py" args="third" launch-prefix="env EMPTY="/>
+  <node name="second" pkg="reporter" type="report.py" args="second" cwd="node"/>
+  <node name="third" pkg="reporter" type="report.py" args="third" launch-prefix="env EMPTY="/>
 </launch>
 """
 
 
 @pytest.fixture
-def teller(tmp_path: Path) -> Path:
-    folder = tmp_path / "packages" / "teller"
+def reporter(tmp_path: Path) -> Path:
+    folder = tmp_path / "packages" / "reporter"
     folder.mkdir(parents=True)
-    (folder / "package.xml").write_text("<package><name>teller</name></package>")
-    (folder / "tell.launch").write_text(LAUNCH)
-    (folder / "tell.py").write_text(TELL)
-    (folder / "tell.py").chmod(0o755)
+    (folder / "package.xml").write_text("<package><name>reporter</name></package>")
+    (folder / "report.launch").write_text(LAUNCH)
+    (folder / "report.py").write_text(REPORTER)
+    (folder / "report.py").chmod(0o755)
     return folder
 
 
 def environment(peers: Ros1Peers, packages: Path, reported: Path) -> None:
-    peers.environment.update(ENVIRON, ROS_PACKAGE_PATH=f"{packages}:/usr/share", TELL_INTO=str(reported))
+    peers.environment.update(ENVIRON, ROS_PACKAGE_PATH=f"{packages}:/usr/share", REPORT_FOLDER=str(reported))
 
 
 async def parameters(master_uri: str) -> Any:
@@ -81,10 +81,10 @@ async def parameters(master_uri: str) -> Any:
     return {key: value for key, value in tree.items() if key not in ("run_id", "roslaunch")}
 
 
-async def run_both(peers: Ros1Peers, tmp_path: Path, *words: str) -> list[tuple[Any, Any]]:
+async def run_both(peers: Ros1Peers, tmp_path: Path, *arguments: str) -> list[tuple[Any, Any]]:
     """Run the same launch with both; return the reports of the nodes and the parameters of each."""
     results = []
-    for name, command in (("theirs", ("roslaunch",)), ("ours", OURS)):
+    for name, command in (("debian", ("roslaunch",)), ("rostether", LAUNCH_COMMAND)):
         reported = tmp_path / name
         reported.mkdir()
         environment(peers, tmp_path / "packages", reported)
@@ -92,40 +92,42 @@ async def run_both(peers: Ros1Peers, tmp_path: Path, *words: str) -> list[tuple[
         await client.set_param("/old", 1)
         await client.set_param("/left/gone", 1)
         await client.close()
-        await peers.run(*command, *words)
+        await peers.run(*command, *arguments)
         output = {file.name: json.loads(file.read_text()) for file in sorted(reported.iterdir())}
         results.append((output, await parameters(peers.master_uri)))
     return results
 
 
 async def test_nodes_and_parameters_are_those_of_roslaunch(
-    roscore: Ros1Peers, teller: Path, tmp_path: Path
+    roscore: Ros1Peers, reporter: Path, tmp_path: Path
 ) -> None:
-    (theirs, their_parameters), (ours, our_parameters) = await run_both(
-        roscore, tmp_path, "teller", "tell.launch", "rate:=2.5"
+    (debian, debian_parameters), (rostether, rostether_parameters) = await run_both(
+        roscore, tmp_path, "reporter", "report.launch", "rate:=2.5"
     )
-    assert set(theirs) == {"first", "second", "third"}
-    assert ours == theirs
-    assert our_parameters == their_parameters
-    assert our_parameters["left"] == {"first": {"own": 0.5, "shared": "s"}}
-    assert "old" not in our_parameters
+    assert set(debian) == {"first", "second", "third"}
+    assert rostether == debian
+    assert rostether_parameters == debian_parameters
+    assert rostether_parameters["left"] == {"first": {"own": 0.5, "shared": "s"}}
+    assert "old" not in rostether_parameters
 
 
 @pytest.mark.parametrize(("option", "name"), LISTED.items())
 async def test_listing_is_that_of_roslaunch(name: str, option: str, tmp_path: Path) -> None:
     peers = Ros1Peers("http://localhost:9", tmp_path)
     environment(peers, FOLDER, tmp_path)
-    words = ("corpus_robot", f"{name}.launch", option, *given_words(ROBOT / "launch" / f"{name}.launch"))
+    arguments = ("corpus_robot", f"{name}.launch", option, *given_words(ROBOT / "launch" / f"{name}.launch"))
     try:
-        theirs, ours = await asyncio.gather(peers.run("roslaunch", *words), peers.run(*OURS, *words))
+        debian, rostether = await asyncio.gather(
+            peers.run("roslaunch", *arguments), peers.run(*LAUNCH_COMMAND, *arguments)
+        )
     finally:
         await peers.close()
     if option == "--dump-params":
-        assert yaml.safe_load(ours) == yaml.safe_load(theirs)
+        assert yaml.safe_load(rostether) == yaml.safe_load(debian)
     elif option == "--files":
-        assert sorted(ours.split()) == sorted(theirs.split())
+        assert sorted(rostether.split()) == sorted(debian.split())
     else:
-        assert ours == theirs
+        assert rostether == debian
 
 
 async def test_rospy_node_of_debian_is_launched_and_stopped(roscore: Ros1Peers, tmp_path: Path) -> None:
@@ -144,7 +146,7 @@ async def test_rospy_node_of_debian_is_launched_and_stopped(roscore: Ros1Peers, 
     )
     (folder / "speak.py").chmod(0o755)
     environment(roscore, tmp_path / "packages", tmp_path)
-    launch = await roscore.start(*OURS, "speaker", "speak.launch")
+    launch = await roscore.start(*LAUNCH_COMMAND, "speaker", "speak.launch")
     assert 'data: "hello/lab/speaker"' in await roscore.run("rostopic", "echo", "-n", "1", "/heard")
     os.kill(launch.process.pid, 2)
     assert "goodbye" in await launch.finish()

@@ -36,7 +36,7 @@ VALUES: list[Any] = [
     1, -5, 0.5, True, False, "", "text", "<&>", b"\x00\xff", [], [1, "a", [2.5]], {}, {"q": 1},
     {"q": {"r": 7, "z": []}, "s": "v"}, {"x": {"y": {"w": False}}},
 ]  # fmt: skip
-NONSENSE: list[Any] = ["", "a b", "http://x:1/", 5, [], {}, "/", True, "no_slash", "a/b/c"]
+INVALID_VALUES: list[Any] = ["", "a b", "http://x:1/", 5, [], {}, "/", True, "no_slash", "a/b/c"]
 
 
 @dataclass
@@ -78,27 +78,27 @@ class Side:
         except GraphError as error:
             assert "refused" in str(error), str(error)
             return "fault"
-        return self.normal(answer)
+        return self.normalized(answer)
 
     def _to_uri(self, arg: Any) -> Any:
         if isinstance(arg, str) and arg.startswith("uri:"):
             return self.nodes[int(arg[4:])].server.uri
         return arg
 
-    def normal(self, value: Any) -> Any:
+    def normalized(self, value: Any) -> Any:
         if isinstance(value, list):
-            return [self.normal(item) for item in value]
+            return [self.normalized(item) for item in value]
         if isinstance(value, dict):
-            return {key: self.normal(item) for key, item in value.items()}
+            return {key: self.normalized(item) for key, item in value.items()}
         if isinstance(value, str):
             for index, node in enumerate(self.nodes):
                 value = value.replace(node.server.uri, f"uri:{index}")
         return value
 
-    def publishers_told(self) -> list[dict[str, Any]]:
+    def last_publishers(self) -> list[dict[str, Any]]:
         """Return, for each running node, the last reported publishers of each topic."""
         return [
-            {topic: self.normal(uris) for what, topic, uris in node.reported if what == "publishers"}
+            {topic: self.normalized(uris) for what, topic, uris in node.reported if what == "publishers"}
             for node in self.nodes[: len(NODES)]
         ]
 
@@ -107,14 +107,14 @@ class Side:
 async def sides(tmp_path: Path) -> AsyncIterator[tuple[Side, Side]]:
     """rostether's master and Debian's, both new."""
     async with contextlib.AsyncExitStack() as stack:
-        ours = await MasterServer.start(port=0)
-        stack.push_async_callback(ours.close)
+        rostether = await MasterServer.start(port=0)
+        stack.push_async_callback(rostether.close)
         uri = f"http://localhost:{free_port()}/"
         peers = Ros1Peers(uri, tmp_path)
         stack.push_async_callback(peers.close)
         await peers.start("rosmaster", "--core", "-p", uri.rpartition(":")[2].strip("/"))
         both = []
-        for master_uri in (ours.uri, uri):
+        for master_uri in (rostether.uri, uri):
             nodes = [await FakeNode.start() for _ in range(len(NODES) * 2)]
             for node in nodes:
                 stack.push_async_callback(node.server.close)
@@ -138,14 +138,13 @@ class Sequence:
     def __init__(self, seed: int, *, replaces_nodes: bool) -> None:
         self._random = random.Random(seed)
         self._replaces_nodes = replaces_nodes
-        self._took_over: set[str] = set()
 
     def next(self) -> tuple[str, list[Any]]:
         choose = self._random.choice
         index = self._random.randrange(len(NODES))
         caller = NODES[index]
-        second_life = self._replaces_nodes and self._random.random() < 0.1
-        uri = f"uri:{index + len(NODES) * second_life}"
+        is_restarted = self._replaces_nodes and self._random.random() < 0.1
+        uri = f"uri:{index + len(NODES) * is_restarted}"
         # No two nodes offer the same service: see the module's docstring.
         service = f"/service{index}_{self._random.randrange(2)}"
         service_api = f"rosrpc://host:{index}"
@@ -177,39 +176,41 @@ class Sequence:
         method, args = choose(calls)
         args = [caller, *args]
         if self._random.random() < 0.08:
-            self._spoil(args)
+            self._corrupt(args)
         return method, args
 
-    def _spoil(self, args: list[Any]) -> None:
-        place = self._random.randrange(len(args))
+    def _corrupt(self, args: list[Any]) -> None:
+        position = self._random.randrange(len(args))
         if self._random.random() < 0.3:
-            del args[place]
+            del args[position]
         elif self._random.random() < 0.3:
             args.append("one too many")
-        elif place > 0:
-            args[place] = self._random.choice(NONSENSE)
+        elif position > 0:
+            args[position] = self._random.choice(INVALID_VALUES)
         else:
             args[0] = self._random.choice([7, [], "relative", ""])
 
 
 @pytest.mark.parametrize("seed", range(effort(1, thorough=3)))
 async def test_the_same_calls_get_the_same_answers(sides: tuple[Side, Side], seed: int) -> None:
-    ours, theirs = sides
+    rostether, debian = sides
     sequence = Sequence(seed, replaces_nodes=True)
     codes: dict[Any, int] = {}
     for step in range(1200):
         method, args = sequence.next()
-        our_answer, their_answer = await asyncio.gather(ours.call(method, args), theirs.call(method, args))
-        if their_answer[0] != 1 or method == "unregisterService":
+        rostether_answer, debian_answer = await asyncio.gather(
+            rostether.call(method, args), debian.call(method, args)
+        )
+        if debian_answer[0] != 1 or method == "unregisterService":
             # The texts of errors may differ.
-            our_answer[1] = their_answer[1]
-        assert our_answer == their_answer, f"step {step}: {method}{tuple(args)}"
-        codes[their_answer[0]] = codes.get(their_answer[0], 0) + 1
+            rostether_answer[1] = debian_answer[1]
+        assert rostether_answer == debian_answer, f"step {step}: {method}{tuple(args)}"
+        codes[debian_answer[0]] = codes.get(debian_answer[0], 0) + 1
     assert codes[1] > 500
     assert codes[-1] > 50
 
 
-def view_of(node: FakeNode, key: str) -> Any:
+def known_value(node: FakeNode, key: str) -> Any:
     """Return a parameter's value as the node knows it from all updates, in order."""
     tree = ParameterTree()
     for what, name, value in node.reported:
@@ -227,7 +228,7 @@ def without_empty(value: Any) -> Any:
 
 
 @pytest.mark.parametrize("seed", range(3))
-async def test_nodes_end_up_knowing_the_truth(sides: tuple[Side, Side], seed: int) -> None:
+async def test_nodes_receive_the_current_values(sides: tuple[Side, Side], seed: int) -> None:
     rng = random.Random(seed)
     keys = ["/p", "/p/q", "/p/q/r", "/p/q/z", "/p/s"]
     watched: set[tuple[int, str]] = set()
@@ -253,14 +254,14 @@ async def test_nodes_end_up_knowing_the_truth(sides: tuple[Side, Side], seed: in
     for side in sides:
         for index, key in watched:
             code, _, value = await side.call("getParam", ["/test", key])
-            truth = without_empty(value) if code == 1 else {}
+            current = without_empty(value) if code == 1 else {}
             await until(
-                lambda node=side.nodes[index], key=key, truth=truth: view_of(node, key) == truth,  # type: ignore[misc]
-                f"node {index} to know {key} = {truth}",
+                lambda node=side.nodes[index], key=key, current=current: known_value(node, key) == current,  # type: ignore[misc]
+                f"node {index} to know {key} = {current}",
             )
-    ours, theirs = sides
-    await until(lambda: ours.publishers_told() == theirs.publishers_told())
-    assert sum(map(len, ours.publishers_told())) > len(NODES)
+    rostether, debian = sides
+    await until(lambda: rostether.last_publishers() == debian.last_publishers())
+    assert sum(map(len, rostether.last_publishers())) > len(NODES)
 
 
 async def test_a_replaced_node_is_shut_down_by_both(sides: tuple[Side, Side]) -> None:

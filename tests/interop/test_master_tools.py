@@ -49,10 +49,10 @@ LOGGER = """
 import rospy
 from rosgraph_msgs.msg import Log
 rospy.init_node("late")
-def take(log):
+def handle(log):
     print(log.msg, flush=True)
     rospy.signal_shutdown("done")
-rospy.Subscriber("/rosout_agg", Log, take)
+rospy.Subscriber("/rosout_agg", Log, handle)
 while not rospy.is_shutdown():
     rospy.logwarn("still here")
     rospy.rostime.wallsleep(0.05)
@@ -68,14 +68,14 @@ async def peers(tmp_path: Path) -> AsyncIterator[Ros1Peers]:
     await core.close()
 
 
-async def robot(peers: Ros1Peers, name: str = "robot") -> Peer:
+async def start_robot(peers: Ros1Peers, name: str = "robot") -> Peer:
     node = await peers.rospy(ROBOT, name)
     await node.wait_for("robot is up")
     return node
 
 
 async def test_nodes_and_topics_are_listed(peers: Ros1Peers) -> None:
-    await robot(peers)
+    await start_robot(peers)
     assert (await peers.run("rosnode", "list")).splitlines() == ["/robot", "/rosout"]
     assert "xmlrpc reply from" in await peers.run("rosnode", "ping", "-c", "1", "/robot")
     assert " * /robot/lamp" in await peers.run("rosnode", "info", "/robot")
@@ -92,7 +92,7 @@ async def test_nodes_and_topics_are_listed(peers: Ros1Peers) -> None:
 
 
 async def test_messages_flow_between_nodes(peers: Ros1Peers) -> None:
-    node = await robot(peers)
+    node = await start_robot(peers)
     assert 'data: "tick"' in await peers.run("rostopic", "echo", "-n", "2", "/chat")
     hz = await peers.start("rostopic", "hz", "/chat")
     await hz.wait_for("average rate: ")
@@ -102,7 +102,7 @@ async def test_messages_flow_between_nodes(peers: Ros1Peers) -> None:
 
 
 async def test_services_are_found_and_called(peers: Ros1Peers) -> None:
-    await robot(peers)
+    await start_robot(peers)
     assert "/robot/lamp" in (await peers.run("rosservice", "list")).splitlines()
     assert "Type: std_srvs/SetBool" in await peers.run("rosservice", "info", "/robot/lamp")
     assert await peers.run("rosservice", "find", "std_srvs/SetBool") == "/robot/lamp"
@@ -123,7 +123,7 @@ async def test_roscpp_nodes_find_each_other(peers: Ros1Peers) -> None:
 
 
 async def test_parameters(peers: Ros1Peers, tmp_path: Path) -> None:
-    await robot(peers)
+    await start_robot(peers)
     assert await peers.run("rosparam", "get", "/robot/speed") == "3"
     await peers.run(
         "rosparam", "set", "/arm", "{gains: {p: 1.5, i: 2}, name: 'left arm', up: true, list: [1, a]}"
@@ -151,16 +151,16 @@ async def test_a_cached_parameter_is_updated(peers: Ros1Peers) -> None:
 
 
 async def test_a_second_node_of_the_name_replaces_the_first(peers: Ros1Peers) -> None:
-    first = await robot(peers)
-    await robot(peers)
+    first = await start_robot(peers)
+    await start_robot(peers)
     text = await first.finish()
     assert "shutdown request: [/robot] Reason: new node registered with same name" in text
     assert (await peers.run("rosnode", "list")).splitlines() == ["/robot", "/rosout"]
     assert 'data: "tick"' in await peers.run("rostopic", "echo", "-n", "1", "/chat")
 
 
-async def test_a_node_that_was_killed_disappears_by_itself(peers: Ros1Peers) -> None:
-    node = await robot(peers)
+async def test_a_killed_node_is_removed_automatically(peers: Ros1Peers) -> None:
+    node = await start_robot(peers)
     listener = await peers.start("rostopic", "echo", "/chat")
     await listener.wait_for("tick")
     os.killpg(node.process.pid, signal.SIGKILL)
@@ -177,14 +177,14 @@ sys.exit(1)
     assert "/robot" not in (await peers.run("rosnode", "list")).splitlines()
 
 
-async def test_rosnode_kill_all_and_rosout_comes_back(peers: Ros1Peers) -> None:
-    node = await robot(peers)
+async def test_rosout_restarts_after_rosnode_kill_all(peers: Ros1Peers) -> None:
+    node = await start_robot(peers)
     assert " * /robot" in await peers.run("rosnode", "kill", "-a")
     assert "robot leaves" in await node.finish()
     assert "still here" in await peers.run("python", "-c", LOGGER)
 
 
-async def test_roslaunch_uses_our_master(peers: Ros1Peers, tmp_path: Path) -> None:
+async def test_roslaunch_uses_the_running_master(peers: Ros1Peers, tmp_path: Path) -> None:
     launch = tmp_path / "robot.launch"
     launch.write_text(
         '<launch><param name="wheels" value="4"/>'
@@ -197,7 +197,7 @@ async def test_roslaunch_uses_our_master(peers: Ros1Peers, tmp_path: Path) -> No
 
 
 async def test_roswtf_finds_no_error(peers: Ros1Peers, tmp_path: Path) -> None:
-    await robot(peers)
+    await start_robot(peers)
     listener = await peers.start("rostopic", "echo", "/chat")
     await listener.wait_for("tick")
     # roswtf requires two folders: Debian has no ROS_ROOT, and the first program that logs creates ROS_HOME.

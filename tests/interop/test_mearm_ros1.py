@@ -24,7 +24,7 @@ def mearm(roscore: Ros1Peers, tmp_path: Path) -> Ros1Peers:
     return roscore
 
 
-async def until_ready(peers: Ros1Peers, *services: str) -> None:
+async def wait_for_services(peers: Ros1Peers, *services: str) -> None:
     """Wait until nodes offer the services."""
     while not set(services) <= set((await peers.run("rosservice", "list")).split()):
         await asyncio.sleep(0.1)
@@ -36,23 +36,23 @@ async def servo_angles(peers: Ros1Peers, count: int = 1) -> list[tuple[int, ...]
     return [tuple(map(int, re.findall(r"servo\d: (-?\d+)", each))) for each in text.split("---")[:count]]
 
 
-async def becomes(peers: Ros1Peers, wanted: Sequence[int]) -> None:
+async def wait_for_servo_angles(peers: Ros1Peers, wanted: Sequence[int]) -> None:
     """Wait until the controller sends the servos these angles."""
     async with asyncio.timeout(60):
         while (await servo_angles(peers))[0] != tuple(wanted):
             pass
 
 
-async def test_servos_and_model_do_what_the_services_are_asked(mearm: Ros1Peers) -> None:
+async def test_services_move_servos_and_model(mearm: Ros1Peers) -> None:
     launched = await mearm.start(*SERVICE_LAUNCH)
-    await until_ready(mearm, "/select_position_set", "/set_servo_pose")
-    await position_sets_that_do_not_fit_are_refused_by_name(mearm, launched)
-    await a_pose_is_approached_in_steps_and_held(mearm)
-    await a_position_set_moves_the_servos(mearm)
-    await the_model_loads_as_text(mearm)
+    await wait_for_services(mearm, "/select_position_set", "/set_servo_pose")
+    await check_refused_position_sets(mearm, launched)
+    await check_pose(mearm)
+    await check_position_set(mearm)
+    await check_model(mearm)
 
 
-async def position_sets_that_do_not_fit_are_refused_by_name(mearm: Ros1Peers, launched: Peer) -> None:
+async def check_refused_position_sets(mearm: Ros1Peers, launched: Peer) -> None:
     assert await servo_angles(mearm) == [(0, 0, 0, 0)]
     assert await mearm.run(*SELECT, "set_name: 'set2'") == "success: False"
     await launched.wait_for("Position set set2 is refused: it has 3 values, but the arm has 4 joints")
@@ -63,7 +63,7 @@ async def position_sets_that_do_not_fit_are_refused_by_name(mearm: Ros1Peers, la
     assert await servo_angles(mearm) == [(0, 0, 0, 0)]
 
 
-async def a_pose_is_approached_in_steps_and_held(mearm: Ros1Peers) -> None:
+async def check_pose(mearm: Ros1Peers) -> None:
     listening = await mearm.start("rostopic", "echo", "-p", "/servo_pose_server")
     await listening.wait_for(",0,0,0,0")
     assert await mearm.run(*POSE, "position_id: 1") == "success: True"
@@ -73,19 +73,19 @@ async def a_pose_is_approached_in_steps_and_held(mearm: Ros1Peers) -> None:
     assert shoulder == sorted(shoulder)
     assert {12, 24, 36, 48, 60, 72, 84, 96, 108, 120} <= set(shoulder)
     assert await mearm.run(*SELECT, "set_name: 'set1'") == "success: True"
-    await becomes(mearm, (0, 29, -29, 14))
+    await wait_for_servo_angles(mearm, (0, 29, -29, 14))
     for unknown in ("3", "-1"):
         assert await mearm.run(*POSE, f"position_id: {unknown}") == "success: False"
 
 
-async def a_position_set_moves_the_servos(mearm: Ros1Peers) -> None:
+async def check_position_set(mearm: Ros1Peers) -> None:
     assert await mearm.run(*SELECT, "set_name: 'set3'") == "success: True"
-    await becomes(mearm, (-14, 0, 14, 29))
+    await wait_for_servo_angles(mearm, (-14, 0, 14, 29))
     states = await mearm.run("rostopic", "echo", "-n", "1", "/joint_states")
     assert "position: [-0.25, 0.0, 0.25, 0.5]" in states
 
 
-async def the_model_loads_as_text(mearm: Ros1Peers) -> None:
+async def check_model(mearm: Ros1Peers) -> None:
     tree = await mearm.start("rostopic", "echo", "/tf_static")
     await tree.wait_for('child_frame_id: "claw"')
     moving = await mearm.start("rostopic", "echo", "/tf")

@@ -23,7 +23,7 @@ STORE = TypeStore(Registry([EXAMPLE]))
 SEQ_AND_STAMP_BYTES = 12
 TOPICS = {"/joint_states": "sensor_msgs/JointState", "/servo_pose_server": "mearm_model/ServoAngles"}
 # Definitions differ in their comments, which rostether omits; the same md5sum shows that the rest is equal.
-SAID = ("md5sum", "type", "latching")
+HEADER_FIELDS = ("md5sum", "type", "latching")
 
 
 class Recorder:
@@ -38,25 +38,25 @@ class Recorder:
             await graph.raw.subscribe(
                 topic,
                 STORE.registry.message_type(type_name),
-                lambda payloads, topic=topic: self._take(topic, payloads),  # type: ignore[misc]
-                on_connection=lambda header, topic=topic: self._meet(topic, header),  # type: ignore[misc]
+                lambda payloads, topic=topic: self._store(topic, payloads),  # type: ignore[misc]
+                on_connection=lambda header, topic=topic: self._store_header(topic, header),  # type: ignore[misc]
             )
 
-    def _take(self, topic: str, payloads: Sequence[bytes]) -> None:
+    def _store(self, topic: str, payloads: Sequence[bytes]) -> None:
         for payload in payloads:
             body = payload[SEQ_AND_STAMP_BYTES:] if topic == "/joint_states" else payload
             if body not in self.payloads[topic][-1:]:
                 self.payloads[topic].append(body)
 
-    def _meet(self, topic: str, header: Mapping[str, str]) -> None:
-        self.headers[topic] = {key: header.get(key, "") for key in SAID}
+    def _store_header(self, topic: str, header: Mapping[str, str]) -> None:
+        self.headers[topic] = {key: header.get(key, "") for key in HEADER_FIELDS}
 
-    async def servos(self, *angles: int) -> None:
+    async def wait_for_servos(self, *angles: int) -> None:
         """Wait until these are the last servo angles."""
         wanted = struct.pack("<4h", *angles)
         await until(lambda: self.payloads["/servo_pose_server"][-1:] == [wanted], f"servos at {angles}")
 
-    async def joint_states(self, count: int) -> None:
+    async def wait_for_joint_states(self, count: int) -> None:
         """Wait until `count` different joint states have arrived."""
         await until(lambda: len(self.payloads["/joint_states"]) >= count, f"{count} joint states")
 
@@ -73,7 +73,7 @@ async def run_nodes(peers: Ros1Peers, side: str) -> list[Any]:
     return nodes
 
 
-async def answers_and_messages(peers: Ros1Peers, side: str) -> tuple[list[bool], Recorder]:
+async def run_session(peers: Ros1Peers, side: str) -> tuple[list[bool], Recorder]:
     environment = RosEnvironment.read({}).with_master(peers.master_uri)
     graph = TypedGraph(await join_ros1("/recorder", environment=environment), STORE)
     recorder, answers = Recorder(), []
@@ -88,24 +88,24 @@ async def answers_and_messages(peers: Ros1Peers, side: str) -> tuple[list[bool],
         async with asyncio.timeout(60):
             while not {"/select_position_set", "/set_servo_pose"} <= set((await graph.snapshot()).services):
                 await asyncio.sleep(0.05)
-        await recorder.servos(0, 0, 0, 0)
-        await recorder.joint_states(1)
+        await recorder.wait_for_servos(0, 0, 0, 0)
+        await recorder.wait_for_joint_states(1)
 
         async def ask(service: str, type_name: str, **request: Any) -> None:
             answer: Any = await graph.call(service, f"mearm_model/{type_name}", request, timeout_s=60)
             answers.append(answer.success)
 
         await ask("/select_position_set", "MoveJoints", set_name="set3")
-        await recorder.servos(-14, 0, 14, 29)
-        await recorder.joint_states(2)
+        await recorder.wait_for_servos(-14, 0, 14, 29)
+        await recorder.wait_for_joint_states(2)
         for refused in ("set2", "", "nothing/of/that", "\udcff"):
             await ask("/select_position_set", "MoveJoints", set_name=refused)
         await ask("/set_servo_pose", "MoveArm", position_id=2)
-        await recorder.servos(135, 70, 110, 60)
+        await recorder.wait_for_servos(135, 70, 110, 60)
         await ask("/set_servo_pose", "MoveArm", position_id=-1)
         await ask("/select_position_set", "MoveJoints", set_name="set1")
-        await recorder.servos(0, 29, -29, 14)
-        await recorder.joint_states(3)
+        await recorder.wait_for_servos(0, 29, -29, 14)
+        await recorder.wait_for_joint_states(3)
     finally:
         for node in nodes:
             await node.stop()
@@ -113,12 +113,12 @@ async def answers_and_messages(peers: Ros1Peers, side: str) -> tuple[list[bool],
     return answers, recorder
 
 
-async def test_the_same_messages(roscore: Ros1Peers, tmp_path: Path) -> None:
+async def test_both_send_the_same_messages(roscore: Ros1Peers, tmp_path: Path) -> None:
     show_packages(roscore, tmp_path / "catkin_ws")
-    debian_answers, debian = await answers_and_messages(roscore, "debian")
-    our_answers, ours = await answers_and_messages(roscore, "ours")
-    assert debian_answers == our_answers == [True, False, False, False, False, True, False, True]
-    assert ours.payloads == debian.payloads
+    debian_answers, debian = await run_session(roscore, "debian")
+    rostether_answers, rostether = await run_session(roscore, "rostether")
+    assert debian_answers == rostether_answers == [True, False, False, False, False, True, False, True]
+    assert rostether.payloads == debian.payloads
     assert len(debian.payloads["/servo_pose_server"]) >= 13
-    assert ours.headers == debian.headers
-    assert set(ours.headers) == set(TOPICS)
+    assert rostether.headers == debian.headers
+    assert set(rostether.headers) == set(TOPICS)

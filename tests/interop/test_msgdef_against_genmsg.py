@@ -64,7 +64,7 @@ for package, folders in request["service_path"].items():
 json.dump(answer, sys.stdout)
 """
 
-ODD_TEXTS = {
+UNUSUAL_TEXTS = {
     "Empty": "",
     "OnlyComment": "# nothing here",
     "NoFinalNewline": "int32 x",
@@ -137,12 +137,12 @@ string E=a=b=c\nstring F=#\nstring G='x'""",
 }
 # genmsg refuses the first, and names the constant of the second 'string S'; to read them as intended is
 # harmless.
-WE_ALSO_READ = {
+READ_ONLY_BY_ROSTETHER = {
     "TabSeparated": "int32\ta\nint32\tA=1\nstring\tS=x\n",
     "IndentedString": "int32 a\n  string S=x\n",
 }
 # genmsg reads these, but its names do not compile in any language.
-WE_REFUSE = {
+READ_ONLY_BY_GENMSG = {
     "ConstantNameBlank": "int32 A B=1\n",
     "ConstantNameless": "int32 =1\n",
     "FieldNameUnicode": "int32 gr\u00f6\u00dfe\n",
@@ -202,11 +202,11 @@ def test_every_debian_service_has_genmsgs_md5sums_and_full_texts() -> None:
     assert len(services) > 20
     registry = debian_registry()
     for name, expected in services.items():
-        ours = registry.service_type(name)
-        assert ours.md5sum == expected["md5sum"], name
-        for half in ("request", "response"):
-            described = as_genmsg(registry, getattr(ours, half).name)
-            assert normalized(described) == normalized(expected[half]), name
+        service_type = registry.service_type(name)
+        assert service_type.md5sum == expected["md5sum"], name
+        for part in ("request", "response"):
+            described = as_genmsg(registry, getattr(service_type, part).name)
+            assert normalized(described) == normalized(expected[part]), name
 
 
 def test_bundled_definitions_have_debians_md5sums() -> None:
@@ -216,9 +216,9 @@ def test_bundled_definitions_have_debians_md5sums() -> None:
     assert {"std_msgs", "sensor_msgs", "tf2_msgs", "visualization_msgs"} <= both
     for name, expected in answer["messages"].items():
         if name.partition("/")[0] in both:
-            ours = bundled.message(name)
+            spec = bundled.message(name)
             assert bundled.message_type(name).md5sum == expected["md5sum"], name
-            assert normalized([[c.type, c.name, c.value, c.text] for c in ours.constants]) == normalized(
+            assert normalized([[c.type, c.name, c.value, c.text] for c in spec.constants]) == normalized(
                 expected["constants"]
             ), name
     for name, expected in answer["services"].items():
@@ -261,7 +261,7 @@ def write_texts(folder: Path, texts: dict[str, str]) -> str:
     return str(messages)
 
 
-def compare_odd_texts(folder: Path, texts: dict[str, str]) -> tuple[list[str], int]:
+def compare_texts(folder: Path, texts: dict[str, str]) -> tuple[list[str], int]:
     """Return the differences from genmsg, and the number of texts that both read."""
     search_path = {**debian_folders("msg"), "odd": [write_texts(folder, texts)]}
     expected = genmsg_answer(json.dumps(search_path), "{}")["messages"]
@@ -269,65 +269,68 @@ def compare_odd_texts(folder: Path, texts: dict[str, str]) -> tuple[list[str], i
     differences: list[str] = []
     read = 0
     for short_name, text in texts.items():
-        theirs = expected[f"odd/{short_name}"]
+        genmsg = expected[f"odd/{short_name}"]
         try:
-            ours = as_genmsg(registry, f"odd/{short_name}")
+            rostether = as_genmsg(registry, f"odd/{short_name}")
         except DefinitionError as error:
-            ours = {"error": str(error)}
-        if "error" in theirs and "error" in ours:
-            assert "\n" not in ours["error"]
+            rostether = {"error": str(error)}
+        if "error" in genmsg and "error" in rostether:
+            assert "\n" not in rostether["error"]
             continue
         read += 1
         # Bundled dependencies have no comments; the unusual texts are compared completely.
-        if "definition" in theirs and "definition" in ours:
-            theirs["definition"], ours["definition"] = (own_part(theirs), own_part(ours))
-        if normalized(theirs) != normalized(ours):
-            differences.append(f"{short_name} {text!r}:\n  genmsg {theirs}\n  ours   {ours}")
+        if "definition" in genmsg and "definition" in rostether:
+            genmsg["definition"], rostether["definition"] = (
+                comparable_definition(genmsg),
+                comparable_definition(rostether),
+            )
+        if normalized(genmsg) != normalized(rostether):
+            differences.append(f"{short_name} {text!r}:\n  genmsg {genmsg}\n  rostether {rostether}")
     return differences, read
 
 
-def own_part(described: dict[str, Any]) -> list[str]:
+def comparable_definition(described: dict[str, Any]) -> list[str]:
     parts = described["definition"].split("=" * 80 + "\n")
     return [parts[0]] + [part.partition("\n")[0] if "odd/" not in part else part for part in parts[1:]]
 
 
-def test_odd_texts_are_read_or_refused_as_genmsg_does(tmp_path: Path) -> None:
-    differences, read = compare_odd_texts(tmp_path, ODD_TEXTS)
+def test_unusual_texts_are_read_or_refused_as_by_genmsg(tmp_path: Path) -> None:
+    differences, read = compare_texts(tmp_path, UNUSUAL_TEXTS)
     assert not differences, "\n".join(differences)
     assert read > 25
 
 
-def test_texts_read_although_genmsg_refuses_them_and_the_reverse(tmp_path: Path) -> None:
-    differences, _ = compare_odd_texts(tmp_path, {**WE_ALSO_READ, **WE_REFUSE})
-    assert len(differences) == len(WE_ALSO_READ) + len(WE_REFUSE), "\n".join(differences)
+def test_texts_that_only_one_of_both_reads(tmp_path: Path) -> None:
+    differences, _ = compare_texts(tmp_path, {**READ_ONLY_BY_ROSTETHER, **READ_ONLY_BY_GENMSG})
+    assert len(differences) == len(READ_ONLY_BY_ROSTETHER) + len(READ_ONLY_BY_GENMSG), "\n".join(differences)
     registry = Registry([tmp_path])
-    for name in WE_ALSO_READ:
+    for name in READ_ONLY_BY_ROSTETHER:
         spec = registry.message(f"odd/{name}")
         assert [field.name for field in spec.fields] == ["a"]
         assert ("S", "x") in [(constant.name, constant.value) for constant in spec.constants]
-    for name in WE_REFUSE:
+    for name in READ_ONLY_BY_GENMSG:
         with pytest.raises(DefinitionError):
             registry.message(f"odd/{name}")
 
 
-def random_line(chooser: random.Random) -> str:
+def random_line(rng: random.Random) -> str:
     types = ["int8", "uint64", "float32", "string", "bool", "time", "char", "Header", "Nope", "std_msgs/Time"]
     values = ["1", "-5", "05", "1e-3", " 7 ", "", "True", "text # more", '"a"', "x=y", "300", "=", "#", "0x1"]
     names = ["a", "b", "c", "D", "E_2", "f1", "g_"]
     arrays = ["", "", "", "[]", "[3]", "[0]", "["]
-    line = chooser.choice(types) + chooser.choice(arrays) + chooser.choice([" ", "  "])
-    line += chooser.choice(names)
-    if chooser.random() < 0.4:
-        line += chooser.choice(["=", " = ", "= "]) + chooser.choice(values)
-    return line + chooser.choice(["", "", " ", "  # note", "# x=1", "\r"])
+    line = rng.choice(types) + rng.choice(arrays) + rng.choice([" ", "  "])
+    line += rng.choice(names)
+    if rng.random() < 0.4:
+        line += rng.choice(["=", " = ", "= "]) + rng.choice(values)
+    return line + rng.choice(["", "", " ", "  # note", "# x=1", "\r"])
 
 
-def test_random_texts_are_read_or_refused_as_genmsg_does(tmp_path: Path) -> None:
-    chooser = random.Random(20)
+def test_random_texts_are_read_or_refused_as_by_genmsg(tmp_path: Path) -> None:
+    rng = random.Random(20)
     texts = {
-        f"Random{number}": "\n".join(random_line(chooser) for _ in range(chooser.choice([1, 1, 1, 2, 3])))
+        f"Random{number}": "\n".join(random_line(rng) for _ in range(rng.choice([1, 1, 1, 2, 3])))
         for number in range(600)
     }
-    differences, read = compare_odd_texts(tmp_path, texts)
+    differences, read = compare_texts(tmp_path, texts)
     assert not differences, "\n".join(differences)
     assert read > 60

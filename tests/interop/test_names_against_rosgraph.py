@@ -64,9 +64,9 @@ def test_names_are_legal_join_and_resolve_as_in_rosgraph() -> None:
         # rosgraph's namespaces end with a slash.
         assert canonical(namespace_of(name)) == (canonical(expected["namespace"][name]) or "/"), name
         assert [join(namespace, name) for namespace in NAMESPACES] == expected["join"][name], name
-        ours = resolve_name(name, namespace="/a", node_name=NODE, remappings=REMAPPINGS)
+        resolved = resolve_name(name, namespace="/a", node_name=NODE, remappings=REMAPPINGS)
         # For the empty name rosgraph gives '/a/', which it does not remap.
-        assert ours == expected["resolve"][name] or not name, name
+        assert resolved == expected["resolve"][name] or not name, name
 
 
 def test_illegal_names_do_not_resolve() -> None:

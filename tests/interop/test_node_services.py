@@ -45,7 +45,7 @@ rospy.spin()
 
 @pytest_asyncio.fixture
 async def stage(request: pytest.FixtureRequest, tmp_path: Path) -> AsyncIterator[Stage]:
-    async with stage_on(getattr(request, "param", "our master"), tmp_path) as stage:
+    async with stage_on(getattr(request, "param", "rostether's master"), tmp_path) as stage:
         yield stage
 
 
@@ -56,7 +56,7 @@ async def switch(request: bytes) -> bytes:
     return b"\x01" + string("on it")
 
 
-async def offer(stage: Stage) -> Ros1Graph:
+async def serve_switch(stage: Stage) -> Ros1Graph:
     node = await stage.join("/server")
     await node.advertise_service("/switch", SET_BOOL, switch)
     return node
@@ -64,7 +64,7 @@ async def offer(stage: Stage) -> Ros1Graph:
 
 @ON_BOTH_MASTERS
 async def test_service_server_to_rosservice(stage: Stage) -> None:
-    await offer(stage)
+    await serve_switch(stage)
     answer = await stage.peers.run("rosservice", "call", "/switch", "true")
     assert answer.splitlines() == ["success: True", 'message: "on it"']
     refusal = await stage.peers.run("rosservice", "call", "/switch", "false", check=False)
@@ -78,7 +78,7 @@ async def test_service_server_to_rosservice(stage: Stage) -> None:
 
 @ON_BOTH_MASTERS
 async def test_service_server_to_rospy_client(stage: Stage) -> None:
-    await offer(stage)
+    await serve_switch(stage)
     for peer in [await stage.peers.rospy(CALL, "/switch", kind) for kind in ("persistent", "single")]:
         first, second, third = (await peer.finish()).splitlines()
         assert first == third == "True on it"
@@ -88,7 +88,7 @@ async def test_service_server_to_rospy_client(stage: Stage) -> None:
 @ON_BOTH_MASTERS
 @pytest.mark.roscpp
 async def test_service_server_to_roscpp_client(stage: Stage) -> None:
-    await offer(stage)
+    await serve_switch(stage)
     # More than one call makes its connection persistent.
     for count in (1, 50):
         peer = await stage.peers.roscpp("call", "/switch", "true", str(count))

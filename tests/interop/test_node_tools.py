@@ -17,22 +17,22 @@ LOG_ECHO = """
 import rospy
 from rosgraph_msgs.msg import Log
 rospy.init_node("py_log")
-def take(log):
+def handle(log):
     if log.name == "/board":
         print(log.level, log.name, log.msg, sorted(log.topics), log.header.stamp.secs > 0, flush=True)
         rospy.signal_shutdown("done")
-rospy.Subscriber("/rosout", Log, take)
+rospy.Subscriber("/rosout", Log, handle)
 rospy.spin()
 """
 
 
 @pytest_asyncio.fixture
 async def stage(request: pytest.FixtureRequest, tmp_path: Path) -> AsyncIterator[Stage]:
-    async with stage_on(getattr(request, "param", "our master"), tmp_path) as stage:
+    async with stage_on(getattr(request, "param", "rostether's master"), tmp_path) as stage:
         yield stage
 
 
-async def no_answer(request: bytes) -> bytes:
+async def echo_request(request: bytes) -> bytes:
     return request
 
 
@@ -41,7 +41,7 @@ async def test_rosnode_and_rostopic_show_a_node(stage: Stage) -> None:
     board, other = await stage.join("/board"), await stage.join("/other")
     publisher = await board.advertise("/chat", STRING)
     await board.subscribe("/orders", STRING, lambda _: None)
-    await board.advertise_service("/switch", SET_BOOL, no_answer)
+    await board.advertise_service("/switch", SET_BOOL, echo_request)
     subscriber = await other.subscribe("/chat", STRING, lambda _: None)
     await until(lambda: publisher.subscriber_count == subscriber.publisher_count == 1)
 
@@ -102,11 +102,11 @@ async def test_logs_reach_rosout(stage: Stage) -> None:
 
 
 @ON_BOTH_MASTERS
-async def test_roswtf_finds_no_error_in_our_nodes(stage: Stage, tmp_path: Path) -> None:
+async def test_roswtf_finds_no_error_in_nodes_of_rostether(stage: Stage, tmp_path: Path) -> None:
     board, other = await stage.join("/board"), await stage.join("/other")
     publisher = await board.advertise("/chat", STRING)
     subscriber = await other.subscribe("/chat", STRING, lambda _: None)
-    await board.advertise_service("/switch", SET_BOOL, no_answer)
+    await board.advertise_service("/switch", SET_BOOL, echo_request)
     await until(lambda: publisher.subscriber_count == subscriber.publisher_count == 1)
     await stage.wait_for_rosout("/board", "/other")
     # Debian has no ROS_ROOT folder; roswtf would call that an error.

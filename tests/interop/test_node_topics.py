@@ -21,13 +21,13 @@ import sys, rospy
 from std_msgs.msg import String
 rospy.init_node("py_listener")
 count = int(sys.argv[2])
-def take(message):
+def handle(message):
     global count
     print(message._connection_header["callerid"], message.data, flush=True)
     count -= 1
     if count == 0:
         rospy.signal_shutdown("done")
-rospy.Subscriber(sys.argv[1], String, take, tcp_nodelay=True)
+rospy.Subscriber(sys.argv[1], String, handle, tcp_nodelay=True)
 rospy.spin()
 """
 
@@ -54,7 +54,7 @@ print(message._connection_header["type"], message._buff.hex(), flush=True)
 
 @pytest_asyncio.fixture
 async def stage(request: pytest.FixtureRequest, tmp_path: Path) -> AsyncIterator[Stage]:
-    async with stage_on(getattr(request, "param", "our master"), tmp_path) as stage:
+    async with stage_on(getattr(request, "param", "rostether's master"), tmp_path) as stage:
         yield stage
 
 
@@ -131,14 +131,14 @@ async def test_publisher_refuses_rospy_subscriber_of_another_type(
 
 
 async def test_rospy_publisher_to_subscriber(stage: Stage) -> None:
-    node, inbox, latecomer = await stage.join("/listener"), Inbox(), Inbox()
+    node, inbox, late_inbox = await stage.join("/listener"), Inbox(), Inbox()
     await node.subscribe("/chat", STRING, inbox.store, on_connection=inbox.store_header)
     await stage.peers.rospy(PUBLISH, "/chat", "once", "500", "message %d")
     await until(lambda: len(inbox.payloads) == 500)
     assert texts(inbox) == [f"message {number}" for number in range(500)]
-    await node.subscribe("/chat", ANY_MESSAGE, latecomer.store, on_connection=latecomer.store_header)
-    await until(lambda: latecomer.headers)
-    assert latecomer.headers == inbox.headers
+    await node.subscribe("/chat", ANY_MESSAGE, late_inbox.store, on_connection=late_inbox.store_header)
+    await until(lambda: late_inbox.headers)
+    assert late_inbox.headers == inbox.headers
     (header,) = inbox.headers
     assert header["callerid"] == "/py_talker"
     assert (header["type"], header["md5sum"]) == (STRING.name, STRING.md5sum)

@@ -54,31 +54,31 @@ def files(package: Path) -> set[str]:
         ["leg", "roscpp", "std_msgs", "std_msgs"],
     ],
 )
-def test_a_new_package_is_what_catkin_create_pkg_makes_of_it(tmp_path: Path, arguments: list[str]) -> None:
-    theirs, ours = tmp_path / "theirs", tmp_path / "ours"
+def test_a_new_package_equals_that_of_catkin_create_pkg(tmp_path: Path, arguments: list[str]) -> None:
+    debian, rostether = tmp_path / "debian", tmp_path / "rostether"
     for folder, command in (
-        (theirs, ["catkin_create_pkg"]),
-        (ours, [sys.executable, "-m", "rostether", "pkg", "create"]),
+        (debian, ["catkin_create_pkg"]),
+        (rostether, [sys.executable, "-m", "rostether", "pkg", "create"]),
     ):
         folder.mkdir()
         subprocess.run([*command, *arguments], cwd=folder, capture_output=True, check=True)
     name = arguments[0]
-    described, expected = read(ours / name), read(theirs / name)
+    described, expected = read(rostether / name), read(debian / name)
     if "--meta" in arguments:
         # catkin's rules for metapackages, which its tool breaks: they have only run dependencies.
         for kind in ("build_depends", "build_export_depends"):
             described.pop(kind)
             expected.pop(kind)
     assert described == expected
-    assert files(ours / name) == files(theirs / name)
+    assert files(rostether / name) == files(debian / name)
 
 
-def test_the_same_packages_are_found_as_rospack_finds(tmp_path: Path) -> None:
+def test_the_same_packages_are_found_as_by_rospack(tmp_path: Path) -> None:
     for path, ignored in (
         ("one/arm", False),
         ("one/stack/deep/leg", False),
         ("one/arm/inner", False),
-        ("one/left_out/hand", True),
+        ("one/ignored/hand", True),
         ("two/arm", False),
         ("two/foot", False),
     ):
@@ -103,10 +103,10 @@ def test_the_same_packages_are_found_as_rospack_finds(tmp_path: Path) -> None:
         ["rospack", "list"], env=environ, capture_output=True, text=True, check=True
     ).stdout
     # Debian's rospack also searches the packages of the system.
-    theirs = {name: folder for name, folder in _pairs(shown) if folder.startswith(str(tmp_path))}
+    debian = {name: folder for name, folder in _pairs(shown) if folder.startswith(str(tmp_path))}
     assert {
         name: str(folder) for name, folder in package_folders(environ, tmp_path / "home").items()
-    } == theirs
+    } == debian
 
 
 def _pairs(shown: str) -> list[tuple[str, str]]:

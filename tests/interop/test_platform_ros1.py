@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import asyncio
 import io
-import sys
 import xmlrpc.client
 from collections.abc import AsyncIterator
 from pathlib import Path
@@ -15,12 +14,13 @@ from PIL import Image
 
 from interop.node_stage import Stage, stage_on
 from interop.ros1_peers import DEBIAN_PYTHON
+from programs import ROSTETHER
 from rostether.graph.typed_graph import TypedGraph
 from rostether.msgdef.registry import Registry
 from rostether.serde.store import TypeStore
 from unit.platform.datagrams import PlainReceiver, loopback_group
 
-OURS = [sys.executable, "-m", "rostether", "role"]
+ROLE_COMMAND = (*ROSTETHER, "role")
 CLIENT = Path(__file__).parent / "peers" / "register_sensor.py"
 
 pytestmark = pytest.mark.ros1
@@ -28,27 +28,29 @@ pytestmark = pytest.mark.ros1
 
 @pytest_asyncio.fixture
 async def stage(tmp_path: Path) -> AsyncIterator[Stage]:
-    async with stage_on("our master", tmp_path) as stage:
+    async with stage_on("rostether's master", tmp_path) as stage:
         yield stage
 
 
-async def test_a_sensor_node_of_rospy_registers_and_comes_back(stage: Stage, tmp_path: Path) -> None:
+async def test_a_sensor_node_of_rospy_registers_again(stage: Stage, tmp_path: Path) -> None:
     graph = TypedGraph(await stage.join("/viewer"), TypeStore(Registry()))
-    await stage.peers.start(*OURS, "sensing-manager", f"_state_file:={tmp_path / 'sensors.json'}")
+    await stage.peers.start(*ROLE_COMMAND, "sensing-manager", f"_state_file:={tmp_path / 'sensors.json'}")
     for _ in range(2):
         client = await stage.peers.start(DEBIAN_PYTHON, str(CLIENT), "Robot3")
         await client.wait_for("registered for sensor_node0")
-        await shown(graph, "ready")
+        await wait_for_state(graph, "ready")
         assert (await graph.wait_for_message("/sensor_node0", timeout_s=60)).data == 42.0
         await client.stop()
-        await shown(graph, "disconnected")
+        await wait_for_state(graph, "disconnected")
 
 
-async def test_rostopic_shows_our_camera(stage: Stage) -> None:
+async def test_rostopic_shows_the_camera(stage: Stage) -> None:
     # The parameter of the original camera node; rostether's clients cannot set it.
     with xmlrpc.client.ServerProxy(stage.peers.master_uri) as server:
         await asyncio.to_thread(server.setParam, "/t", "/Robot3-pi_camera/vflip", True)
-    camera = await stage.peers.start(*OURS, "camera", "_source:=test", "_platform_name:=Robot3", "_id:=front")
+    camera = await stage.peers.start(
+        *ROLE_COMMAND, "camera", "_source:=test", "_platform_name:=Robot3", "_id:=front"
+    )
     await camera.wait_for("not registered as Robot3/front yet: no node offers")
     topic = "/sensors/Robot3/front"
     echo = await stage.peers.start("rostopic", "echo", "-n", "1", "--noarr", topic)
@@ -60,7 +62,7 @@ async def test_rostopic_shows_our_camera(stage: Stage) -> None:
         assert image.convert("L").getpixel((8, 470)) == 255
 
 
-async def shown(graph: TypedGraph, state: str) -> None:
+async def wait_for_state(graph: TypedGraph, state: str) -> None:
     """Wait until the manager's list has one sensor with this state."""
     async with asyncio.timeout(60):
         async for message in graph.messages("/sensors", "sensing_platform/Sensors"):
@@ -72,7 +74,7 @@ async def test_a_topic_of_rostopic_as_bare_datagrams(stage: Stage) -> None:
     address = loopback_group()
     receiver = PlainReceiver(address)
     bridge = await stage.peers.start(
-        *OURS,
+        *ROLE_COMMAND,
         "multicast-topic-bridge",
         "_topic:=joy_text",
         f"_mulicast_group_addr:={address.group}",

@@ -59,7 +59,7 @@ def registrations(master_uri: str) -> list[list[tuple[str, tuple[str, ...]]]]:
     return [sorted((name, tuple(sorted(nodes))) for name, nodes in table) for table in tables]
 
 
-async def _come_and_go(board: TcpBoard, number: int) -> None:
+async def _connect_and_disconnect(board: TcpBoard, number: int) -> None:
     requests = board.requests
     await board.connect()
     while board.requests == requests:
@@ -70,7 +70,7 @@ async def _come_and_go(board: TcpBoard, number: int) -> None:
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="reads /proc")
-async def test_reconnects_leave_the_master_and_the_process_as_they_were(
+async def test_reconnects_leave_no_registrations_and_no_resources(
     roscore: Ros1Peers,
 ) -> None:
     port = free_port()
@@ -79,7 +79,7 @@ async def test_reconnects_leave_the_master_and_the_process_as_they_were(
         await serve.wait_for("Waiting for boards")
         board = TcpBoard(port)
         for number in range(WARM_UP):
-            await _come_and_go(board, number)
+            await _connect_and_disconnect(board, number)
         await serve.wait_for("Setup publisher on count")
         await board.connect()
         async with asyncio.timeout(60):
@@ -92,7 +92,7 @@ async def test_reconnects_leave_the_master_and_the_process_as_they_were(
         resident_kb = process.resident_kb
         await board.hang_up()
         for number in range(RECONNECTS):
-            await _come_and_go(board, number)
+            await _connect_and_disconnect(board, number)
         await board.connect()
         await asyncio.sleep(2.5)
         async with asyncio.timeout(60):

@@ -26,8 +26,8 @@ from rostether.serde.store import TypeStore
 from waiting import until
 
 STORE = TypeStore(Registry())
-OWN = Registry(bundled=False)
-OWN.add_full_text("own_msgs/Reading", "float32 value\nstring unit\n")
+CUSTOM = Registry(bundled=False)
+CUSTOM.add_full_text("own_msgs/Reading", "float32 value\nstring unit\n")
 
 
 class World:
@@ -73,11 +73,11 @@ async def world() -> AsyncIterator[World]:
             await asyncio.gather(running, return_exceptions=True)
 
 
-async def listen(target: Graph, topic: str, taken: MessageType) -> Inbox:
+async def listen(target: Graph, topic: str, message_type: MessageType) -> Inbox:
     """Wait until the topic is relayed; return the target's inbox."""
     inbox = Inbox()
     await snapshot_when(target, lambda seen: topic in seen.topics and seen.topics[topic].publishers)
-    await target.subscribe(topic, taken, inbox.store, on_connection=inbox.store_header)
+    await target.subscribe(topic, message_type, inbox.store, on_connection=inbox.store_header)
     await until(lambda: inbox.headers)
     return inbox
 
@@ -98,8 +98,8 @@ async def test_topics(world: World, type_name: str, fields: dict[str, object], *
     talker = await source.advertise("/data", message_type)
     inbox = await listen(target, "/data", message_type)
     await until(lambda: talker.subscriber_count)
-    back = Inbox()
-    await source.subscribe("/data", message_type, back.store)
+    returned = Inbox()
+    await source.subscribe("/data", message_type, returned.store)
     sent = 0
 
     async def keep_publishing() -> None:
@@ -114,12 +114,12 @@ async def test_topics(world: World, type_name: str, fields: dict[str, object], *
     # Each arrives once, and nothing comes back.
     await asyncio.sleep(0.1)
     assert len(inbox.payloads) <= sent
-    assert len(back.payloads) <= sent
+    assert len(returned.payloads) <= sent
 
 
 async def test_a_latched_topic_of_a_type_that_only_its_publisher_knows(world: World) -> None:
-    reading = OWN.message_type("own_msgs/Reading")
-    message = TypeStore(OWN).codec("own_msgs/Reading").encode({"value": 1.5, "unit": "K"})
+    reading = CUSTOM.message_type("own_msgs/Reading")
+    message = TypeStore(CUSTOM).codec("own_msgs/Reading").encode({"value": 1.5, "unit": "K"})
     talker = await world.ros1.advertise("/reading", reading, latch=True)
     talker.publish_raw([message])
     inbox = await listen(world.ros2, "/reading", reading)

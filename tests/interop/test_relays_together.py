@@ -54,10 +54,10 @@ class World:
         """Start a relay, and wait until it is in both graphs."""
         peer = await self.start("relay", *arguments)
         await peer.wait_for("Joining ROS 2")
-        await self.until_nodes("relay", at_least=1)
+        await self.wait_for_nodes("relay", at_least=1)
         return peer
 
-    async def until_nodes(self, part: str, *, at_least: int) -> None:
+    async def wait_for_nodes(self, part: str, *, at_least: int) -> None:
         """Wait until both graphs have `at_least` nodes whose names contain a part."""
         for graph in self.graphs:
             while sum(part in name for name in (await graph.snapshot()).nodes) < at_least:
@@ -95,14 +95,14 @@ class Flow:
         self._topic = topic
         self._talkers: list[Publisher] = []
 
-    async def open(self, *talking: int) -> None:
+    async def open(self, *publishing: int) -> None:
         """Subscribe in both graphs, and advertise in the graphs of `talking`."""
         graphs = self._world.graphs
         for graph, inbox in zip(graphs, self.inboxes, strict=True):
             await graph.subscribe(self._topic, STRING, inbox.store)
-        self._talkers = [await graphs[number].advertise(self._topic, STRING) for number in talking]
+        self._talkers = [await graphs[number].advertise(self._topic, STRING) for number in publishing]
 
-    async def arrives(self, *others: Inbox) -> None:
+    async def wait_until_connected(self, *others: Inbox) -> None:
         """Send until both graphs and the others receive from every publisher, then begin to count."""
         seen: set[bytes] = set()
         while True:
@@ -124,16 +124,16 @@ class Flow:
         """Send at 100 Hz from every publisher; return what was sent."""
         sent = []
         loop = asyncio.get_running_loop()
-        begin_s = loop.time()
+        began_s = loop.time()
         for turn in range(int(FLOW_S / PERIOD_S)):
             for number, talker in enumerate(self._talkers):
                 sent.append(string(f"{number}: {turn}"))
                 talker.publish_raw(sent[-1:])
-            await asyncio.sleep(max(0.0, begin_s + (turn + 1) * PERIOD_S - loop.time()))
+            await asyncio.sleep(max(0.0, began_s + (turn + 1) * PERIOD_S - loop.time()))
         return sent
 
 
-async def arrives_once(inbox: Inbox, sent: list[bytes]) -> None:
+async def assert_received_once(inbox: Inbox, sent: list[bytes]) -> None:
     """Wait for all sent messages, then half a second for duplicates."""
     await until(lambda: len(inbox.payloads) >= len(sent))
     await asyncio.sleep(0.5)
@@ -144,21 +144,21 @@ async def arrives_once(inbox: Inbox, sent: list[bytes]) -> None:
     print(f"sent {len(sent)}, received {len(inbox.payloads)}")
 
 
-async def test_two_relays_carry_a_topic_once(world: World) -> None:
+async def test_two_relays_copy_a_topic_once(world: World) -> None:
     flow = Flow(world, "/chatter")
     await flow.open(0, 1)
     relays = [await world.relay("/*"), await world.relay("/*")]
-    await world.until_nodes("relay", at_least=2)
-    await flow.arrives()
+    await world.wait_for_nodes("relay", at_least=2)
+    await flow.wait_until_connected()
     sent = await flow.run()
     for inbox in flow.inboxes:
-        await arrives_once(inbox, sent)
+        await assert_received_once(inbox, sent)
     lines = [line for relay in relays for line in relay.lines if "/chatter" in line]
     for direction in ("from ROS 1 to ROS 2", "from ROS 2 to ROS 1"):
         assert sum("relaying /chatter" in line and direction in line for line in lines) >= 1, lines
 
 
-async def test_two_relays_offer_a_service_once_and_leave_with_its_server(world: World) -> None:
+async def test_two_relays_offer_a_service_once_and_stop_with_its_server(world: World) -> None:
     ros1, ros2 = world.graphs
     calls = 0
 
@@ -168,10 +168,10 @@ async def test_two_relays_offer_a_service_once_and_leave_with_its_server(world: 
         raise RostetherError("not today")
 
     server = await ros2.advertise_service("/pull", SET_BOOL, refuse)
-    mine = await ros1.advertise_service("/push", SET_BOOL, answer_set_bool)
+    push_server = await ros1.advertise_service("/push", SET_BOOL, answer_set_bool)
     for _ in range(2):
         await world.relay("--service", "/pull", "--service", "/push=std_srvs/SetBool")
-    await world.until_nodes("relay", at_least=2)
+    await world.wait_for_nodes("relay", at_least=2)
     for graph, service in ((ros1, "/pull"), (ros2, "/push")):
         while service not in (await graph.snapshot()).services:
             await asyncio.sleep(0.02)
@@ -187,13 +187,13 @@ async def test_two_relays_offer_a_service_once_and_leave_with_its_server(world: 
     assert calls == 1
     # Neither relay treats the other one as a server.
     await server.close()
-    await mine.close()
+    await push_server.close()
     for graph in world.graphs:
         while {"/pull", "/push"} & (await graph.snapshot()).services.keys():
             await asyncio.sleep(0.02)
 
 
-async def test_a_relay_beside_a_board_in_both_graphs(world: World) -> None:
+async def test_a_relay_with_a_board_in_both_graphs(world: World) -> None:
     port = free_port()
     await world.start("serve", "--ros1", "--no-mdns", f"tcp://127.0.0.1:{port}?name=board")
     relay = await world.relay("/*")
@@ -208,8 +208,8 @@ async def test_a_relay_beside_a_board_in_both_graphs(world: World) -> None:
             "command", "std_msgs/String", lambda message: commands.store([string(message.data)])
         )
         sensor = device.publisher("sensor", "std_msgs/String")
-        await world.until_nodes("board", at_least=1)
-        await flow.arrives(commands)
+        await world.wait_for_nodes("board", at_least=1)
+        await flow.wait_until_connected(commands)
         while not all(inbox.payloads for inbox in received):
             sensor.publish(data="start")
             await asyncio.sleep(0.05)
@@ -223,37 +223,37 @@ async def test_a_relay_beside_a_board_in_both_graphs(world: World) -> None:
             await asyncio.sleep(PERIOD_S)
         sent = await running
         for inbox in (*flow.inboxes, commands):
-            await arrives_once(inbox, sent)
+            await assert_received_once(inbox, sent)
         for inbox in received:
-            await arrives_once(inbox, [string(f"{number}") for number in range(count)])
+            await assert_received_once(inbox, [string(f"{number}") for number in range(count)])
     await relay.wait_for("board")
 
 
-async def test_relays_of_two_robots_carry_from_one_master_to_the_other(world: World) -> None:
+async def test_relays_of_two_robots_copy_from_one_master_to_the_other(world: World) -> None:
     """Two relays of one robot and one relay of another robot, with separate masters and one ROS 2 graph."""
     second = await MasterServer.start(port=0)
-    far = await join_ros1("/peer", environment=RosEnvironment.read({}).with_master(second.uri))
+    other_node = await join_ros1("/peer", environment=RosEnvironment.read({}).with_master(second.uri))
     try:
         inbox = Inbox()
-        await far.subscribe("/chatter", STRING, inbox.store)
+        await other_node.subscribe("/chatter", STRING, inbox.store)
         flow = Flow(world, "/chatter")
         await flow.open(0, 1)
         for _ in range(2):
             await world.relay("/*")
         other = await world.relay("/*", "--master", second.uri)
-        await world.until_nodes("relay", at_least=2)
-        await flow.arrives(inbox)
+        await world.wait_for_nodes("relay", at_least=2)
+        await flow.wait_until_connected(inbox)
         sent = await flow.run()
         for each in (*flow.inboxes, inbox):
-            await arrives_once(each, sent)
+            await assert_received_once(each, sent)
         # For the second robot, the first robot's relay is an ordinary node.
         assert "relays it" not in other.text
     finally:
-        await far.close()
+        await other_node.close()
         await second.close()
 
 
-async def test_a_killed_relay_is_followed(world: World) -> None:
+async def test_another_relay_replaces_a_killed_one(world: World) -> None:
     ros1, ros2 = world.graphs
     await ros2.advertise_service("/pull", SET_BOOL, answer_set_bool)
     await ros1.advertise_service("/push", SET_BOOL, answer_set_bool)
@@ -261,7 +261,7 @@ async def test_a_killed_relay_is_followed(world: World) -> None:
     await flow.open(0, 1)
     relay = await world.relay("/*", "--service", "/pull", "--service", "/push")
 
-    async def serve_across() -> None:
+    async def call_both_services() -> None:
         for graph, service in ((ros1, "/pull"), (ros2, "/push")):
             async with asyncio.timeout(60):
                 while True:
@@ -273,19 +273,19 @@ async def test_a_killed_relay_is_followed(world: World) -> None:
                     except RostetherError:
                         await asyncio.sleep(0.1)
 
-    await serve_across()
+    await call_both_services()
     relay.process.kill()
     await relay.finish()
-    # The first for a relay that starts later, the second for a relay that waits.
+    # First a relay that starts later replaces the killed one, then a relay that already waits.
     successor = await world.relay("/*", "--service", "/pull", "--service", "/push")
-    await serve_across()
+    await call_both_services()
     waiting = await world.relay("/*", "--service", "/pull", "--service", "/push")
-    await world.until_nodes("relay", at_least=2)
+    await world.wait_for_nodes("relay", at_least=2)
     await waiting.wait_for("relays it")
     successor.process.kill()
     await successor.finish()
-    await serve_across()
-    await flow.arrives()
+    await call_both_services()
+    await flow.wait_until_connected()
     sent = await flow.run()
     for inbox in flow.inboxes:
-        await arrives_once(inbox, sent)
+        await assert_received_once(inbox, sent)

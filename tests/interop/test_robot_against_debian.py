@@ -24,7 +24,7 @@ TOLERANCE = 1e-9
 SECOND = 10**9
 START_NS = 1_700_000_000 * SECOND
 SOURCE = "/arm_states"
-SIDES = ("debian", "ours")
+SIDES = ("debian", "rostether")
 
 MOVED = {
     "arm": ["j0", "j1", "j2"],
@@ -33,13 +33,13 @@ MOVED = {
 }
 
 
-def same_transforms(ours: list[Any], theirs: list[Any], *, with_stamps: bool) -> None:
-    assert [each[:2] for each in ours] == [each[:2] for each in theirs]
-    for our, their in zip(ours, theirs, strict=True):
+def assert_same_transforms(rostether: list[Any], debian: list[Any], *, with_stamps: bool) -> None:
+    assert [each[:2] for each in rostether] == [each[:2] for each in debian]
+    for found, expected in zip(rostether, debian, strict=True):
         if with_stamps:
-            assert our[2] == their[2]
-        assert our[3] == pytest.approx(their[3], abs=TOLERANCE)
-        assert our[4] == pytest.approx(their[4], abs=TOLERANCE)
+            assert found[2] == expected[2]
+        assert found[3] == pytest.approx(expected[3], abs=TOLERANCE)
+        assert found[4] == pytest.approx(expected[4], abs=TOLERANCE)
 
 
 def states_of(robot: str) -> list[tuple[int, list[str], list[float], bool]]:
@@ -79,16 +79,16 @@ async def robot_states(roscore: Ros1Peers, robot: str, side: str, *arguments: st
 
 
 @pytest.mark.parametrize("robot", ROBOTS)
-async def test_robot_state_publisher_publishes_what_debians_does(roscore: Ros1Peers, robot: str) -> None:
-    theirs = await robot_states(roscore, robot, "debian")
-    ours = await robot_states(roscore, robot, "ours", "__ns:=/")
+async def test_robot_state_publisher_publishes_the_same_as_debians(roscore: Ros1Peers, robot: str) -> None:
+    debian = await robot_states(roscore, robot, "debian")
+    rostether = await robot_states(roscore, robot, "rostether", "__ns:=/")
     if robot == "gripper":
         # Debian's handles a mimic joint of a mimic joint only if their names are in the right order.
-        assert {each[1] for each in theirs["/tf"]} == {each[1] for each in ours["/tf"]}
-    same_transforms(ours["/tf"], theirs["/tf"], with_stamps=True)
-    same_transforms(ours["/tf_static"], theirs["/tf_static"], with_stamps=False)
-    assert len(ours["/tf"]) > 30
-    compare_with_kinematics(robot, ours)
+        assert {each[1] for each in debian["/tf"]} == {each[1] for each in rostether["/tf"]}
+    assert_same_transforms(rostether["/tf"], debian["/tf"], with_stamps=True)
+    assert_same_transforms(rostether["/tf_static"], debian["/tf_static"], with_stamps=False)
+    assert len(rostether["/tf"]) > 30
+    compare_with_kinematics(robot, rostether)
 
 
 def compare_with_kinematics(robot: str, found: dict[str, list[Any]]) -> None:
@@ -97,13 +97,13 @@ def compare_with_kinematics(robot: str, found: dict[str, list[Any]]) -> None:
     stamp_ns, names, positions, _ = whole[-1]
     buffer = TransformBuffer()
     for topic in ("/tf_static", "/tf"):
-        for parent, child, at, place, turn in found[topic]:
-            stamped = StampedTransform(parent, child, at, Transform(tuple(place), tuple(turn)))
+        for parent, child, stamp_ns, place, turn in found[topic]:
+            stamped = StampedTransform(parent, child, stamp_ns, Transform(tuple(place), tuple(turn)))
             assert not buffer.set_transform(stamped, is_static=topic == "/tf_static")
     reported = dict(zip(names, positions, strict=True))
-    stands = forward_kinematics(model, with_mimics(model, reported))
+    poses = forward_kinematics(model, with_mimics(model, reported))
     compared = 0
-    for link, expected in stands.items():
+    for link, expected in poses.items():
         if link in buffer.frames and link != model.root:
             seen = buffer.lookup(model.root, link, 0 if link in ("body", "sled") else stamp_ns).transform
             assert seen.translation == pytest.approx(expected.translation, abs=TOLERANCE)
@@ -130,8 +130,8 @@ async def test_prefix_and_fixed_transforms_on_tf(roscore: Ros1Peers) -> None:
         seen[side] = stage.records[0]["transforms"]
         await node.stop()
         await stage.stop_recorder()
-    same_transforms(seen["ours"], seen["debian"], with_stamps=False)
-    assert seen["ours"][0][:2] == ["r1/foot", "r1/body"]
+    assert_same_transforms(seen["rostether"], seen["debian"], with_stamps=False)
+    assert seen["rostether"][0][:2] == ["r1/foot", "r1/body"]
 
 
 JOINT_CASES: dict[str, dict[str, Any]] = {
@@ -152,10 +152,10 @@ async def joint_states(
 ) -> tuple[dict[str, Any], dict[str, Any]]:
     stage = RobotStage(roscore)
     name = f"jsp_{side}"
-    own = {f"/{name}/{key}": value for key, value in parameters.items()}
+    node_parameters = {f"/{name}/{key}": value for key, value in parameters.items()}
     if has_source:
-        own[f"/{name}/source_list"] = [SOURCE]
-    await stage.set_params({"/robot_description": ROBOTS[robot], f"/{name}/rate": 50, **own})
+        node_parameters[f"/{name}/source_list"] = [SOURCE]
+    await stage.set_params({"/robot_description": ROBOTS[robot], f"/{name}/rate": 50, **node_parameters})
     await stage.start_recorder(SOURCE)
     node = await stage.start_node(
         side, "joint_state_publisher", f"__name:={name}", "joint_states:=joint_states_out"
@@ -175,53 +175,55 @@ async def joint_states(
 
 
 @pytest.mark.parametrize("case", JOINT_CASES)
-async def test_joint_state_publisher_publishes_what_debians_does(roscore: Ros1Peers, case: str) -> None:
+async def test_joint_state_publisher_publishes_the_same_as_debians(roscore: Ros1Peers, case: str) -> None:
     robot = case.split()[0]
-    theirs, _ = await joint_states(roscore, "debian", robot, JOINT_CASES[case])
-    ours, _ = await joint_states(roscore, "ours", robot, JOINT_CASES[case])
-    assert ours["name"] == theirs["name"] != []
+    debian, _ = await joint_states(roscore, "debian", robot, JOINT_CASES[case])
+    rostether, _ = await joint_states(roscore, "rostether", robot, JOINT_CASES[case])
+    assert rostether["name"] == debian["name"] != []
     for field in ("position", "velocity", "effort"):
-        assert ours[field] == pytest.approx(theirs[field], abs=TOLERANCE)
+        assert rostether[field] == pytest.approx(debian[field], abs=TOLERANCE)
 
 
 async def test_joint_state_publisher_uses_sources(roscore: Ros1Peers) -> None:
-    _, theirs = await joint_states(roscore, "debian", "gripper", {}, has_source=True)
-    _, ours = await joint_states(roscore, "ours", "gripper", {}, has_source=True)
-    assert ours["name"] == theirs["name"]
-    assert ours["position"] == pytest.approx(theirs["position"], abs=TOLERANCE)
+    _, debian = await joint_states(roscore, "debian", "gripper", {}, has_source=True)
+    _, rostether = await joint_states(roscore, "rostether", "gripper", {}, has_source=True)
+    assert rostether["name"] == debian["name"]
+    assert rostether["position"] == pytest.approx(debian["position"], abs=TOLERANCE)
 
 
 @pytest.mark.parametrize(
-    "words",
+    "arguments",
     [
         ["0.1", "-0.2", "0.3", "0.4", "-0.5", "0.6", "world", "laser"],
         ["1", "2", "3", "0.5", "-0.5", "0.5", "0.5", "world", "laser"],
     ],
 )
-async def test_static_transform_publisher_publishes_what_debians_does(
-    roscore: Ros1Peers, words: list[str]
+async def test_static_transform_publisher_publishes_the_same_as_debians(
+    roscore: Ros1Peers, arguments: list[str]
 ) -> None:
     seen = {}
     for side in SIDES:
         stage = RobotStage(roscore)
         await stage.start_recorder()
-        node = await stage.start_node(side, "tf2_ros", *words, f"__name:=static_{side}")
+        node = await stage.start_node(side, "tf2_ros", *arguments, f"__name:=static_{side}")
         await stage.wait_for(lambda records: bool(records))
         seen[side] = stage.records[0]["transforms"]
         await node.stop()
         await stage.stop_recorder()
-    same_transforms(seen["ours"], seen["debian"], with_stamps=False)
+    assert_same_transforms(seen["rostether"], seen["debian"], with_stamps=False)
 
 
 @pytest.mark.parametrize("robot", ROBOTS)
-async def test_urdf_check_prints_what_check_urdf_does(roscore: Ros1Peers, robot: str, tmp_path: Path) -> None:
+async def test_urdf_check_prints_the_same_as_check_urdf(
+    roscore: Ros1Peers, robot: str, tmp_path: Path
+) -> None:
     import sys
 
     file = tmp_path / "robot.urdf"
     file.write_text(ROBOTS[robot])
-    theirs = await roscore.run("check_urdf", str(file))
-    ours = await roscore.run(sys.executable, "-P", "-m", "rostether", "urdf", "check", str(file))
-    assert ours == theirs
+    debian = await roscore.run("check_urdf", str(file))
+    rostether = await roscore.run(sys.executable, "-P", "-m", "rostether", "urdf", "check", str(file))
+    assert rostether == debian
 
 
 def test_the_gripper_has_a_chain_of_mimics() -> None:

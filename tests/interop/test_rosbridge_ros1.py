@@ -21,7 +21,7 @@ class Page:
     def __init__(self, connection: ClientConnection) -> None:
         self._connection = connection
 
-    async def say(self, op: str, **fields: Any) -> None:
+    async def send(self, op: str, **fields: Any) -> None:
         await self._connection.send(json.dumps({"op": op, **fields}))
 
     async def receive(self, op: str) -> dict[str, Any]:
@@ -31,7 +31,7 @@ class Page:
                 return message
 
     async def call(self, service: str, args: object = None) -> Any:
-        await self.say("call_service", service=service, args=args)
+        await self.send("call_service", service=service, args=args)
         return (await self.receive("service_response"))["values"]
 
 
@@ -49,13 +49,13 @@ async def test_a_page_and_debians_tools(roscore: Ros1Peers) -> None:
 
 async def _topics(page: Page, debian: Ros1Peers) -> None:
     echo = await debian.start("rostopic", "echo", "-n", "1", "-p", "/from_page")
-    await page.say("advertise", topic="/from_page", type="geometry_msgs/Point", latch=True)
-    await page.say("publish", topic="/from_page", msg={"x": 1.5})
+    await page.send("advertise", topic="/from_page", type="geometry_msgs/Point", latch=True)
+    await page.send("publish", topic="/from_page", msg={"x": 1.5})
     assert ",1.5,0.0,0.0" in await echo.finish()
-    await page.say("subscribe", topic="/from_debian", type="std_msgs/String")
+    await page.send("subscribe", topic="/from_debian", type="std_msgs/String")
     await debian.start("rostopic", "pub", "-r", "5", "/from_debian", "std_msgs/String", "hello")
     assert (await page.receive("publish"))["msg"] == {"data": "hello"}
-    await page.say("unsubscribe", topic="/from_debian")
+    await page.send("unsubscribe", topic="/from_debian")
 
 
 async def _services(page: Page, debian: Ros1Peers) -> None:
@@ -67,15 +67,15 @@ async def _services(page: Page, debian: Ros1Peers) -> None:
     assert await page.call(f"{talker}/set_logger_level", ["rosout", "debug"]) == {}
     assert await page.call("/rosapi/service_type", [f"{talker}/get_loggers"]) == {"type": "roscpp/GetLoggers"}
 
-    await page.say("advertise_service", service="/flip", type="std_srvs/SetBool")
+    await page.send("advertise_service", service="/flip", type="std_srvs/SetBool")
     # Operations are handled in order, so the service is offered now.
     await page.call("/rosapi/get_time")
     for answer, printed in [
         ({"values": {"success": True, "message": "on"}, "result": True}, 'message: "on"'),
         ({"values": "no power", "result": False}, "no power"),
     ]:
-        calling = await debian.start("rosservice", "call", "/flip", "true")
+        call = await debian.start("rosservice", "call", "/flip", "true")
         request = await page.receive("call_service")
         assert request["args"] == {"data": True}
-        await page.say("service_response", service="/flip", id=request["id"], **answer)
-        assert printed in await calling.finish()
+        await page.send("service_response", service="/flip", id=request["id"], **answer)
+        assert printed in await call.finish()

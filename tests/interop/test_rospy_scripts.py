@@ -53,10 +53,10 @@ async def printed(peers: Ros1Peers, python: str, script: str, *arguments: str) -
         pytest.skip("Debian's tf.transformations does not work with NumPy 2")
     assert process.returncode == 0, err.decode()
     lines = out.decode().splitlines()
-    return [re.sub(r"\[\d+\.\d+\]", "[time]", line) for line in lines if not _is_left_out(line)]
+    return [re.sub(r"\[\d+\.\d+\]", "[time]", line) for line in lines if not _is_ignored(line)]
 
 
-def _is_left_out(line: str) -> bool:
+def _is_ignored(line: str) -> bool:
     # Debian's rospy reports a probe of its services, depending on when the probe ends.
     probed = "incoming connection failed" in line or "transport terminated" in line
     return _is_debug(line) or probed
@@ -66,22 +66,22 @@ def _is_debug(line: str) -> bool:
     return line.startswith("[DEBUG]") and not line.endswith(("debug 1", "last"))
 
 
-async def observe(peers: Ros1Peers, python: str, how_to_end: str, *arguments: str) -> dict[str, Any]:
-    """Return what Debian's observer finds out about a talker, and how the talker ends."""
+async def observe(peers: Ros1Peers, python: str, end: str, *arguments: str) -> dict[str, Any]:
+    """Return the report of Debian's observer about a talker, and the exit code of the talker."""
     name = "/lisa/mona" if arguments else "/talker"
     talker = await start(peers, python, "talker.py", *arguments)
     observer = await start(peers, DEBIAN_PYTHON, "observer.py", name)
     await observer.wait_for("READY")
-    if how_to_end == "kill":
+    if end == "kill":
         await peers.run("rosnode", "kill", name)
     else:
-        talker.process.send_signal(getattr(signal, how_to_end))
+        talker.process.send_signal(getattr(signal, end))
     await talker.finish()
     await observer.finish()
-    left = observer.lines[-1]
-    assert left.startswith("LEFT"), observer.text
+    last_line = observer.lines[-1]
+    assert last_line.startswith("LEFT"), observer.text
     # Debian's rospy may close its connections before it has sent the message of its shutdown hook.
-    assert python == DEBIAN_PYTHON or left == "LEFT with a word"
+    assert python == DEBIAN_PYTHON or last_line == "LEFT with a message"
     found: dict[str, Any] = json.loads(next(line for line in observer.lines if line.startswith("FOUND"))[6:])
     found["exit"] = talker.process.returncode
     found["printed"] = [re.sub(r"\d+\.\d+", "time", line) for line in talker.lines if "tick" in line]
@@ -89,71 +89,71 @@ async def observe(peers: Ros1Peers, python: str, how_to_end: str, *arguments: st
 
 
 async def test_values(roscore: Ros1Peers) -> None:
-    theirs, ours = await asyncio.gather(*(printed(roscore, python, "values.py") for python in PYTHONS))
-    assert ours == theirs
-    assert len(ours) > 150
+    debian, rostether = await asyncio.gather(*(printed(roscore, python, "values.py") for python in PYTHONS))
+    assert rostether == debian
+    assert len(rostether) > 150
 
 
 @pytest.mark.robot
 @pytest.mark.parametrize("script", ["filters.py", "tools.py"])
 async def test_modules_beside_rospy(roscore: Ros1Peers, script: str) -> None:
-    theirs = await printed(roscore, DEBIAN_PYTHON, script)
-    ours = await printed(roscore, sys.executable, script)
-    assert ours == theirs
-    assert len(ours) > 10
+    debian = await printed(roscore, DEBIAN_PYTHON, script)
+    rostether = await printed(roscore, sys.executable, script)
+    assert rostether == debian
+    assert len(rostether) > 10
 
 
 @pytest.mark.parametrize("script", ["clouds.py", "lookups.py", "matrices.py", "packages.py"])
 async def test_modules_of_messages_and_tools(roscore: Ros1Peers, script: str) -> None:
-    theirs = await printed(roscore, DEBIAN_PYTHON, script)
-    ours = await printed(roscore, sys.executable, script)
-    assert ours == theirs
-    assert len(ours) > 10
+    debian = await printed(roscore, DEBIAN_PYTHON, script)
+    rostether = await printed(roscore, sys.executable, script)
+    assert rostether == debian
+    assert len(rostether) > 10
 
 
 @pytest.mark.robot
 async def test_frames(roscore: Ros1Peers) -> None:
-    theirs = await printed(roscore, DEBIAN_PYTHON, "frames.py")
-    ours = await printed(roscore, sys.executable, "frames.py")
-    assert ours == theirs
-    assert len(ours) > 200
+    debian = await printed(roscore, DEBIAN_PYTHON, "frames.py")
+    rostether = await printed(roscore, sys.executable, "frames.py")
+    assert rostether == debian
+    assert len(rostether) > 200
 
 
 @pytest.mark.robot
 async def test_the_buffer_of_another_node(roscore: Ros1Peers) -> None:
     await roscore.start("/usr/lib/tf2_ros/buffer_server")
-    theirs = await printed(roscore, DEBIAN_PYTHON, "buffer_client.py")
-    ours = await printed(roscore, sys.executable, "buffer_client.py")
-    assert ours == theirs
-    assert ours[0] == "True"
-    assert len(ours) > 6
+    debian = await printed(roscore, DEBIAN_PYTHON, "buffer_client.py")
+    rostether = await printed(roscore, sys.executable, "buffer_client.py")
+    assert rostether == debian
+    assert rostether[0] == "True"
+    assert len(rostether) > 6
 
 
-async def test_a_node_that_talks_with_itself(roscore: Ros1Peers) -> None:
+async def test_a_node_with_its_own_topics_and_services(roscore: Ros1Peers) -> None:
     arguments = ("chatter:=/talk/other", "_rate:=5", "_name:=karl", "__ns:=/robot", "number:=renamed")
-    theirs = await printed(roscore, DEBIAN_PYTHON, "node_api.py", *arguments)
-    ours = await printed(roscore, sys.executable, "node_api.py", *arguments)
-    assert ours == theirs
-    assert len(ours) > 70
+    debian = await printed(roscore, DEBIAN_PYTHON, "node_api.py", *arguments)
+    rostether = await printed(roscore, sys.executable, "node_api.py", *arguments)
+    assert rostether == debian
+    assert len(rostether) > 70
 
 
 @pytest.mark.parametrize(
-    ("how_to_end", "arguments"), [("SIGINT", []), ("SIGTERM", REMAPPINGS), ("kill", REMAPPINGS)]
+    ("end", "arguments"), [("SIGINT", []), ("SIGTERM", REMAPPINGS), ("kill", REMAPPINGS)]
 )
-async def test_what_the_graph_sees(roscore: Ros1Peers, how_to_end: str, arguments: list[str]) -> None:
-    theirs = await observe(roscore, DEBIAN_PYTHON, how_to_end, *arguments)
-    ours = await observe(roscore, sys.executable, how_to_end, *arguments)
-    if how_to_end == "kill":
+async def test_the_graph_sees_the_same(roscore: Ros1Peers, end: str, arguments: list[str]) -> None:
+    debian = await observe(roscore, DEBIAN_PYTHON, end, *arguments)
+    rostether = await observe(roscore, sys.executable, end, *arguments)
+    if end == "kill":
         # Debian's loop may publish when the publisher is closed; it then ends with 1.
-        theirs["exit"] = 0
-    assert ours == theirs
-    assert len(ours["registered"][0]) == 6
+        debian["exit"] = 0
+    assert rostether == debian
+    assert len(rostether["registered"][0]) == 6
 
 
 async def test_actions_between_both(roscore: Ros1Peers) -> None:
     """Every client with every server: the client has the same results."""
     seen = []
-    for server_python, name in ((DEBIAN_PYTHON, "theirs"), (sys.executable, "ours")):
+    for server_python, name in ((DEBIAN_PYTHON, "debian"), (sys.executable, "rostether")):
         server = await start(roscore, server_python, "action_server.py", f"__name:={name}")
         await server.wait_for("SERVING")
         for python in PYTHONS:
@@ -165,14 +165,14 @@ async def test_actions_between_both(roscore: Ros1Peers) -> None:
 
 
 async def test_bags(roscore: Ros1Peers, tmp_path: Path) -> None:
-    bag = tmp_path / "there.bag"
+    bag = tmp_path / "input.bag"
     write_bag(bag, count=6)
     arguments = [(python, str(tmp_path / f"{number}.bag"), str(bag)) for number, python in enumerate(PYTHONS)]
-    theirs, ours = await asyncio.gather(
-        *(printed(roscore, python, "bags.py", *words) for python, *words in arguments)
+    debian, rostether = await asyncio.gather(
+        *(printed(roscore, python, "bags.py", *script_arguments) for python, *script_arguments in arguments)
     )
-    assert ours == theirs
-    assert len(ours) > 130
+    assert rostether == debian
+    assert len(rostether) > 130
 
 
 async def test_the_states_of_goals(roscore: Ros1Peers) -> None:
@@ -187,9 +187,9 @@ for state, by_status in action_client._transitions.items():
             ways.setdefault(state, {})[status] = way if isinstance(way, (list, tuple)) else [way]
 print(json.dumps(ways, sort_keys=True))
 """
-    theirs = json.loads(await roscore.run(DEBIAN_PYTHON, "-c", script))
-    ours = {
+    debian = json.loads(await roscore.run(DEBIAN_PYTHON, "-c", script))
+    rostether = {
         str(state): {str(status): list(states) for status, states in by_status.items()}
         for state, by_status in TRANSITIONS.items()
     }
-    assert ours == theirs
+    assert rostether == debian

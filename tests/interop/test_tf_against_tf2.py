@@ -44,7 +44,7 @@ def ask_tf2(operations: list[list[Any]]) -> list[dict[str, Any]]:
     return [json.loads(line) for line in done.stdout.splitlines()]
 
 
-def ask_ours(operations: list[list[Any]]) -> list[dict[str, Any]]:
+def ask_buffer(operations: list[list[Any]]) -> list[dict[str, Any]]:
     buffer = TransformBuffer()
     answers = []
     for name, *given in operations:
@@ -82,19 +82,19 @@ def as_record(stamped: StampedTransform) -> list[Any]:
 def compare(operations: list[list[Any]]) -> dict[str, int]:
     """Compare all answers; return the number of answers of each kind."""
     counts: dict[str, int] = {}
-    theirs, ours = ask_tf2(operations), ask_ours(operations)
-    assert len(theirs) == len(ours) == len(operations)
-    for operation, their, our in zip(operations, theirs, ours, strict=True):
-        kind = their.get("error", operation[0])
+    tf2, rostether = ask_tf2(operations), ask_buffer(operations)
+    assert len(tf2) == len(rostether) == len(operations)
+    for operation, expected, found in zip(operations, tf2, rostether, strict=True):
+        kind = expected.get("error", operation[0])
         counts[kind] = counts.get(kind, 0) + 1
-        if operation[0] in ("lookup", "through") and "value" in their:
-            assert "value" in our, (operation, our)
-            (their_ns, *their_numbers), (our_ns, *our_numbers) = their["value"], our["value"]
-            assert our_ns == their_ns, operation
-            for a, b in zip(their_numbers, our_numbers, strict=True):
+        if operation[0] in ("lookup", "through") and "value" in expected:
+            assert "value" in found, (operation, found)
+            (expected_ns, *expected_numbers), (found_ns, *found_numbers) = expected["value"], found["value"]
+            assert found_ns == expected_ns, operation
+            for a, b in zip(expected_numbers, found_numbers, strict=True):
                 assert b == pytest.approx(a, abs=TOLERANCE), operation
         else:
-            assert our == their, operation
+            assert found == expected, operation
     return counts
 
 
@@ -107,7 +107,7 @@ def random_rotation(rng: random.Random) -> list[float]:
 def random_session(seed: int) -> list[list[Any]]:
     rng = random.Random(seed)
     frames = [f"f{number}" for number in range(12)]
-    parents = {frame: rng.choice(frames[:place]) for place, frame in enumerate(frames) if place}
+    parents = {frame: rng.choice(frames[:position]) for position, frame in enumerate(frames) if position}
     parents["f11"] = "elsewhere"
     static = {frame for frame in parents if rng.random() < 0.3}
     operations: list[list[Any]] = []
@@ -116,9 +116,9 @@ def random_session(seed: int) -> list[list[Any]]:
         what = rng.random()
         if what < 0.45:
             child = rng.choice(list(parents))
-            place = [rng.uniform(-2, 2) for _ in range(3)]
+            position = [rng.uniform(-2, 2) for _ in range(3)]
             parent = parents[child] if rng.random() < 0.98 else "f0"
-            operations.append(["set", parent, child, at, place, random_rotation(rng), child in static])
+            operations.append(["set", parent, child, at, position, random_rotation(rng), child in static])
         elif what < 0.8:
             target, source = rng.choices([*frames, "elsewhere", "nowhere"], k=2)
             operations.append(["lookup", target, source, 0 if rng.random() < 0.4 else at])
@@ -139,28 +139,28 @@ def test_random_trees_give_the_same_transforms_and_errors(seed: int) -> None:
     assert counts["ExtrapolationException"] > 5
 
 
-ONE = [0.0, 0.0, 0.0, 1.0]
+IDENTITY = [0.0, 0.0, 0.0, 1.0]
 
 
-def setting(parent: str, child: str, at_s: float, **kept: Any) -> list[Any]:
+def set_operation(parent: str, child: str, at_s: float, **options: Any) -> list[Any]:
     return [
         "set",
         parent,
         child,
         round(at_s * SECOND),
-        kept.get("at", [1.0, 0.0, 0.0]),
-        kept.get("turned", ONE),
-        kept.get("is_static", False),
+        options.get("at", [1.0, 0.0, 0.0]),
+        options.get("turned", IDENTITY),
+        options.get("is_static", False),
     ]
 
 
 def test_a_loop_is_reported() -> None:
     counts = compare(
         [
-            setting("y", "x", 100),
-            setting("x", "y", 100),
-            setting("x", "w", 100),
-            setting("a", "b", 100),
+            set_operation("y", "x", 100),
+            set_operation("x", "y", 100),
+            set_operation("x", "w", 100),
+            set_operation("a", "b", 100),
             ["lookup", "w", "a", 0],
             ["lookup", "x", "y", 0],
             ["lookup", "w", "b", 100 * SECOND],
@@ -169,10 +169,10 @@ def test_a_loop_is_reported() -> None:
     assert counts["LookupException"] == 2
 
 
-def test_names_that_are_none_are_refused() -> None:
+def test_illegal_names_are_refused() -> None:
     compare(
         [
-            setting("/a", "/b", 100),
+            set_operation("/a", "/b", 100),
             ["lookup", "a", "b", 0],
             ["lookup", "/a", "b", 0],
             ["lookup", "a", "/b", 0],
@@ -188,38 +188,38 @@ def test_names_that_are_none_are_refused() -> None:
 @pytest.mark.parametrize(
     "refused",
     [
-        setting("a", "a", 101),
-        setting("", "c", 101),
-        setting("a", "", 101),
-        setting("a", "b", 101, turned=[0.0, 0.0, 0.0, 2.0]),
-        setting("a", "b", 101, turned=[0.0, 0.0, 0.0, 0.0]),
-        setting("a", "b", 101, turned=[0.0, 0.0, 0.0, 1.004]),
-        setting("a", "b", 101, turned=[0.0, 0.0, 0.0, 1.006]),
-        setting("a", "b", 101, at=[math.nan, 0.0, 0.0]),
-        setting("a", "b", 100, at=[5.0, 0.0, 0.0]),
-        setting("a", "b", 80),
-        setting("a", "b", 90, at=[5.0, 0.0, 0.0]),
-        setting("c", "b", 101, at=[5.0, 0.0, 0.0]),
-        setting("a", "b", 101, is_static=True),
+        set_operation("a", "a", 101),
+        set_operation("", "c", 101),
+        set_operation("a", "", 101),
+        set_operation("a", "b", 101, turned=[0.0, 0.0, 0.0, 2.0]),
+        set_operation("a", "b", 101, turned=[0.0, 0.0, 0.0, 0.0]),
+        set_operation("a", "b", 101, turned=[0.0, 0.0, 0.0, 1.004]),
+        set_operation("a", "b", 101, turned=[0.0, 0.0, 0.0, 1.006]),
+        set_operation("a", "b", 101, at=[math.nan, 0.0, 0.0]),
+        set_operation("a", "b", 100, at=[5.0, 0.0, 0.0]),
+        set_operation("a", "b", 80),
+        set_operation("a", "b", 90, at=[5.0, 0.0, 0.0]),
+        set_operation("c", "b", 101, at=[5.0, 0.0, 0.0]),
+        set_operation("a", "b", 101, is_static=True),
     ],
 )
-def test_what_is_refused_changes_nothing(refused: list[Any]) -> None:
+def test_a_refused_transform_changes_nothing(refused: list[Any]) -> None:
     questions = [["lookup", "a", "b", at] for at in (0, 90 * SECOND, 95 * SECOND, 100 * SECOND, 101 * SECOND)]
-    compare([setting("a", "b", 100), refused, *questions, ["string"], ["yaml"]])
+    compare([set_operation("a", "b", 100), refused, *questions, ["string"], ["yaml"]])
 
 
-def test_old_transforms_are_forgotten() -> None:
-    moves = [setting("a", "b", 100 + step, at=[float(step), 0.0, 0.0]) for step in range(15)]
+def test_old_transforms_are_removed() -> None:
+    moves = [set_operation("a", "b", 100 + step, at=[float(step), 0.0, 0.0]) for step in range(15)]
     compare([*moves, *(["lookup", "a", "b", at * SECOND] for at in range(98, 117)), ["yaml"]])
 
 
-def test_between_opposite_quaternions_the_shorter_way_is_taken() -> None:
+def test_interpolation_uses_the_shorter_rotation() -> None:
     half = math.sqrt(0.5)
     compare(
         [
-            setting("a", "b", 100, turned=[half, 0.0, 0.0, half]),
-            setting("a", "b", 101, turned=[0.0, -half, 0.0, -half]),
-            setting("a", "b", 102, turned=[0.0, half, 0.0, half]),
+            set_operation("a", "b", 100, turned=[half, 0.0, 0.0, half]),
+            set_operation("a", "b", 101, turned=[0.0, -half, 0.0, -half]),
+            set_operation("a", "b", 102, turned=[0.0, half, 0.0, half]),
             *(["lookup", "a", "b", 100 * SECOND + part * SECOND // 7] for part in range(15)),
         ]
     )
@@ -228,10 +228,10 @@ def test_between_opposite_quaternions_the_shorter_way_is_taken() -> None:
 def test_the_chain_between_two_frames() -> None:
     compare(
         [
-            setting("root", "a", 100),
-            setting("a", "a1", 100),
-            setting("root", "b", 100),
-            setting("b", "b1", 100, is_static=True),
+            set_operation("root", "a", 100),
+            set_operation("a", "a1", 100),
+            set_operation("root", "b", 100),
+            set_operation("b", "b1", 100, is_static=True),
             ["lookup", "a1", "b1", 0],
             ["lookup", "b1", "a1", 0],
             ["lookup", "root", "a1", 0],

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 import time
 from collections.abc import AsyncIterator
 from pathlib import Path
@@ -12,41 +11,41 @@ import pytest_asyncio
 
 from contract.graphs import STRING, Inbox, string
 from interop.node_stage import Stage, stage_on
-from programs import Peer
+from programs import ROSTETHER, Peer
 from waiting import until
 
-THEIRS = Path("/usr/lib/topic_tools")
-ROSTETHER = [sys.executable, "-m", "rostether", "role"]
+DEBIAN_FOLDER = Path("/usr/lib/topic_tools")
+ROLE_COMMAND = (*ROSTETHER, "role")
 
 pytestmark = pytest.mark.topic_tools
 
 
 @pytest_asyncio.fixture
 async def stage(tmp_path: Path) -> AsyncIterator[Stage]:
-    async with stage_on("our master", tmp_path) as stage:
+    async with stage_on("rostether's master", tmp_path) as stage:
         yield stage
 
 
-def command(whose: str, node: str) -> list[str]:
-    return [*ROSTETHER, node.replace("_", "-")] if whose == "ours" else [str(THEIRS / node)]
+def command(side: str, node: str) -> list[str]:
+    return [*ROLE_COMMAND, node.replace("_", "-")] if side == "rostether" else [str(DEBIAN_FOLDER / node)]
 
 
-async def start(stage: Stage, whose: str, node: str, *arguments: str) -> Peer:
-    return await stage.peers.start(*command(whose, node), *arguments)
+async def start(stage: Stage, side: str, node: str, *arguments: str) -> Peer:
+    return await stage.peers.start(*command(side, node), *arguments)
 
 
-@pytest.mark.parametrize("whose", ["ours", "theirs"])
-async def test_a_mux_is_steered_by_the_services_of_topic_tools(stage: Stage, whose: str) -> None:
+@pytest.mark.parametrize("side", ["rostether", "debian"])
+async def test_a_mux_is_controlled_by_the_services_of_topic_tools(stage: Stage, side: str) -> None:
     peers = stage.peers
 
-    async def call(service: str, *request: str, fails: bool = False) -> str:
+    async def call(service: str, *request: str, must_fail: bool = False) -> str:
         # Debian's rosservice has no Python classes of topic_tools' services.
-        words = ("-m", "rostether", "service", "call", f"/mux/{service}", *request)
-        return await peers.run(sys.executable, *words, check=not fails)
+        arguments = ("service", "call", f"/mux/{service}", *request)
+        return await peers.run(*ROSTETHER, *arguments, check=not must_fail)
 
     for topic, text in (("/a", "from a"), ("/b", "from b")):
         await peers.start("rostopic", "pub", "-r", "10", topic, "std_msgs/String", text)
-    await start(stage, whose, "mux", "/out", "/a", "/b", "__name:=chooser")
+    await start(stage, side, "mux", "/out", "/a", "/b", "__name:=chooser")
     out = await peers.start("rostopic", "echo", "/out")
     await out.wait_for("from a")
     selected = await peers.start("rostopic", "echo", "/mux/selected")
@@ -59,7 +58,7 @@ async def test_a_mux_is_steered_by_the_services_of_topic_tools(stage: Stage, who
     listed = await call("list")
     assert [line.strip() for line in listed.splitlines()] == ["topics:", "- /a", "- /b", "- /c"]
     await call("delete", "/c")
-    refused = await call("delete", "/b", fails=True)
+    refused = await call("delete", "/b", must_fail=True)
     assert refused.startswith("rostether: error: ")
     types = {
         each: (await peers.run("rosservice", "type", f"/mux/{each}")).strip() for each in ("select", "list")
@@ -67,12 +66,12 @@ async def test_a_mux_is_steered_by_the_services_of_topic_tools(stage: Stage, who
     assert types == {"select": "topic_tools/MuxSelect", "list": "topic_tools/MuxList"}
 
 
-@pytest.mark.parametrize("whose", ["ours", "theirs"])
-async def test_a_relay_and_a_throttle(stage: Stage, whose: str) -> None:
+@pytest.mark.parametrize("side", ["rostether", "debian"])
+async def test_a_relay_and_a_throttle(stage: Stage, side: str) -> None:
     peers = stage.peers
     await peers.start("rostopic", "pub", "-r", "50", "/a", "std_msgs/String", "x")
-    await start(stage, whose, "relay", "/a", "/copy")
-    await start(stage, whose, "throttle", "messages", "/a", "5.0")
+    await start(stage, side, "relay", "/a", "/copy")
+    await start(stage, side, "throttle", "messages", "/a", "5.0")
     node = await stage.join("/listener")
     began_s = time.monotonic()
     inboxes = {topic: Inbox() for topic in ("/a", "/copy", "/a_throttle")}

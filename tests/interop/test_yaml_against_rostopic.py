@@ -77,7 +77,7 @@ def printed(value: Any, request: dict[str, Any], path: FieldPath | None) -> str:
 
 
 @functools.cache
-def echoes() -> dict[str, list[tuple[Message, dict[str, Any], Any]]]:
+def echo_cases() -> dict[str, list[tuple[Message, dict[str, Any], Any]]]:
     """Return (message, request, rostopic's answer) by type, in every style, also for values that genpy
     changes.
     """
@@ -97,7 +97,7 @@ def echoes() -> dict[str, list[tuple[Message, dict[str, Any], Any]]]:
 
 @pytest.mark.parametrize("name", TYPES)
 def test_echo(name: str) -> None:
-    for message, request, answer in echoes()[name]:
+    for message, request, answer in echo_cases()[name]:
         assert answer["problem"] == ""
         assert printed(message, request, None) == answer["text"]
 
@@ -208,7 +208,7 @@ ARGUMENTS: list[tuple[str, list[str]]] = [
 
 
 @functools.cache
-def filled() -> list[Any]:
+def fill_answers() -> list[Any]:
     return ask_genpy([{"task": "fill", "type": name, "arguments": args} for name, args in ARGUMENTS])
 
 
@@ -217,7 +217,7 @@ def filled() -> list[Any]:
 )
 def test_arguments(case: int) -> None:
     name, arguments = ARGUMENTS[case]
-    answer = filled()[case]
+    answer = fill_answers()[case]
     codec = STORE.codec(name)
     if "error" in answer:
         with pytest.raises(SerializationError) as error:

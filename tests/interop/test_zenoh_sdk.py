@@ -102,11 +102,11 @@ async def test_a_stamped_message_both_ways(node: Graph, session: ZenohSession, p
         "type_hash": session.types.message(RANGE).type_hash,
     }
     codec = STORE.codec("sensor_msgs/Range")
-    there, back = await node.advertise("/there", RANGE), Inbox()
-    await node.subscribe("/back", ANY_MESSAGE, back.store)
-    await peer.do("subscribe", "/there", **kind)
+    publisher, inbox = await node.advertise("/to_sdk", RANGE), Inbox()
+    await node.subscribe("/back", ANY_MESSAGE, inbox.store)
+    await peer.do("subscribe", "/to_sdk", **kind)
     await peer.do("advertise", "/back", **kind)
-    await until(lambda: there.subscriber_count == 1)
+    await until(lambda: publisher.subscriber_count == 1)
     header = {"stamp": {"sec": 12, "nanosec": 34}, "frame_id": "sonar"}
     fields = {
         "radiation_type": 1,
@@ -118,15 +118,15 @@ async def test_a_stamped_message_both_ways(node: Graph, session: ZenohSession, p
     ros1 = codec.encode(
         {**fields, "header": {"seq": 9, "stamp": {"secs": 12, "nsecs": 34}, "frame_id": "sonar"}}
     )
-    there.publish_raw([ros1])
+    publisher.publish_raw([ros1])
     await until(lambda: peer.received)
-    got = peer.received[0]
-    assert {name: got[name] for name in fields} == fields
-    assert got["header"] == header
+    received = peer.received[0]
+    assert {name: received[name] for name in fields} == fields
+    assert received["header"] == header
     await peer.do("publish", "/back", messages=[{**fields, "variance": 0.0, "header": header}])
-    await until(lambda: back.payloads)
+    await until(lambda: inbox.payloads)
     # The same except for seq, which ROS 2 does not have.
-    assert back.payloads[0] == bytes(4) + ros1[4:]
+    assert inbox.payloads[0] == bytes(4) + ros1[4:]
 
 
 async def test_latched_topic_to_sdk_subscriber(node: Graph, peer: SdkPeer) -> None:
@@ -150,10 +150,10 @@ async def test_service_called_by_sdk(node: Graph, peer: SdkPeer) -> None:
         return request + string("is it")
 
     await node.advertise_service("/switch", SET_BOOL, answer)
-    halves = {"request_definition": "bool data", "response_definition": "bool success\nstring message"}
+    definitions = {"request_definition": "bool data", "response_definition": "bool success\nstring message"}
     for data in (True, False):
         answered = await peer.do(
-            "call", "/switch", srv_type="std_srvs/srv/SetBool", request={"data": data}, **halves
+            "call", "/switch", srv_type="std_srvs/srv/SetBool", request={"data": data}, **definitions
         )
         assert {key: answered["response"][key] for key in ("success", "message")} == {
             "success": data,
@@ -162,8 +162,8 @@ async def test_service_called_by_sdk(node: Graph, peer: SdkPeer) -> None:
 
 
 async def test_service_of_sdk_called(node: Graph, peer: SdkPeer) -> None:
-    halves = {"request_definition": "bool data", "response_definition": "bool success\nstring message"}
-    await peer.do("serve", "/switch", srv_type="std_srvs/srv/SetBool", answer="you said ", **halves)
+    definitions = {"request_definition": "bool data", "response_definition": "bool success\nstring message"}
+    await peer.do("serve", "/switch", srv_type="std_srvs/srv/SetBool", answer="you said ", **definitions)
     response = await node.call_service("/switch", SET_BOOL, b"\x01", timeout_s=60)
     assert response == b"\x01" + string("you said True")
     assert await node.call_service("/switch", SET_BOOL, b"\x00") == b"\x00" + string("you said False")
@@ -173,11 +173,11 @@ async def test_service_of_sdk_called(node: Graph, peer: SdkPeer) -> None:
 
 
 async def test_each_sees_the_others_graph(node: Graph, session: ZenohSession, peer: SdkPeer) -> None:
-    await node.advertise("/ours", STRING)
+    await node.advertise("/from_board", STRING)
     await node.subscribe("/back", STRING, Inbox().store)
     await peer.do(
         "advertise",
-        "/theirs",
+        "/from_sdk",
         msg_type="std_msgs/msg/String",
         msg_definition=STRING_TEXT,
         node_name="talker",
@@ -185,20 +185,20 @@ async def test_each_sees_the_others_graph(node: Graph, session: ZenohSession, pe
     )
     # The peer discovers its own topics like those of others.
     async with asyncio.timeout(60):
-        while not {"/ours", "/theirs"} <= (topics := (await peer.do("topics"))["topics"]).keys():
+        while not {"/from_board", "/from_sdk"} <= (topics := (await peer.do("topics"))["topics"]).keys():
             await asyncio.sleep(0.02)
-    assert topics["/ours"] == topics["/theirs"] == ["std_msgs/msg/String"]
+    assert topics["/from_board"] == topics["/from_sdk"] == ["std_msgs/msg/String"]
     assert topics["/rosout"] == ["rcl_interfaces/msg/Log"]
-    info = (await peer.do("topic", "/ours"))["info"]
+    info = (await peer.do("topic", "/from_board"))["info"]
     (publisher,) = info["publishers"]
     assert (publisher["node_namespace"].strip("/"), publisher["node_name"].strip("/")) == ("lab", "board")
     assert publisher["type_hash"] == session.types.message(STRING).type_hash
     snapshot = await snapshot_when(
-        node, lambda seen: "/theirs" in seen.topics and seen.topics["/theirs"].publishers
+        node, lambda seen: "/from_sdk" in seen.topics and seen.topics["/from_sdk"].publishers
     )
     assert {"/lab/board", "/far/talker"} <= set(snapshot.nodes)
-    assert snapshot.topics["/theirs"].publishers == ("/far/talker",)
-    assert snapshot.topics["/theirs"].type == "std_msgs/msg/String"
+    assert snapshot.topics["/from_sdk"].publishers == ("/far/talker",)
+    assert snapshot.topics["/from_sdk"].type == "std_msgs/msg/String"
     await peer.close()
     changes = node.changes()
     async for snapshot in changes:

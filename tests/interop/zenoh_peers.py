@@ -20,8 +20,8 @@ def missing_sdk() -> str:
 
 
 class SdkPeer:
-    """The process with zenoh-ros2-sdk; `got` has the messages of its subscribers, `got_on` those of each
-    topic.
+    """The process with zenoh-ros2-sdk. `received` has all messages of its subscribers, `received_on` those of
+    each topic.
     """
 
     def __init__(self, process: asyncio.subprocess.Process) -> None:
@@ -31,18 +31,18 @@ class SdkPeer:
         self._answers: asyncio.Queue[dict[str, Any]] = asyncio.Queue()
         self._reading = asyncio.ensure_future(self._read())
 
-    async def do(self, what: str, name: str = "", **order: Any) -> dict[str, Any]:
+    async def do(self, verb: str, name: str = "", **arguments: Any) -> dict[str, Any]:
         """Send a command, and wait until it is done."""
         assert self._process.stdin is not None
-        line = json.dumps({"do": what, "name": name, **order})
+        line = json.dumps({"do": verb, "name": name, **arguments})
         self._process.stdin.write(line.encode() + b"\n")
-        return await self.answer(what)
+        return await self.answer(verb)
 
-    async def answer(self, what: str, timeout_s: float = 60.0) -> dict[str, Any]:
+    async def answer(self, verb: str, timeout_s: float = 60.0) -> dict[str, Any]:
         """Wait for the answer to a command."""
         async with asyncio.timeout(timeout_s):
             answer = await self._answers.get()
-        assert answer.get("done") == what, answer
+        assert answer.get("done") == verb, answer
         assert "error" not in answer, answer
         return answer
 
@@ -61,9 +61,9 @@ class SdkPeer:
             if not line.startswith(b"{"):
                 continue
             fields = json.loads(line)
-            if "got" in fields:
+            if "received" in fields:
                 self.received.append(fields["fields"])
-                self.received_on.setdefault(fields["got"], []).append(fields["fields"])
+                self.received_on.setdefault(fields["received"], []).append(fields["fields"])
             else:
                 self._answers.put_nowait(fields)
 

@@ -42,10 +42,10 @@ def test_lookups_are_those_of_tf2(tmp_path: Path) -> None:
     script = make_script(random.Random(7))
 
     def run(command: list[str], environment: dict[str, str]) -> list[list[float]]:
-        done = subprocess.run(
+        completed = subprocess.run(
             command, env=environment, input=script, capture_output=True, text=True, check=True
         )
-        return cast("list[list[float]]", json.loads(done.stdout))
+        return cast("list[list[float]]", json.loads(completed.stdout))
 
     environment = ros_environment("http://127.0.0.1:1", tmp_path)
     expected = run(["/usr/bin/python3", str(PEERS.parents[1] / "interop/peers/tf2_lookups.py")], environment)

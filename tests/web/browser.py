@@ -20,7 +20,7 @@ WEB = ROOT / "web"
 PROGRAM = Path(__file__).parent / "browser.mjs"
 # Chromium without its user interface starts and opens pages in a fifth of the processor time.
 HEADLESS = "chromium-headless-shell"
-# It has no camera.
+# The complete Chromium. The headless shell has no camera.
 CHROMIUM = "chromium"
 TIMEOUT_S = 60.0
 POLL_S = 0.1

@@ -57,10 +57,10 @@ async def test_controls_follow_another_page(robot: Robot, browser: Browser) -> N
             while await browser.do("evaluate", page=first, script=f"{box}.value") != "9223372036854775807":
                 await browser.do("evaluate", page=second, script=enter)
                 await asyncio.sleep(0.1)
-        wanted = "false" if await browser.do("evaluate", page=first, script=state) == "true" else "true"
+        expected = "false" if await browser.do("evaluate", page=first, script=state) == "true" else "true"
         await browser.do("click", page=first, selector=selector)
-        await browser.wait_for(second, f"{state} === {wanted!r}")
-        await browser.wait_for(first, f"{state} === {wanted!r}")
+        await browser.wait_for(second, f"{state} === {expected!r}")
+        await browser.wait_for(first, f"{state} === {expected!r}")
         await switch.close()
         await counter.close()
 

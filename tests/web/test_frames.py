@@ -42,7 +42,7 @@ async def test_ten_poses_are_drawn_as_tf2_computes_them(
         ],
         "lookups": [["odom", "finger", 100 + step] for step in range(POSES)],
     }
-    done = subprocess.run(
+    completed = subprocess.run(
         ["/usr/bin/python3", str(LOOKUPS)],
         env=ros_environment("http://127.0.0.1:1", tmp_path),
         input=json.dumps(script),
@@ -55,7 +55,7 @@ async def test_ten_poses_are_drawn_as_tf2_computes_them(
     async with rostether.join("broadcaster", master=robot.master) as graph:
         publisher = await graph.publisher("/tf", "tf2_msgs/TFMessage")
         await browser.wait_for(page, "document.querySelector('.scene-side select') !== null")
-        for poses, expected in zip(steps, json.loads(done.stdout), strict=True):
+        for poses, expected in zip(steps, json.loads(completed.stdout), strict=True):
             # A rotation and its negative are the same.
             near = (
                 f"((at, to) => at && [1, -1].some((sign) => at.every((each, index) => "

@@ -28,11 +28,11 @@ def from_angles(roll: float, pitch: float, yaw: float) -> tuple[float, float, fl
     )
 
 
-def degrees_apart(measured: Quaternion, wanted: tuple[float, float, float, float]) -> float:
+def degrees_apart(measured: Quaternion, expected: tuple[float, float, float, float]) -> float:
     """Return the angle of the rotation between two attitudes."""
     found = (measured.x, measured.y, measured.z, measured.w)
     assert math.isclose(math.hypot(*found), 1, abs_tol=1e-3)
-    along = abs(sum(a * b for a, b in zip(found, wanted, strict=True)))
+    along = abs(sum(a * b for a, b in zip(found, expected, strict=True)))
     return math.degrees(2 * math.acos(min(along, 1.0)))
 
 

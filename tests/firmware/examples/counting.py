@@ -42,7 +42,7 @@ OPERATIONS = (
     Operation("receive and dispatch Empty", 1660, 1, 1390),
     Operation("receive and dispatch String, 12 letters", 4042, 1, 2400),
 )
-# The sketch subscribes to the two topics first.
+# The topics to which the sketch subscribes have the ids 100 to 102.
 INPUTS = {
     OPERATIONS[1]: encode_frame(0, b""),
     OPERATIONS[7]: encode_frame(100, b"\x34\x12"),

@@ -39,12 +39,12 @@ async def driving(cmd_vel: TypedPublisher[...], speed: float, turn_rate: float) 
         commanding.cancel()
 
 
-async def wait_for_duty(stage: Stage, pin: str, wanted: float) -> None:
+async def wait_for_duty(stage: Stage, pin: str, expected: float) -> None:
     """Wait until a motor's PWM has this duty."""
 
     def has_duty() -> bool:
         reported = [each for each in stage.board.recent if each.name == "pwm" and each["pin"] == pin]
-        return bool(reported) and abs(reported[-1]["duty"] - wanted) < 0.02
+        return bool(reported) and abs(reported[-1]["duty"] - expected) < 0.02
 
     async with asyncio.timeout(TIMEOUT_S):
         while not has_duty():
@@ -151,7 +151,7 @@ async def test_it_loses_no_command_while_it_publishes(kind: str) -> None:
             assert await host.board.memory("has_power", 1) == bytes([is_on]), number
 
 
-async def test_it_senses(kind: str) -> None:
+async def test_it_publishes_its_sensors(kind: str) -> None:
     commands = ["adc A0=4.0", "pin D9=0", "attitude 0 0 30"]
     async with running("MobileBase", kind, commands) as stage:
         state = await stage.message("/sensor_state", "turtlebot3_msgs/SensorState")

@@ -76,17 +76,17 @@ async def test_imu_shows_the_attitude(kind: str) -> None:
         await imu.wait_for()
         for degrees in ((0, 0, 0), (30, -20, 90), (-170, 40, -135), (0, 88, 10)):
             angles = [math.radians(angle) for angle in degrees]
-            wanted = from_angles(*angles)
+            expected = from_angles(*angles)
             await stage.board.set_attitude(*angles)
-            await imu.wait_for(lambda message: degrees_apart(message.orientation, wanted) < 2)  # noqa: B023
+            await imu.wait_for(lambda message: degrees_apart(message.orientation, expected) < 2)  # noqa: B023
             await imu.wait_for()
             for message in await imu.next_messages(5):
-                assert degrees_apart(message.orientation, wanted) < 2
+                assert degrees_apart(message.orientation, expected) < 2
                 assert message.header.frame_id == "imu_link"
                 assert message.orientation_covariance[0] > 0
             (frame,) = (await tf.wait_for()).transforms
             assert (frame.header.frame_id, frame.child_frame_id) == ("base_link", "imu_link")
-            assert degrees_apart(frame.transform.rotation, wanted) < 2
+            assert degrees_apart(frame.transform.rotation, expected) < 2
             position = frame.transform.translation
             assert math.hypot(position.x, position.y, position.z) == 1
 

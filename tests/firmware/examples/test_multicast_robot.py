@@ -29,8 +29,8 @@ KEY = bytes.fromhex(re.findall(r'KEY "(\w+)"', TEXT)[0])
 TTL_S = 0.3
 # The time that the robot needs for frames that have arrived.
 GRACE_S = 0.1
-# The flash that the library adds to a sketch that receives and decodes bare commands, on an Uno: with avr-gcc
-# 5.4, and with newer versions (1,816 bytes with version 16). With avr-gcc 5.4, and with newer versions.
+# The flash and RAM in bytes that the library adds to a sketch that receives and decodes bare commands, on an
+# Uno: with avr-gcc 5.4, and with newer versions (1,816 bytes of flash with version 16).
 MAX_FLASH, MAX_RAM = (1500, 120)
 MAX_FLASH_NEWER, MAX_RAM_NEWER = (1900, 180)
 BARE_COMMANDS = """
@@ -189,8 +189,8 @@ async def test_the_library_is_small(tmp_path: Path) -> None:
 async def test_tags_of_every_length_on_a_board(tmp_path: Path) -> None:
     built = await build_sketch(write_sketch(tmp_path, "Tags", TAGS), find_board("uno"))
     data = bytes(range(TAG_LENGTHS))
-    wanted = b"".join(siphash_2_4(KEY, data[:length]) for length in range(TAG_LENGTHS))
+    expected = b"".join(siphash_2_4(KEY, data[:length]) for length in range(TAG_LENGTHS))
     async with await SimulatedBoard.start(built.elf, realtime=False) as board, asyncio.timeout(TIMEOUT_S):
         while await board.memory("checked", 1) != bytes([TAG_LENGTHS]):
             await asyncio.sleep(0.01)
-        assert await board.memory("tags", len(wanted)) == wanted
+        assert await board.memory("tags", len(expected)) == expected

@@ -40,28 +40,30 @@ def angles_of(message: Any) -> tuple[int, ...]:
     return tuple(getattr(message, name) for name in SERVOS)
 
 
-async def wait_for_angles(graph: TypedGraph, topic: str, wanted: Sequence[int]) -> None:
+async def wait_for_angles(graph: TypedGraph, topic: str, expected: Sequence[int]) -> None:
     """Wait for a message with these servo angles."""
     seen = None
     try:
         async with asyncio.timeout(60), aclosing(aiter(graph.messages(topic))) as messages:
             async for message in messages:
                 seen = angles_of(message)
-                if seen == tuple(wanted):
+                if seen == tuple(expected):
                     return
     except TimeoutError:
-        pytest.fail(f"{topic} never was {wanted}; the last was {seen}")
+        pytest.fail(f"{topic} never was {expected}; the last was {seen}")
 
 
-async def wait_for_servos(board: SimulatedBoard, wanted: Sequence[float]) -> None:
+async def wait_for_servos(board: SimulatedBoard, expected: Sequence[float]) -> None:
     angles: list[float] = []
     try:
         async with asyncio.timeout(60):
-            while not angles or max(abs(a - b) for a, b in zip(angles, wanted, strict=True)) > JITTER_DEGREES:
+            while (
+                not angles or max(abs(a - b) for a, b in zip(angles, expected, strict=True)) > JITTER_DEGREES
+            ):
                 angles = [await board.servo_angle(pin) for pin in PINS]
                 await asyncio.sleep(0.01)
     except TimeoutError:
-        pytest.fail(f"the servos never stood at {wanted}, but at {angles}")
+        pytest.fail(f"the servos never stood at {expected}, but at {angles}")
 
 
 async def wait_for_frames(graph: TypedGraph, child: str, turn: float) -> TransformBuffer:
@@ -131,10 +133,10 @@ async def check_frames(graph: TypedGraph) -> None:
     pose_of_finger = finger_pose(SET3)
     finger = buffer.lookup("base_link", "finger").transform
     for point in ((0.0, 0.0, 0.0), (0.06, 0.0, 0.0), (0.0, 0.01, 0.02)):
-        wanted = [
+        expected = [
             sum(pose_of_finger[row][k] * value for k, value in enumerate((*point, 1))) for row in range(3)
         ]
-        assert finger.apply(point) == pytest.approx(wanted, abs=1e-9)
+        assert finger.apply(point) == pytest.approx(expected, abs=1e-9)
 
 
 async def select(terminal: Terminals, name: str) -> str:

@@ -126,11 +126,11 @@ async def running(
 def run(program: Path, library: Path, text: str = "", heap: str = "384k") -> str:
     """Run a program to its end; return what it prints for a text on standard input."""
     command = [*INTERPRETER[:-1], f"heapsize={heap}", str(program)]
-    done = subprocess.run(
+    completed = subprocess.run(
         command, env=_environment(library), input=text, capture_output=True, text=True, timeout=150
     )
-    assert done.returncode == 0, done.stdout + done.stderr
-    return done.stdout
+    assert completed.returncode == 0, completed.stdout + completed.stderr
+    return completed.stdout
 
 
 def _environment(*folders: Path) -> dict[str, str]:

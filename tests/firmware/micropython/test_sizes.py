@@ -19,7 +19,7 @@ def test_the_core_is_small(compiler: str, library: Path, tmp_path: Path) -> None
     assert package is not None
     assert package.origin is not None
     output = tmp_path / "module.mpy"
-    # The wheel has older versions without the right to run them.
+    # The wheel has older versions without the permission to run them.
     program = Path(shutil.copy(Path(package.origin).parent / compiler, tmp_path))
     program.chmod(0o700)
     total = 0

@@ -60,7 +60,7 @@ def built(compiler: str, name: str, library: Path, *flags: str) -> Path:
 
 def run(program: Path, *arguments: str, stdin: str = "", timeout_s: float = 50.0) -> str:
     """Run a program to its end; fail with its error messages."""
-    done = subprocess.run(
+    completed = subprocess.run(
         [program, *arguments],
         env={"ASAN_OPTIONS": "handle_sigill=1"},
         input=stdin,
@@ -68,8 +68,8 @@ def run(program: Path, *arguments: str, stdin: str = "", timeout_s: float = 50.0
         text=True,
         timeout=timeout_s,
     )
-    assert done.returncode == 0, f"exit code {done.returncode}\n{done.stderr[-4000:]}"
-    return done.stdout
+    assert completed.returncode == 0, f"exit code {completed.returncode}\n{completed.stderr[-4000:]}"
+    return completed.stdout
 
 
 def _digest(command: Sequence[str], library: Path) -> str:
@@ -82,8 +82,8 @@ def _digest(command: Sequence[str], library: Path) -> str:
 def _build(command: Sequence[str], sources: Sequence[Path], work: Path, program: Path) -> None:
     whole, unfinished = work / "whole.cpp", work / "program"
     whole.write_text(_joined(sources))
-    done = subprocess.run([*command, str(whole), "-o", str(unfinished)], capture_output=True, text=True)
-    assert done.returncode == 0 and not done.stderr, done.stderr
+    completed = subprocess.run([*command, str(whole), "-o", str(unfinished)], capture_output=True, text=True)
+    assert completed.returncode == 0 and not completed.stderr, completed.stderr
     os.replace(unfinished, program)  # noqa: PTH105 - at once, so that a program is never started half-written
 
 

@@ -27,8 +27,8 @@ SKIPPED = ("protocol1", "mearm")
 
 def endpoints(capture: Capture) -> list[str]:
     """Return the board's endpoints that receive, by topic id."""
-    wanted = [(topic.kind, topic.type) for _, topic in sorted(capture.topics.items())]
-    return [ENDPOINTS[each] for each in wanted if each in ENDPOINTS]
+    expected = [(topic.kind, topic.type) for _, topic in sorted(capture.topics.items())]
+    return [ENDPOINTS[each] for each in expected if each in ENDPOINTS]
 
 
 def sent_by_host(capture: Capture) -> dict[int, int]:

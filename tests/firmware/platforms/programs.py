@@ -26,13 +26,13 @@ def compile_program(
 ) -> Path:
     """Compile and link sources against a generated library; fail with the compiler's messages."""
     output.parent.mkdir(parents=True, exist_ok=True)
-    done = subprocess.run(
+    completed = subprocess.run(
         [*command, *WARNINGS, f"-I{library}/src", *map(str, sources), "-o", str(output), *after],
         capture_output=True,
         text=True,
     )
-    assert done.returncode == 0, done.stderr
-    assert not done.stderr, done.stderr
+    assert completed.returncode == 0, completed.stderr
+    assert not completed.stderr, completed.stderr
     return output
 
 

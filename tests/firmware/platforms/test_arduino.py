@@ -60,8 +60,8 @@ async def test_an_esp32_uses_the_network_without_a_switch(
 
 
 def test_ports_of_any_class(library: Path, tmp_path_factory: pytest.TempPathFactory) -> None:
-    done = subprocess.run([_compile("serial_ports.cpp", library, tmp_path_factory)], check=False)
-    assert done.returncode == 0, f"check {done.returncode} of serial_ports.cpp failed"
+    completed = subprocess.run([_compile("serial_ports.cpp", library, tmp_path_factory)], check=False)
+    assert completed.returncode == 0, f"check {completed.returncode} of serial_ports.cpp failed"
 
 
 async def test_tcp_exchanges_messages_and_reconnects_within_two_seconds(tcp_sketch: Path) -> None:

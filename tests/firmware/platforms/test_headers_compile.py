@@ -65,13 +65,13 @@ AVRS = {
 
 
 def _compile(library: Path, command: tuple[str, ...], source: Path) -> str:
-    done = subprocess.run(
+    completed = subprocess.run(
         [*command[:1], *WARNINGS, *command[1:], f"-I{library}/src", "-fsyntax-only", str(source)],
         capture_output=True,
         text=True,
     )
-    assert done.returncode == 0, done.stderr
-    return done.stderr
+    assert completed.returncode == 0, completed.stderr
+    return completed.stderr
 
 
 @pytest.mark.arm

@@ -33,17 +33,17 @@ def program(library: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def run_client(program: Path, data: bytes, *, keeps_open: bool = False) -> tuple[int, int, bytes]:
     """Return the refusal, the number of unread bytes, and the client's output."""
-    done = subprocess.run(
+    completed = subprocess.run(
         [program, KEY, "stays" if keeps_open else "leaves"], input=data, capture_output=True, timeout=120
     )
-    assert done.returncode == 0, done.stderr.decode()
-    refusal, left, reported = done.stdout.split(b" ", 2)
+    assert completed.returncode == 0, completed.stderr.decode()
+    refusal, left, reported = completed.stdout.split(b" ", 2)
     return int(refusal), int(left), reported
 
 
 def test_digests_are_those_of_python(program: Path) -> None:
-    done = subprocess.run([program, "digests"], capture_output=True, text=True, timeout=120, check=True)
-    for length, line in enumerate(done.stdout.splitlines()):
+    completed = subprocess.run([program, "digests"], capture_output=True, text=True, timeout=120, check=True)
+    for length, line in enumerate(completed.stdout.splitlines()):
         digest = hashlib.sha256(bytes(i * 7 & 255 for i in range(length))).hexdigest()
         mac = hmac.new(b"k" * length, b"text", "sha256").hexdigest()
         assert line == f"{digest} {mac}", length

@@ -64,8 +64,8 @@ def python_lines(series: list[tuple[int, bytes]]) -> list[str]:
 
 def sketch_lines(robot: Path, series: list[tuple[int, bytes]]) -> list[str]:
     text = "".join(f"{now_ms} {datagram.hex()}\n" for now_ms, datagram in series)
-    done = subprocess.run([robot], input=text, capture_output=True, text=True, timeout=120, check=True)
-    return done.stdout.splitlines()
+    completed = subprocess.run([robot], input=text, capture_output=True, text=True, timeout=120, check=True)
+    return completed.stdout.splitlines()
 
 
 def status_of(line: str) -> RobotStatus:
@@ -173,15 +173,15 @@ class Robot:
         self._output = process.stdout
         self.lines: list[str] = []
 
-    async def wait_for_line(self, wanted: str) -> None:
+    async def wait_for_line(self, expected: str) -> None:
         """Wait for a new line with this text."""
         async with asyncio.timeout(TIMEOUT_S):
             while True:
                 assert self._output is not None
                 line = (await self._output.readline()).decode().strip()
-                assert line, f"the sketch has ended without {wanted!r}: {self.lines[-5:]}"
+                assert line, f"the sketch has ended without {expected!r}: {self.lines[-5:]}"
                 self.lines.append(line)
-                if line == wanted:
+                if line == expected:
                     return
 
 

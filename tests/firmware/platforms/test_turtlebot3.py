@@ -133,7 +133,7 @@ async def test_it_drives_a_square_with_correct_odometry(program: Path) -> None:
         await robot.message("/odom", ODOM, lambda each: each.pose.pose.position.x == 0)
 
 
-async def test_it_senses(program: Path) -> None:
+async def test_it_publishes_its_sensors(program: Path) -> None:
     async with burger(program, tf_prefix="tb3_0") as robot:
         board = robot.board
         board.set_pin("BDPIN_PUSH_SW_1", high=True)
@@ -180,7 +180,7 @@ async def test_it_senses(program: Path) -> None:
         assert board.tones[0] == (880, 100)
 
 
-async def test_each_lost_sender_stops_it(program: Path) -> None:
+async def test_it_stops_without_a_sender(program: Path) -> None:
     async with burger(program) as robot:
         board = robot.board
         commands = await robot.harness.graph.publisher("/cmd_vel", TWIST)
@@ -222,7 +222,7 @@ async def test_torque_and_errors_of_the_servos(program: Path) -> None:
         await robot.message("/sensor_state", STATE, lambda each: not each.torque)
         assert [servo["torque_enable"] for servo in base.servos.values()] == [0, 0]
 
-        # The robot is pushed by hand, then loses its power briefly: the servo forgets its turns.
+        # The robot is pushed by hand, then loses its power briefly: the servo loses its count of turns.
         servo = base.servos[2]
         servo.motor.angle_rad = 30.0
         pushed = (

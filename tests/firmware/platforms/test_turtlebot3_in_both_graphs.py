@@ -92,18 +92,18 @@ def shown_type(graph: str, topic: str, type_name: str) -> str:
     return "tf/tfMessage" if topic == "/tf" else type_name
 
 
-def has_types(wanted: dict[str, str], seen: Snapshot) -> bool:
-    return wanted.items() <= {topic: entry.type for topic, entry in seen.topics.items()}.items()
+def has_types(expected: dict[str, str], seen: Snapshot) -> bool:
+    return expected.items() <= {topic: entry.type for topic, entry in seen.topics.items()}.items()
 
 
 async def test_each_topic_has_its_type_and_its_rate_in_both_graphs(world: World) -> None:
     inboxes: dict[tuple[str, str], Inbox] = {}
     for name, graph in world.graphs.items():
         types = {topic: kind for topic, (kind, _) in SENT_HZ.items()} | RECEIVED
-        wanted = {topic: shown_type(name, topic, kind) for topic, kind in types.items()}
-        await snapshot_when(graph, partial(has_types, wanted))
+        expected = {topic: shown_type(name, topic, kind) for topic, kind in types.items()}
+        await snapshot_when(graph, partial(has_types, expected))
         for topic, (kind, _) in SENT_HZ.items():
-            inboxes[name, topic] = await listen(graph, topic, kind if name == "ROS 2" else wanted[topic])
+            inboxes[name, topic] = await listen(graph, topic, kind if name == "ROS 2" else expected[topic])
     await until(lambda: all(inbox.payloads for inbox in inboxes.values()), "each topic in each graph")
     # On a busy machine, some windows are too slow.
     deadline_s = time.monotonic() + TIMEOUT_S

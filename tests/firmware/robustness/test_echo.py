@@ -26,10 +26,10 @@ async def test_messages_of_280_bytes_all_come_back() -> None:
         inbox = await stage.listen("/texts_out", "std_msgs/String")
         publisher = await stage.publisher("/texts_in", "std_msgs/String")
         for number in range(20):
-            wanted = f"{number:03}".ljust(LONGEST_TEXT - (number % 3), "abcdefg"[number % 7])
-            publisher.publish(data=wanted)
+            expected = f"{number:03}".ljust(LONGEST_TEXT - (number % 3), "abcdefg"[number % 7])
+            publisher.publish(data=expected)
             await inbox.wait_for_count(number + 1)
-            assert inbox.messages[-1].data == wanted
+            assert inbox.messages[-1].data == expected
 
 
 @pytest.mark.timeout(300)

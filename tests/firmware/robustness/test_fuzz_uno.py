@@ -40,13 +40,13 @@ async def test_the_board_works_after_any_frames(baud: int) -> None:
             frames = [hostile.next() for _ in range(BATCH)]
             host.send_bytes(b"".join(frames))
             await host.run(sum(map(len, frames)) * 10_000 // baud + QUIET_MS)
-            # A frame may have been a stop.
+            # One of the frames may have ended the connection.
             host.send(0)
             await host.run(60)
             host.frames.clear()
-            wanted = struct.pack("<h", batch - 7)
-            host.send(NUMBERS, wanted)
-            answered = await host.run(1000, lambda: (NUMBERS_OUT, wanted) in host.frames)  # noqa: B023
+            expected = struct.pack("<h", batch - 7)
+            host.send(NUMBERS, expected)
+            answered = await host.run(1000, lambda: (NUMBERS_OUT, expected) in host.frames)  # noqa: B023
             assert answered, b"".join(frames).hex()
         assert host.faults() == []
         data = await host.board.memory("guarded")

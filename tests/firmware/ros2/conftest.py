@@ -1,4 +1,4 @@
-"""Fixtures of boards in ROS 2: one process serves the boards of a file, and one peer uses them."""
+"""Marks of the tests of boards in ROS 2."""
 
 from __future__ import annotations
 

@@ -97,7 +97,7 @@ async def test_messages_reach_the_board_and_come_back(peer: RclpyPeer, name: str
     assert received[0] == {**MIRRORED[name], **ADDED.get(name, {})}
 
 
-async def test_the_board_serves(peer: RclpyPeer) -> None:
+async def test_the_board_answers_calls(peer: RclpyPeer) -> None:
     for data, message in ((True, "on"), (False, "off")):
         answered = await peer.ask(
             "call", service="/lab/switch", type="std_srvs/srv/SetBool", request={"data": data}
@@ -122,7 +122,7 @@ async def test_the_board_serves_an_action(peer: RclpyPeer) -> None:
     assert (refused["status"], refused["result"]) == (ABORTED, {"sequence": []})
 
 
-async def test_the_board_calls(peer: RclpyPeer) -> None:
+async def test_the_board_calls_services(peer: RclpyPeer) -> None:
     gripper_response = {"success": True, "message": "gripped"}
     await peer.ask("serve", service="/lab/gripper", type="std_srvs/srv/SetBool", response=gripper_response)
     horn_response = {"success": True, "message": "honked"}

@@ -26,17 +26,17 @@ string topic
 """
 
 spec = load_srv_from_string(MsgContext.create_default(), DEFINITION, "sensors/RegistrationService")
-halves = [
-    genpy.dynamic.generate_dynamic(f"sensors/RegistrationService{half}", text)[
-        f"sensors/RegistrationService{half}"
+message_classes = [
+    genpy.dynamic.generate_dynamic(f"sensors/RegistrationService{part}", text)[
+        f"sensors/RegistrationService{part}"
     ]
-    for half, text in zip(("Request", "Response"), DEFINITION.split("---\n"), strict=True)
+    for part, text in zip(("Request", "Response"), DEFINITION.split("---\n"), strict=True)
 ]
 service = types.SimpleNamespace(
     _type="sensors/RegistrationService",
     _md5sum=compute_md5(MsgContext.create_default(), spec),
-    _request_class=halves[0],
-    _response_class=halves[1],
+    _request_class=message_classes[0],
+    _response_class=message_classes[1],
 )
 
 rospy.init_node("digital_tester")

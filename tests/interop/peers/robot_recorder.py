@@ -11,7 +11,7 @@ from tf2_msgs.msg import TFMessage
 lock = threading.Lock()
 
 
-def tell(record):
+def report(record):
     with lock:
         print(json.dumps(record), flush=True)
 
@@ -19,21 +19,21 @@ def tell(record):
 def tf(message, topic):
     transforms = []
     for each in message.transforms:
-        place, turn = each.transform.translation, each.transform.rotation
+        translation, rotation = each.transform.translation, each.transform.rotation
         transforms.append(
             [
                 each.header.frame_id,
                 each.child_frame_id,
                 each.header.stamp.to_nsec(),
-                [place.x, place.y, place.z],
-                [turn.x, turn.y, turn.z, turn.w],
+                [translation.x, translation.y, translation.z],
+                [rotation.x, rotation.y, rotation.z, rotation.w],
             ]
         )
-    tell({"topic": topic, "node": message._connection_header["callerid"], "transforms": transforms})
+    report({"topic": topic, "node": message._connection_header["callerid"], "transforms": transforms})
 
 
 def joints(message):
-    tell(
+    report(
         {
             "topic": "joint_states",
             "node": message._connection_header["callerid"],
@@ -50,14 +50,14 @@ for topic in ("/tf", "/tf_static"):
     rospy.Subscriber(topic, TFMessage, tf, callback_args=topic)
 rospy.Subscriber("/joint_states_out", JointState, joints)
 states = rospy.Publisher(sys.argv[1], JointState, queue_size=100)
-tell({"ready": True})
+report({"ready": True})
 for line in sys.stdin:
-    wanted = json.loads(line)
-    if "wait_for" in wanted:
-        while states.get_num_connections() < wanted["wait_for"]:
+    command = json.loads(line)
+    if "wait_for" in command:
+        while states.get_num_connections() < command["wait_for"]:
             rospy.sleep(0.02)
-        tell({"connected": True})
+        report({"connected": True})
         continue
-    message = JointState(name=wanted["name"], position=wanted["position"])
-    message.header.stamp = rospy.Time(*divmod(wanted["stamp_ns"], 10**9))
+    message = JointState(name=command["name"], position=command["position"])
+    message.header.stamp = rospy.Time(*divmod(command["stamp_ns"], 10**9))
     states.publish(message)

@@ -43,7 +43,7 @@ def describe(file, argv):
     try:
         loader.load(file, config, argv=argv, verbose=False)
         config.assign_machines()
-    except (Exception, SystemExit) as error:  # noqa: BLE001 - roslaunch raises what it likes
+    except (Exception, SystemExit) as error:  # noqa: BLE001 - roslaunch raises errors of any class
         return {"error": f"{type(error).__name__}: {error}"}
     return {
         "parameters": {key: plain(param.value) for key, param in config.params.items()},

@@ -18,9 +18,9 @@ def set_transform(parent, child, stamp_ns, translation, rotation, is_static):
     message = TransformStamped()
     message.header.frame_id, message.child_frame_id = parent, child
     message.header.stamp = as_time(stamp_ns)
-    place, turn = message.transform.translation, message.transform.rotation
-    place.x, place.y, place.z = translation
-    turn.x, turn.y, turn.z, turn.w = rotation
+    moved, rotated = message.transform.translation, message.transform.rotation
+    moved.x, moved.y, moved.z = translation
+    rotated.x, rotated.y, rotated.z, rotated.w = rotation
     (core.set_transform_static if is_static else core.set_transform)(message, "peer")
 
 
@@ -36,8 +36,12 @@ def lookup_through(target, target_time_ns, source, source_time_ns, fixed):
 
 
 def as_record(found):
-    place, turn = found.transform.translation, found.transform.rotation
-    return [found.header.stamp.to_nsec(), [place.x, place.y, place.z], [turn.x, turn.y, turn.z, turn.w]]
+    moved, rotated = found.transform.translation, found.transform.rotation
+    return [
+        found.header.stamp.to_nsec(),
+        [moved.x, moved.y, moved.z],
+        [rotated.x, rotated.y, rotated.z, rotated.w],
+    ]
 
 
 def chain(target, source):

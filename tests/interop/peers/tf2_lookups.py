@@ -18,13 +18,15 @@ for parent, child, time_s, x, y, z, qx, qy, qz, qw, is_static in script["transfo
     message = TransformStamped()
     message.header.frame_id, message.child_frame_id = parent, child
     message.header.stamp = rospy.Time.from_sec(time_s)
-    place, turn = message.transform.translation, message.transform.rotation
-    place.x, place.y, place.z = x, y, z
-    turn.x, turn.y, turn.z, turn.w = qx, qy, qz, qw
+    translation, rotation = message.transform.translation, message.transform.rotation
+    translation.x, translation.y, translation.z = x, y, z
+    rotation.x, rotation.y, rotation.z, rotation.w = qx, qy, qz, qw
     (buffer.set_transform_static if is_static else buffer.set_transform)(message, "test")
 found = []
 for target, source, time_s in script["lookups"]:
     pose = buffer.lookup_transform_core(target, source, rospy.Time.from_sec(time_s)).transform
-    place, turn = pose.translation, pose.rotation
-    found.append([place.x, place.y, place.z, turn.x, turn.y, turn.z, turn.w])
+    translation, rotation = pose.translation, pose.rotation
+    found.append(
+        [translation.x, translation.y, translation.z, rotation.x, rotation.y, rotation.z, rotation.w]
+    )
 print(json.dumps(found))

@@ -2,8 +2,8 @@
 
     zenoh_sdk_peer.py PORT DOMAIN
 
-Reads one JSON object per line, executes it, prints {"done": WHAT, ...}. What subscribers get is printed as
-it comes: {"got": TOPIC, "fields": {...}}.
+Reads one JSON object per line, executes it, prints {"done": VERB, ...}. Messages of subscriptions are printed
+when they arrive: {"received": TOPIC, "fields": {...}}.
 """
 
 from __future__ import annotations
@@ -15,10 +15,10 @@ from typing import Any
 
 from zenoh_ros2_sdk import ROS2Publisher, ROS2ServiceClient, ROS2ServiceServer, ROS2Subscriber, discovery
 
-ENDS: dict[str, Any] = {}
+ENDPOINTS: dict[str, Any] = {}
 
 
-def say(**fields: Any) -> None:
+def report(**fields: Any) -> None:
     print(json.dumps(fields, default=plain), flush=True)
 
 
@@ -49,55 +49,60 @@ def nested(store: Any, type_name: str, name: str, value: Any) -> Any:
     return store.types[node[1]](**{key: nested(store, node[1], key, each) for key, each in value.items()})
 
 
-def handle(order: dict[str, Any], place: dict[str, Any]) -> dict[str, Any]:
-    what, name = order.pop("do"), order.pop("name", "")
-    if what == "advertise":
-        ENDS[f"pub {name}"] = ROS2Publisher(topic=name, **order, **place)
-    elif what == "publish":
-        publisher = ENDS[f"pub {name}"]
-        for fields in order["messages"]:
+def handle(command: dict[str, Any], connection: dict[str, Any]) -> dict[str, Any]:
+    verb, name = command.pop("do"), command.pop("name", "")
+    if verb == "advertise":
+        ENDPOINTS[f"pub {name}"] = ROS2Publisher(topic=name, **command, **connection)
+    elif verb == "publish":
+        publisher = ENDPOINTS[f"pub {name}"]
+        for fields in command["messages"]:
             publisher.publish(**{key: build(publisher, key, each) for key, each in fields.items()})
-    elif what == "subscribe":
-        ENDS[f"sub {name}"] = ROS2Subscriber(
-            topic=name, callback=lambda message: say(got=name, fields=plain(message)), **order, **place
+    elif verb == "subscribe":
+        ENDPOINTS[f"sub {name}"] = ROS2Subscriber(
+            topic=name,
+            callback=lambda message: report(received=name, fields=plain(message)),
+            **command,
+            **connection,
         )
-    elif what == "serve":
-        prefix = order.pop("answer")
+    elif verb == "serve":
+        prefix = command.pop("answer")
 
         def answer(request: Any) -> Any:
-            response = ENDS[f"srv {name}"].response_msg_class
+            response = ENDPOINTS[f"srv {name}"].response_msg_class
             return response(success=request.data, message=prefix + str(request.data))
 
-        ENDS[f"srv {name}"] = ROS2ServiceServer(service_name=name, callback=answer, **order, **place)
-    elif what == "call":
-        fields = order.pop("request")
-        client = ROS2ServiceClient(service_name=name, **order, **place)
+        ENDPOINTS[f"srv {name}"] = ROS2ServiceServer(
+            service_name=name, callback=answer, **command, **connection
+        )
+    elif verb == "call":
+        fields = command.pop("request")
+        client = ROS2ServiceClient(service_name=name, **command, **connection)
         try:
             response = client.call(**fields)
             return {"response": None if response is None else plain(response)}
         finally:
             client.close()
-    elif what == "topics":
-        found = discovery.get_topic_names_and_types(timeout=2.0, **place)
+    elif verb == "topics":
+        found = discovery.get_topic_names_and_types(timeout=2.0, **connection)
         return {"topics": dict(found)}
-    elif what == "topic":
-        info = discovery.get_topic_info(name, timeout=2.0, verbose=True, **place)
+    elif verb == "topic":
+        info = discovery.get_topic_info(name, timeout=2.0, verbose=True, **connection)
         return {"info": None if info is None else plain(info)}
-    elif what == "close":
-        ENDS.pop(name).close()
+    elif verb == "close":
+        ENDPOINTS.pop(name).close()
     return {}
 
 
 def main(port: str, domain: str) -> None:
-    place = {"router_port": int(port), "domain_id": int(domain)}
-    say(done="start")
+    connection = {"router_port": int(port), "domain_id": int(domain)}
+    report(done="start")
     for line in sys.stdin:
-        order = json.loads(line)
-        what = order["do"]
+        command = json.loads(line)
+        verb = command["do"]
         try:
-            say(done=what, **handle(order, place))
-        except Exception as error:  # noqa: BLE001 - the test is to see it
-            say(done=what, error=repr(error))
+            report(done=verb, **handle(command, connection))
+        except Exception as error:  # noqa: BLE001 - the test reports it
+            report(done=verb, error=repr(error))
 
 
 main(*sys.argv[1:])

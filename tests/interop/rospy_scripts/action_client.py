@@ -12,7 +12,7 @@ from std_msgs.msg import String
 NAMES = {value: name for name, value in vars(GoalStatus).items() if isinstance(value, int) and name.isupper()}
 
 
-def keep_news_until_goal_is_noted():
+def delay_updates_until_goal_is_stored():
     """Work around a race: Debian's simple client drops updates of a goal until `send_goal` has stored the
     goal's handle.
 
@@ -21,12 +21,12 @@ def keep_news_until_goal_is_noted():
     """
     send_goal = actionlib.SimpleActionClient.send_goal
 
-    def send_and_note(self, *arguments, **callbacks):
+    def send_and_store(self, *arguments, **callbacks):
         with self.action_client.manager.list_mutex:
             send_goal(self, *arguments, **callbacks)
 
     if hasattr(actionlib, "GoalManager"):
-        actionlib.SimpleActionClient.send_goal = send_and_note
+        actionlib.SimpleActionClient.send_goal = send_and_store
 
 
 def show(label, client):
@@ -48,12 +48,12 @@ def use_executing(server):
     print("nothing yet", client.get_state(), client.wait_for_result(rospy.Duration(0.1)), client.get_result())
     print("connected", client.wait_for_server(), client.wait_for_server(rospy.Duration(30)))
     for number in (1, 2, 3, 4, 5):
-        news = []
+        results = []
         client.send_goal(
             TestGoal(number),
-            done_cb=lambda state, result, news=news: news.append((NAMES[state], result.result)),
+            done_cb=lambda state, result, results=results: results.append((NAMES[state], result.result)),
         )
-        print(number, client.wait_for_result(rospy.Duration(30)), news)
+        print(number, client.wait_for_result(rospy.Duration(30)), results)
         show(number, client)
     print("and wait", NAMES[client.send_goal_and_wait(TestGoal(1), rospy.Duration(30))])
     # If the server gets the cancel request first, it recalls the goal.
@@ -95,18 +95,18 @@ def use_handling(server):
     handles = {}
 
     def send(name, a, b=0):
-        def note(handle):
+        def store_state(handle):
             states.setdefault(name, []).append(actionlib.CommState.to_string(handle.get_comm_state()))
 
-        handles[name] = client.send_goal(TwoIntsGoal(a, b), note)
+        handles[name] = client.send_goal(TwoIntsGoal(a, b), store_state)
 
-    def wait_until_noted(name, state):
+    def wait_until_stored(name, state):
         # The handle has the state shortly before the callback stores it.
         wait_for(lambda: states.get(name, [])[-1:] == [state])
 
     def finish(name):
         handle = handles[name]
-        wait_until_noted(name, "DONE")
+        wait_until_stored(name, "DONE")
         print(
             name,
             states[name],
@@ -134,7 +134,7 @@ def use_handling(server):
     wait_for(lambda: handles["recalled"].get_comm_state() == actionlib.CommState.PENDING)
     client.cancel_goals_at_and_before_time(rospy.Time.now())
     finish("recalled")
-    wait_until_noted("first", "PREEMPTING")
+    wait_until_stored("first", "PREEMPTING")
     print("first", states["first"], handles["first"].get_terminal_state())
     early = rospy.Publisher(server + "/handling/cancel", GoalID, queue_size=1)
     early.publish(GoalID(id="nobody"))
@@ -143,7 +143,7 @@ def use_handling(server):
     client.stop()
 
 
-def use_nothing():
+def use_wrong_arguments():
     for make in (
         lambda: actionlib.SimpleActionClient("x", String),
         lambda: actionlib.SimpleActionServer("x", String, auto_start=False),
@@ -159,13 +159,13 @@ def use_nothing():
     print(GoalStatus.to_string(3), actionlib.CommState.to_string(77), actionlib.SimpleGoalState.to_string(2))
 
 
-keep_news_until_goal_is_noted()
+delay_updates_until_goal_is_stored()
 rospy.init_node("action_client", anonymous=True)
 server_name = sys.argv[1]
 use_executing(server_name)
 use_polling(server_name)
 use_handling(server_name)
-use_nothing()
+use_wrong_arguments()
 print(
     sorted(
         (name[len(server_name) :], kind)

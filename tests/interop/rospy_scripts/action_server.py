@@ -34,11 +34,11 @@ class Polling:
 
     def __init__(self):
         self.server = actionlib.SimpleActionServer("~polling", TwoIntsAction, auto_start=False)
-        self.server.register_goal_callback(self.take)
+        self.server.register_goal_callback(self.accept)
         self.server.register_preempt_callback(self.give_up)
         self.server.start()
 
-    def take(self):
+    def accept(self):
         goal = self.server.accept_new_goal()
         if goal.a >= 0:
             self.server.set_succeeded(TwoIntsResult(goal.a + goal.b))
@@ -54,11 +54,11 @@ class Handling:
     def __init__(self):
         self.goals = []
         self.server = actionlib.ActionServer(
-            "~handling", TwoIntsAction, self.take, self.cancel, auto_start=False
+            "~handling", TwoIntsAction, self.accept, self.cancel, auto_start=False
         )
         self.server.start()
 
-    def take(self, handle):
+    def accept(self, handle):
         a = handle.get_goal().a
         if a < 0:
             self.goals = []  # a new client begins

@@ -18,7 +18,7 @@ def attempt(work):
         print([isinstance(error, each) for each in (rosbag.ROSBagException, ValueError, OSError)])
 
 
-path, theirs = sys.argv[1:]
+path, other_path = sys.argv[1:]
 with rosbag.Bag(path, "w", compression="bz2", chunk_threshold=400) as bag:
     bag.write("/pose", Pose(), genpy.Time(99))
     header = {"callerid": "/me", "latching": "1", "topic": "/name", "type": String._type}
@@ -74,7 +74,7 @@ with rosbag.Bag(path) as bag:
     print(bag.get_message_count(), [message.data for _, message, _ in bag.read_messages("/chat")][-2:])
 
 with rosbag.Bag(path + ".out", "w") as out:
-    for topic, raw, t in rosbag.Bag(theirs).read_messages(raw=True):
+    for topic, raw, t in rosbag.Bag(other_path).read_messages(raw=True):
         out.write(topic + "_again", raw, t, raw=True)
 for topic, message, t in rosbag.Bag(path + ".out"):
     print(topic, message, t)

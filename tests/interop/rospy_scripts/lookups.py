@@ -60,7 +60,7 @@ except OSError as error:
 rospy.init_node("lookups")
 publisher = rospy.Publisher("/look/joints", JointState, queue_size=1)
 poses = rospy.Publisher("/look/poses", PoseStamped, queue_size=1, latch=True)
-words = rospy.Subscriber("/look/words", String, lambda message: None)
+text_subscriber = rospy.Subscriber("/look/words", String, lambda message: None)
 service = rospy.Service("/look/set", SetBool, lambda request: SetBoolResponse(request.data, "set"))
 
 for topic in (

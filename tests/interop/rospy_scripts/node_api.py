@@ -35,7 +35,7 @@ class Collector:
         self.count = count
         self.done = threading.Event()
 
-    def take(self, message, argument=None):
+    def store(self, message, argument=None):
         self.messages.append((message, argument))
         if len(self.messages) >= self.count:
             self.done.set()
@@ -68,7 +68,7 @@ class Listener(rospy.SubscribeListener):
 print(std_msgs.msg.Empty() == Empty())
 early = rospy.Publisher("chatter", String, queue_size=10)
 received_early = Collector(3)
-early_subscriber = rospy.Subscriber("chatter", String, received_early.take, "argument")
+early_subscriber = rospy.Subscriber("chatter", String, received_early.store, "argument")
 print(early.name, early_subscriber.resolved_name, early.type)
 rospy.init_node("api", log_level=rospy.DEBUG)
 attempt("init twice", lambda: rospy.init_node("api", log_level=rospy.DEBUG))
@@ -122,7 +122,7 @@ latched = rospy.Publisher("latched", Header, latch=True, queue_size=1)
 latched.publish(Header(0, rospy.Time(3), "frame"))
 print(rospy.wait_for_message("latched", Header, timeout=60))
 second = Collector(1)
-rospy.Subscriber("/robot/latched", Header, second.take)
+rospy.Subscriber("/robot/latched", Header, second.store)
 print(second.wait()[0][0].frame_id)
 attempt("silence", lambda: rospy.wait_for_message("silence", Bool, timeout=0.3))
 attempt("silence", lambda: rospy.wait_for_message("silence", Bool, timeout=rospy.Duration(0.3)))
@@ -130,7 +130,7 @@ attempt("silence", lambda: rospy.wait_for_message("silence", Bool, timeout=rospy
 listener = Listener()
 received_alone = Collector(1)
 listened = rospy.Publisher("listened", String, subscriber_listener=listener, queue_size=5)
-listening = rospy.Subscriber("listened", String, received_alone.take)
+listening = rospy.Subscriber("listened", String, received_alone.store)
 print(received_alone.wait()[0][0].data)
 listening.unregister()
 listening.unregister()
@@ -141,7 +141,7 @@ attempt("unregistered", lambda: listened.publish("x"))
 
 arrays = rospy.Publisher("arrays", numpy_msg(Float32MultiArray), queue_size=5)
 received_array, received_any = Collector(1), Collector(1)
-rospy.Subscriber("arrays", numpy_msg(Float32MultiArray), received_array.take)
+rospy.Subscriber("arrays", numpy_msg(Float32MultiArray), received_array.store)
 wait_until(lambda: arrays.get_num_connections() == 1)
 import numpy
 
@@ -150,7 +150,7 @@ data = received_array.wait()[0][0].data
 print(type(data).__name__, data.dtype, data.tolist())
 
 anything = rospy.Publisher("anything", Int32, queue_size=5)
-rospy.Subscriber("anything", rospy.AnyMsg, received_any.take)
+rospy.Subscriber("anything", rospy.AnyMsg, received_any.store)
 wait_until(lambda: anything.get_num_connections() == 1)
 anything.publish(7)
 raw = received_any.wait()[0][0]
@@ -165,7 +165,7 @@ def broken(message):
 
 after = Collector(1)
 rospy.Subscriber("broken", Empty, broken)
-rospy.Subscriber("broken", Empty, after.take)
+rospy.Subscriber("broken", Empty, after.store)
 breaking = rospy.Publisher("broken", Empty, queue_size=1)
 wait_until(lambda: breaking.get_num_connections() >= 1)
 rospy.sleep(0.3)
@@ -230,18 +230,18 @@ for _ in range(10):
     rate.sleep()
 print(0.15 < (rospy.Time.now() - start).to_sec() < 60, rate.remaining().to_sec() <= 0.02, rate.sleep_dur)
 ticks = Collector(3)
-timer = rospy.Timer(rospy.Duration(0.05), ticks.take)
+timer = rospy.Timer(rospy.Duration(0.05), ticks.store)
 events = [event for event, _ in ticks.wait()]
 timer.shutdown()
 print(events[0].last_expected, (events[1].current_expected - events[0].current_expected).to_sec())
 print(events[1].last_real == events[0].current_real, events[1].last_duration < 60)
 once = Collector(1)
-rospy.Timer(rospy.Duration(0.01), once.take, oneshot=True)
+rospy.Timer(rospy.Duration(0.01), once.store, oneshot=True)
 print(len(once.wait()), abs(rospy.get_time() - rospy.get_rostime().to_sec()) < 60)
 
 # logs
 received_logs = Collector(8)
-rospy.Subscriber("/rosout", __import__("rosgraph_msgs.msg").msg.Log, received_logs.take, queue_size=50)
+rospy.Subscriber("/rosout", __import__("rosgraph_msgs.msg").msg.Log, received_logs.store, queue_size=50)
 # Until the subscriber is connected, and its connections have been logged.
 wait_until(lambda: rospy.logdebug("probe") or received_logs.messages)
 rospy.sleep(0.3)

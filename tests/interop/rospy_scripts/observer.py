@@ -1,4 +1,4 @@
-"""Prints, as JSON, what Debian's rospy finds out about a node."""
+"""Prints, as JSON, what a node of rospy receives from another node and from the master about it."""
 
 # Written as users write their nodes.
 # ruff: noqa: B023, PIE810
@@ -40,11 +40,11 @@ found["parameters"] = rospy.get_param(node)
 for topic in found["registered"][0]:
     seen = []
 
-    def take(message, seen=seen):
+    def store(message, seen=seen):
         if message._connection_header["callerid"] == node:
             seen.append(message)
 
-    subscriber = rospy.Subscriber(topic, rospy.AnyMsg, take)
+    subscriber = rospy.Subscriber(topic, rospy.AnyMsg, store)
     if topic.endswith("/echo"):
         ask = rospy.Publisher(topic.replace("echo", "ask"), Int32, queue_size=1)
         wait_until(lambda: ask.get_num_connections() and subscriber.get_num_connections(), "asked")
@@ -81,7 +81,7 @@ print("FOUND " + json.dumps(found, sort_keys=True))
 last = []
 
 
-def said_goodbye():
+def has_last_message():
     return any(payload.endswith(b"bye") for payload in last)
 
 
@@ -92,7 +92,7 @@ print("READY")
 sys.stdout.flush()
 wait_until(lambda: not any(registered()), "end of the registrations")
 end = time.time() + 10
-while not said_goodbye() and time.time() < end:
+while not has_last_message() and time.time() < end:
     time.sleep(0.02)
 rospy.delete_param(node)  # the next talker must set its own
-print("LEFT with a word" if said_goodbye() else "LEFT in silence")
+print("LEFT with a message" if has_last_message() else "LEFT without a message")

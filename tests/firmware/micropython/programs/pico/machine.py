@@ -6,8 +6,8 @@ import sys
 from struct import pack_into
 
 
-def report(*words):
-    print(*words, file=sys.stderr)
+def report(*values):
+    print(*values, file=sys.stderr)
 
 
 class Pin:

@@ -21,7 +21,7 @@ from rostether.platform.robot_table import SocketAddress
 _MAX_BYTES = 2048
 
 
-class LossyAir:
+class LossyNetwork:
     """Forwards the datagrams for the group `senders` to the groups `robots`, until the block ends."""
 
     def __init__(
@@ -32,15 +32,15 @@ class LossyAir:
         self._random = random.Random(1)
         self._senders = senders
         self._robots = robots
-        self._ways: dict[tuple[SocketAddress, GroupAddress], _Way] = {}
+        self._routes: dict[tuple[SocketAddress, GroupAddress], _Route] = {}
         self._sockets: list[socket.socket] = []
         # Every datagram to the group.
         self.sent: list[tuple[bytes, float]] = []
 
-    def __enter__(self) -> LossyAir:
+    def __enter__(self) -> LossyNetwork:
         group = open_receiver(self._senders)
         join_group(group, self._senders, self._senders.interfaces[0])
-        self.add_reader(group, self._spread)
+        self.add_reader(group, self._forward)
         return self
 
     def __exit__(self, *_: object) -> None:
@@ -49,52 +49,52 @@ class LossyAir:
             sock.close()
         self._sockets.clear()
 
-    def add_reader(self, sock: socket.socket, take: Callable[[bytes, SocketAddress], None]) -> None:
+    def add_reader(self, sock: socket.socket, handle: Callable[[bytes, SocketAddress], None]) -> None:
         """Read a socket until the block ends."""
         self._sockets.append(sock)
-        asyncio.get_running_loop().add_reader(sock, self._read, sock, take)
+        asyncio.get_running_loop().add_reader(sock, self._read, sock, handle)
 
-    def carry(self, send: Callable[[], object]) -> None:
+    def deliver(self, send: Callable[[], object]) -> None:
         """Call `send` after a random time, or never."""
         if self._random.random() >= self.loss:
             delay_s = self._random.uniform(0, self._jitter_s)
-            asyncio.get_running_loop().call_later(delay_s, self._arrive, send)
+            asyncio.get_running_loop().call_later(delay_s, self._send, send)
 
-    def _arrive(self, send: Callable[[], object]) -> None:
+    def _send(self, send: Callable[[], object]) -> None:
         if self._sockets:
             with contextlib.suppress(OSError):
                 send()
 
-    def _read(self, sock: socket.socket, take: Callable[[bytes, SocketAddress], None]) -> None:
+    def _read(self, sock: socket.socket, handle: Callable[[bytes, SocketAddress], None]) -> None:
         with contextlib.suppress(OSError):
             while True:
-                take(*sock.recvfrom(_MAX_BYTES))
+                handle(*sock.recvfrom(_MAX_BYTES))
 
-    def _spread(self, datagram: bytes, sender: SocketAddress) -> None:
+    def _forward(self, datagram: bytes, sender: SocketAddress) -> None:
         self.sent.append((datagram, asyncio.get_running_loop().time()))
         for robot in self._robots:
-            way = self._ways.get((sender, robot))
-            if way is None:
-                way = self._ways[sender, robot] = _Way(self, sender, robot)
-            self.carry(partial(way.to_robot.sendto, datagram, (robot.group, robot.port)))
+            route = self._routes.get((sender, robot))
+            if route is None:
+                route = self._routes[sender, robot] = _Route(self, sender, robot)
+            self.deliver(partial(route.to_robot.sendto, datagram, (robot.group, robot.port)))
 
 
-class _Way:
-    """From one sender to one robot, and back."""
+class _Route:
+    """Forwards datagrams from one sender to one robot, and the robot's datagrams to the sender."""
 
-    def __init__(self, air: LossyAir, sender: SocketAddress, robot: GroupAddress) -> None:
-        self._air = air
+    def __init__(self, network: LossyNetwork, sender: SocketAddress, robot: GroupAddress) -> None:
+        self._network = network
         self._sender = sender
         self._robot_address: SocketAddress | None = None
         self.to_robot = open_sender(robot, robot.interfaces[0])
         self._to_sender = open_sender(replace(robot, group="127.0.0.1"), "")
-        air.add_reader(self.to_robot, self._from_robot)
-        air.add_reader(self._to_sender, self._from_sender)
+        network.add_reader(self.to_robot, self._from_robot)
+        network.add_reader(self._to_sender, self._from_sender)
 
     def _from_robot(self, datagram: bytes, address: SocketAddress) -> None:
         self._robot_address = address
-        self._air.carry(partial(self._to_sender.sendto, datagram, self._sender))
+        self._network.deliver(partial(self._to_sender.sendto, datagram, self._sender))
 
     def _from_sender(self, datagram: bytes, _: SocketAddress) -> None:
         if self._robot_address is not None:
-            self._air.carry(partial(self.to_robot.sendto, datagram, self._robot_address))
+            self._network.deliver(partial(self.to_robot.sendto, datagram, self._robot_address))
