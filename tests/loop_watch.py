@@ -60,7 +60,7 @@ class FolderWatch:
 
     def __init__(self) -> None:
         self.listed: list[str] = []
-        """The folders, with who listed them."""
+        """The folders, each with the code that listed it."""
         self._loop = asyncio.get_running_loop()
         _folder_watches.add(self)
         if not _is_hooked:

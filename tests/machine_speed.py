@@ -1,4 +1,4 @@
-"""How much more processor time the same work takes while other programs share caches and cores."""
+"""Measures how much more processor time the same work needs while other programs share caches and cores."""
 
 from __future__ import annotations
 

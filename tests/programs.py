@@ -118,14 +118,15 @@ def _descendants(pid: int) -> set[int]:
     return found
 
 
-async def start_program(*command: str, environment: Mapping[str, str], reads: bool = False) -> Peer:
-    """Start a program as the leader of a process group, and collect its output. With `reads`, its standard
-    input is a pipe.
+async def start_program(*command: str, environment: Mapping[str, str], has_stdin: bool = False) -> Peer:
+    """Start a program as the leader of a process group, and collect its output.
+
+    With `has_stdin`, its standard input is a pipe.
     """
     process = await asyncio.create_subprocess_exec(
         *command,
         env=environment,
-        stdin=asyncio.subprocess.PIPE if reads else asyncio.subprocess.DEVNULL,
+        stdin=asyncio.subprocess.PIPE if has_stdin else asyncio.subprocess.DEVNULL,
         stdout=asyncio.subprocess.PIPE,
         stderr=asyncio.subprocess.STDOUT,
         start_new_session=True,

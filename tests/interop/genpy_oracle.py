@@ -15,15 +15,15 @@ TIMEOUT_S = 100
 
 def ask_genpy(requests: list[dict[str, Any]]) -> list[Any]:
     """Return one answer for each request; None for a type that Debian does not have."""
-    done = subprocess.run(
+    completed = subprocess.run(
         [DEBIAN_PYTHON, str(REFERENCE)],
         input=json.dumps(requests).encode(),
         capture_output=True,
         timeout=TIMEOUT_S,
         env={"PATH": "/usr/bin", "LANG": "C.UTF-8"},
     )
-    assert done.returncode == 0, done.stderr.decode()
-    answers: list[Any] = json.loads(done.stdout)
+    assert completed.returncode == 0, completed.stderr.decode()
+    answers: list[Any] = json.loads(completed.stdout)
     assert len(answers) == len(requests)
     return answers
 

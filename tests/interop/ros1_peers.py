@@ -156,7 +156,7 @@ class Ros1Peers:
         """
         program = DEBIAN_PYTHON if command[0] == "python" else command[0]
         peer = await start_program(
-            program, *command[1:], environment=self.environment, reads=stdin is not None
+            program, *command[1:], environment=self.environment, has_stdin=stdin is not None
         )
         if stdin is not None and peer.process.stdin is not None:
             peer.process.stdin.write(stdin)

@@ -40,12 +40,12 @@ def test_signs_of_quaternions_equal_those_of_kdl() -> None:
     ]
     cases = [(joint, position) for joint in joints for position in POSITIONS]
     request = json.dumps([[joint.origin.rotation, joint.axis, position] for joint, position in cases])
-    done = subprocess.run(
+    completed = subprocess.run(
         [DEBIAN_PYTHON, str(PEER)], input=request, capture_output=True, text=True, check=True, timeout=60
     )
     differing = [
         (joint.origin.rotation, joint.axis, position)
-        for (joint, position), expected in zip(cases, json.loads(done.stdout), strict=True)
+        for (joint, position), expected in zip(cases, json.loads(completed.stdout), strict=True)
         if any(
             abs(a - b) > TOLERANCE
             for a, b in zip(joint_transform(joint, position).rotation, expected, strict=True)

@@ -32,7 +32,7 @@ def ask_roslaunch(home: Path) -> dict[str, Any]:
     environment = ros_environment("http://localhost:11311", home) | ENVIRON
     environment["ROS_PACKAGE_PATH"] = str(FOLDER)
     cases = [{"file": str(file), "argv": ["roslaunch", *given_words(file)]} for file in (*RIGHT, *WRONG)]
-    done = subprocess.run(
+    completed = subprocess.run(
         [DEBIAN_PYTHON, str(ORACLE)],
         input=json.dumps(cases),
         capture_output=True,
@@ -41,10 +41,10 @@ def ask_roslaunch(home: Path) -> dict[str, Any]:
         cwd=home,
         check=False,
     )
-    assert done.returncode == 0, done.stderr
+    assert completed.returncode == 0, completed.stderr
     return {
         file.stem: neutral(result)
-        for file, result in zip((*RIGHT, *WRONG), json.loads(done.stdout), strict=True)
+        for file, result in zip((*RIGHT, *WRONG), json.loads(completed.stdout), strict=True)
     }
 
 

@@ -36,10 +36,10 @@ async def servo_angles(peers: Ros1Peers, count: int = 1) -> list[tuple[int, ...]
     return [tuple(map(int, re.findall(r"servo\d: (-?\d+)", each))) for each in text.split("---")[:count]]
 
 
-async def wait_for_servo_angles(peers: Ros1Peers, wanted: Sequence[int]) -> None:
+async def wait_for_servo_angles(peers: Ros1Peers, expected: Sequence[int]) -> None:
     """Wait until the controller sends the servos these angles."""
     async with asyncio.timeout(60):
-        while (await servo_angles(peers))[0] != tuple(wanted):
+        while (await servo_angles(peers))[0] != tuple(expected):
             pass
 
 

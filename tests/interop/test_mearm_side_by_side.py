@@ -53,8 +53,8 @@ class Recorder:
 
     async def wait_for_servos(self, *angles: int) -> None:
         """Wait until these are the last servo angles."""
-        wanted = struct.pack("<4h", *angles)
-        await until(lambda: self.payloads["/servo_pose_server"][-1:] == [wanted], f"servos at {angles}")
+        expected = struct.pack("<4h", *angles)
+        await until(lambda: self.payloads["/servo_pose_server"][-1:] == [expected], f"servos at {angles}")
 
     async def wait_for_joint_states(self, count: int) -> None:
         """Wait until `count` different joint states have arrived."""

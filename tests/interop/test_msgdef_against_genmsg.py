@@ -153,11 +153,11 @@ READ_ONLY_BY_GENMSG = {
 def genmsg_answer(search_path: str, service_path: str) -> Any:
     """Ask genmsg, in one process, for everything in the given folders (JSON in, parsed JSON out)."""
     request = f'{{"search_path": {search_path}, "service_path": {service_path}}}'
-    done = subprocess.run(
+    completed = subprocess.run(
         [DEBIAN_PYTHON, "-c", GENMSG_REFERENCE], input=request.encode(), capture_output=True, timeout=120
     )
-    assert done.returncode == 0, done.stderr.decode()
-    return json.loads(done.stdout)
+    assert completed.returncode == 0, completed.stderr.decode()
+    return json.loads(completed.stdout)
 
 
 def debian_folders(kind: str) -> dict[str, list[str]]:
@@ -234,9 +234,9 @@ def test_bundled_roscpp_types_are_those_of_debians_rospy() -> None:
         "import json, roscpp.msg, roscpp.srv; print(json.dumps({c._type: c._md5sum for c in ("
         "roscpp.msg.Logger, roscpp.srv.Empty, roscpp.srv.GetLoggers, roscpp.srv.SetLoggerLevel)}))"
     )
-    done = subprocess.run([DEBIAN_PYTHON, "-c", program], capture_output=True, timeout=120)
-    assert done.returncode == 0, done.stderr.decode()
-    expected = json.loads(done.stdout)
+    completed = subprocess.run([DEBIAN_PYTHON, "-c", program], capture_output=True, timeout=120)
+    assert completed.returncode == 0, completed.stderr.decode()
+    expected = json.loads(completed.stdout)
     bundled = Registry()
     assert bundled.message_type("roscpp/Logger").md5sum == expected.pop("roscpp/Logger")
     assert {name: bundled.service_type(name).md5sum for name in expected} == expected

@@ -44,14 +44,14 @@ def reference() -> Any:
         "remappings": REMAPPINGS,
         "argv": ARGV,
     }
-    done = subprocess.run(
+    completed = subprocess.run(
         ["/usr/bin/python3", "-c", ROSGRAPH_REFERENCE],
         input=json.dumps(request).encode(),
         capture_output=True,
         timeout=60,
     )
-    assert done.returncode == 0, done.stderr.decode()
-    return json.loads(done.stdout)
+    assert completed.returncode == 0, completed.stderr.decode()
+    return json.loads(completed.stdout)
 
 
 def test_names_are_legal_join_and_resolve_as_in_rosgraph() -> None:

@@ -32,10 +32,10 @@ print(json.dumps({
 
 
 def read(package: Path) -> dict[str, object]:
-    done = subprocess.run(
+    completed = subprocess.run(
         [DEBIAN_PYTHON, "-c", READ, str(package / "package.xml")], capture_output=True, text=True, check=True
     )
-    result: dict[str, object] = json.loads(done.stdout)
+    result: dict[str, object] = json.loads(completed.stdout)
     return result
 
 

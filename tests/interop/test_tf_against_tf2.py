@@ -38,10 +38,10 @@ TF2_NAMES: dict[type[TransformError], str] = {
 
 def ask_tf2(operations: list[list[Any]]) -> list[dict[str, Any]]:
     text = "".join(json.dumps(operation) + "\n" for operation in operations)
-    done = subprocess.run(
+    completed = subprocess.run(
         [DEBIAN_PYTHON, str(PEER)], input=text, capture_output=True, text=True, check=True, timeout=60
     )
-    return [json.loads(line) for line in done.stdout.splitlines()]
+    return [json.loads(line) for line in completed.stdout.splitlines()]
 
 
 def ask_buffer(operations: list[list[Any]]) -> list[dict[str, Any]]:

@@ -78,7 +78,7 @@ _BARE = {
 
 @dataclass(frozen=True, slots=True)
 class FlashSize:
-    """Flash of one example in bytes; `other_bytes` is what Wire and a USB port take."""
+    """Flash of one example in bytes; `other_bytes` is the flash of Wire and of a USB port."""
 
     example: str
     bytes: int
