@@ -11,7 +11,7 @@ from rostether.errors import RecordingError
 from rostether.msgdef.interface import ANY_MESSAGE
 from rostether.recording.bag.reader import BagReader
 from unit.cli.command_shell import LiveGraph
-from unit.cli.launch.test_launch import LIMIT_S, launched
+from unit.cli.launch.test_launch import TIMEOUT_S, launched
 from unit.recording.bags import STRING, text, write_bag
 
 RECORD = """<launch>
@@ -62,7 +62,7 @@ def test_recording_lasts_until_the_launch_ends(graph: LiveGraph, tmp_path: Path)
         graph.do(publish())
         graph.wait_until(lambda: all(_message_count(each) == 2 for each in tmp_path.glob("*.active")))
         process.send_signal(signal.SIGINT)
-        output, _ = process.communicate(timeout=LIMIT_S)
+        output, _ = process.communicate(timeout=TIMEOUT_S)
     assert process.returncode == 130, output
     assert not list(tmp_path.glob("*.active")), output
     all_of_it = BagReader(tmp_path / "drive_all.bag")
@@ -86,7 +86,7 @@ def test_the_launch_ends_after_a_recording_is_played(
     graph.do(node.subscribe("/clock", ANY_MESSAGE, clocks.extend))
     arguments = (str(tmp_path / "play.launch"),)
     with launched(*arguments, master_uri=graph.uri, cwd=tmp_path) as process:
-        output, _ = process.communicate(timeout=LIMIT_S)
+        output, _ = process.communicate(timeout=TIMEOUT_S)
     assert "played 15 messages" in output
     graph.wait_until(lambda: len(received) == 15)
     assert received == [payload for topic, _, payload in written if topic == "/a"]

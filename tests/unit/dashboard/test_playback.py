@@ -16,7 +16,7 @@ from rostether.msgdef.registry import Registry
 from rostether.recording.player import PlaySettings
 from rostether.serde.store import TypeStore
 
-LIMIT_S = 60.0
+TIMEOUT_S = 60.0
 
 
 class Stage:
@@ -34,7 +34,7 @@ class Stage:
         graph = TypedGraph(await self.network.join("/talker"), TypeStore(Registry()))
         publisher = await graph.publisher("/chatter", "std_msgs/String")
         await self.recordings.start(("/chatter",), "bag")
-        assert await publisher.wait_for_subscriber(LIMIT_S)
+        assert await publisher.wait_for_subscriber(TIMEOUT_S)
         for text in ("one", "two"):
             publisher.publish(data=text)
         await until_async(self._recorded)
@@ -47,7 +47,7 @@ class Stage:
 
 
 async def until_async(holds: Callable[[], object]) -> None:
-    async with asyncio.timeout(LIMIT_S):
+    async with asyncio.timeout(TIMEOUT_S):
         while True:
             found = holds()
             if await found if asyncio.iscoroutine(found) else found:

@@ -18,7 +18,7 @@ from rostether.msgdef.registry import Registry
 from rostether.recording.files import open_recording
 from rostether.serde.store import TypeStore
 
-LIMIT_S = 60.0
+TIMEOUT_S = 60.0
 
 
 class Usage(NamedTuple):
@@ -47,7 +47,7 @@ class Robot:
 
     async def messages(self, count: int) -> None:
         """Wait until `count` messages were recorded."""
-        async with asyncio.timeout(LIMIT_S):
+        async with asyncio.timeout(TIMEOUT_S):
             while (await self.recordings.state())["active"]["messages"] < count:
                 await asyncio.sleep(0.01)
 
@@ -130,7 +130,7 @@ async def test_a_recording_ends_at_its_largest_size(robot: Robot, monkeypatch: p
     monkeypatch.setattr(module, "MAX_FILE_BYTES", 20_000)
     await robot.recordings.start((), "bag")
     publisher = await robot.graph.publisher("/chatter", "std_msgs/String")
-    async with asyncio.timeout(LIMIT_S):
+    async with asyncio.timeout(TIMEOUT_S):
         while robot.recordings.is_active:
             publisher.publish(data="x" * 5000)
             await asyncio.sleep(0.01)
@@ -187,7 +187,7 @@ async def test_a_recording_ends_with_its_node(robot: Robot) -> None:
     await robot.messages(1)
     assert robot.node is not None
     await robot.node.close()
-    async with asyncio.timeout(LIMIT_S):
+    async with asyncio.timeout(TIMEOUT_S):
         while robot.recordings.is_active:
             await asyncio.sleep(0.01)
     state = await robot.recordings.state()

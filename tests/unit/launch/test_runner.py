@@ -24,7 +24,7 @@ from rostether.packages.executables import find_program
 from rostether.ros1.master.server import MasterServer
 from rostether.ros1.node.master_client import MasterClient
 
-LIMIT_S = 60.0
+TIMEOUT_S = 60.0
 
 
 class Stage:
@@ -78,7 +78,7 @@ class Stage:
         await self.until(lambda: not is_running(pid))
 
     async def until(self, condition: Callable[[], object]) -> None:
-        deadline_s = time.monotonic() + LIMIT_S
+        deadline_s = time.monotonic() + TIMEOUT_S
         while not condition():
             assert time.monotonic() < deadline_s, self.text
             await asyncio.sleep(0.01)
@@ -96,7 +96,7 @@ async def stage(tmp_path: Path) -> AsyncIterator[Stage]:
 async def ended(task: asyncio.Task[bool]) -> None:
     task.cancel()
     with pytest.raises(asyncio.CancelledError):
-        await asyncio.wait_for(task, LIMIT_S)
+        await asyncio.wait_for(task, TIMEOUT_S)
 
 
 async def test_parameters_are_dumped_deleted_cleared_then_set(stage: Stage) -> None:
@@ -199,7 +199,7 @@ async def test_end_of_a_required_node_ends_all(stage: Stage, code: int, succeeds
     stage.script("stay.sh", 'echo $$ > "$WHERE/pid"; exec sleep 100')
     stage.script("end.sh", f'while [ ! -s "$WHERE/pid" ]; do sleep 0.01; done; exit {code}')
     body = '<node name="a" pkg="p" type="stay.sh"/><node name="b" pkg="p" type="end.sh" required="true"/>'
-    assert await asyncio.wait_for(stage.run(body), LIMIT_S) is succeeds
+    assert await asyncio.wait_for(stage.run(body), TIMEOUT_S) is succeeds
     await stage.wait_ended(int(stage.read("pid")))
     assert "[b-2] is required" in stage.text
 
@@ -208,7 +208,7 @@ async def test_all_nodes_can_be_required(stage: Stage) -> None:
     stage.script("stay.sh", "exec sleep 100")
     stage.script("end.sh", "exit 0")
     body = '<node name="a" pkg="p" type="stay.sh"/><node name="b" pkg="p" type="end.sh"/>'
-    assert await asyncio.wait_for(stage.run(body, all_required=True), LIMIT_S)
+    assert await asyncio.wait_for(stage.run(body, all_required=True), TIMEOUT_S)
 
 
 async def test_failure_is_reported_with_code_command_and_logs(stage: Stage) -> None:
@@ -234,7 +234,7 @@ async def test_launch_without_a_node_that_can_start_is_a_failure(stage: Stage) -
 async def test_missing_required_node_is_a_failure(stage: Stage) -> None:
     stage.script("stay.sh", "exec sleep 100")
     body = '<node name="a" pkg="p" type="stay.sh"/><node name="b" pkg="p" type="never.sh" required="true"/>'
-    assert not await asyncio.wait_for(stage.run(body), LIMIT_S)
+    assert not await asyncio.wait_for(stage.run(body), TIMEOUT_S)
 
 
 async def test_replaced_node_is_not_a_failure(stage: Stage) -> None:
@@ -268,7 +268,7 @@ async def test_stop_interrupts_first_so_that_nodes_can_clean_up(stage: Stage) ->
 @pytest.mark.parametrize("ignored", ["INT", "INT TERM"])
 async def test_stop_escalates_if_a_signal_is_ignored(stage: Stage, ignored: str) -> None:
     stage.script("deaf.sh", f"trap '' {ignored}; echo $$; while :; do sleep 0.05; done")
-    limits = StopLimits(sigint_s=0.2, sigterm_s=0.2 if "TERM" in ignored else LIMIT_S)
+    limits = StopLimits(sigint_s=0.2, sigterm_s=0.2 if "TERM" in ignored else TIMEOUT_S)
     task = asyncio.create_task(stage.run('<node name="n" pkg="p" type="deaf.sh"/>', stop_limits=limits))
     await stage.until(lambda: stage.log("n-1").endswith("\n"))
     await ended(task)
@@ -289,7 +289,7 @@ async def test_child_processes_of_a_node_end_with_it(stage: Stage) -> None:
 
 async def test_child_processes_that_outlive_a_node_are_ended(stage: Stage) -> None:
     stage.script("parent.sh", 'sleep 100 & echo $! > "$WHERE/child"')
-    assert await asyncio.wait_for(stage.run('<node name="n" pkg="p" type="parent.sh"/>'), LIMIT_S)
+    assert await asyncio.wait_for(stage.run('<node name="n" pkg="p" type="parent.sh"/>'), TIMEOUT_S)
     await stage.wait_ended(int(stage.read("child")))
 
 

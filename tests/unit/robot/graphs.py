@@ -12,7 +12,7 @@ from rostether.msgdef.registry import Registry
 from rostether.serde.store import TypeStore
 from rostether.serde.values import Message
 
-LIMIT_S = 60.0
+TIMEOUT_S = 60.0
 
 
 @asynccontextmanager
@@ -29,7 +29,7 @@ async def first(
     graph: TypedGraph, topic: str, type_name: str, wanted: Callable[[Message], bool] = lambda _: True
 ) -> Message:
     """Return the first message of a topic for which `wanted` is true."""
-    async with asyncio.timeout(LIMIT_S), aclosing(aiter(graph.messages(topic, type_name))) as messages:
+    async with asyncio.timeout(TIMEOUT_S), aclosing(aiter(graph.messages(topic, type_name))) as messages:
         async for message in messages:
             if wanted(message):
                 return message

@@ -16,7 +16,7 @@ from rostether.sync.blocking import LOOP, OpenContext
 from rostether.transports.opening import listen
 from unit.device.host import Host, Hosts
 
-LIMIT_S = 60.0
+TIMEOUT_S = 60.0
 
 
 @asynccontextmanager
@@ -43,17 +43,17 @@ def test_topics_parameters_and_logs(line: tuple[rostether.sync.Device, Host]) ->
     count = device.publisher("count", "std_msgs/UInt32")
     got: queue.Queue[Message] = queue.Queue()
     device.subscriber("led", "std_msgs/Bool", got.put)
-    device.wait_connected(timeout_s=LIMIT_S)
+    device.wait_connected(timeout_s=TIMEOUT_S)
     assert device.connected
     LOOP.call(host.until(lambda: ("led", TopicRole.SUBSCRIBER) in host.announced))
     assert count.publish(7)
     assert count.publish_many([device.message("std_msgs/UInt32", data=8)])
-    count.drained(LIMIT_S)
+    count.drained(TIMEOUT_S)
     device.loginfo("ready")
     LOOP.call(host.until(lambda: bool(host.logs) and len(host.messages["count"]) == 2))
     assert [message.data for message in host.messages["count"]] == [7, 8]
     LOOP.loop.call_soon_threadsafe(host.publish, "led", {"data": True})
-    assert got.get(timeout=LIMIT_S).data is True
+    assert got.get(timeout=TIMEOUT_S).data is True
     switches = device.messages("switch", Bool)
     LOOP.call(host.until(lambda: ("switch", TopicRole.SUBSCRIBER) in host.announced))
     LOOP.loop.call_soon_threadsafe(host.publish, "switch", {"data": True})
@@ -73,7 +73,7 @@ def test_services_both_ways(line: tuple[rostether.sync.Device, Host]) -> None:
     device.service_server(
         "enable", SetBool, lambda request: {"success": client.call(data=request.data).success}
     )
-    device.wait_connected(timeout_s=LIMIT_S)
+    device.wait_connected(timeout_s=TIMEOUT_S)
     LOOP.call(host.until(lambda: {"add", "enable"} <= host.services.keys()))
     assert LOOP.call(host.call("enable", {"data": True})).success is True
 

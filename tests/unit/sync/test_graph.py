@@ -25,7 +25,7 @@ from rostether.serde.values import Message
 from rostether.srv.std_srvs import SetBool, SetBoolRequest
 from rostether.sync.blocking import LOOP
 
-LIMIT_S = 60.0
+TIMEOUT_S = 60.0
 
 
 @pytest.fixture(scope="module")
@@ -51,7 +51,7 @@ def test_topics(talker: rostether.sync.Graph, listener: rostether.sync.Graph) ->
     chatter = talker.publisher("chatter", "std_msgs/String", latch=True)
     assert chatter.topic == "/chatter"
     chatter.publish("hello")
-    assert listener.wait_for_message("chatter", timeout_s=LIMIT_S).data == "hello"
+    assert listener.wait_for_message("chatter", timeout_s=TIMEOUT_S).data == "hello"
     for message in listener.messages("chatter"):
         assert message.data == "hello"
         break
@@ -61,9 +61,9 @@ def test_topics(talker: rostether.sync.Graph, listener: rostether.sync.Graph) ->
     messages.close()
     got: queue.Queue[Message] = queue.Queue()
     subscriber = listener.subscriber("chatter", None, got.put)
-    assert got.get(timeout=LIMIT_S).data == "hello"
+    assert got.get(timeout=TIMEOUT_S).data == "hello"
     chatter.publish(data="again")
-    assert got.get(timeout=LIMIT_S).data == "again"
+    assert got.get(timeout=TIMEOUT_S).data == "again"
     subscriber.close()
     with pytest.raises(SerializationError, match="dta"):
         chatter.publish(dta=3)
@@ -85,10 +85,10 @@ def test_threads_share_the_messages_of_a_topic_until_one_ends_them(talker: roste
     numbers.wait_for_subscriber()
     for number in range(20):
         numbers.publish(data=number)
-    assert sorted(got.get(timeout=LIMIT_S) for _ in range(20)) == list(range(20))
+    assert sorted(got.get(timeout=TIMEOUT_S) for _ in range(20)) == list(range(20))
     shared.close()
     for thread in threads:
-        thread.join(LIMIT_S)
+        thread.join(TIMEOUT_S)
         assert not thread.is_alive()
     assert got.empty()
 
@@ -103,10 +103,10 @@ def test_a_callback_that_fails_ends_nothing(
 
     numbers = talker.publisher("numbers", "std_msgs/Int32")
     talker.subscriber("numbers", "std_msgs/Int32", divide)
-    assert numbers.wait_for_subscriber(LIMIT_S)
+    assert numbers.wait_for_subscriber(TIMEOUT_S)
     numbers.publish(0)
     numbers.publish(2)
-    assert got.get(timeout=LIMIT_S) == 3
+    assert got.get(timeout=TIMEOUT_S) == 3
     assert "the callback divide failed" in caplog.text
 
 
@@ -129,9 +129,9 @@ def test_services_whose_handlers_use_the_graph(
 def test_parameters(talker: rostether.sync.Graph) -> None:
     seen: queue.Queue[object] = queue.Queue()
     watch = talker.watch_param("/gain", seen.put)
-    assert seen.get(timeout=LIMIT_S) is None
+    assert seen.get(timeout=TIMEOUT_S) is None
     talker.set_param("/gain", 2.5)
-    assert seen.get(timeout=LIMIT_S) == 2.5
+    assert seen.get(timeout=TIMEOUT_S) == 2.5
     watch.close()
     assert "/gain" in talker.list_params()
     talker.delete_param("/gain")
@@ -149,13 +149,13 @@ def test_what_a_node_knows(talker: rostether.sync.Graph) -> None:
 def test_types_as_classes(talker: rostether.sync.Graph) -> None:
     numbers = talker.publisher("numbers", Int32, latch=True)
     numbers.publish(data=3)
-    assert talker.wait_for_message("numbers", Int32, timeout_s=LIMIT_S).data == 3
+    assert talker.wait_for_message("numbers", Int32, timeout_s=TIMEOUT_S).data == 3
     for message in talker.messages("numbers", Int32):
         assert message.data.bit_length() == 2
         break
     got: queue.Queue[Int32] = queue.Queue()
     talker.subscriber("numbers", Int32, got.put)
-    assert got.get(timeout=LIMIT_S).data == 3
+    assert got.get(timeout=TIMEOUT_S).data == 3
 
 
 def test_no_master() -> None:
@@ -196,7 +196,7 @@ def test_a_program_that_ends_leaves_the_graph(master: str, listener: rostether.s
     assert program.stdout.readline() == b"joined\n"
     if end == "signal":
         os.kill(program.pid, signal.SIGINT)
-    _, errors = program.communicate(timeout=LIMIT_S)
+    _, errors = program.communicate(timeout=TIMEOUT_S)
     assert {"signal": b"KeyboardInterrupt", "exception": b"broken", "exit": b""}[end] in errors
     assert errors.count(b"Traceback") == (end != "exit")
     assert "/short" not in listener.snapshot().nodes

@@ -22,7 +22,7 @@ from rostether.cli.launch.launch import complete_launch
 from rostether.cli.main import main
 from unit.cli.command_shell import LiveGraph
 
-LIMIT_S = 60.0
+TIMEOUT_S = 60.0
 STAY = '#!/bin/sh\necho "hello from $1"\necho $$ > "$ROS_HOME/$1.pid"\nexec sleep 100\n'
 DISPLAY = """<launch>
   <arg name="rate" default="10" doc="how often"/>
@@ -206,7 +206,7 @@ def launched(
 
 def pid_of(name: str, folder: Path) -> int:
     file = folder / f"{name}.pid"
-    deadline_s = time.monotonic() + LIMIT_S
+    deadline_s = time.monotonic() + TIMEOUT_S
     while not (file.exists() and file.read_text().endswith("\n")):
         assert time.monotonic() < deadline_s, f"{name} was never started"
         time.sleep(0.02)
@@ -214,7 +214,7 @@ def pid_of(name: str, folder: Path) -> int:
 
 
 def wait_gone(pid: int) -> None:
-    deadline_s = time.monotonic() + LIMIT_S
+    deadline_s = time.monotonic() + TIMEOUT_S
     while is_running(pid):
         assert time.monotonic() < deadline_s, f"process {pid} is still there"
         time.sleep(0.02)
@@ -227,7 +227,7 @@ def test_launch_joins_a_master_and_ends_its_nodes_on_request(
     with launched("arm", "stay.launch", "--screen", master_uri=graph.uri, cwd=arm) as process:
         pid = pid_of("stay", arm)
         process.send_signal(number)
-        output, _ = process.communicate(timeout=LIMIT_S)
+        output, _ = process.communicate(timeout=TIMEOUT_S)
     assert process.returncode == code, output
     assert "hello from stay" in output
     assert "stay (arm/stay.sh)" in output
@@ -238,7 +238,7 @@ def test_nodes_do_not_outlive_a_launch_that_is_killed(arm: Path, graph: LiveGrap
     with launched("arm", "stay.launch", master_uri=graph.uri, cwd=arm) as process:
         pid = pid_of("stay", arm)
         process.kill()
-        process.communicate(timeout=LIMIT_S)
+        process.communicate(timeout=TIMEOUT_S)
     wait_gone(pid)
 
 
@@ -252,7 +252,7 @@ def test_launch_is_the_master_where_there_is_none(arm: Path) -> None:
     script.chmod(0o755)
     uri = f"http://localhost:{free_port()}"
     with launched("arm", "ask.launch", "--no-summary", master_uri=uri, cwd=arm) as process:
-        output, _ = process.communicate(timeout=LIMIT_S)
+        output, _ = process.communicate(timeout=TIMEOUT_S)
     assert process.returncode == 0, output
     assert "Started a ROS master" in output
     assert re.search(r"^5$", output, re.MULTILINE)
@@ -262,7 +262,7 @@ def test_launch_is_the_master_where_there_is_none(arm: Path) -> None:
 def test_launch_file_can_come_from_stdin(arm: Path, graph: LiveGraph) -> None:
     text = '<launch><param name="from_stdin" value="$(arg v)"/></launch>'
     with launched("-", "v:=7", master_uri=graph.uri, cwd=arm, stdin=subprocess.PIPE) as process:
-        output, _ = process.communicate(text, timeout=LIMIT_S)
+        output, _ = process.communicate(text, timeout=TIMEOUT_S)
     assert process.returncode == 0, output
     assert graph.do(graph.node("ask").get_param("/from_stdin")) == 7
 
@@ -270,7 +270,7 @@ def test_launch_file_can_come_from_stdin(arm: Path, graph: LiveGraph) -> None:
 def test_unused_arguments_cause_a_warning(arm: Path, graph: LiveGraph) -> None:
     arguments = ("arm", "params.launch", "x:=", "ghost:=1")
     with launched(*arguments, master_uri=graph.uri, cwd=arm) as process:
-        output, _ = process.communicate(timeout=LIMIT_S)
+        output, _ = process.communicate(timeout=TIMEOUT_S)
     assert process.returncode == 0, output
     assert "WARNING: the launch file declares no argument ghost" in output
     assert "WARNING: x:= has no value" in output
@@ -294,7 +294,7 @@ def test_windows_that_are_not_installed_are_views_of_the_dashboard(arm: Path, gr
         assert re.search(r"Dashboard, scene: http://127\.0\.0\.1:\d+/#/scene", text)
         assert re.search(r"Dashboard, graph: http://127\.0\.0\.1:\d+/#/graph", text)
         process.send_signal(signal.SIGINT)
-        assert process.wait(LIMIT_S) == 130
+        assert process.wait(TIMEOUT_S) == 130
 
 
 def test_served_node_runs_with_its_remaps(arm: Path, graph: LiveGraph) -> None:
@@ -303,7 +303,7 @@ def test_served_node_runs_with_its_remaps(arm: Path, graph: LiveGraph) -> None:
     )
     with launched("arm", "served.launch", master_uri=graph.uri, cwd=arm):
         watcher = graph.node("watcher")
-        deadline_s = time.monotonic() + LIMIT_S
+        deadline_s = time.monotonic() + TIMEOUT_S
         while "/relayed" not in graph.do(watcher.snapshot()).nodes:
             assert time.monotonic() < deadline_s, "the node never joined"
             time.sleep(0.05)
@@ -319,6 +319,6 @@ def test_packages_beyond_the_limit_of_an_environment_do_not_stop_a_launch(
     with launched("arm", "stay.launch", master_uri=graph.uri, cwd=arm.parent.parent) as process:
         pid = pid_of("stay", arm.parent.parent)
         process.send_signal(signal.SIGTERM)
-        output, _ = process.communicate(timeout=LIMIT_S)
+        output, _ = process.communicate(timeout=TIMEOUT_S)
     assert process.returncode == 0, output
     wait_gone(pid)

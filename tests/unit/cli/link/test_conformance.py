@@ -12,7 +12,7 @@ from rostether.rosserial import topic_id as ids
 from rostether.rosserial.frame import encode_frame
 from rostether.rosserial.packets import TopicInfo
 
-LIMIT_S = 60.0
+TIMEOUT_S = 60.0
 
 
 async def checked(*arguments: str) -> asyncio.subprocess.Process:
@@ -44,7 +44,7 @@ async def test_a_failed_case_is_reported_with_the_observed_packets() -> None:
     client = asyncio.create_task(announce_forever(port))
     names = ("announce-names", "announce-md5sums", "frame-check")
     process = await checked(f"tcp://127.0.0.1:{port}", "--json", *(f"--case={name}" for name in names))
-    out, err = await asyncio.wait_for(process.communicate(), LIMIT_S)
+    out, err = await asyncio.wait_for(process.communicate(), TIMEOUT_S)
     client.cancel()
     assert (process.returncode, err) == (1, b"")
     *cases, total = map(json.loads, out.splitlines())
@@ -64,6 +64,6 @@ async def test_wrong_arguments_are_refused_in_one_line() -> None:
         (("tcp://:1", "--case", "nothing"), b"no case nothing; --list shows the cases"),
     ):
         process = await checked(*arguments)
-        _, err = await asyncio.wait_for(process.communicate(), LIMIT_S)
+        _, err = await asyncio.wait_for(process.communicate(), TIMEOUT_S)
         assert process.returncode == 2
         assert reported in err

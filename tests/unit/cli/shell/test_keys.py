@@ -11,7 +11,7 @@ import pytest
 from rostether.cli.shell.keys import split_keys, typed_keys
 
 KNOWN = (b"\033[A", b"\033[5~", b"j", b"q")
-LIMIT_S = 60.0
+TIMEOUT_S = 60.0
 
 
 async def test_keys_arrive_as_they_are_pressed_and_the_terminal_is_restored(
@@ -25,7 +25,7 @@ async def test_keys_arrive_as_they_are_pressed_and_the_terminal_is_restored(
         with typed_keys(came.put_nowait) as has_keys:
             assert has_keys
             keyboard.write(b"l")
-            assert await asyncio.wait_for(came.get(), LIMIT_S) == b"l"
+            assert await asyncio.wait_for(came.get(), TIMEOUT_S) == b"l"
         assert termios.tcgetattr(follower) == before
 
 

@@ -28,7 +28,7 @@ from rostether.msgdef.registry import Registry
 from rostether.serde.store import TypeStore
 from rostether.transports.web_boards import WebBoards
 
-LIMIT_S = 60.0  # of waits for conditions, on a machine under load
+TIMEOUT_S = 60.0  # of waits for conditions, on a machine under load
 STRING = "std_msgs/String"
 BINARY_OPS = {1: "messageData", 2: "time", 3: "serviceCallResponse", 4: "fetchAssetResponse"}
 
@@ -69,7 +69,7 @@ class ProtocolClient:
         def find() -> dict[str, Any] | None:
             return next((each for each in self.of(op) if suits(each)), None)
 
-        async with asyncio.timeout(LIMIT_S):
+        async with asyncio.timeout(TIMEOUT_S):
             while (found := find()) is None:
                 if self._reading.done():
                     raise AssertionError(f"the connection has ended; heard {self.received}")
@@ -93,7 +93,7 @@ class ProtocolClient:
         return next(each for each in offered if each["name"] == name)
 
     async def wait_closed(self) -> int | None:
-        await asyncio.wait_for(self._reading, LIMIT_S)
+        await asyncio.wait_for(self._reading, TIMEOUT_S)
         return self.connection.close_code
 
     async def close(self) -> None:

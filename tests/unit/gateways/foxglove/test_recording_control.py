@@ -16,7 +16,7 @@ from rostether.gateways.foxglove import recording_control
 from rostether.gateways.foxglove.settings import FoxgloveSettings
 from rostether.gateways.websocket.own_authority import own_certificate
 from rostether.gateways.websocket.site import Site
-from unit.gateways.foxglove.protocol_client import LIMIT_S, Stage, stage
+from unit.gateways.foxglove.protocol_client import TIMEOUT_S, Stage, stage
 from waiting import until
 
 FREE = FoxgloveSettings(port=0)
@@ -140,7 +140,7 @@ async def fetched(there: Stage, path: str, more: str = "") -> bytes:
     reader, writer = await asyncio.open_connection("127.0.0.1", there.gateway.port)
     writer.write(f"GET {path} HTTP/1.1\r\nHost: localhost\r\n{more}\r\n".encode())
     try:
-        return await asyncio.wait_for(reader.read(-1), LIMIT_S)
+        return await asyncio.wait_for(reader.read(-1), TIMEOUT_S)
     finally:
         writer.close()
 
@@ -198,7 +198,7 @@ async def test_a_recording_is_downloaded_over_tls(tmp_path: Path) -> None:
                 "127.0.0.1", there.gateway.port, ssl=trust, server_hostname="localhost"
             )
             writer.write(f"GET {path} HTTP/1.1\r\nHost: localhost\r\n\r\n".encode())
-            reply = await asyncio.wait_for(reader.read(-1), LIMIT_S)
+            reply = await asyncio.wait_for(reader.read(-1), TIMEOUT_S)
             assert reply.partition(b"\r\n\r\n")[2] == content
             writer.close()
         await until(lambda: there.connection_count == 0)
@@ -211,7 +211,7 @@ async def test_a_client_that_half_closes_gets_its_recording(tmp_path: Path) -> N
         reader, writer = await asyncio.open_connection("127.0.0.1", there.gateway.port)
         writer.write(b"GET /recordings/drive.bag HTTP/1.1\r\nHost: localhost\r\n\r\n")
         writer.write_eof()
-        reply = await asyncio.wait_for(reader.read(-1), LIMIT_S)
+        reply = await asyncio.wait_for(reader.read(-1), TIMEOUT_S)
         assert len(reply.partition(b"\r\n\r\n")[2]) == len(content)
         writer.close()
 

@@ -10,7 +10,7 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).parents[4]))
 
 from fuzz import targets
-from unit.gateways.rosbridge.web_client import LIMIT_S, world
+from unit.gateways.rosbridge.web_client import TIMEOUT_S, world
 
 CLIENTS = 20
 TALKS_OF_ONE = 20
@@ -28,7 +28,7 @@ async def test_a_flood_of_nonsense_leaves_the_server_up() -> None:
                     # Every other client sends its lines as binary messages.
                     await client.connection.send(line if number % 2 else line.decode("utf-8", "replace"))
                 await client.say("call_service", service="/rosapi/none", id="the last")
-                async with asyncio.timeout(LIMIT_S):
+                async with asyncio.timeout(TIMEOUT_S):
                     while b'"the last"' not in await client.connection.recv(decode=False):
                         pass
         await sensible.settled()

@@ -19,7 +19,7 @@ from rostether.graph.typed_graph import TypedGraph
 from rostether.msgdef.registry import Registry
 from rostether.serde.store import TypeStore
 
-LIMIT_S = 60.0
+TIMEOUT_S = 60.0
 
 
 class WebClient:
@@ -33,7 +33,7 @@ class WebClient:
 
     async def receive(self, op: str | None = None) -> dict[str, Any]:
         """Return the next message, of this op if one is given; none before it may be of another."""
-        async with asyncio.timeout(LIMIT_S):
+        async with asyncio.timeout(TIMEOUT_S):
             message: dict[str, Any] = json.loads(await self.connection.recv())
         assert op is None or message["op"] == op, message
         return message

@@ -19,7 +19,7 @@ from loop_watch import MAX_HELD_S
 from rostether.gateways.foxglove.settings import FoxgloveLimits, FoxgloveSettings
 from rostether.gateways.websocket import connection as connection_module
 from tls_handshakes import handshakes_in_memory
-from unit.gateways.foxglove.protocol_client import LIMIT_S, stage
+from unit.gateways.foxglove.protocol_client import TIMEOUT_S, stage
 from waiting import until
 
 Connection: TypeAlias = tuple[asyncio.StreamReader, asyncio.StreamWriter]
@@ -49,7 +49,7 @@ async def open_connection(
 
 async def shaken(port: int) -> Connection:
     reader, writer = await open_connection(port)
-    answer = await asyncio.wait_for(reader.readuntil(b"\r\n\r\n"), LIMIT_S)
+    answer = await asyncio.wait_for(reader.readuntil(b"\r\n\r\n"), TIMEOUT_S)
     assert answer.startswith(b"HTTP/1.1 101")
     assert b"foxglove.sdk.v1" in answer
     return reader, writer
@@ -59,7 +59,7 @@ async def ended(reader: asyncio.StreamReader) -> bytes:
     """Return the remaining data until the end of the connection."""
     data = bytearray()
     try:
-        async with asyncio.timeout(LIMIT_S):
+        async with asyncio.timeout(TIMEOUT_S):
             while chunk := await reader.read(65536):
                 data += chunk
     except ConnectionError:
@@ -103,14 +103,14 @@ async def test_silent_connections_displace_each_other_and_no_client(
 
         def viewer() -> connect:
             protocols = [Subprotocol("foxglove.sdk.v1")]
-            return connect(url, ssl=trust, subprotocols=protocols, proxy=None, open_timeout=LIMIT_S)
+            return connect(url, ssl=trust, subprotocols=protocols, proxy=None, open_timeout=TIMEOUT_S)
 
         async with viewer() as first:
             silent = [await open_connection(port, b"") for _ in range(5)]
             assert await ended(silent[0][0]) == b"", "before its TLS handshake, too"
             async with viewer() as second:
                 for each in (first, second):
-                    assert await asyncio.wait_for(each.recv(), LIMIT_S)
+                    assert await asyncio.wait_for(each.recv(), TIMEOUT_S)
         for _, writer in silent:
             writer.close()
 
@@ -120,7 +120,7 @@ async def test_one_other_address_cannot_keep_clients_out() -> None:
     async with stage(FoxgloveSettings(port=0, limits=limits)) as there:
         port = there.gateway.port
         opened = [await open_connection(port, host="127.0.0.2") for _ in range(3)]
-        answers = [await asyncio.wait_for(each.readuntil(b"\r\n"), LIMIT_S) for each, _ in opened]
+        answers = [await asyncio.wait_for(each.readuntil(b"\r\n"), TIMEOUT_S) for each, _ in opened]
         assert sorted(answers)[:2] == [b"HTTP/1.1 101 Switching Protocols\r\n"] * 2
         assert b"503" in max(answers)
         assert "from one address (2) is reached" in there.reported[-1]
@@ -128,7 +128,7 @@ async def test_one_other_address_cannot_keep_clients_out() -> None:
         opened += [await open_connection(port, b"", host="127.0.0.2") for _ in range(8)]
         assert await ended(opened[3][0]) == b"", "the connections of that address replace each other"
         slow[1].write(UPGRADE[20:])
-        assert b"101" in await asyncio.wait_for(slow[0].readuntil(b"\r\n"), LIMIT_S)
+        assert b"101" in await asyncio.wait_for(slow[0].readuntil(b"\r\n"), TIMEOUT_S)
         for _, writer in (*opened, slow):
             writer.close()
 
@@ -143,7 +143,7 @@ async def test_encrypted_clients_are_served_at_once(tmp_path: Path) -> None:
                 "127.0.0.1", there.gateway.port, ssl=trust, server_hostname="localhost"
             )
             writer.write(UPGRADE)
-            answer = await asyncio.wait_for(reader.readuntil(b"\r\n"), LIMIT_S)
+            answer = await asyncio.wait_for(reader.readuntil(b"\r\n"), TIMEOUT_S)
             writer.close()
             return answer
 
@@ -203,7 +203,7 @@ async def test_a_message_in_pieces_is_whole_again() -> None:
                 writer.write(bytes((byte,)))
                 await asyncio.sleep(0)
         received = b""
-        async with asyncio.timeout(LIMIT_S):
+        async with asyncio.timeout(TIMEOUT_S):
             while b'"id":"pieces"' not in received:
                 received += await reader.read(4096)
         assert b"\x8a\x04ping" in received
@@ -250,9 +250,11 @@ async def test_an_encrypted_connection_ends_at_once(tmp_path: Path, monkeypatch:
     async with stage(settings) as there:
         url = f"wss://localhost:{there.gateway.port}"
         protocol = Subprotocol("foxglove.sdk.v1")
-        viewer = await connect(url, ssl=trust, subprotocols=[protocol], proxy=None, close_timeout=2 * LIMIT_S)
+        viewer = await connect(
+            url, ssl=trust, subprotocols=[protocol], proxy=None, close_timeout=2 * TIMEOUT_S
+        )
         await viewer.recv()
-        await asyncio.wait_for(viewer.close(), LIMIT_S)
+        await asyncio.wait_for(viewer.close(), TIMEOUT_S)
         assert viewer.close_code == 1000
 
 
@@ -292,7 +294,7 @@ async def test_pongs_do_not_fill_memory_when_the_client_does_not_read() -> None:
         ours = cast(asyncio.Transport, writer.transport)
         ours.pause_reading()
         pings = b"".join(frame(9, b"%125d" % number) for number in range(1000))
-        async with asyncio.timeout(LIMIT_S):
+        async with asyncio.timeout(TIMEOUT_S):
             while not connection._pong:
                 writer.write(pings)
                 await writer.drain()
@@ -306,7 +308,7 @@ async def test_pongs_do_not_fill_memory_when_the_client_does_not_read() -> None:
         # A client that reads again gets the answer to its last ping.
         ours.resume_reading()
         tail = b""
-        async with asyncio.timeout(LIMIT_S):
+        async with asyncio.timeout(TIMEOUT_S):
             while not tail.endswith(b"\x8a\x04last"):
                 tail = (tail + await reader.read(65536))[-6:]
         writer.close()
@@ -329,8 +331,8 @@ async def test_empty_frames_of_a_message_take_no_memory() -> None:
         reader, writer = await shaken(there.gateway.port)
         (connection,) = there.gateway._server._connections
         writer.write(frame(1, b'{"op": ', fin=False) + frame(0, b"", fin=False) * 10_000 + frame(9, b"there"))
-        await asyncio.wait_for(reader.readuntil(b"there"), LIMIT_S)
+        await asyncio.wait_for(reader.readuntil(b"there"), TIMEOUT_S)
         assert len(connection._assembler.incomplete) == 7
         writer.write(frame(0, b'"nonsense"}'))
-        await asyncio.wait_for(reader.readuntil(b"nonsense"), LIMIT_S)
+        await asyncio.wait_for(reader.readuntil(b"nonsense"), TIMEOUT_S)
         writer.close()

@@ -10,7 +10,7 @@ from msgspec.structs import replace
 
 from rostether.gateways.foxglove.settings import FoxgloveLimits, FoxgloveSettings
 from rostether.gateways.websocket.site import Site
-from unit.gateways.foxglove.protocol_client import LIMIT_S, Stage, stage
+from unit.gateways.foxglove.protocol_client import TIMEOUT_S, Stage, stage
 from waiting import until
 
 SITE = Site({"index.html": b"<p>page</p>", "large.bin": bytes(range(256)) * 40_000})
@@ -24,7 +24,7 @@ async def asked(there: Stage, request: bytes) -> bytes:
     reader, writer = await asyncio.open_connection("127.0.0.1", there.gateway.port)
     writer.write(request)
     try:
-        return await asyncio.wait_for(reader.read(-1), LIMIT_S)
+        return await asyncio.wait_for(reader.read(-1), TIMEOUT_S)
     finally:
         writer.close()
 
@@ -50,7 +50,7 @@ async def test_a_request_in_pieces_is_the_same(chunk: int) -> None:
         for start in range(0, len(request), chunk):
             writer.write(request[start : start + chunk])
             await writer.drain()
-        assert (await asyncio.wait_for(reader.read(-1), LIMIT_S)).endswith(b"<p>page</p>")
+        assert (await asyncio.wait_for(reader.read(-1), TIMEOUT_S)).endswith(b"<p>page</p>")
         writer.close()
 
 
@@ -107,7 +107,7 @@ async def test_a_client_that_goes_on_sending_keeps_no_place(monkeypatch: pytest.
         _, writer = await asyncio.open_connection("127.0.0.1", there.gateway.port)
         writer.write(get("/"))
         with pytest.raises(ConnectionError):
-            async with asyncio.timeout(LIMIT_S):
+            async with asyncio.timeout(TIMEOUT_S):
                 while True:
                     writer.write(b"more")
                     await writer.drain()

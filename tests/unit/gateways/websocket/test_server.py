@@ -9,7 +9,7 @@ import pytest
 from rostether.errors import ConfigError
 from rostether.gateways.foxglove.settings import FoxgloveSettings
 from rostether.gateways.websocket.own_authority import own_certificate
-from unit.gateways.foxglove.protocol_client import LIMIT_S, stage
+from unit.gateways.foxglove.protocol_client import TIMEOUT_S, stage
 
 
 async def test_files_that_cannot_be_used_are_named(tmp_path: Path) -> None:
@@ -28,7 +28,7 @@ async def test_new_connections_use_a_certificate_that_was_replaced(tmp_path: Pat
 
         async def connect(authority: Path) -> None:
             trust = ssl.create_default_context(cafile=str(authority))
-            async with asyncio.timeout(LIMIT_S):
+            async with asyncio.timeout(TIMEOUT_S):
                 _, writer = await asyncio.open_connection("localhost", there.gateway.port, ssl=trust)
             writer.close()
 
