@@ -89,8 +89,8 @@ _ALL = (
     Plant(
         "host-control-rate-unlimited",
         "host_link",
-        "rostether.rosserial.control_rate",
-        "admitted = min(count, int(self._room))",
+        "rostether.mechanisms.token_bucket",
+        "admitted = min(count, int(self.room(now_s)))",
         "admitted = count",
     ),
     Plant(
