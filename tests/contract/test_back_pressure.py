@@ -37,7 +37,7 @@ async def publish_until_behind(publisher: Publisher, reader: Inbox, first: int =
     raise AssertionError("the publisher never noticed that a subscriber is behind")
 
 
-async def test_a_subscriber_that_reads_again_loses_nothing(
+async def test_a_slow_subscriber_that_reads_again_loses_nothing(
     join: JoinGraph, capabilities: Capabilities
 ) -> None:
     capabilities.require("detects_slow_subscribers")

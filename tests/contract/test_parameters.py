@@ -28,7 +28,7 @@ MIXED: ParamValue = [1, 2.5, "three", [True]]
 
 
 @pytest.mark.parametrize("value", VALUES)
-async def test_values_come_back_as_they_were_set(join: JoinGraph, value: ParamValue) -> None:
+async def test_values_are_read_as_they_were_set(join: JoinGraph, value: ParamValue) -> None:
     one, other = await join("/one"), await join("/other")
     await wait_for_nodes(one, other)
     await one.set_param("/one/gains/arm", value)
@@ -118,7 +118,9 @@ async def test_a_name_below_no_node_belongs_to_the_node_that_sets_it(
     assert await node.has_param("~gains/p") is not capabilities.global_parameters
 
 
-async def test_search_goes_upward_from_the_node(join: JoinGraph, capabilities: Capabilities) -> None:
+async def test_search_checks_namespaces_from_the_node_upwards(
+    join: JoinGraph, capabilities: Capabilities
+) -> None:
     capabilities.require("global_parameters")
     node = await join("board", namespace="/lab/robot")
     assert await node.search_param("rate") is None
@@ -165,7 +167,7 @@ async def test_a_watch_reports_the_value_now_and_every_change(join: JoinGraph, o
     assert seen == [1, 2, None, 3]
 
 
-async def test_a_watch_sees_changes_above_and_below(join: JoinGraph) -> None:
+async def test_a_watch_reports_changes_above_and_below(join: JoinGraph) -> None:
     watcher, other = await join("/watcher"), await join("/other")
     await wait_for_nodes(watcher, other)
     leaf: list[ParamValue] = []

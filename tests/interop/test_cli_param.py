@@ -95,7 +95,7 @@ async def test_writing_sets_the_same(stage: Stage, tmp_path: Path) -> None:
     assert "negative: -5" in rostether
 
 
-async def test_bytes_are_set_by_both(stage: Stage, tmp_path: Path) -> None:
+async def test_both_set_bytes(stage: Stage, tmp_path: Path) -> None:
     # Debian's rosparam cannot print them.
     tools = SideBySide(stage.peers)
     file = tmp_path / "picture.bin"
@@ -106,7 +106,7 @@ async def test_bytes_are_set_by_both(stage: Stage, tmp_path: Path) -> None:
         assert printed.startswith("!!binary |\n  AAECAwQF")
 
 
-async def test_mistakes_fail_in_both(stage: Stage) -> None:
+async def test_invalid_commands_fail_in_both(stage: Stage) -> None:
     tools = SideBySide(stage.peers)
     assert "did you mean /rosversion?" in await tools.assert_both_fail("rosparam", "get", "/rosversio")
     for arguments in (

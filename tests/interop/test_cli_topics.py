@@ -147,7 +147,7 @@ async def test_rates_have_the_format_of_rostopic(stage: Ros1Peers) -> None:
 
 
 @pytest.mark.parametrize("stage", ["rostether"], indirect=True)
-async def test_publishing_both_ways(stage: Ros1Peers) -> None:
+async def test_messages_are_exchanged_with_rostopic(stage: Ros1Peers) -> None:
     async def publish_until_received(echo: Peer, *command: str) -> str:
         """Publish for three seconds, and repeat it if that was too short for the echo on a busy machine."""
         await echo.wait_for("does not appear to be published yet")

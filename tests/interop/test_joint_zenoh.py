@@ -83,7 +83,7 @@ async def test_messages_of_both_graphs_and_own_messages_arrive_once(world: World
     assert sorted(own_inbox.payloads) == expected
 
 
-async def test_services_both_ways(world: World) -> None:
+async def test_services_of_both_graphs(world: World) -> None:
     await world.board.advertise_service("/switch", SET_BOOL, answer_set_bool)
     for peer in (world.ros1, world.ros2):
         await wait_for_service(peer, "/switch")

@@ -73,7 +73,7 @@ def test_a_new_package_equals_that_of_catkin_create_pkg(tmp_path: Path, argument
     assert files(rostether / name) == files(debian / name)
 
 
-def test_the_same_packages_are_found_as_by_rospack(tmp_path: Path) -> None:
+def test_rospack_finds_the_same_packages(tmp_path: Path) -> None:
     for path, ignored in (
         ("one/arm", False),
         ("one/stack/deep/leg", False),

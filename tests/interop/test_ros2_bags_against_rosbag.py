@@ -33,7 +33,7 @@ with rosbag.Bag(sys.argv[1]) as bag:
 """
 
 
-async def test_messages_of_ros2_are_what_rospy_knows(roscore: Ros1Peers, tmp_path: Path) -> None:
+async def test_rospy_reads_messages_of_ros2(roscore: Ros1Peers, tmp_path: Path) -> None:
     folder, bag = tmp_path / "ros2", tmp_path / "ros1.bag"
     foreign_bag(folder, StoragePlugin.SQLITE3)
     reader = open_recording(folder)

@@ -140,7 +140,7 @@ async def test_a_node_with_its_own_topics_and_services(roscore: Ros1Peers) -> No
 @pytest.mark.parametrize(
     ("end", "arguments"), [("SIGINT", []), ("SIGTERM", REMAPPINGS), ("kill", REMAPPINGS)]
 )
-async def test_the_graph_sees_the_same(roscore: Ros1Peers, end: str, arguments: list[str]) -> None:
+async def test_an_observer_receives_the_same(roscore: Ros1Peers, end: str, arguments: list[str]) -> None:
     debian = await observe(roscore, DEBIAN_PYTHON, end, *arguments)
     rostether = await observe(roscore, sys.executable, end, *arguments)
     if end == "kill":
@@ -150,7 +150,7 @@ async def test_the_graph_sees_the_same(roscore: Ros1Peers, end: str, arguments: 
     assert len(rostether["registered"][0]) == 6
 
 
-async def test_actions_between_both(roscore: Ros1Peers) -> None:
+async def test_each_action_client_works_with_each_server(roscore: Ros1Peers) -> None:
     """Every client with every server: the client has the same results."""
     seen = []
     for server_python, name in ((DEBIAN_PYTHON, "debian"), (sys.executable, "rostether")):

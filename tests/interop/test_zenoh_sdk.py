@@ -94,7 +94,7 @@ async def test_sdk_publisher_to_subscriber(node: Graph, peer: SdkPeer) -> None:
     assert inbox.payloads == [string(text) for text in texts]
 
 
-async def test_a_stamped_message_both_ways(node: Graph, session: ZenohSession, peer: SdkPeer) -> None:
+async def test_stamped_messages_are_exchanged(node: Graph, session: ZenohSession, peer: SdkPeer) -> None:
     # The peer uses rostether's hash: its own implementation needs definitions from the internet.
     kind = {
         "msg_type": "sensor_msgs/msg/Range",
@@ -172,7 +172,7 @@ async def test_service_of_sdk_called(node: Graph, peer: SdkPeer) -> None:
         await node.call_service("/switch", SET_BOOL, b"\x01", timeout_s=2.0)
 
 
-async def test_each_sees_the_others_graph(node: Graph, session: ZenohSession, peer: SdkPeer) -> None:
+async def test_nodes_and_topics_of_both_are_listed(node: Graph, session: ZenohSession, peer: SdkPeer) -> None:
     await node.advertise("/from_board", STRING)
     await node.subscribe("/back", STRING, Inbox().store)
     await peer.do(

@@ -87,7 +87,7 @@ async def test_a_call_of_another_type_is_refused(join: JoinGraph, peer: RclpyPee
         await node.call_service("/rclpy/typed", store.registry.service_type("std_srvs/Trigger"), b"")
 
 
-async def test_a_failing_handler_leaves_the_caller_waiting_and_reports_the_reason(
+async def test_a_failing_handler_sends_no_answer_and_reports_the_reason(
     join: JoinGraph, peer: RclpyPeer, store: TypeStore, caplog: pytest.LogCaptureFixture
 ) -> None:
     node = await join("/board")

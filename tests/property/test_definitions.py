@@ -132,7 +132,7 @@ def test_garbage_is_refused_with_its_place_or_read(text: str) -> None:
 
 @without_deadline
 @given(st.text(max_size=200))
-def test_a_string_constant_keeps_everything_after_the_sign(value: str) -> None:
+def test_a_string_constant_has_all_text_after_the_equals_sign(value: str) -> None:
     assume("\n" not in value)
     (constant,) = parse(f"string X={value}").constants
     assert constant.value == value.strip()
@@ -193,7 +193,7 @@ def test_resolved_names_are_global_legal_and_stable(name: str, namespace: str) -
 @given(
     st.lists(st.one_of(st.text(max_size=20), st.sampled_from(["a:=b", "_p:=[", "_p:=1", "__name:=x", "--y"])))
 )
-def test_arguments_raise_nothing_but_config_errors(argv: list[str]) -> None:
+def test_arguments_raise_only_config_errors(argv: list[str]) -> None:
     try:
         parsed = parse_arguments(argv)
     except ConfigError as error:
@@ -209,7 +209,7 @@ def test_arguments_raise_nothing_but_config_errors(argv: list[str]) -> None:
         st.text(max_size=100).map("<package><name>{}</name></package>".format).map(str.encode),
     )
 )
-def test_package_files_raise_nothing_but_config_errors(data: bytes) -> None:
+def test_package_files_raise_only_config_errors(data: bytes) -> None:
     try:
         assert parse_package_xml(data).name
     except ConfigError as error:

@@ -46,7 +46,7 @@ def _copied(
     reader.close()
 
 
-def test_every_type_through_both_storages_and_back(tmp_path: Path) -> None:
+def test_every_type_is_unchanged_after_conversion_through_both_storages(tmp_path: Path) -> None:
     written = _bag(tmp_path / "a.bag")
     _copied(tmp_path / "a.bag", tmp_path / "mcap", Form.ROS2)
     _copied(tmp_path / "mcap", tmp_path / "sqlite", Form.ROS2, is_native=True, storage="sqlite3")

@@ -50,7 +50,7 @@ def test_decoding_undoes_encoding(name: str, data: st.DataObject) -> None:
 
 @settings(max_examples=effort(20, 60), deadline=None)
 @given(payload=st.binary(max_size=120) | st.lists(st.integers(0, 3), max_size=120).map(bytes))
-def test_garbage_is_accepted_exactly_if_it_decodes(payload: bytes) -> None:
+def test_the_layout_accepts_exactly_the_bytes_that_decode(payload: bytes) -> None:
     for name in TYPES:
         codec = STORE.codec(name)
         accepted = codec.layout.accepts(payload)

@@ -167,7 +167,7 @@ async def test_a_graph_fits_into_the_width(robot: Robot, browser: Browser) -> No
     await browser.wait_for(page, "location.hash.startsWith('#/topics')")
 
 
-async def test_the_map_keeps_moving_robots_in_the_picture(robot: Robot, browser: Browser) -> None:
+async def test_the_map_keeps_moving_robots_in_view(robot: Robot, browser: Browser) -> None:
     page = await browser.do("open", url=robot.url + "#/map")
     async with rostether.join("gps", master=robot.master) as graph:
         robots = [await graph.publisher(f"/gps{number}/fix", "sensor_msgs/NavSatFix") for number in (1, 2)]

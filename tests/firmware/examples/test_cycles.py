@@ -11,7 +11,7 @@ from firmware.examples.established import has_measured_compiler
 SLACK_OF_NEWER_COMPILERS = 1.3
 
 
-async def test_no_operation_takes_longer_than_before(capsys: pytest.CaptureFixture[str]) -> None:
+async def test_no_operation_needs_more_cycles_than_its_limit(capsys: pytest.CaptureFixture[str]) -> None:
     cycles = await counting.count_async(neutral=True)
     with capsys.disabled():
         print("\n" + "\n".join(f"{each.name:<40}{cycles[each]:>7}{each.max_cycles:>7}" for each in cycles))

@@ -15,7 +15,7 @@ NAMES = sorted(folder.name for folder in EXAMPLES.iterdir())
 FOR_OPENCR = {"TurtleBot3Burger"}
 
 
-def test_each_has_a_sketch_of_its_name_and_a_test() -> None:
+def test_each_example_has_a_sketch_and_a_test() -> None:
     tests = "".join(each.read_text() for each in Path(__file__).parent.glob("test_*.py"))
     for name in NAMES:
         assert (EXAMPLES / name / f"{name}.ino").is_file()
@@ -51,7 +51,7 @@ async def test_each_builds_without_a_warning_and_fits(name: str, kind: str) -> N
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_the_reference_has_its_topics_and_types(name: str) -> None:
+def test_the_reference_lists_the_topics_and_types_of_each_example(name: str) -> None:
     table = (EXAMPLES.parents[1] / "docs" / "reference" / "examples.md").read_text()
     (row,) = [line for line in table.splitlines() if line.startswith(f"| {name} |")]
     text = (EXAMPLES / name / f"{name}.ino").read_text()

@@ -41,7 +41,7 @@ async def test_exchanges_messages_over_a_uart(library: Path, tmp_path: Path) -> 
             await harness.exchange_messages()
 
 
-async def test_receives_a_message_whose_packets_are_sent_again(library: Path) -> None:
+async def test_receives_a_message_whose_packets_arrive_late(library: Path) -> None:
     async with (
         node_harness() as harness,
         harness.bridge("tcp://127.0.0.1:0") as (address,),
@@ -61,7 +61,7 @@ async def test_exchanges_messages_over_tcp_and_reconnects_to_another_bridge(libr
             assert await harness.ask("hello again") == "hello again"
 
 
-async def test_ctrl_c_stops_the_program_and_as_a_byte_of_a_message_does_not(library: Path) -> None:
+async def test_ctrl_c_stops_the_program_but_its_byte_in_a_message_does_not(library: Path) -> None:
     async with usb_board(NODE, library, "usb") as board:
         async with node_harness() as harness, harness.bridge(board.address):
             assert await harness.ask("\x03\r\x03") == "\x03\r\x03"

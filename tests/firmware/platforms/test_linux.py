@@ -33,7 +33,7 @@ async def test_exchanges_messages_over_tcp(linux_program: Path) -> None:
         await harness.exchange_messages()
 
 
-async def test_receives_a_message_whose_packets_are_sent_again(linux_program: Path) -> None:
+async def test_receives_a_message_whose_packets_arrive_late(linux_program: Path) -> None:
     async with (
         node_harness() as harness,
         harness.bridge("tcp://127.0.0.1:0") as (address,),

@@ -137,7 +137,7 @@ async def wrong_rates(inboxes: dict[tuple[str, str], Inbox]) -> list[str]:
     return wrong
 
 
-async def test_commands_come_from_both_graphs(world: World) -> None:
+async def test_commands_of_both_graphs_are_obeyed(world: World) -> None:
     first, second = world.graphs["ROS 1"], world.graphs["ROS 2"]
     for commanding, watching in ((first, second), (second, first)):
         speed = await send(commanding, "/cmd_vel", watching, "/odom", linear={"x": 0.1})

@@ -21,7 +21,7 @@ def array_payload(form: str, values: list[int] | list[float]) -> bytes:
 
 
 @pytest.mark.timeout(300)
-async def test_messages_of_280_bytes_all_come_back() -> None:
+async def test_messages_of_280_bytes_are_sent_back_unchanged() -> None:
     async with running(SKETCH) as stage:
         inbox = await stage.listen("/texts_out", "std_msgs/String")
         publisher = await stage.publisher("/texts_in", "std_msgs/String")
@@ -33,7 +33,7 @@ async def test_messages_of_280_bytes_all_come_back() -> None:
 
 
 @pytest.mark.timeout(300)
-async def test_sixty_four_bits_come_back_exactly() -> None:
+async def test_integers_of_64_bits_are_sent_back_exactly() -> None:
     numbers = random.Random(1)
     edges = [0, -1, 1, 2**63 - 1, -(2**63), 2**32, -(2**32) - 1]
     batches = [edges, *([numbers.randrange(-(2**63), 2**63) for _ in range(30)] for _ in range(3))]
@@ -47,7 +47,7 @@ async def test_sixty_four_bits_come_back_exactly() -> None:
 
 
 @pytest.mark.timeout(300)
-async def test_doubles_come_back_as_the_nearest_floats() -> None:
+async def test_doubles_are_sent_back_as_the_nearest_floats() -> None:
     numbers = random.Random(2)
 
     def random_double() -> float:
