@@ -29,6 +29,9 @@ async def start_servers(
             for address in addresses:
                 common_port = port_of(servers) if servers else port
                 servers.append(await _start_server(make_protocol, address, common_port))
+        except asyncio.CancelledError:
+            await close_servers(servers)
+            raise
         except OSError as error:
             await close_servers(servers)
             if port or error.errno != errno.EADDRINUSE or attempt == _ATTEMPTS:

@@ -1,0 +1,38 @@
+from __future__ import annotations
+
+import asyncio
+
+import pytest
+
+from rostether.ros1 import listening
+from rostether.ros1.listening import port_of, start_servers
+from rostether.transports.sockets import close_servers
+
+
+async def test_all_hosts_have_the_same_port() -> None:
+    servers = await start_servers(asyncio.Protocol, ["127.0.0.1", "127.0.0.2"], 0)
+    assert [server.sockets[0].getsockname()[1] for server in servers] == [port_of(servers)] * 2
+    await close_servers(servers)
+
+
+async def test_a_cancelled_start_closes_the_servers_that_listen(monkeypatch: pytest.MonkeyPatch) -> None:
+    start = listening._start_server
+    started: list[asyncio.Server] = []
+    reached = asyncio.Event()
+
+    async def start_only_one(
+        make_protocol: type[asyncio.Protocol], address: str, port: int
+    ) -> asyncio.Server:
+        if started:
+            reached.set()
+            await asyncio.Event().wait()
+        started.append(await start(make_protocol, address, port))
+        return started[0]
+
+    monkeypatch.setattr(listening, "_start_server", start_only_one)
+    starting = asyncio.create_task(start_servers(asyncio.Protocol, ["127.0.0.1", "127.0.0.2"], 0))
+    await reached.wait()
+    starting.cancel()
+    with pytest.raises(asyncio.CancelledError):
+        await starting
+    assert not started[0].sockets
