@@ -52,7 +52,7 @@ def run(data: bytes) -> None:
     assert messages(pieces) == messages(found), "the chunks change what is decoded"
     assert whole.pending_bytes <= MAX_PAYLOAD_BYTES + HEADER_BYTES
     expected = read_slowly(stream, version)
-    assert messages([*found, *whole.abandon(1e6)]) == expected, "other frames than there are"
+    assert messages([*found, *whole.abandon(1e6)]) == expected, "the simple reader finds other frames"
     whole.handle_timer(1e6)
 
 

@@ -8,7 +8,7 @@
 //   3       flags                                               1: the robot moves; 2: a sender commands it
 //   4-7     a robot's id, or a mask of groups                   the robot's id
 //   8-15    epoch: when the sender started                      the same
-//   16-19   sequence: 1 for the first frame of the epoch        the same
+//   16-19   sequence number: 1 for the epoch's first frame       the same
 //   20-21   time to live in milliseconds, from receipt          20-23: frames received from this sender
 //   22-23   length of the payload                               24-27: frames of it that were lost
 //   24-27   kind: start of the MD5 sum of the payload's type    28: refusal; 29: signal in dBm; 30-31: length of the rest
@@ -138,7 +138,7 @@ class CommandReceiver {
   struct Sender {
     // The place of the newest frame: a replay of it, or of an earlier one, has no effect.
     uint8_t place[EPOCH_BYTES + SEQUENCE_BYTES];
-    // The number of received frames, and the sequence before the first one.
+    // The number of received frames, and the sequence number before the first one.
     uint32_t received;
     uint32_t before;
     // The time of the last status.

@@ -79,8 +79,8 @@ class ServiceServer(Declared):
         except RostetherError as error:
             self._on_failure(f"service {self.service} failed: {error}")
         except Exception as error:  # noqa: BLE001 - the program's own code may raise anything
-            # The protocol cannot report a failure: the host receives a log message, and the caller's time
-            # limit ends.
+            # The protocol cannot report a failure to the caller: its call times out. The host receives a log
+            # message.
             _LOG.exception("the handler of service %s failed", self.service)
             self._on_failure(f"service {self.service} failed: {type(error).__name__}: {error}")
 

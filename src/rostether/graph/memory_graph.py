@@ -51,7 +51,7 @@ class MemoryGraph(NodeMembership):
         on_messages: OnMessages,
         **options: Unpack[SubscribeOptions],
     ) -> MemorySubscriber:
-        """Subscribe to a topic."""
+        """Subscribe to a topic. Raises InvalidNameError, GraphError."""
         self._check_open()
         subscriber = MemorySubscriber(
             self.resolve(topic),

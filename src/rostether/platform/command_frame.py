@@ -8,7 +8,7 @@ Numbers are little-endian, as on the boards:
     3       flags: 1 armed, 2 stop, 4 release, 8 the target is a mask of groups, 16 query, 32 forward
     4-7     target: a robot's id, or a mask of groups (bit 0 is group 0)
     8-15    epoch: when the sender started, in microseconds since 1970
-    16-19   sequence: 1 for the sender's first frame of the epoch
+    16-19   sequence number: 1 for the sender's first frame of the epoch
     20-21   time to live in milliseconds, counted from receipt
     22-23   length of the payload in bytes
     24-27   kind: the first four bytes of the MD5 sum of the payload's type

@@ -62,7 +62,7 @@ class CommandSender:
 
     @property
     def sequence(self) -> int:
-        """The sequence of the last frame, 0 before the first."""
+        """The sequence number of the last frame, 0 before the first."""
         return self._sequence
 
     @property
@@ -157,8 +157,8 @@ class CommandReceiver:
         self._epoch_us = 0
         self._sequence = 0
         self._deadline_s: float | None = None
-        # The epoch and sequence of the newest frame that was refused because of another sender: replaying it
-        # has no effect.
+        # The epoch and sequence number of the newest frame that was refused because of another sender:
+        # replaying it has no effect.
         self._refused = (0, 0)
         self.is_moving = False
         # Why the last frame was refused, as text; empty if it was obeyed or ignored.

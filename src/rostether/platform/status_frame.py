@@ -8,7 +8,7 @@ Numbers are little-endian:
     3       flags: 1 the robot moves; 2 a sender commands it (only from boards)
     4-7     the robot's id
     8-15    epoch of the sender that this answers
-    16-19   the last sequence received from that sender
+    16-19   the last sequence number received from that sender
     20-23   frames received from that sender, without repetitions
     24-27   frames of that sender that were lost or arrived too late
     28      refusal: 0 none, 1 another sender commands, 2 the sender is older, 3 a different type

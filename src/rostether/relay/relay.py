@@ -132,7 +132,7 @@ class Relay:
         """Find relays that were killed, and remove their registrations from the graph of a side."""
         if side.forget_if_gone is None:
             return
-        # The first check ends before anything is arranged: a killed relay is not a source.
+        # The first check ends before items are chosen, so that a killed relay is not used as a source.
         while side.name not in self._snapshots:  # noqa: ASYNC110 - the first snapshot takes milliseconds
             await asyncio.sleep(SEEN_POLL_S)
         while True:

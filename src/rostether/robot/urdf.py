@@ -205,7 +205,7 @@ def _check_materials(robot: XmlElement, problems: list[str]) -> None:
 def _check_link(name: str, element: XmlElement, problems: list[str]) -> None:
     """Append the errors in a link's name, shapes and masses."""
     if not name:
-        problems.append(str(element.error("a link has no name")))
+        problems.append(str(element.error('a link has no name; write <link name="...">')))
     checks = {"visual": _check_shape, "collision": _check_shape, "inertial": _check_inertial}
     for kind, check in checks.items():
         for each in element.all(kind):
@@ -219,7 +219,7 @@ def _check_shape(element: XmlElement, what: str) -> None:
     geometry = element.first("geometry")
     form = next(iter(geometry.children), None) if geometry is not None else None
     if form is None:
-        raise element.error(f"{what} has no geometry")
+        raise element.error(f"{what} has no geometry; write <geometry>, for example with <box size=...>")
     origin(element, what)
     material = element.first("material")
     if material is not None:
@@ -238,7 +238,7 @@ def _check_form(form: XmlElement, what: str) -> None:
             number(form, "radius", what)
         case "mesh":
             if not form.get("filename"):
-                raise form.error(f"the mesh of {what} has no filename")
+                raise form.error(f'the mesh of {what} has no filename; write <mesh filename="..."/>')
             vector(form, form.get("scale") or "1 1 1", f"the scale of {what}")
         case _:
             raise form.error(f"{what} is a <{form.tag}>; known: box, cylinder, sphere, mesh")

@@ -258,7 +258,7 @@ class _Body:
         return f"{self._numbers(element)}({self._source.unpacking(f'{length}{element.code}')}({raw}))"
 
     def _numbers(self, element: Number) -> str:
-        """Return the name of the maker of an array of numbers; flags are always a list, as in genpy."""
+        """Return the function that makes an array of numbers; bools are always a list, as in genpy."""
         return "list" if element.code == "?" else "numbers"
 
     def _varying_elements(self, element: Node, count: str) -> str:

@@ -36,12 +36,12 @@ class Controller:
         self.step_duration = float(rospy.get_param("~step_duration", 0.05))
         self.publisher = rospy.Publisher("servo_pose_server", ServoAngles, queue_size=10)
         self.subscribers = [
-            rospy.Subscriber("joint_states", JointState, self.take_joint_states),
-            rospy.Subscriber("servo_angles", ServoAngles, self.take_servo_angles),
+            rospy.Subscriber("joint_states", JointState, self.handle_joint_states),
+            rospy.Subscriber("servo_angles", ServoAngles, self.handle_servo_angles),
         ]
         self.service = rospy.Service("set_servo_pose", MoveArm, self.set_servo_pose)
 
-    def take_joint_states(self, states):
+    def handle_joint_states(self, states):
         """Publish the servo angles for these joint states; a joint that is not among them stays."""
         angles = list(self.joint_angles)
         for name, position in zip(states.name, states.position):
@@ -49,7 +49,7 @@ class Controller:
                 continue
             degrees = math.degrees(position)
             if not abs(degrees) <= MAX_DEGREES:
-                rospy.logwarn_throttle(5, f"{name} at {position} rad is out of any servo's reach")
+                rospy.logwarn_throttle(5, f"{name} at {position} rad is outside the range of the servos")
                 continue
             angles[JOINT_NAMES.index(name)] = round(degrees)
         with self.lock:
@@ -59,7 +59,7 @@ class Controller:
             if not self.is_moving:
                 self.publish(self.joint_angles if self.pose is None else self.pose)
 
-    def take_servo_angles(self, angles):
+    def handle_servo_angles(self, angles):
         """Store the angles at which the board holds its servos."""
         self.held_by_board = [getattr(angles, name) for name in SERVO_NAMES]
 

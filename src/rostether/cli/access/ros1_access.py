@@ -82,7 +82,7 @@ async def joined(
 ) -> AsyncIterator[TypedGraph]:
     """Run a node with a unique name, or with that of `__name:=`, until the end of the block.
 
-    Raises MasterUnreachableError with advice.
+    Raises MasterUnreachableError with advice, ConfigError, InvalidNameError, GraphError.
 
     Args:
         graph: The graph to join.

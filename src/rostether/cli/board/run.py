@@ -65,7 +65,7 @@ class BoardOptions:
     )
     w5100: str | None = option(
         "--w5100",
-        "The loopback address of the Ethernet shield; datagrams until its multicast reception stalls.",
+        "The loopback address of the Ethernet shield; stop receiving multicast after this many datagrams.",
         metavar="address=127.0.0.2,stall_after=500",
     )
     wheels: str | None = option(

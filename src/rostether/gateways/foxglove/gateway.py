@@ -46,10 +46,10 @@ _TIME_CAPABILITY = "time"
 # View-only clients may still read parameters.
 _CAPABILITIES_TO_ACT = ("clientPublish", "services")
 
-# The status of a graph that cannot be read, by which the page knows it.
+# The id of the status "the graph cannot be read"; the page recognizes the status by it.
 _GRAPH_STATUS_ID = "graph"
 
-# Lines that later clients also receive.
+# The limit of warnings. Later clients receive all of them, and a user does not read a longer list.
 _MAX_SHOWN_STATUSES = 50
 
 # The delay after the graph could not be read.
