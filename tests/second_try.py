@@ -78,6 +78,6 @@ def _summary(report: pytest.TestReport) -> str:
         text[-_MAX_FAILURE_CHARS:]
     ]
     crash = getattr(report.longrepr, "reprcrash", None)
-    place = "" if crash is None else f"{crash.path}:{crash.lineno}: "
+    position = "" if crash is None else f"{crash.path}:{crash.lineno}: "
     output = "".join(f"\n--- {title}:\n{lines}" for title, lines in report.sections)
-    return place + " ".join(" ".join(message).split())[:_MAX_FAILURE_CHARS] + output[:_MAX_OUTPUT_CHARS]
+    return position + " ".join(" ".join(message).split())[:_MAX_FAILURE_CHARS] + output[:_MAX_OUTPUT_CHARS]

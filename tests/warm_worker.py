@@ -27,7 +27,7 @@ _WITHOUT_THREADS = {"OPENBLAS_NUM_THREADS": "1", "JE_ARROW_MALLOC_CONF": "backgr
 
 def variables(config: pytest.Config) -> dict[str, str]:
     """Return the environment variables of the interpreter that collects."""
-    arguments = json.dumps([str(word) for word in config.invocation_params.args])
+    arguments = json.dumps([str(argument) for argument in config.invocation_params.args])
     return {_ARGUMENTS: arguments, **_WITHOUT_THREADS}
 
 

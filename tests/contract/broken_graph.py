@@ -62,5 +62,5 @@ class HalfBrokenNetwork:
     async def join(
         self, node_name: str, *, namespace: str = "/", remappings: Mapping[str, str] | None = None
     ) -> Graph:
-        good = await self.network.join(node_name, namespace=namespace, remappings=remappings)
-        return JointGraph([good, BrokenGraph(join(namespace, node_name), namespace)])
+        working = await self.network.join(node_name, namespace=namespace, remappings=remappings)
+        return JointGraph([working, BrokenGraph(join(namespace, node_name), namespace)])

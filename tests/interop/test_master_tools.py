@@ -164,7 +164,7 @@ async def test_a_killed_node_is_removed_automatically(peers: Ros1Peers) -> None:
     listener = await peers.start("rostopic", "echo", "/chat")
     await listener.wait_for("tick")
     os.killpg(node.process.pid, signal.SIGKILL)
-    gone = """
+    script = """
 import rosgraph, sys, time
 master = rosgraph.Master("/test")
 for _ in range(1200):
@@ -173,7 +173,7 @@ for _ in range(1200):
     time.sleep(0.05)
 sys.exit(1)
 """
-    await peers.run("python", "-c", gone)
+    await peers.run("python", "-c", script)
     assert "/robot" not in (await peers.run("rosnode", "list")).splitlines()
 
 

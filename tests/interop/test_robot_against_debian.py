@@ -93,12 +93,14 @@ async def test_robot_state_publisher_publishes_the_same_as_debians(roscore: Ros1
 
 def compare_with_kinematics(robot: str, found: dict[str, list[Any]]) -> None:
     model = parse_urdf(ROBOTS[robot])
-    whole = [each for each in states_of(robot) if each[3] and each[1] == MOVED[robot]]
-    stamp_ns, names, positions, _ = whole[-1]
+    complete_states = [each for each in states_of(robot) if each[3] and each[1] == MOVED[robot]]
+    stamp_ns, names, positions, _ = complete_states[-1]
     buffer = TransformBuffer()
     for topic in ("/tf_static", "/tf"):
-        for parent, child, stamp_ns, place, turn in found[topic]:
-            stamped = StampedTransform(parent, child, stamp_ns, Transform(tuple(place), tuple(turn)))
+        for parent, child, stamp_ns, translation, rotation in found[topic]:
+            stamped = StampedTransform(
+                parent, child, stamp_ns, Transform(tuple(translation), tuple(rotation))
+            )
             assert not buffer.set_transform(stamped, is_static=topic == "/tf_static")
     reported = dict(zip(names, positions, strict=True))
     poses = forward_kinematics(model, with_mimics(model, reported))

@@ -47,28 +47,28 @@ def ask_tf2(operations: list[list[Any]]) -> list[dict[str, Any]]:
 def ask_buffer(operations: list[list[Any]]) -> list[dict[str, Any]]:
     buffer = TransformBuffer()
     answers = []
-    for name, *given in operations:
+    for name, *arguments in operations:
         try:
             value: Any = None
             match name:
                 case "set":
-                    parent, child, stamp_ns, translation, rotation, is_static = given
+                    parent, child, stamp_ns, translation, rotation, is_static = arguments
                     stamped = StampedTransform(
                         parent, child, stamp_ns, Transform(tuple(translation), tuple(rotation))
                     )
                     buffer.set_transform(stamped, authority="peer", is_static=is_static)
                 case "lookup":
-                    value = as_record(buffer.lookup(*given))
+                    value = as_record(buffer.lookup(*arguments))
                 case "through":
-                    value = as_record(buffer.lookup_through(*given))
+                    value = as_record(buffer.lookup_through(*arguments))
                 case "chain":
-                    value = buffer.chain(*given)
+                    value = buffer.chain(*arguments)
                 case "yaml":
                     value = frames_as_yaml(buffer)
                 case "string":
                     value = frames_as_string(buffer)
                 case "why":
-                    value = buffer.lookup_error(*given)
+                    value = buffer.lookup_error(*arguments)
             answers.append({"value": value})
         except TransformError as error:
             answers.append({"error": TF2_NAMES[type(error)], "text": str(error)})

@@ -5,12 +5,12 @@ from __future__ import annotations
 import asyncio
 import random
 import struct
-from itertools import pairwise
 
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from effort import effort
+from property.test_rosserial_frames import split
 from rostether.bridge.board_node import BoardNode
 from rostether.bridge.session import Session
 from rostether.device.device import Device
@@ -34,11 +34,6 @@ async def start_session(world: World) -> Session:
     session = Session(FakeTransport(), BoardNode(world.board, STORE, world.reporter, loop.time))
     session.start()
     return session
-
-
-def split(data: bytes, cuts: list[int]) -> list[bytes]:
-    places = sorted({cut % (len(data) + 1) for cut in cuts} | {0, len(data)})
-    return [data[start:end] for start, end in pairwise(places)]
 
 
 @given(st.lists(st.text(max_size=40), max_size=20), st.lists(st.integers(0, 1 << 16), max_size=30))

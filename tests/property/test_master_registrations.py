@@ -75,7 +75,7 @@ class MasterUnderRegistrations(RuleBasedStateMachine):
             members.clear()
         members[node] = api
 
-    def expect_gone(self, kind: EntryKind, key: str, node: str, api: str) -> int:
+    def expect_removed(self, kind: EntryKind, key: str, node: str, api: str) -> int:
         members = self.model.get((kind, key), {})
         if members.get(node) != api:
             return 0
@@ -111,20 +111,20 @@ class MasterUnderRegistrations(RuleBasedStateMachine):
     @rule(node=NODES, instance=INSTANCES, topic=TOPICS)
     def unregister_publisher(self, node: str, instance: int, topic: str) -> None:
         api = api_of(node, instance)
-        gone = self.expect_gone(EntryKind.PUBLISHER, self.resolve(topic, node), node, api)
-        assert self.call("unregisterPublisher", node, topic, api) == gone
+        removed = self.expect_removed(EntryKind.PUBLISHER, self.resolve(topic, node), node, api)
+        assert self.call("unregisterPublisher", node, topic, api) == removed
 
     @rule(node=NODES, instance=INSTANCES, topic=TOPICS)
     def unregister_subscriber(self, node: str, instance: int, topic: str) -> None:
         api = api_of(node, instance)
-        gone = self.expect_gone(EntryKind.SUBSCRIBER, self.resolve(topic, node), node, api)
-        assert self.call("unregisterSubscriber", node, topic, api) == gone
+        removed = self.expect_removed(EntryKind.SUBSCRIBER, self.resolve(topic, node), node, api)
+        assert self.call("unregisterSubscriber", node, topic, api) == removed
 
     @rule(node=NODES, instance=INSTANCES, service=SERVICES)
     def unregister_service(self, node: str, instance: int, service: str) -> None:
         name = self.resolve(service, node)
-        gone = self.expect_gone(EntryKind.SERVICE, name, node, api_of(node, instance))
-        assert self.call("unregisterService", node, service, f"rosrpc://{node}:{instance}") == gone
+        removed = self.expect_removed(EntryKind.SERVICE, name, node, api_of(node, instance))
+        assert self.call("unregisterService", node, service, f"rosrpc://{node}:{instance}") == removed
 
     @rule(node=NODES)
     def end_node(self, node: str) -> None:

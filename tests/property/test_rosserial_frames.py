@@ -41,9 +41,10 @@ def streams(draw: st.DrawFn) -> tuple[int, bytes]:
     return version, b"".join(pieces)
 
 
-def cut(data: bytes, cuts: list[int]) -> list[bytes]:
-    places = sorted({cut % (len(data) + 1) for cut in cuts} | {0, len(data)})
-    return [data[start:end] for start, end in itertools.pairwise(places)]
+def split(data: bytes, cuts: list[int]) -> list[bytes]:
+    """Split bytes at positions, which may exceed their length."""
+    positions = sorted({cut % (len(data) + 1) for cut in cuts} | {0, len(data)})
+    return [data[start:end] for start, end in itertools.pairwise(positions)]
 
 
 def finish(decoder: FrameDecoder, decoded: list[Decoded]) -> list[Decoded]:
@@ -66,7 +67,7 @@ def test_any_chunking_gives_the_same_frames(stream: tuple[int, bytes], cuts: lis
     whole, chunked = FrameDecoder(version), FrameDecoder(version)
     expected = by_topic(whole.feed(data, 0.0))
     found: list[Decoded] = []
-    for chunk in cut(data, cuts):
+    for chunk in split(data, cuts):
         found += chunked.feed(chunk, 0.0)
     assert by_topic(found) == expected
     assert chunked.pending_bytes == whole.pending_bytes
@@ -79,7 +80,7 @@ def test_every_byte_is_delivered_or_discarded_exactly_once(
     version, data = stream
     decoder = FrameDecoder(version)
     decoded: list[Decoded] = []
-    for chunk in cut(data, cuts):
+    for chunk in split(data, cuts):
         decoded += decoder.feed(chunk, 0.0)
     assert total_bytes(finish(decoder, decoded), version) == len(data)
 
@@ -129,9 +130,9 @@ def test_frames_after_garbage_are_found_while_the_line_flows(garbage: bytes, sen
     assume(set(found) == {125, 126})
 
     def begins_in_garbage(topic_id: int, payload: bytes) -> bool:
-        whole = frame(topic_id, payload)
-        begin = data.find(whole)
-        return begin < len(garbage) < begin + len(whole)
+        encoded = frame(topic_id, payload)
+        start = data.find(encoded)
+        return start < len(garbage) < start + len(encoded)
 
     # As above: a false header may complete a valid frame with the bytes after it.
     assume(

@@ -102,7 +102,7 @@ async def test_imu_follows_a_turn() -> None:
         acceleration = turning.linear_acceleration
         assert (acceleration.x, acceleration.y, acceleration.z) == pytest.approx((0, 0, 9.81), abs=0.1)
         final_attitude = from_angles(0, 0, math.pi / 2)
-        still = await imu.wait_for(lambda message: message.angular_velocity.z < 0.1)
+        at_rest = await imu.wait_for(lambda message: message.angular_velocity.z < 0.1)
         # The measurements follow the turn, without a jump.
-        assert degrees_apart(still.orientation, final_attitude) < 8
+        assert degrees_apart(at_rest.orientation, final_attitude) < 8
         await imu.wait_for(lambda message: degrees_apart(message.orientation, final_attitude) < 2)

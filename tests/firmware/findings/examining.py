@@ -155,11 +155,11 @@ async def _diagnose(case: Case, board: SimulatedBoard, store: TypeStore) -> Diag
 
 def _packages(folder: Path, definitions: Mapping[str, str]) -> Path:
     """Write packages with definitions, whose keys are `package/msg/Name.msg`."""
-    for place, text in definitions.items():
-        file = folder / place
+    for path, text in definitions.items():
+        file = folder / path
         file.parent.mkdir(parents=True, exist_ok=True)
         file.write_text(text)
-        package = folder / place.partition("/")[0]
+        package = folder / path.partition("/")[0]
         manifest = f"<package><name>{package.name}</name><version>1.0.0</version></package>"
         (package / "package.xml").write_text(manifest)
     return folder

@@ -84,8 +84,8 @@ class HostileFrames:
         if kind == 2:
             return self._damaged(encode_frame(sample_id, payload))
         if kind == 3:
-            whole = encode_frame(sample_id, payload)
-            return whole[: self._random.randrange(len(whole))]
+            frame = encode_frame(sample_id, payload)
+            return frame[: self._random.randrange(len(frame))]
         if kind == 4:
             return encode_frame(any_id, payload)
         # A valid frame with damaged content, which reaches the callbacks.

@@ -109,8 +109,8 @@ async def test_the_board_answers_calls(peer: RclpyPeer) -> None:
 
 async def test_the_board_serves_an_action(peer: RclpyPeer) -> None:
     action = {"action": "/lab/fibonacci", "type": "test_msgs/action/Fibonacci"}
-    reached = await peer.ask("send_goal", **action, goal={"order": 3})
-    assert (reached["status"], reached["result"]) == (SUCCEEDED, {"sequence": [0, 1, 1, 2]})
+    succeeded = await peer.ask("send_goal", **action, goal={"order": 3})
+    assert (succeeded["status"], succeeded["result"]) == (SUCCEEDED, {"sequence": [0, 1, 1, 2]})
     # On a busy machine, the board continues to count until the cancel arrives, perhaps to the end.
     canceled = await ask_until(
         lambda: peer.ask("send_goal", **action, goal={"order": 19}, cancel=True),

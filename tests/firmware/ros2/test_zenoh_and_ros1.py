@@ -145,7 +145,7 @@ async def test_sdk_receives_from_and_sends_to_the_board(world: World) -> None:
     assert any(fields.get("data", "").startswith("try") for fields in world.sdk.received)
 
 
-async def test_sdk_calls_the_board_and_serves_it(world: World) -> None:
+async def test_sdk_and_the_board_call_each_other(world: World) -> None:
     definitions = {"request_definition": "bool data", "response_definition": "bool success\nstring message"}
     answered = await world.sdk.do(
         "call", "/lab/switch", srv_type="std_srvs/srv/SetBool", request={"data": True}, **definitions
@@ -187,7 +187,7 @@ async def test_frames_have_the_type_of_tf2(world: World) -> None:
     assert frame["header"]["stamp"]["sec"] > 1_700_000_000
 
 
-async def test_the_sdk_sees_the_boards_nodes(world: World) -> None:
+async def test_sdk_lists_the_nodes_of_boards(world: World) -> None:
     info = (await world.sdk.do("topic", "/lab/out_Imu"))["info"]
     (publisher,) = info["publishers"]
     assert (publisher["node_namespace"].strip("/"), publisher["node_name"].strip("/")) == ("lab", "arm")
@@ -196,7 +196,7 @@ async def test_the_sdk_sees_the_boards_nodes(world: World) -> None:
     assert topics["/lab/out_Imu"] == ["sensor_msgs/msg/Imu"]
 
 
-async def test_parameters_of_ros2_reach_the_board_and_its_log_both_graphs(world: World) -> None:
+async def test_the_board_gets_parameters_of_ros2_and_logs_to_both_graphs(world: World) -> None:
     inbox, logs = Inbox(), Inbox()
     joint_state = STORE.registry.message_type("sensor_msgs/JointState")
     log = STORE.registry.message_type("rosgraph_msgs/Log")
@@ -225,7 +225,7 @@ async def test_parameters_of_ros2_reach_the_board_and_its_log_both_graphs(world:
     await rosout.stop()
 
 
-async def test_debians_tools_see_the_same_board(world: World) -> None:
+async def test_debians_tools_use_the_same_board(world: World) -> None:
     assert {"/lab/arm", "/frames"} <= set((await world.ros1.run("rosnode", "list")).split())
     assert (await world.ros1.run("rostopic", "type", "/lab/out_Imu")).strip() == "sensor_msgs/Imu"
     printed = await world.ros1.run("rosservice", "call", "/lab/switch", "data: false")

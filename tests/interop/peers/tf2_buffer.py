@@ -18,9 +18,9 @@ def set_transform(parent, child, stamp_ns, translation, rotation, is_static):
     message = TransformStamped()
     message.header.frame_id, message.child_frame_id = parent, child
     message.header.stamp = as_time(stamp_ns)
-    moved, rotated = message.transform.translation, message.transform.rotation
-    moved.x, moved.y, moved.z = translation
-    rotated.x, rotated.y, rotated.z, rotated.w = rotation
+    position, orientation = message.transform.translation, message.transform.rotation
+    position.x, position.y, position.z = translation
+    orientation.x, orientation.y, orientation.z, orientation.w = rotation
     (core.set_transform_static if is_static else core.set_transform)(message, "peer")
 
 
@@ -36,11 +36,11 @@ def lookup_through(target, target_time_ns, source, source_time_ns, fixed):
 
 
 def as_record(found):
-    moved, rotated = found.transform.translation, found.transform.rotation
+    position, orientation = found.transform.translation, found.transform.rotation
     return [
         found.header.stamp.to_nsec(),
-        [moved.x, moved.y, moved.z],
-        [rotated.x, rotated.y, rotated.z, rotated.w],
+        [position.x, position.y, position.z],
+        [orientation.x, orientation.y, orientation.z, orientation.w],
     ]
 
 
@@ -55,7 +55,7 @@ OPERATIONS = {
     "chain": chain,
     "yaml": lambda: core.all_frames_as_yaml(),
     "string": lambda: core.all_frames_as_string(),
-    "why": lambda *given: core.can_transform_core(*given[:2], as_time(given[2]))[1],
+    "why": lambda *arguments: core.can_transform_core(*arguments[:2], as_time(arguments[2]))[1],
 }
 
 core = tf2_py.BufferCore(rospy.Duration(10))

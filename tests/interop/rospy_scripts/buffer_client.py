@@ -21,10 +21,10 @@ for _ in range(100):
         break
     broadcaster.sendTransform((1, 0, 0.5), (0, 0, 0.6, 0.8), stamp, "wheel", "odom")
     rospy.sleep(0.1)
-place = client.lookup_transform("odom", "wheel", stamp, rospy.Duration(10))
-print(place.header.frame_id, place.child_frame_id, round(place.transform.translation.y, 6))
-place = client.lookup_transform_full("dock", rospy.Time(0), "wheel", stamp, "odom")
-print(place.header.frame_id, round(place.transform.translation.y, 6))
+found = client.lookup_transform("odom", "wheel", stamp, rospy.Duration(10))
+print(found.header.frame_id, found.child_frame_id, round(found.transform.translation.y, 6))
+found = client.lookup_transform_full("dock", rospy.Time(0), "wheel", stamp, "odom")
+print(found.header.frame_id, round(found.transform.translation.y, 6))
 print(client.can_transform_full("dock", rospy.Time(0), "never", stamp, "odom"))
 for frames in (("odom", "never"), ("", "dock")):
     try:

@@ -34,12 +34,16 @@ def attempt(label, function):
 
 
 def transform(parent, child, stamp, x=0.0, y=0.0, z=0.0, rotation=(0, 0, 0, 1)):
-    made = TransformStamped()
-    made.header.frame_id, made.child_frame_id, made.header.stamp = parent, child, rospy.Time(stamp)
-    made.transform.translation.x, made.transform.translation.y, made.transform.translation.z = x, y, z
-    turn = made.transform.rotation
+    message = TransformStamped()
+    message.header.frame_id, message.child_frame_id, message.header.stamp = parent, child, rospy.Time(stamp)
+    message.transform.translation.x, message.transform.translation.y, message.transform.translation.z = (
+        x,
+        y,
+        z,
+    )
+    turn = message.transform.rotation
     turn.x, turn.y, turn.z, turn.w = rotation
-    return made
+    return message
 
 
 random.seed(4)

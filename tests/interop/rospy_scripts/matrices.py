@@ -23,7 +23,7 @@ numpy.random.seed(3)
 for _ in range(20):
     point, normal, direction, eye = (numpy.random.random(3) - 0.5 for _ in range(4))
     across = numpy.cross(normal, direction)
-    made = [
+    cases = [
         (reflection_matrix(point, normal), reflection_from_matrix, reflection_matrix),
         (rotation_matrix(2.5 * point[0], direction, point), rotation_from_matrix, rotation_matrix),
         (scale_matrix(3.1 * eye[1]), scale_from_matrix, scale_matrix),
@@ -33,7 +33,7 @@ for _ in range(20):
         (projection_matrix(point, normal, direction), projection_from_matrix, projection_matrix),
         (projection_matrix(point, normal, perspective=eye), projection_from_matrix, projection_matrix),
     ]
-    for matrix, parts_of, make in made:
+    for matrix, parts_of, make in cases:
         print(show(matrix), is_same_transform(make(*parts_of(matrix)), matrix))
     print(show(shear_matrix(point[0], across, point, normal)))
     matrix = projection_matrix(point, normal, perspective=eye, pseudo=True)

@@ -65,7 +65,7 @@ def test_topics_parameters_and_logs(line: tuple[rostether.sync.Device, Host]) ->
     assert device.now().secs >= 0
 
 
-def test_services_both_ways(line: tuple[rostether.sync.Device, Host]) -> None:
+def test_a_device_offers_and_calls_services(line: tuple[rostether.sync.Device, Host]) -> None:
     device, host = line
     host.answers["add"] = lambda request: {"success": request.data}
     client = device.service_client("add", SetBool)

@@ -93,7 +93,7 @@ def test_threads_share_the_messages_of_a_topic_until_one_ends_them(talker: roste
     assert got.empty()
 
 
-def test_a_callback_that_fails_ends_nothing(
+def test_a_subscription_works_after_an_error_of_its_callback(
     talker: rostether.sync.Graph, caplog: pytest.LogCaptureFixture
 ) -> None:
     got: queue.Queue[int] = queue.Queue()

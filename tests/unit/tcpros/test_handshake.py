@@ -53,7 +53,7 @@ def test_both_ends_agree(wanted: MessageType) -> None:
     assert answer["type"] == STRING.name
 
 
-def test_types_that_differ_are_named() -> None:
+def test_an_error_names_types_that_differ() -> None:
     asked = handshake.subscriber_fields("/a", BOOL, caller_id="/me", tcp_nodelay=False)
     with pytest.raises(TypeMismatchError, match=r"\[std_msgs/Bool\] vs. \[std_msgs/String\]"):
         handshake.check_subscriber(asked, "/a", STRING)

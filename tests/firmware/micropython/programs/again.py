@@ -11,10 +11,10 @@ from binascii import hexlify, unhexlify
 from ros.wire import MisfitError, Reader, Writer
 
 for line in sys.stdin:
-    package, kind, name, half, text = line.rstrip("\n").split(" ")
+    package, kind, name, part, text = line.rstrip("\n").split(" ")
     module = __import__(package + "." + kind, None, None, (name,))
-    made = getattr(module, name)
-    message = (getattr(made, half) if half else made)()
+    message_class = getattr(module, name)
+    message = (getattr(message_class, part) if part else message_class)()
     data = unhexlify(text)
     reader = Reader(bytearray(data))
     reader.end = len(data)

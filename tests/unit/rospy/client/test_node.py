@@ -16,7 +16,7 @@ from unit.rospy.programs import line_of, printed, running_script
 SCRIPTS = Path(__file__).parents[3] / "interop" / "rospy_scripts"
 
 
-async def test_a_node_that_talks_with_itself(master: str) -> None:
+async def test_a_node_with_its_own_topics_and_services(master: str) -> None:
     arguments = ("chatter:=/talk/other", "_rate:=5", "_name:=karl", "__ns:=/robot", "number:=renamed")
     lines = await printed(SCRIPTS / "node_api.py", *arguments, master_uri=master)
     assert "[('one', 'argument'), ('two', 'argument'), ('three', 'argument')]" in lines
