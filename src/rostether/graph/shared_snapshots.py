@@ -46,6 +46,8 @@ async def poll_snapshots(
         if snapshot != latest:
             latest = snapshot
             yield latest
+        # Not asyncio.wait_for: in Python 3.11, it ignores a cancellation that arrives together with `closed`.
         with suppress(TimeoutError):
-            await asyncio.wait_for(closed.wait(), interval_s)
+            async with asyncio.timeout(interval_s):
+                await closed.wait()
             return

@@ -66,6 +66,8 @@ def _explain(addresses: str, port: int, error: OSError) -> GraphError | ConfigEr
         return GraphError(
             f"port {port} of {addresses} is in use; stop the program that uses it, or choose another port"
         )
+    if port and error.errno == errno.EACCES:
+        return GraphError(f"port {port} of {addresses} is reserved for the system; choose one above 1023")
     return GraphError(
         f"cannot listen on {addresses}: {error.strerror}; check ROS_IP, ROS_HOSTNAME and --listen"
     )

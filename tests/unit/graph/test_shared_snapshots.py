@@ -67,3 +67,24 @@ async def test_only_changes_are_reported() -> None:
     assert [await anext(changes), await anext(changes)] == [Snapshot(("/a",)), Snapshot(("/b",))]
     closed.set()
     assert await anext(changes, None) is None
+
+
+@pytest.mark.parametrize("turns", range(4))
+async def test_a_cancellation_while_the_graph_closes_is_not_ignored(turns: int) -> None:
+    polled, closed = asyncio.Event(), asyncio.Event()
+
+    async def take() -> Snapshot:
+        return Snapshot()
+
+    async def poll() -> None:
+        async for _snapshot in poll_snapshots(take, closed, 60):
+            polled.set()
+
+    polling = asyncio.ensure_future(poll())
+    await polled.wait()
+    closed.set()
+    for _ in range(turns):
+        await asyncio.sleep(0)
+    if polling.cancel():
+        with pytest.raises(asyncio.CancelledError):
+            await polling

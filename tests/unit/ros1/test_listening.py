@@ -1,9 +1,12 @@
 from __future__ import annotations
 
 import asyncio
+import errno
+import os
 
 import pytest
 
+from rostether.errors import GraphError
 from rostether.ros1 import listening
 from rostether.ros1.listening import port_of, start_servers
 from rostether.transports.sockets import close_servers
@@ -36,3 +39,12 @@ async def test_a_cancelled_start_closes_the_servers_that_listen(monkeypatch: pyt
     with pytest.raises(asyncio.CancelledError):
         await starting
     assert not started[0].sockets
+
+
+async def test_a_reserved_port_is_explained(monkeypatch: pytest.MonkeyPatch) -> None:
+    async def refuse(*_arguments: object) -> asyncio.Server:
+        raise OSError(errno.EACCES, os.strerror(errno.EACCES))
+
+    monkeypatch.setattr(listening, "_start_server", refuse)
+    with pytest.raises(GraphError, match=r"port 80 of 127\.0\.0\.1 is reserved .* choose one above 1023"):
+        await start_servers(asyncio.Protocol, ["127.0.0.1"], 80)
