@@ -118,7 +118,7 @@ class ActionServerBase_ : public Endpoint {
   friend class NodeHandleBase_;
   // The bytes of a header and of a status, with empty names and strings.
   static const uint8_t HEADER_BYTES = 16, STATUS_BYTES = 17;
-  // The status pending is free for this meaning: each goal is started or rejected immediately.
+  // No goal ever has the status pending, because each goal is started or rejected immediately.
   static const uint8_t NO_GOAL = Status::PENDING;
   static const uint16_t STATUS_PERIOD_MS = 200;
 

@@ -45,7 +45,7 @@ class KeyedClient : public NetworkClient {
   void setKey(const char* key, uint32_t seed = 0) { set(KeyText(key), seed); }
   void setKey(const __FlashStringHelper* key, uint32_t seed = 0) { set(KeyText(key), seed); }
 
-  // Returns why the hello of the last connection failed. The host sent nothing in time or closed the connection, did
+  // Returns why the hello of the last connection failed: the host sent nothing in time or closed the connection, did
   // not ask for a key, or could not prove that it has this board's key.
   Refusal refusal() const { return refusal_; }
 

@@ -1,8 +1,8 @@
 // The headers of every generated message.
 //
-// A generated class lists its fields once, in `_fields` (a name that no field can have). The archives below visit
-// that list to measure a message, to write it and to read it. There are no virtual functions, because an AVR would
-// keep each class's table in RAM.
+// A generated class lists its fields once, in `_fields` (a name that no field can have). LengthCounter, Writer
+// and Reader visit that list to measure a message, to write it and to read it. There are no virtual functions, because
+// an AVR would keep each class's table in RAM.
 #ifndef ROS_MESSAGE_H_
 #define ROS_MESSAGE_H_
 

@@ -188,7 +188,10 @@ class Session:
         return not self._ended.done() and self._pause.pause_until(wait)
 
     def rescan(self, payload: bytes) -> None:
-        """Handle frames inside a message that does not have its type's layout: noise covered them."""
+        """Handle the frames inside a message that does not have its type's layout.
+
+        Noise that looks like a header can hide the frames after it in a false message.
+        """
         if self._rescan_depth < MAX_RESCAN_DEPTH:
             self._rescan_depth += 1
             try:

@@ -1,8 +1,8 @@
 """Places the vertices of a directed graph in columns from left to right, with few crossings.
 
 Sugiyama's method: every vertex gets a column (see `columns`), and edges over several columns get a bend in
-each of them. Each column is ordered by the mean position of the neighbors, and heights are as near to that
-mean as the sizes allow.
+each of them. Each column is ordered by the mean position of the neighbors, and each vertex is placed as near
+to that mean as the sizes allow.
 """
 
 from __future__ import annotations

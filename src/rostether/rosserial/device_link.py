@@ -118,13 +118,19 @@ class DeviceLink:
         return self._state is State.CONFIGURED
 
     def add_publisher(self, topic: str, message_type: str, md5sum: str) -> int:
-        """Declare a topic that the device publishes; return its id. Raises LocalProtocolError if full."""
+        """Declare a topic that the device publishes; return its id.
+
+        Raises LocalProtocolError if there is no room for it, or if a host would reject it.
+        """
         topic_id = self._endpoints.add_publisher(topic, message_type, md5sum)
         self._announce_late(topic_id)
         return topic_id
 
     def add_subscriber(self, topic: str, message_type: str, md5sum: str) -> int:
-        """Declare a topic that the device subscribes to; return its id. Raises LocalProtocolError if full."""
+        """Declare a topic that the device subscribes to; return its id.
+
+        Raises LocalProtocolError if there is no room for it, or if a host would reject it.
+        """
         topic_id = self._endpoints.add_subscriber(topic, message_type, md5sum)
         self._announce_late(topic_id)
         return topic_id
@@ -134,7 +140,7 @@ class DeviceLink:
     ) -> ServiceIds:
         """Declare a service that the device serves: requests arrive on request_id, publish on response_id.
 
-        Raises LocalProtocolError if full.
+        Raises LocalProtocolError if there is no room for it, or if a host would reject it.
         """
         service_ids = self._endpoints.add_service_server(
             service, service_type, request_md5sum, response_md5sum
@@ -147,7 +153,7 @@ class DeviceLink:
     ) -> ServiceIds:
         """Declare a service that the device calls: publish on request_id, responses arrive on response_id.
 
-        Raises LocalProtocolError if full.
+        Raises LocalProtocolError if there is no room for it, or if a host would reject it.
         """
         service_ids = self._endpoints.add_service_client(
             service, service_type, request_md5sum, response_md5sum

@@ -184,7 +184,7 @@ class FrameDecoder:
         return []
 
     def abandon(self, now_s: float) -> list[Decoded]:
-        """Give up the unfinished frame; return the frames inside it."""
+        """Reject the unfinished frame; return the frames inside it."""
         buffer = bytes(self._pending)
         return self._accept(buffer, self._scan(buffer, Patience.NONE, now_s), now_s)
 

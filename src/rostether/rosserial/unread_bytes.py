@@ -132,7 +132,7 @@ class UnreadBytes:
         return due_s if self._opened_s is None else min(due_s, self._opened_s + OPENING_S)
 
     def handle_timer(self, now_s: float) -> None:
-        """Give up the requests that the board would have answered by now."""
+        """Drop the requests that the board would have answered by now."""
         if self.version is None:
             return
         if self._opened_s is not None and now_s >= self._opened_s + OPENING_S:

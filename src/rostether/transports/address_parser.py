@@ -58,7 +58,7 @@ _NO = ("no", "false", "off", "0")
 
 
 def parse_address(text: str) -> Address:
-    """Read a link address. Raises ConfigError, which says what to write instead."""
+    """Read a link address. Raises ConfigError with what to write instead."""
     if not text.strip().isprintable():
         raise ConfigError(f"link address {text!r} has invisible characters; type it again")
     address, _, query = text.strip().partition("?")

@@ -470,7 +470,7 @@ async def test_a_client_that_never_sends_a_frame_is_disconnected(
     await asyncio.wait_for(theirs.wait_closed(), 60)
     await asyncio.wait_for(silent.wait_closed(), 60)
     await site.serving("/tcp_192_168_1_7")
-    assert "/tcp_192_168_1_7" in site.connected(), "who speaks stays"
+    assert "/tcp_192_168_1_7" in site.connected(), "a board that sends data stays connected"
 
 
 async def test_a_peer_that_disconnects_without_a_frame_leaves_no_node() -> None:

@@ -9,7 +9,7 @@ const MAX_STL_REST = 10_000;
 /** A thousand times as many as a robot's link has. */
 const MAX_NODES = 100_000;
 const MAX_DEPTH = 100;
-// A tag has no `<` inside: otherwise each tag without an end would be searched through the whole file.
+// A tag has no `<` inside. Otherwise, the search would continue to the end of the file for each tag without an end.
 const NODES = /<(\/?)node\b([^<>]*)>|<instance_node\b[^<>]*?\burl\s*=\s*["']#([^"']*)["']/g;
 const ID = /\bid\s*=\s*["']([^"']*)["']/;
 

@@ -23,13 +23,15 @@ from rostether.transports.transport import Transport
 QUEUE_LINE_S = 2.0
 # The queue of a slow line still holds a burst of small commands.
 MIN_QUEUE_BYTES = 8 * 1024
-# The data that a paused source has already read can still arrive, up to this many queues.
+# While its source is paused, a queue may hold this many times its limit: data that the source has already
+# read still arrives.
 PAUSED_QUEUE_FACTOR = 8
 # The bytes that one topic sends before the next one: many small messages, but short turns.
 TURN_BYTES = 4 * 1024
 # The size of one write; other boards are served between two writes.
 WRITE_BYTES = 256 * 1024
-# Data after a pause of this length is written immediately; other data is collected for one write per turn.
+# After a pause of this length, up to this number of messages are written immediately. Other messages are
+# collected for one write per turn of the event loop, which costs less.
 EAGER_AFTER_S = 0.0005
 EAGER_MESSAGES = 16
 # How often a paused source checks whether the board still accepts bytes.

@@ -321,7 +321,7 @@ class Connection(asyncio.BufferedProtocol):
         if self._websocket.handshake_exc is not None and self.is_in_handshake:
             self._refuse_malformed()
         if self._answer is not None:
-            # The library may take the request's body for WebSocket frames, and must not answer it.
+            # The library may parse the request's body as WebSocket frames, and must not answer it.
             return
         self._write_protocol()
         if self._websocket.close_expected() and not self._is_ending:

@@ -49,14 +49,14 @@ class NodeConnection(Struct, frozen=True):
 
 
 async def node_names(master: MasterClient) -> list[str]:
-    """Return the names of all nodes that have registered something, sorted."""
+    """Return the names of all nodes that have registered something, sorted. Raises the errors of `master`."""
     return sorted(
         {name for table in await master.system_state() for names in table.values() for name in names}
     )
 
 
 async def registrations(master: MasterClient, name: str) -> NodeRegistrations:
-    """Return the registrations of a node."""
+    """Return the registrations of a node. Raises the errors of `master`."""
     publishers, subscribers, services = await master.system_state()
     types = await master.topic_types()
 

@@ -59,7 +59,7 @@ class TcprosListener:
         self.port = port_of(self._servers)
 
     async def close(self) -> None:
-        """Stop listening and give up handshakes in progress. Idempotent."""
+        """Stop listening and abort handshakes in progress. Idempotent."""
         self._is_closed = True
         self.port = 0
         servers, self._servers = self._servers, []

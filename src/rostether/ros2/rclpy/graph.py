@@ -70,7 +70,10 @@ class RclpyGraph(Ros2Membership):
     async def advertise_service(
         self, service: str, service_type: ServiceType, handler: ServiceHandler
     ) -> RclpyServiceServer:
-        """Offer a service. A call whose handler fails gets no answer; /rosout has the reason."""
+        """Offer a service. A call whose handler fails gets no answer; /rosout has the reason.
+
+        Raises UnknownTypeError, InvalidNameError, GraphError.
+        """
         self._check_open()
         return await self._endpoints.advertise_service(self.resolve(service), service_type, handler)
 

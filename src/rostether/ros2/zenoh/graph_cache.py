@@ -88,7 +88,7 @@ class GraphCache:
             self._listeners.pop((kind, name), None)
 
     def snapshot(self) -> Snapshot:
-        """Return the whole graph; types are ROS 2's names, several of one topic with a space between them."""
+        """Return the whole graph, with the type names of ROS 2; spaces separate the types of one topic."""
         if self._snapshot is None:
             self._snapshot = self._create_snapshot()
         return self._snapshot

@@ -118,7 +118,7 @@ def test_a_replaced_node_is_shut_down_and_its_subscribers_are_informed(master: M
         (A, "shutdown", "[/p] Reason: new node registered with same name"),
         (B, "/t", []),
     ]
-    assert master.reported.pinged == [A, B, new], "each node is looked after from its first registration"
+    assert master.reported.pinged == [A, B, new], "each node is checked from its first registration on"
 
 
 def test_a_node_that_has_ended_is_removed_with_its_registrations(master: Master) -> None:
@@ -156,12 +156,12 @@ def test_watchers_of_a_parameter(master: Master) -> None:
     assert master.reported.take() == [(B, "/a/b/", 1), (A, "/a/", {"b": 1})]
     assert master.call("subscribeParam", "/p", A, "/a")[2] == {"b": 1}
     master.call("setParam", "/p", "/a/b", 2)
-    assert master.reported.take() == [(B, "/a/b/", 2)], "who sets a value knows it"
+    assert master.reported.take() == [(B, "/a/b/", 2)], "the node that sets a value gets no update"
     master.call("deleteParam", "/p", "/a")
     assert master.reported.take() == [(B, "/a/b/", {}), (A, "/a/", {})]
     assert master.call("unsubscribeParam", "/p", A, "/a/") == (1, "Unsubscribe to parameter [/a]", 1)
     master.call("setParam", "/x", "/a", 7)
-    assert master.reported.take() == [(B, "/a/b/", {})], "unset, and told so"
+    assert master.reported.take() == [(B, "/a/b/", {})], "only the remaining watcher gets an update"
 
 
 def test_watching_alone_makes_a_node(master: Master) -> None:

@@ -85,7 +85,7 @@ async def test_the_oldest_messages_are_dropped_beyond_the_limit(threads: ThreadP
     assert not queue.is_open
     for _ in range(STEPS + 2):
         await queue.drained(0.0)
-    assert queue.is_open, "a full link pauses nobody for long"
+    assert queue.is_open, "a full link pauses no publisher for long"
     link.room.set()
     await until(lambda: queue.is_idle)
     assert link.put == [*sent[:1], *sent[-100:]]

@@ -9,7 +9,7 @@ export interface Stick {
   readonly y: number;
 }
 export interface Limits {
-  /** Meters a second; for directions and speeds a share of the full speed. */
+  /** Meters a second. For ArduinoControl: the fraction of the full speed. */
   readonly linear: number;
   /** Radians a second. */
   readonly angular: number;
@@ -47,7 +47,7 @@ export function commandOf(type: StructNode, stick: Stick, limits: Limits): Recor
   const { x, y } = withDeadZone(stick);
   if (type.name === "arduino_control/ArduinoControl") {
     const isCenter = x === 0 && y === 0;
-    // Degrees to the right of forward, and the share of the full speed.
+    // Degrees to the right of forward, and the fraction of the full speed.
     return {
       dir: isCenter ? 0 : Math.atan2(x, y) * DEGREES,
       speed: Math.hypot(x, y) * Math.min(limits.linear, 1),
