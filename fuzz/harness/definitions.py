@@ -87,7 +87,7 @@ def _parse(text: str) -> None:
     except RostetherError as error:
         assert "\n" not in str(error)
     else:
-        assert len(text) <= MAX_TEXT_CHARACTERS, "a text longer than may be"
+        assert len(text) <= MAX_TEXT_CHARACTERS, "a text longer than allowed"
         _check(spec)
     try:
         service = parse_service(text, package="pkg", name="pkg/Type", file="Type.srv")
@@ -100,19 +100,19 @@ def _parse(text: str) -> None:
         parts = split_full_text("pkg/Type", text)
     except RostetherError:
         return
-    assert len(parts) <= MAX_PARTS + 1, "more parts than may be"
+    assert len(parts) <= MAX_PARTS + 1, "more parts than allowed"
     assert text.count(SEPARATOR) >= len(parts) - 1, "more parts than are marked"
 
 
 def _check(spec: MessageSpec) -> None:
     names = [field.name for field in spec.fields]
-    assert len(names) <= MAX_FIELDS, "more fields than may be"
+    assert len(names) <= MAX_FIELDS, "more fields than allowed"
     assert len(set(names)) == len(names), "a field is declared twice"
     for field in spec.fields:
         assert field.name.isascii()
         assert field.name.isidentifier()
         assert field.type.length is None or field.type.length <= MAX_ARRAY_LENGTH, (
-            "a longer array than may be"
+            "a longer array than allowed"
         )
     for constant in spec.constants:
         bits = _BITS.get(constant.type)

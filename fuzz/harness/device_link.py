@@ -85,8 +85,8 @@ def _play(data: bytes) -> None:
         with contextlib.suppress(LocalProtocolError):  # more may not be queued
             link.request_parameter("~gains", now_s)
             asked += 1
-        assert asked <= MAX_REQUESTS, "more questions wait than may"
-        assert published_bytes <= MAX_WAITING_BYTES + _MESSAGE_FRAME_BYTES, "more waits than may"
+        assert asked <= MAX_REQUESTS, "more requests wait than allowed"
+        assert published_bytes <= MAX_WAITING_BYTES + _MESSAGE_FRAME_BYTES, "more bytes wait than allowed"
         link.time(now_s)
         if is_taken:
             link.data_to_send()

@@ -90,7 +90,7 @@ def _parse(text: str) -> None:
         return
     marks = [device.match for device in book.devices if device.match is not None]
     assert len(set(marks)) == len(marks), "two boards with the same marks"
-    assert len(book.devices) <= MAX_ENTRIES, "more boards than may be"
+    assert len(book.devices) <= MAX_ENTRIES, "more boards than allowed"
     for device in book.devices:
         assert device.baud is None or 1 <= device.baud <= MAX_BAUD, "a speed that no port has"
         assert device.grace_s is None or 0 <= device.grace_s <= MAX_GRACE_S, "no such time"

@@ -235,9 +235,9 @@ async def _converse(lines: list[str]) -> None:
             await asyncio.sleep(0)
         topics = network.snapshot().topics.values()
         own = [topic for topic in topics if "/gateway" in topic.publishers and topic.name not in OWN]
-        assert len(own) <= MAX_EACH, "more topics are published than may be"
+        assert len(own) <= MAX_EACH, "more topics are published than allowed"
         arrived = [topic for topic in topics if "/gateway" in topic.subscribers]
-        assert len(arrived) <= MAX_EACH, "more topics are subscribed to than may be"
+        assert len(arrived) <= MAX_EACH, "more topics are subscribed to than allowed"
         client.closed()
         assert not failed.texts, failed.texts
     finally:

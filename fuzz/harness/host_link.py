@@ -128,15 +128,15 @@ def _play(data: bytes) -> None:
                 link.answer_time(Time(1, 0), now_s)
             elif isinstance(event, ParameterRequested):
                 board.answer_parameter()
-        assert logs <= LOGS.burst + LOGS.per_s * now_s + 1, "more log lines than a board may bring"
+        assert logs <= LOGS.burst + LOGS.per_s * now_s + 1, "a board causes more log lines than allowed"
         allowed = control_rate.TIME_REQUESTS
-        assert times <= allowed.burst + allowed.per_s * now_s + 1, "more time requests than may be"
+        assert times <= allowed.burst + allowed.per_s * now_s + 1, "more time requests than allowed"
         if was_settled and received == _TIME_FRAME and events and isinstance(events[-1], DeviceReset):
             board.check_reset()
         else:
             board.check_limits()
         if is_taken:
-            assert len(link.data_to_send()) <= MAX_REPLY_BYTES, "more waits than may"
+            assert len(link.data_to_send()) <= MAX_REPLY_BYTES, "more bytes wait than allowed"
         due_s = link.get_timer()
         assert due_s is None or math.isfinite(due_s)
     link.stop()
@@ -182,7 +182,7 @@ class _Board:
 
     def check_limits(self) -> None:
         """Check the number of endpoints, and that only messages that fit a buffer are sent."""
-        assert len(self._topics) + 2 * len(self._services) <= MAX_ENDPOINTS, "more endpoints than may be"
+        assert len(self._topics) + 2 * len(self._services) <= MAX_ENDPOINTS, "more endpoints than allowed"
         for (role, topic_id), info in self._topics.items():
             size = info.buffer_size
             if role is TopicRole.PUBLISHER or size > MAX_TRIED_BYTES or not self._can_send(topic_id):

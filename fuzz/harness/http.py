@@ -69,7 +69,7 @@ def run(data: bytes) -> None:
         for part in parts:
             body = client.receive_data(part)
             if body is not None:
-                assert len(body) <= MAX_BODY_BYTES, "a body larger than may be"
+                assert len(body) <= MAX_BODY_BYTES, "a body larger than allowed"
                 break
 
 
@@ -85,9 +85,9 @@ def _serve(stream: bytes, parts: tuple[bytes, ...]) -> None:
             if body is None:
                 break
             served += 1
-            assert len(body) <= MAX_BODY_BYTES, "a body larger than may be"
+            assert len(body) <= MAX_BODY_BYTES, "a body larger than allowed"
             server.send_response(b"<x/>")
-        assert server.body_bytes <= most_bytes, "more of a body is kept than may be"
+        assert server.body_bytes <= most_bytes, "more of a body is kept than allowed"
         server.data_to_send()
     head = re.split(rb"\r?\n\r?\n", stream, maxsplit=1)[0].lower()
     first = head.split(b" ", 1)[0]

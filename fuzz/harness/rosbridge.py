@@ -182,9 +182,9 @@ class _Connection:
         topics = [
             name for name, info in graph.topics.items() if "/gateway" in info.publishers and name not in OWN
         ]
-        assert len(topics) <= MAX_EACH + MAX_LINGERING, "more topics are advertised than may be"
+        assert len(topics) <= MAX_EACH + MAX_LINGERING, "more topics are advertised than allowed"
         services = [name for name, info in graph.services.items() if "/gateway" in info.providers]
-        assert len(services) <= MAX_EACH, "more services are offered than may be"
+        assert len(services) <= MAX_EACH, "more services are offered than allowed"
 
     async def send(self, *frames: str | bytes) -> None:
         """Receive messages in JSON and in CBOR."""

@@ -124,7 +124,7 @@ def _check(params: Sequence[object]) -> None:
     depth = 0
     while level:
         count += len(level)
-        assert count <= MAX_VALUES, "more values than may be"
+        assert count <= MAX_VALUES, "more values than allowed"
         for value in level:
             if isinstance(value, int) and not isinstance(value, bool):
                 assert -(2**31) <= value < 2**31, "a number of more than 32 bits"
@@ -133,7 +133,7 @@ def _check(params: Sequence[object]) -> None:
         level = [
             inner for value in containers for inner in (value.values() if isinstance(value, dict) else value)
         ]
-    assert depth <= MAX_NESTING, "nested deeper than may be"
+    assert depth <= MAX_NESTING, "nested deeper than allowed"
 
 
 def _is_plain(value: object) -> bool:

@@ -37,14 +37,14 @@ MAX_LEARNED_TYPES = 256
 
 
 class LearnedTypes:
-    """Codecs for the types that publishers declare, whether or not this md5sum is known here."""
+    """Codecs for the types that publishers declare, even if their definition here differs or is missing."""
 
     def __init__(self, store: TypeStore) -> None:
         self.store = store
         self._codecs: dict[tuple[str, str], Codec] = {}
 
     def codec(self, header: Mapping[str, str]) -> Codec:
-        """Return the codec for a connection header. Raises UnknownTypeError, TypeMismatchError."""
+        """Return the codec for a connection header. Raises DefinitionError, TypeMismatchError."""
         name, md5sum = header.get("type", ""), header.get("md5sum", ANY_MD5SUM)
         found = self._codecs.get((name, md5sum))
         if found is None:

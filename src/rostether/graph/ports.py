@@ -177,7 +177,10 @@ class Watch(Protocol):
 
 
 class Graph(Protocol):
-    """One node's membership of a ROS graph."""
+    """One node's membership of a ROS graph.
+
+    Every method that asks the graph raises GraphError if the graph cannot be reached or refuses.
+    """
 
     @property
     def node_name(self) -> str:

@@ -33,7 +33,8 @@ Handler: TypeAlias = Callable[[Message], ResponseLike[Message]]
 class TypedGraph(LogMethods):
     """A node in a ROS graph. Messages are values; `raw` sends and receives them as bytes.
 
-    With `reports_silence`, a loop over a topic without publishers is logged.
+    With `reports_silence`, a loop over a topic without publishers is logged. Every method that asks the graph
+    raises GraphError if the graph cannot be reached or refuses.
     """
 
     def __init__(self, graph: Graph, store: TypeStore, *, reports_silence: bool = False) -> None:
@@ -105,8 +106,8 @@ class TypedGraph(LogMethods):
     ) -> CallbackSubscriber:
         """Call a function with each message of a topic; without `type_name`, the publisher's type is used.
 
-        The function may be async. Raises UnknownTypeError, InvalidNameError. A graph that refuses the
-        subscription is logged.
+        The function may be async. Raises UnknownTypeError, InvalidNameError. If the graph refuses the
+        subscription, this is logged.
         """
         self.resolve(topic)
         # A node that waits for commands may wait for hours.

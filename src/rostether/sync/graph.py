@@ -83,7 +83,7 @@ class Graph(OpenContext[TypedGraph], LogMethods):
     ) -> Messages[Any]:
         """Return a topic's messages to loop over; without `type_name`, the type of its publisher is used.
 
-        The loop raises UnknownTypeError, DefinitionError, TypeMismatchError.
+        The loop raises UnknownTypeError, DefinitionError, TypeMismatchError, InvalidNameError, GraphError.
         """
         name = None if type_name is None else name_of_type(type_name)
         return Messages(lambda: self.is_closed, self.wrapped.messages(topic, name, queue_size=queue_size))
@@ -97,7 +97,10 @@ class Graph(OpenContext[TypedGraph], LogMethods):
     def wait_for_message(
         self, topic: str, type_name: str | type[Message] | None = None, *, timeout_s: float | None = None
     ) -> Any:
-        """Return the next message of a topic; a topic without publishers is logged. Raises TimeoutError."""
+        """Return the next message of a topic; a topic without publishers is logged.
+
+        Raises TimeoutError, UnknownTypeError, InvalidNameError, and GraphError if the node leaves the graph.
+        """
         name = None if type_name is None else name_of_type(type_name)
         return self._wait_for_message(topic, name, timeout_s=timeout_s)
 
@@ -112,7 +115,7 @@ class Graph(OpenContext[TypedGraph], LogMethods):
     ) -> Subscriber:
         """Call a function with each message of a topic, in a thread; the queue is bounded.
 
-        Raises UnknownTypeError, InvalidNameError. A graph that refuses the subscription is logged.
+        Raises UnknownTypeError, InvalidNameError. If the graph refuses the subscription, this is logged.
         """
         name = None if type_name is None else name_of_type(type_name)
         thread = CallbackThread(f"rostether {topic}", guarded(callback), limit=DEFAULT_QUEUE_MESSAGES)
@@ -150,7 +153,8 @@ class Graph(OpenContext[TypedGraph], LogMethods):
     ) -> Message:
         """Call a service and return its response; pass the whole request, or its fields.
 
-        Raises ServiceUnavailableError, ServiceTimeoutError, ServiceCallError, SerializationError.
+        Raises UnknownTypeError, ServiceUnavailableError, ServiceTimeoutError, ServiceCallError,
+        TypeMismatchError, SerializationError.
         """
         return self.service_client(service, type_name).call(request, timeout_s=timeout_s, **fields)
 
@@ -180,8 +184,8 @@ class Graph(OpenContext[TypedGraph], LogMethods):
     ) -> ServiceServer:
         """Offer a service; `handler` takes the request and returns the response, in a new thread.
 
-        If the handler raises an exception, the call fails and the caller receives the error. Raises
-        UnknownTypeError, GraphError.
+        If the handler raises an exception, the call fails and the caller receives the error.
+        Raises UnknownTypeError, InvalidNameError, GraphError.
         """
         handle = threaded(handler)
         return ServiceServer(LOOP.call(self.wrapped.service_server(service, name_of_type(type_name), handle)))

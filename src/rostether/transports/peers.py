@@ -325,7 +325,7 @@ class PeerTable(Generic[PeerKey]):
             peer.end(None if reason is None else TransportClosedError(f"{peer.peer} {reason}"))
 
     def _schedule_sweep(self) -> None:
-        # A silent peer ends at most this quarter of the limit too late.
+        # A silent peer ends late by at most this period, a quarter of the limit.
         self._sweep_timer = asyncio.get_running_loop().call_later(IDLE_LIMIT_S / 4, self._sweep)
 
     def _sweep(self) -> None:

@@ -122,7 +122,7 @@ async def test_a_request_on_a_connection_that_closes_is_repeated_once() -> None:
         count += 1
         await read_request(reader)
         writer.write(http_answer(count))
-        # The second request on this connection is read and dropped, as by a server that idles out.
+        # The second request on this connection is dropped, as by a server that closes idle connections.
         with contextlib.suppress(EOFError):
             await read_request(reader)
 

@@ -150,7 +150,7 @@ def test_a_board_that_talks_already_is_found_by_listening(baud: int) -> None:
 def test_no_pair_of_speeds_makes_a_board_of_noise() -> None:
     reported = answer() + b"".join(message(number) for number in range(20)) + answer()
     pairs = product(permutations(USUAL_BAUDS, 2), (0, 3))
-    # Every third of them has each gap and each speed on each side.
+    # A third of the pairs is enough: it contains each gap, and each speed on both sides.
     for (sent_at, received_at), gap_bits in islice(pairs, None, None, effort(3, 1)):
         probe = BaudProbe((received_at, *(baud for baud in USUAL_BAUDS if baud != received_at)))
         probe.start(0.0)

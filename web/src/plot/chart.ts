@@ -12,7 +12,7 @@ export interface ChartOptions {
   axisOf: (series: Series) => string;
   /** The user chose a span of time. */
   onZoom?: (fromS: number, toS: number) => void;
-  /** The user points at a time; undefined at the end. */
+  /** The user points at a time; undefined when the pointer leaves the chart. */
   onCursor?: (timeS: number | undefined) => void;
 }
 
@@ -87,7 +87,7 @@ export class Chart {
         scale: key,
         side: index % 2 === 0 ? 3 : 1,
         stroke: text,
-        // One grid is enough to read.
+        // Only the first axis has a grid: the lines of several grids would be confusing.
         grid: index === 0 ? grid : { show: false },
         ticks: { show: false },
         font,

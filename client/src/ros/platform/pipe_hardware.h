@@ -24,7 +24,7 @@ enum PipeState { PIPE_FAILED, PIPE_PENDING, PIPE_OPEN };
 //   bool isNetwork()                         returns whether the link can fail without an error
 //   const char* name()                       returns the name of what it opens
 //   const char* reason()                     returns why it could not be opened
-//   static uint32_t milliseconds()           returns the time of a clock that is never set
+//   static uint32_t milliseconds()           returns the time of a clock that is never adjusted
 // A copy of a Pipe starts closed, even if the original is open.
 template <class Pipe>
 class PipeHardware {

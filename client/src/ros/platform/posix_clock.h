@@ -7,7 +7,7 @@
 
 namespace ros {
 
-// Returns the time, in milliseconds, of a clock that is never set.
+// Returns the time, in milliseconds, of a clock that is never adjusted.
 inline uint32_t posixMilliseconds() {
   struct timespec now;
   clock_gettime(CLOCK_MONOTONIC, &now);

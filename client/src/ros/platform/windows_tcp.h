@@ -2,7 +2,7 @@
 #ifndef ROS_PLATFORM_WINDOWS_TCP_H_
 #define ROS_PLATFORM_WINDOWS_TCP_H_
 
-// winsock2.h must come first: otherwise, windows.h includes the winsock of 1993.
+// winsock2.h must come first: otherwise, windows.h includes the older winsock.h, which conflicts with it.
 #include <winsock2.h>
 #include <ws2tcpip.h>
 #include <windows.h>

@@ -64,7 +64,7 @@ def busy(port: str, holders: tuple[Holder, ...]) -> Finding:
     pids = " ".join(str(each.pid) for each in holders)
     return error(
         Code.BUSY,
-        f"{port} is in use by {who}: two programs that read one port each get half of the bytes",
+        f"{port} is in use by {who}: two programs that read one port each get only some of the bytes",
         f"close it, or run: kill {pids}",
     )
 

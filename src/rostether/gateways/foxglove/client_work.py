@@ -32,7 +32,7 @@ class ClientWork:
         limit: int,
         what: str = "requests",
     ) -> None:
-        """Start a longer task; their number is limited, and an error is reported in one line."""
+        """Start a request as a task, or refuse it beyond `limit`; its errors are reported in one line."""
         if self._requests[what] >= limit:
             fail(f"more than {limit} {what} at once; wait for the responses")
             return

@@ -10,7 +10,7 @@ from msgspec import Struct
 from rostether.errors import ConfigError
 
 SERVICE = "rostether"
-# The folder of the files that the parts of a system's service write.
+# The folder for files that the parts write when they run as a system service.
 STATE = Path("/var/lib") / SERVICE
 # The groups that own serial ports, cameras and GPIO pins on Debian, Ubuntu and Raspberry Pi OS.
 GROUPS = ("dialout", "video", "gpio", "i2c", "spi")

@@ -222,7 +222,7 @@ class RclpySubscriber:
     def _receive_rest(self, subscription: Any, received: list[tuple[bytes, Mapping[str, Any]]]) -> None:
         message_type = subscription.msg_type
         with subscription.handle as handle:
-            # In some versions, the context returns None.
+            # In some versions of rclpy, entering the handle's context returns None.
             handle = handle or subscription.handle
             while len(received) < MAX_BATCH:
                 message = handle.take_message(message_type, True)

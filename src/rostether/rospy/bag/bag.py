@@ -231,11 +231,11 @@ class Bag:
         return sum(count for each, count in counts.items() if names is None or each.topic in names)
 
     def get_start_time(self) -> float:
-        """Return the time of the first message in seconds."""
+        """Return the time of the first message in seconds. Raises ROSBagException if there is none."""
         return self._span()[0] / NS_PER_S
 
     def get_end_time(self) -> float:
-        """Return the time of the last message in seconds."""
+        """Return the time of the last message in seconds. Raises ROSBagException if there is none."""
         return self._span()[1] / NS_PER_S
 
     def get_type_and_topic_info(self, topic_filters: Any = None) -> TypesAndTopicsTuple:

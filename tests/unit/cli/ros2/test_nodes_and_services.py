@@ -91,7 +91,7 @@ def test_service_call(world: ZenohWorld, shell: Shell) -> None:
     )
     for words in (("std_srvs/srv/SetBool", "{data: true}"), ("{data: true}",)):
         printed = shell.output("service", "call", "/set_led", *words)
-        # It is known at once, or a moment later.
+        # The service may become known only after the command has started to wait.
         assert printed.removeprefix("waiting for service to become available...\n") == expected
     assert shell("service", "call", "--json", "/set_led", "std_srvs/SetBool").records == [
         {"success": False, "message": ""}

@@ -71,7 +71,7 @@ def test_a_missing_file() -> None:
 
 @pytest.mark.parametrize("kind", Kind)
 def test_the_file_of_a_machine_can_be_read(kind: Kind) -> None:
-    # JSON writes DEL as it is, and the robot in two escapes, which TOML does not have.
+    # JSON leaves DEL unescaped, and writes the emoji as two surrogate escapes; TOML allows neither.
     name = 'my "robot" \N{ROBOT FACE}\x7f'
     machine = Machine(kind, name, "base", "10.0.0.2", "wlan0", ["sim:my sketch"], {"two words": "role x"})
     robot = parse(machine.text)

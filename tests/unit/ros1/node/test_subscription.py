@@ -187,7 +187,7 @@ async def test_publishers_come_and_go_with_the_masters_list() -> None:
 
 
 async def test_the_last_messages_of_a_publisher_that_has_ended_arrive() -> None:
-    """Also if the subscriber is busy, and detects the end before it reads them."""
+    """A busy subscriber may detect the end before it reads the messages."""
     async with fake() as publisher, subscribed() as stage:
         stage.topic.set_publishers([publisher.uri])
         await until(lambda: stage.topic.publisher_count == 1)

@@ -110,7 +110,7 @@ class GraphAnswers:
         return [each.name for each in self._services(await self._graph.snapshot())]
 
     async def services_for_type(self, type_name: str) -> list[str]:
-        """Return the services of a type; servers that do not answer are omitted."""
+        """Return the services of a type, without those whose servers do not answer."""
         return [each.name for each in await self._services_of(type_name)]
 
     async def service_type(self, service: str) -> str:
