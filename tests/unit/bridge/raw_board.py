@@ -64,10 +64,10 @@ class RawBoard:
         self.is_lost = True
 
     def pause_writing(self) -> None:
-        """A test that floods watches the transport itself."""
+        """Ignored: a test that sends too much watches the transport itself."""
 
     def resume_writing(self) -> None:
-        """Ignored, as above."""
+        """Ignored, for the same reason."""
 
     def _take(self, topic_id: int, payload: bytes) -> None:
         self.received[topic_id].append(payload)

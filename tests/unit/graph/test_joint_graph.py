@@ -225,7 +225,7 @@ async def test_it_leaves_when_the_graph_shuts_it_down() -> None:
     assert "/board" not in world.networks[0].snapshot().nodes
 
 
-class ConnectionLimiter:
+class ClosableGraph:
     """A `JoinGraph` that refuses every node until it is open."""
 
     def __init__(self, network: MemoryNetwork) -> None:
@@ -238,7 +238,7 @@ class ConnectionLimiter:
     ) -> Graph:
         self.attempts += 1
         if not self.is_open:
-            raise MasterUnreachableError("closed door")
+            raise MasterUnreachableError("not open yet")
         return await self._network.join(node_name, namespace=namespace, remappings=remappings)
 
 
@@ -248,11 +248,11 @@ async def test_a_graph_that_joins_late_gets_all_handles(
 ) -> None:
     monkeypatch.setattr("rostether.graph.joint_handle.FIRST_RETRY_S", 0.01)
     early, late = MemoryNetwork(), MemoryNetwork()
-    door = ConnectionLimiter(late)
+    closable = ClosableGraph(late)
     joins: list[Any] = [early.join]
-    joins.insert(position, door)
+    joins.insert(position, closable)
     joint = await JointJoin(joins)("/board")
-    assert "closed door" in caplog.text
+    assert "not open yet" in caplog.text
     seen: list[ParamValue] = []
     inbox, mine = Inbox(), Inbox()
     publisher = await joint.advertise("/map", STRING, latch=True)
@@ -270,7 +270,7 @@ async def test_a_graph_that_joins_late_gets_all_handles(
     back = await other.advertise("/back", STRING, latch=True)
     back.publish_raw([string("back")])
     await other.subscribe("/map", STRING, inbox.store)
-    door.is_open = True
+    closable.is_open = True
     await until(lambda: inbox.payloads == [string("new")])
     await until(lambda: seen == [None, 1])
     assert await other.call_service("/switch", SET_BOOL, TRUE) == answer("mine")
@@ -286,21 +286,21 @@ async def test_a_graph_that_joins_late_gets_all_handles(
 
 async def test_after_the_end_a_late_graph_is_not_awaited(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("rostether.graph.joint_handle.FIRST_RETRY_S", 0.01)
-    door = ConnectionLimiter(MemoryNetwork())
-    joint = await JointJoin([MemoryNetwork().join, door])("/board")
-    await until(lambda: door.attempts > 2)
+    closable = ClosableGraph(MemoryNetwork())
+    joint = await JointJoin([MemoryNetwork().join, closable])("/board")
+    await until(lambda: closable.attempts > 2)
     await joint.close()
-    attempts = door.attempts
+    attempts = closable.attempts
     await asyncio.sleep(0.03)
-    assert door.attempts == attempts
+    assert closable.attempts == attempts
 
 
 async def test_no_graph_at_all_is_an_error() -> None:
-    with pytest.raises(MasterUnreachableError, match="closed door"):
-        await JointJoin([ConnectionLimiter(MemoryNetwork()), ConnectionLimiter(MemoryNetwork())])("/board")
+    with pytest.raises(MasterUnreachableError, match="not open yet"):
+        await JointJoin([ClosableGraph(MemoryNetwork()), ClosableGraph(MemoryNetwork())])("/board")
     network = MemoryNetwork()
     with pytest.raises(InvalidNameError):
-        await JointJoin([network.join, ConnectionLimiter(MemoryNetwork())])("no name")
+        await JointJoin([network.join, ClosableGraph(MemoryNetwork())])("no name")
     assert network.snapshot().nodes == ()
 
 

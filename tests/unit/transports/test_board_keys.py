@@ -17,7 +17,7 @@ from rostether.transports.tls import TlsFiles
 from rostether.transports.transport import Transport
 
 
-class ConnectionLimiter:
+class BoardListener:
     """A listener, and the transports that it has created."""
 
     def __init__(self) -> None:
@@ -58,32 +58,32 @@ def certificate(folder: Path, name: str) -> tuple[str, str]:
 async def test_a_board_is_known_by_its_key(shared: bool, tmp_path: Path) -> None:
     left, right, all_of_them, foreign = (key_file(tmp_path, name) for name in ("left", "right", "many", "no"))
     keys = read_board_keys([left, right], [])
-    door = ConnectionLimiter()
-    port = await door.open(TcpAddress("127.0.0.1", 0, psk=all_of_them if shared else "devices"), keys)
+    boards = BoardListener()
+    port = await boards.open(TcpAddress("127.0.0.1", 0, psk=all_of_them if shared else "devices"), keys)
     try:
         for file, proven in ((right, right), (left, left), *([(all_of_them, None)] if shared else [])):
             board = await connect_tcp(TcpAddress("127.0.0.1", port, connect=True, psk=file))
-            assert await door.proof() == Proof(proven)
+            assert await boards.proof() == Proof(proven)
             board.abort()
             await board.wait_closed()
         for file in (foreign, *([] if shared else [all_of_them])):
             with pytest.raises(TransportError):
                 await connect_tcp(TcpAddress("127.0.0.1", port, connect=True, psk=file))
     finally:
-        await door.listener.close()
+        await boards.listener.close()
 
 
 async def test_a_board_is_known_by_its_certificate(tmp_path: Path) -> None:
     cert, key = certificate(tmp_path, "bridge")
     left, right, foreign = (certificate(tmp_path, name) for name in ("left", "right", "foreign"))
-    door = ConnectionLimiter()
+    boards = BoardListener()
     address = TcpAddress("127.0.0.1", 0, tls=TlsFiles(cert, key))
-    port = await door.open(address, read_board_keys([], [left[0], right[0]]))
+    port = await boards.open(address, read_board_keys([], [left[0], right[0]]))
     try:
         for files, proven in ((left, left[0]), (right, right[0]), ((None, None), None)):
             tls = TlsFiles(files[0], files[1], cert)
             board = await connect_tcp(TcpAddress("127.0.0.1", port, connect=True, tls=tls))
-            assert await door.proof() == Proof(None, proven)
+            assert await boards.proof() == Proof(None, proven)
             board.abort()
             await board.wait_closed()
         boards: list[TcpTransport] = []
@@ -94,19 +94,19 @@ async def test_a_board_is_known_by_its_certificate(tmp_path: Path) -> None:
         except TransportError:
             pass
         async with asyncio.timeout(60):
-            while not door.listener.refusals.count:
+            while not boards.listener.refusals.count:
                 await asyncio.sleep(0.01)
-        assert door.came.empty()
+        assert boards.came.empty()
         for each in boards:
             each.abort()
             await each.wait_closed()
     finally:
-        await door.listener.close()
+        await boards.listener.close()
 
 
 async def test_devices_without_a_key_are_not_a_choice() -> None:
     with pytest.raises(ConfigError, match=r"psk=devices: no board has a key in devices\.toml"):
-        await ConnectionLimiter().open(TcpAddress("127.0.0.1", 0, psk="devices"), BoardKeys())
+        await BoardListener().open(TcpAddress("127.0.0.1", 0, psk="devices"), BoardKeys())
 
 
 def test_files_that_hold_none_are_named(tmp_path: Path) -> None:

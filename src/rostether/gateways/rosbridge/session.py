@@ -158,7 +158,7 @@ class Session:
         self._connection.close(_CLOSE_POLICY, reason)
         self._context.report(
             Level.WARN,
-            f"rosbridge: {self.name} was disconnected without the token; give it the token",
+            f"rosbridge: {self.name} was disconnected because it did not send the token; give it the token",
         )
         return False
 

@@ -24,7 +24,10 @@ _BASE_NAME = re.compile(r"[A-Za-z]\w*")
 
 
 def namespace(name: str) -> str:
-    """Return the namespace of a name, with a slash at the end. Raises ValueError for None, TypeError."""
+    """Return the namespace of a name, with a slash at the end.
+
+    Raises ValueError for None, TypeError for any other value that is not text.
+    """
     if name is None:
         raise ValueError("name")
     if not isinstance(name, str):

@@ -15,38 +15,38 @@ class Accepted(asyncio.BaseTransport):
 
 async def test_networks_that_were_named_may_connect_and_this_machine() -> None:
     reported: list[str] = []
-    gate = ConnectionLimiter(("192.168.1.0/24",), 10, reported.append)
-    assert gate.admit(Accepted("192.168.1.7", "192.168.1.2"))
-    assert gate.admit(Accepted())
-    assert not gate.admit(Accepted("10.0.0.1", "192.168.1.2"))
+    limiter = ConnectionLimiter(("192.168.1.0/24",), 10, reported.append)
+    assert limiter.admit(Accepted("192.168.1.7", "192.168.1.2"))
+    assert limiter.admit(Accepted())
+    assert not limiter.admit(Accepted("10.0.0.1", "192.168.1.2"))
     assert reported == ["refused 10.0.0.1:5000: 10.0.0.1 is not in the networks of --allow; add it there"]
-    assert gate.open_count == 2
+    assert limiter.open_count == 2
 
 
 async def test_a_place_that_was_left_is_free() -> None:
     reported: list[str] = []
-    gate = ConnectionLimiter((), 1, reported.append)
-    assert gate.admit(Accepted())
-    assert not gate.admit(Accepted("::1", "::1"))
+    limiter = ConnectionLimiter((), 1, reported.append)
+    assert limiter.admit(Accepted())
+    assert not limiter.admit(Accepted("::1", "::1"))
     assert reported == ["refused [::1]:5000: the limit of open connections (1) is reached; close another one"]
-    gate.release()
-    assert gate.admit(Accepted())
+    limiter.release()
+    assert limiter.admit(Accepted())
 
 
 async def test_a_connection_that_has_gone_already_takes_no_place() -> None:
     reported: list[str] = []
-    gate = ConnectionLimiter((), 1, reported.append)
-    assert not gate.admit(asyncio.BaseTransport({}))
-    assert (gate.open_count, reported) == (0, ["refused a client: it has disconnected"])
+    limiter = ConnectionLimiter((), 1, reported.append)
+    assert not limiter.admit(asyncio.BaseTransport({}))
+    assert (limiter.open_count, reported) == (0, ["refused a client: it has disconnected"])
 
 
 async def test_each_reason_is_reported_once_in_a_while_and_few_of_them() -> None:
     reported: list[str] = []
-    gate = ConnectionLimiter((), 1, reported.append)
+    limiter = ConnectionLimiter((), 1, reported.append)
     for _ in range(2):
         for number in range(door.MAX_REASONS + 1):
-            gate.report_refusal(Accepted(), f"page\n{number}")
+            limiter.report_refusal(Accepted(), f"page\n{number}")
     assert reported == [f"refused 127.0.0.1:5000: page {number}" for number in range(door.MAX_REASONS)]
-    gate._reported_until_s = 0.0
-    gate.report_refusal(Accepted(), "page 0")
+    limiter._reported_until_s = 0.0
+    limiter.report_refusal(Accepted(), "page 0")
     assert reported[-1].endswith("page 0 (7 more since the last such line)")

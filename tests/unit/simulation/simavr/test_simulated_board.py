@@ -154,7 +154,7 @@ async def test_a_busy_board_uses_little_of_the_processor(tmp_path: Path) -> None
         await asyncio.sleep(0.6)
         share = (_processor_ticks(pid) - used) / os.sysconf("SC_CLK_TCK")
         ran_s = (await board.cycles() - begun) / 16e6
-        # It needs about a tenth of a core. A loop that never sleeps would need all of one.
+        # The runner needs about a tenth of a core. A loop that never sleeps would need a whole core.
         assert share < 0.6 * ran_s
 
 

@@ -1,4 +1,4 @@
-// The last minutes of each board's figures, for its sparklines; kept while the page is open.
+// The values of each board in the last minutes, for its sparklines; kept while the page is open.
 import { compareNames } from "../../shell/format.ts";
 import type { Robot } from "../../store/robot.ts";
 import { type BoardStatus, numberOf } from "./board_status.ts";
