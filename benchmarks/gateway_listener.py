@@ -1,8 +1,8 @@
 """A client of a gateway: `python -m benchmarks.gateway_listener PORT TOPICS foxglove|json|cbor-raw SECONDS`.
 
 It subscribes to everything, prints a line when all topics arrive, waits for a line, and prints how many
-messages arrived in the seconds after it. It only counts frames: a slow client would make its gateway
-omit messages, and so use less time.
+messages arrived in the seconds after it. It only counts frames: for a slow client, the gateway would omit
+messages, and so would use less time.
 """
 
 from __future__ import annotations

@@ -23,8 +23,8 @@ def text(selector: str) -> str:
     return f"(document.querySelector({selector!r})?.innerText ?? '')"
 
 
-class Registry:
-    """The sensing manager, as a process that can be killed."""
+class SensingManager:
+    """The process of a sensing manager, which can be killed."""
 
     def __init__(self, robot: Robot, folder: Path) -> None:
         self._robot = robot
@@ -44,8 +44,8 @@ class Registry:
 
 
 async def test_robots_and_their_sensors_are_shown(robot: Robot, browser: Browser, tmp_path: Path) -> None:
-    registry = Registry(robot, tmp_path)
-    await registry.start()
+    manager = SensingManager(robot, tmp_path)
+    await manager.start()
     async with sensing_fleet(robot.master, robots=2, cameras=1, has_manager=False) as sensors:
         page = await browser.do("open", url=robot.url + "#/fleet", width=390, touch=True)
         await browser.wait_for(page, f"{text('.fleet-count')} === '2 robots answer'")
@@ -62,19 +62,19 @@ async def test_robots_and_their_sensors_are_shown(robot: Robot, browser: Browser
         await browser.do("click", page=page, selector=".sensor[title='/sensors/robot1/camera']")
         await browser.wait_for(page, "document.querySelector('.sensor-pane canvas')?.width === 320")
 
-        # After the registry is killed, the tree and the values stay, and the restarted registry shows a
+        # After the manager is killed, the tree and the values stay, and the restarted manager shows a
         # change.
         await browser.do("fill", page=page, selector=".sensors input", text="")
         await browser.wait_for(page, f"{ROWS} === 9 && {BATTERY} === 'Ready'")
-        await registry.end(signal.SIGKILL)
+        await manager.end(signal.SIGKILL)
         (battery,) = [each for each in sensors if each.description.id == "robot2/battery"]
         battery.set_state("alert", "low")
         before = await browser.do("evaluate", page=page, script=text(".sensor-number"))
         await browser.wait_for(page, f"{text('.sensor-number')} !== '{before}'")
         assert await browser.do("evaluate", page=page, script=ROWS) == 9
         assert await browser.do("evaluate", page=page, script=BATTERY) == "Ready"
-        await registry.start()
+        await manager.start()
         await browser.wait_for(page, f"{BATTERY} === 'Alert'")
         assert await browser.do("evaluate", page=page, script=ROWS) == 9
         assert (await browser.do("seen", page=page))["errors"] == []
-    await registry.end(signal.SIGTERM)
+    await manager.end(signal.SIGTERM)

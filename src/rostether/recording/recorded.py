@@ -84,7 +84,7 @@ class Connection(Struct, frozen=True):
 
 
 class RecordedMessage(NamedTuple):
-    """One message: ROS 1 bytes, and when it was received in nanoseconds since the epoch."""
+    """One message: its ROS 1 bytes, and the time of its arrival in nanoseconds since the epoch."""
 
     connection: Connection
     time_ns: int

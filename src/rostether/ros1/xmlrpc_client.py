@@ -69,7 +69,8 @@ class XmlRpcClient:
         try:
             writer = DocumentWriter()
             await run_in_slices(call_steps(writer, method, args))
-            # The limit excludes the work on large values here: meanwhile the server answers, or has answered.
+            # The time limit is for the server. It does not include the time that this process needs to encode
+            # and decode large values.
             async with asyncio.timeout(self._timeout_s):
                 answer = await self._exchange(writer.document())
             reader = DocumentReader(answer)

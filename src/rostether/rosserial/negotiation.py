@@ -47,9 +47,9 @@ MAX_QUIET_S = 1.0
 MAX_ROUNDS = 12
 
 # (version of the request, pause after it) until the device answers; the last two repeat forever. Frequent at
-# first, because one request in twenty may be lost. Later, few requests must collect in the 64 bytes of a
-# board whose sketch sleeps a second between spins, but a board that starts later must be found within a
-# second.
+# first, because one request in twenty may be lost. Less frequent later: if a sketch sleeps a second between
+# spins, the requests collect in the 64 bytes of its UART's buffer. But a board that starts later must be
+# found within a second.
 SEARCH_STEPS = ((2, 0.2), (2, 0.2), (1, 0.3), (2, 0.3), (1, 0.5), (2, 0.5))
 
 # The wait for an answer on a working line; most boards answer within 20 ms. ANSWER_MARGIN is for slow ones.

@@ -160,7 +160,7 @@ class Presence:
     def time_request_received(self, now_s: float, *, may_be_early: bool = False) -> Verdict | None:
         """Handle a time request; return the action that is due, if any.
 
-        `may_be_early`: it may be the answer to a topic request.
+        `may_be_early`: an early one is not a sign of a reset, because it answers a topic request.
         """
         self.received_at_s = now_s
         # After a pause of this process, a request that waited seems late, and the next one early.

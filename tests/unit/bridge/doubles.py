@@ -1,4 +1,4 @@
-"""Test doubles of the bridge's environment: reporters, transports, lines and clocks that show their use."""
+"""Test doubles of the bridge's environment: reporters, transports, lines and clocks that record their use."""
 
 from __future__ import annotations
 

@@ -142,7 +142,7 @@ async def test_incomplete_requests_replace_each_other_and_no_active_client() -> 
         assert await resting.answer() == 1
         half_open = [await RawClient.connect(server) for _ in range(12)]
         for raw in half_open[-2:]:
-            # The bytes that trickle in make no connection more useful.
+            # A part of a request does not protect a connection from being replaced.
             raw.writer.write(request("ping")[:-1])
         newcomer = await RawClient.connect(server)
         for raw in (newcomer, resting):

@@ -11,7 +11,7 @@ from rostether.rosserial.host_link import HostLink
 
 
 def frame(topic_id: int, payload: bytes, version: int = 2) -> bytes:
-    """Write one frame the plain way."""
+    """Return one frame, written without the package."""
     size, number = len(payload).to_bytes(2, "little"), topic_id.to_bytes(2, "little")
     if version == 1:
         return b"\xff\xff" + number + size + payload + bytes([255 - sum(number + size + payload) % 256])
@@ -20,7 +20,7 @@ def frame(topic_id: int, payload: bytes, version: int = 2) -> bytes:
 
 
 def plain_decode(data: bytes, version: int = 2) -> Iterator[tuple[int, bytes]]:
-    """Yield (topic id, payload) of every sound frame, looking at one byte after the other."""
+    """Yield (topic id, payload) of every valid frame; look for a frame at each byte."""
     position = 0
     while position < len(data):
         found = _frame_at(data, position, version)
@@ -51,7 +51,7 @@ def _frame_at(data: bytes, position: int, version: int) -> tuple[int, bytes, int
 
 
 def by_topic(decoded: Iterable[Decoded]) -> dict[int, list[bytes]]:
-    """Join what was decoded by topic id."""
+    """Return the decoded payloads by topic id."""
     payloads: dict[int, list[bytes]] = {}
     for item in decoded:
         if isinstance(item, Frames):
@@ -64,7 +64,7 @@ def discards(decoded: Iterable[Decoded]) -> list[FrameDiscarded]:
 
 
 def joined_discards(decoded: Iterable[Decoded]) -> list[tuple[str, bytes]]:
-    """Return (reason, bytes) of discarded stretches, those that a chunk's end cut apart joined."""
+    """Return (reason, bytes) of discarded bytes; join the parts that were in different chunks."""
     joined: list[tuple[str, bytes]] = []
     for item in discards(decoded):
         if joined and (item.reason.name in ("NOISE", joined[-1][0])) and joined[-1][0] != "UNFINISHED":

@@ -86,18 +86,18 @@ async def test_a_board_is_known_by_its_certificate(tmp_path: Path) -> None:
             assert await boards.proof() == Proof(None, proven)
             board.abort()
             await board.wait_closed()
-        boards: list[TcpTransport] = []
+        refused: list[TcpTransport] = []
         try:
             # With TLS 1.3, a connector detects only later that its certificate was refused.
             tls = TlsFiles(foreign[0], foreign[1], cert)
-            boards.append(await connect_tcp(TcpAddress("127.0.0.1", port, connect=True, tls=tls)))
+            refused.append(await connect_tcp(TcpAddress("127.0.0.1", port, connect=True, tls=tls)))
         except TransportError:
             pass
         async with asyncio.timeout(60):
             while not boards.listener.refusals.count:
                 await asyncio.sleep(0.01)
         assert boards.came.empty()
-        for each in boards:
+        for each in refused:
             each.abort()
             await each.wait_closed()
     finally:

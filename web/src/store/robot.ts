@@ -12,7 +12,7 @@ export type ConnectionState = "connecting" | "open" | "lost";
 
 // A quick change of pages must not end and begin subscriptions.
 const UNSUBSCRIBE_DELAY_MS = 300;
-// More are not readable.
+// Users do not read a longer list.
 const MAX_STATUSES = 50;
 // Long enough to read a sentence twice.
 const REFUSAL_MS = 10_000;

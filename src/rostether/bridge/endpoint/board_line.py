@@ -25,7 +25,10 @@ class BoardLine(Protocol):
         """Read nothing from the board until `wait()` ends; return False if the line cannot pause."""
 
     def rescan(self, payload: bytes) -> None:
-        """Handle the frames in a payload without its type's layout: noise before them looked like one."""
+        """Handle the frames inside a payload that does not have its type's layout.
+
+        Noise before these frames looked like the header of a message.
+        """
 
     def call_started(self) -> None:
         """Record that the board waits for a response."""

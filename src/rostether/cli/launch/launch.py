@@ -57,13 +57,13 @@ class LaunchOptions:
     no_summary: bool = flag("--no-summary", "Do not print the summary.")
     sigint_timeout_s: float = option(
         "--sigint-timeout S",
-        "Seconds that a node has to end after SIGINT (default: 15).",
+        "The time limit, in seconds, for a node to end after SIGINT (default: 15).",
         type=POSITIVE,
         default=15.0,
     )
     sigterm_timeout_s: float = option(
         "--sigterm-timeout S",
-        "Seconds that a node has to end after SIGTERM (default: 2).",
+        "The time limit, in seconds, for a node to end after SIGTERM (default: 2).",
         type=POSITIVE,
         default=2.0,
     )

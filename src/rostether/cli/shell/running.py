@@ -87,7 +87,7 @@ class _Ending:
         self._handlers_before = {number: signal.getsignal(number) for number in self._codes}
 
     def watch_start(self) -> None:
-        """Note a Ctrl-C before the command runs; asyncio's own handler could lose it to a clean-up."""
+        """Note a Ctrl-C before the command runs; with asyncio's own handler, a clean-up could suppress it."""
         # Windows has no SIGALRM; there, asyncio handles Ctrl-C.
         handler = self._handle_signal if hasattr(signal, "SIGALRM") else signal.default_int_handler
         # A thread must not set handlers.

@@ -34,7 +34,7 @@ _ASSET_FOUND, _ASSET_FAILED = 0, 1
 # The capabilities for which clients send encoded messages.
 _ENCODED = frozenset({"clientPublish", "services"})
 
-# The length of a line for users.
+# A status may contain names from clients; users do not read longer lines.
 _MAX_TEXT_CHARACTERS = 2000
 
 
