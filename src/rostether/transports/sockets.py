@@ -49,8 +49,10 @@ _STREAM_OPTIONS = (
     (socket.IPPROTO_TCP, "TCP_NOTSENT_LOWAT", _UNSENT_BYTES),
 )
 
-# asyncio's text of a failed connection, to one address or to several.
-_CONNECT_FAILED = re.compile(r"(?:Multiple exceptions: \[Errno (\d+)\] )?Connect call failed")
+# asyncio's texts of a failed connection, to several addresses and to one.
+_SEVERAL_FAILED = "Multiple exceptions: "
+_CONNECT_FAILED = "Connect call failed"
+_ERROR_NUMBER = re.compile(r"\[Errno (\d+)\]")
 
 
 def tune_stream(sock: socket.socket) -> None:
@@ -147,8 +149,12 @@ def explain_reason(error: Exception) -> str:
     For failed connections it is the system's text, because asyncio's names an internal call.
     """
     text: str = getattr(error, "strerror", None) or str(error)
-    if found := _CONNECT_FAILED.match(text):
-        return os.strerror(int(found[1] or getattr(error, "errno", 0)))
+    numbers = [int(each) for each in _ERROR_NUMBER.findall(text)] if text.startswith(_SEVERAL_FAILED) else []
+    if isinstance(error, OSError) and error.errno and text.startswith(_CONNECT_FAILED):
+        numbers = [error.errno]
+    if numbers:
+        # A machine that refuses was reached. Otherwise, the last address is most often the IPv4 address.
+        return os.strerror(errno.ECONNREFUSED if errno.ECONNREFUSED in numbers else numbers[-1])
     return text or type(error).__name__
 
 

@@ -93,6 +93,13 @@ async def test_a_failed_connection_has_the_text_of_the_system() -> None:
     assert "no program listens on host:1; start it" in str(explain_connect_error("host:1", several))
 
 
+@pytest.mark.parametrize("reason", [errno.ECONNREFUSED, errno.EHOSTUNREACH])
+def test_an_address_without_ipv6_does_not_hide_why_ipv4_failed(reason: int) -> None:
+    ipv6 = f"[Errno {errno.EADDRNOTAVAIL}] Cannot assign requested address"
+    several = OSError(f"Multiple exceptions: {ipv6}, [Errno {reason}] Connect call failed ('127.0.0.1', 1)")
+    assert explain_reason(several) == os.strerror(reason)
+
+
 @pytest.mark.skipif(not hasattr(socket, "TCP_KEEPIDLE"), reason="this system names its options otherwise")
 def test_a_peer_that_disappears_is_detected_within_about_eleven_seconds() -> None:
     with socket.socket() as sock:
