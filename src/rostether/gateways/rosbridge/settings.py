@@ -52,7 +52,7 @@ OPERATION_LIMIT_S = 10.0
 # A client that has not authenticated by then is disconnected.
 GREETING_LIMIT_S = 10.0
 
-# The time between pings; a client that has disappeared is noticed after a minute.
+# The time between pings; a client that has disappeared is noticed after 60 to 80 s.
 PING_PERIOD_S = 20.0
 
 # A client that answers no ping has disconnected. A slow client answers late, after it has read earlier data.
