@@ -15,6 +15,7 @@ from rostether.cli.shell.output import json_option, write_json, write_line
 from rostether.cli.shell.verbs import verb
 from rostether.errors import BoardError, ConfigError, RostetherError
 from rostether.extras import install_command
+from rostether.mechanisms.text import read_failure
 
 # Each extra: a module that it installs, the distribution of that module, and the purpose.
 _EXTRAS = (
@@ -122,6 +123,9 @@ def _checked(part: str, purpose: str, find: Callable[[], str]) -> OptionalPart:
         return OptionalPart(part, purpose, find())
     except RostetherError as error:
         return OptionalPart(part, purpose, next_step=str(error))
+    except OSError as error:
+        # For example, a folder of the Arduino core that this user may not search.
+        return OptionalPart(part, purpose, next_step=read_failure(error.filename, error))
 
 
 def _find_compiler() -> str:
@@ -144,15 +148,15 @@ def _find_multicast() -> str:
 
     from rostether.platform.multicast_socket import REFERENCE_GROUP
 
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
-        # Joins the group on the interface that the system chooses; no datagram is sent to it.
-        group = socket.inet_aton(REFERENCE_GROUP) + bytes(4)
-        try:
+    # Joins the group on the interface that the system chooses; no datagram is sent to it.
+    group = socket.inet_aton(REFERENCE_GROUP) + bytes(4)
+    try:
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
             probe.setsockopt(socket.IPPROTO_IP, socket.IP_ADD_MEMBERSHIP, group)
-        except OSError as error:
-            raise ConfigError(
-                f"cannot join {REFERENCE_GROUP}: {error.strerror}; connect this machine to a network"
-            ) from None
+    except OSError as error:
+        raise ConfigError(
+            f"cannot join {REFERENCE_GROUP}: {error.strerror}; connect this machine to a network"
+        ) from None
     return f"{REFERENCE_GROUP} can be joined"
 
 

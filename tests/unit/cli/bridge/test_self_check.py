@@ -38,3 +38,15 @@ def test_a_group_that_cannot_be_joined(shell: Shell, monkeypatch: pytest.MonkeyP
     assert "     cannot join 10.0.0.1: Invalid argument; connect this machine to a network\n" in shell.output(
         "self-check"
     )
+
+
+def test_a_folder_without_permission_does_not_hide_the_other_parts(
+    shell: Shell, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def find_compiler() -> str:
+        raise PermissionError(13, "Permission denied", "/usr/share/arduino/boards.txt")
+
+    monkeypatch.setattr(self_check, "_find_compiler", find_compiler)
+    lines = shell.output("self-check").splitlines()
+    assert any("cannot read /usr/share/arduino/boards.txt: Permission denied" in line for line in lines)
+    assert lines[-1].startswith(("yes  multicast", "     cannot join"))
