@@ -104,7 +104,7 @@ def run(data: bytes) -> None:
         assert len(back) <= len(payload)
         if layout.type_name in _ALIKE:
             # In CDR, a NUL ends a string.
-            assert back == payload or b"\0" in payload, "there and back is another message"
+            assert back == payload or b"\0" in payload, "the conversion there and back changes the message"
             again = converter.to_cdr(back)
             assert converter.from_cdr(again) == back
     for whole in (payload, b"\0\1\0\0" + payload[4:], b"\0\0\0\0" + payload[4:]):

@@ -298,7 +298,7 @@ def test_an_array_of_length_zero_has_no_bytes() -> None:
 
 
 class ArrayLike:
-    """Converts to a list, as a numpy array does; no sequence to Python."""
+    """Converts to a list, but is not a Python sequence, like a numpy array."""
 
     def __array__(self) -> None: ...
 

@@ -88,7 +88,7 @@ async def simulated(
             if join is not None and shown is not None:
                 joining = partial(join, f"{name}_simulation", namespace=f"/{(link.ns or '').strip('/')}")
                 await stack.enter_async_context(task_beside(_run_node(shown, link, joining, reporter)))
-            # It ends before its board: a board that is ended on purpose has nothing to report.
+            # The report ends before its board: the end of a board that is stopped on purpose is not reported.
             await stack.enter_async_context(task_beside(report))
             opened.append(SerialAddress(address, name=name, ns=link.ns, program=size, pauses=pauses))
         yield opened

@@ -101,7 +101,7 @@ class TopicField:
                         path = FieldPath(self._graph.store.codec(type_name), self._field)
                     value = path.read(message)
                     if not isinstance(value, int | float):
-                        raise ConfigError(f"{self._topic}: {self._field} is not a number, but {value!r:.50}")
+                        raise ConfigError(f"{self._topic}: {self._field} of {type_name} is not a number")
                 except ConfigError as error:
                     if not self._has_number:
                         raise

@@ -228,10 +228,11 @@ class ConvertingBody(ReadingBody):
         self.target_at = self._offset(after, modulus, residue, is_aligned=self.to_cdr)
 
     def _loop_body(self, element: Node, before: str, after: str) -> tuple[ConvertingBody, int, int]:
-        """Return the code that converts one element, and the known part of the elements' offsets in CDR.
+        """Return the code that converts one element, with a modulus and a residue of the offsets in CDR.
 
-        That is the common part of the first element's position and the ends of all elements. More knowledge
-        of the position gives more knowledge of the ends, so this is repeated until nothing more is known.
+        Every element begins at an offset with this residue. The end of an element is the beginning of the
+        next one, and is known better if the beginning is known better. So this is repeated until the modulus
+        stops growing.
         """
         start = self.target_at if self.to_cdr else self.source_at
         modulus, residue = 1, 0
@@ -278,7 +279,7 @@ class ConvertingBody(ReadingBody):
 
 
 def row(pieces: list[str]) -> str:
-    """Return the inside of a tuple of expressions."""
+    """Return the source of a tuple of expressions, without its parentheses."""
     return "".join(f"{piece}, " for piece in pieces)
 
 

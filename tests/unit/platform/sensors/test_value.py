@@ -117,7 +117,10 @@ async def test_a_topic_that_does_not_exist(monkeypatch: pytest.MonkeyPatch) -> N
 
 @pytest.mark.parametrize(
     ("field", "reason"),
-    [("distance", "has no field 'distance'"), ("header/frame_id", "frame_id is not a number, but ''")],
+    [
+        ("distance", "has no field 'distance'"),
+        ("header/frame_id", "frame_id of sensor_msgs/Range is not a number"),
+    ],
 )
 async def test_a_field_that_is_not_a_number(field: str, reason: str) -> None:
     async with shown_sensors() as shown:
