@@ -36,7 +36,7 @@ def pytest_configure() -> None:
     os.environ[MARK] = f"{os.environ.get(MARK, '')}{secrets.token_hex(4)}."
 
 
-def outliving_files() -> dict[str, str]:
+def environment_of_session() -> dict[str, str]:
     """Return the environment of a process that a fixture of the whole session ends.
 
     The process is not killed after a test file. If the fixture does not end it, the controller of the test

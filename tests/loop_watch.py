@@ -65,10 +65,10 @@ class FolderWatch:
         _folder_watches.add(self)
         if not _is_hooked:
             # An audit hook cannot be removed; it does nothing without a watch.
-            sys.addaudithook(_note_folder)
+            sys.addaudithook(_record_folder)
             _is_hooked.append(True)
 
-    def note(self, path: object) -> None:
+    def record(self, path: object) -> None:
         """Record a folder that is being listed."""
         if asyncio._get_running_loop() is not self._loop:
             return
@@ -85,10 +85,10 @@ _folder_watches: weakref.WeakSet[FolderWatch] = weakref.WeakSet()
 _is_hooked: list[bool] = []
 
 
-def _note_folder(event: str, args: tuple[object, ...]) -> None:
+def _record_folder(event: str, args: tuple[object, ...]) -> None:
     if event in ("os.listdir", "os.scandir"):
         for watch in list(_folder_watches):
-            watch.note(args[0])
+            watch.record(args[0])
 
 
 class LoopWatch:

@@ -42,13 +42,13 @@ def pytest_runtest_protocol(item: pytest.Item, nextitem: pytest.Item | None) -> 
         item._initrequest()  # type: ignore[attr-defined]
         reports = runtestprotocol(item, nextitem=nextitem, log=False)
         setattr(reports[-1], _FIRST_FAILURE, _summary(failed[0]))
-    for report in filter(_is_worth_a_message, reports):
+    for report in filter(_must_be_sent, reports):
         item.ihook.pytest_runtest_logreport(report=report)
     item.ihook.pytest_runtest_logfinish(nodeid=item.nodeid, location=item.location)
     return True
 
 
-def _is_worth_a_message(report: pytest.TestReport) -> bool:
+def _must_be_sent(report: pytest.TestReport) -> bool:
     """Return whether a report must go to the controller: reports of fixtures cost as much as those of
     tests.
     """

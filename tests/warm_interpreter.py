@@ -103,7 +103,7 @@ class Ending:
         os._exit(code)
 
 
-def let_servers_end() -> None:
+def end_servers_when_closed() -> None:
     """End rospy's XML-RPC servers when they are closed.
 
     Those of Debian poll their closed sockets without a pause until the process ends, after 0.1 to 0.7 s.
@@ -227,7 +227,7 @@ if __name__ == "__main__":
     for _name in sys.argv[2].split(","):
         importlib.import_module(_name)
     if "rosgraph.xmlrpc" in sys.modules:
-        let_servers_end()
+        end_servers_when_closed()
     # Without this, collecting garbage would copy the memory that children share.
     _ending.libraries.update(sys.modules)
     del _ending.libraries["__main__"]

@@ -113,14 +113,14 @@ def has_started_programs() -> bool:
     return had_started
 
 
-def _note_start() -> None:
+def _record_start() -> None:
     global _has_started
     _has_started = True
 
 
 # Also forks by `pty` and `os`.
 if IS_SUPPORTED:
-    os.register_at_fork(before=_note_start)
+    os.register_at_fork(before=_record_start)
 
 
 def interpreter_pids() -> set[int]:
@@ -170,7 +170,7 @@ def cold_start() -> Iterator[None]:
 
 def _start(process: subprocess.Popen[Any], *arguments: Any, **options: Any) -> None:
     global _is_enabled, _has_warm_workers
-    _note_start()
+    _record_start()
     call = _SIGNATURE.bind(process, *arguments, **options).arguments
     found = _request(call) if _is_enabled else None
     if found is None:

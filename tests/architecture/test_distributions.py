@@ -51,7 +51,7 @@ def wheel(unpacked: Path, tmp_path_factory: pytest.TempPathFactory) -> zipfile.Z
     return zipfile.ZipFile(build(unpacked, "wheel", tmp_path_factory.mktemp("wheel")))
 
 
-def kept_files(folder: Path) -> set[Path]:
+def tracked_files(folder: Path) -> set[Path]:
     """Return the existing files that git tracks or would track."""
     command = ["git", "ls-files", "-z", "--cached", "--others", "--exclude-standard"]
     names = subprocess.run(command, cwd=folder, check=True, capture_output=True, text=True).stdout
@@ -62,7 +62,7 @@ def test_the_source_distribution_is_the_repository(unpacked: Path) -> None:
     if not (REPOSITORY / ".git").exists():
         pytest.skip("this is a source distribution")
     packed = {path.relative_to(unpacked) for path in unpacked.rglob("*") if path.is_file()}
-    assert packed - {Path("PKG-INFO")} == kept_files(REPOSITORY)
+    assert packed - {Path("PKG-INFO")} == tracked_files(REPOSITORY)
     for script in (unpacked / "scripts").iterdir():
         assert os.access(script, os.X_OK), script
 

@@ -75,7 +75,7 @@ class Inbox:
         self.headers.append(dict(fields))
 
 
-async def snapshot_when(
+async def wait_for_snapshot(
     graph: Graph, condition: Callable[[Snapshot], object], timeout_s: float = 60.0
 ) -> Snapshot:
     """Wait until the graph's snapshot meets a condition, and return it."""
@@ -89,11 +89,11 @@ async def snapshot_when(
 
 async def wait_for_service(graph: Graph, service: str) -> None:
     """Wait until a node's snapshot has a service."""
-    await snapshot_when(graph, lambda snapshot: service in snapshot.services)
+    await wait_for_snapshot(graph, lambda snapshot: service in snapshot.services)
 
 
 async def wait_for_nodes(*graphs: Graph) -> None:
     """Wait until every node's snapshot has all nodes."""
     names = {graph.node_name for graph in graphs}
     for graph in graphs:
-        await snapshot_when(graph, lambda snapshot: names <= set(snapshot.nodes))
+        await wait_for_snapshot(graph, lambda snapshot: names <= set(snapshot.nodes))

@@ -16,9 +16,9 @@ from contract.graphs import (
     TRUE,
     answer,
     answer_set_bool,
-    snapshot_when,
     string,
     wait_for_service,
+    wait_for_snapshot,
 )
 from rostether.errors import (
     GraphError,
@@ -105,7 +105,7 @@ async def test_a_service_that_was_closed_is_unavailable(join: JoinGraph) -> None
     await wait_for_service(client, "/switch")
     await handle.close()
     await handle.close()
-    await snapshot_when(client, lambda snapshot: "/switch" not in snapshot.services)
+    await wait_for_snapshot(client, lambda snapshot: "/switch" not in snapshot.services)
     with pytest.raises(ServiceUnavailableError):
         await client.call_service("/switch", SET_BOOL, TRUE)
     await server.advertise_service("/switch", SET_BOOL, answer_set_bool)

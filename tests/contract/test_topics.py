@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from contract.capabilities import Capabilities
-from contract.graphs import BOOL, STRING, TRUE, Inbox, snapshot_when, string, wait_for_nodes
+from contract.graphs import BOOL, STRING, TRUE, Inbox, string, wait_for_nodes, wait_for_snapshot
 from rostether.errors import GraphError, TypeMismatchError
 from rostether.graph.ports import JoinGraph
 from rostether.msgdef.interface import ANY_MESSAGE
@@ -143,7 +143,7 @@ async def test_a_subscriber_of_one_type_follows_the_publishers(
     )
     await until(lambda: publisher.subscriber_count == 1)
     wrong = await other.advertise("/chat", BOOL)
-    await snapshot_when(listener, lambda snapshot: len(snapshot.topics["/chat"].publishers) == 2)
+    await wait_for_snapshot(listener, lambda snapshot: len(snapshot.topics["/chat"].publishers) == 2)
     wrong.publish_raw([TRUE])
     await wrong.close()
     publisher.publish_raw([string("hello")])
@@ -185,7 +185,7 @@ async def test_a_subscriber_may_skip_messages_of_its_own_node(join: JoinGraph) -
     await other.subscribe("/chat", STRING, other_inbox.store)
     await until(lambda: own.subscriber_count >= 1 and others.subscriber_count == 2)
     await until(lambda: subscriber.publisher_count >= 1)
-    await snapshot_when(node, lambda snapshot: "/other" in snapshot.topics["/chat"].subscribers)
+    await wait_for_snapshot(node, lambda snapshot: "/other" in snapshot.topics["/chat"].subscribers)
     for number in range(3):
         own.publish_raw([string(f"own {number}")])
         others.publish_raw([string(f"other {number}")])
@@ -204,7 +204,7 @@ async def test_a_subscriber_may_skip_nodes(join: JoinGraph) -> None:
     publishers = [await graph.advertise("/chat", STRING) for graph in (node, other, skipped)]
     await wait_for_nodes(node, other, skipped)
     await until(lambda: all(publisher.subscriber_count >= 1 for publisher in publishers))
-    await snapshot_when(node, lambda snapshot: len(snapshot.topics["/chat"].publishers) == 3)
+    await wait_for_snapshot(node, lambda snapshot: len(snapshot.topics["/chat"].publishers) == 3)
 
     def publish_from_all() -> bool:
         for number, publisher in enumerate(publishers):

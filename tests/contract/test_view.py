@@ -7,7 +7,7 @@ import struct
 import time
 
 from contract.capabilities import Capabilities
-from contract.graphs import SET_BOOL, STRING, Inbox, answer, snapshot_when, string
+from contract.graphs import SET_BOOL, STRING, Inbox, answer, string, wait_for_snapshot
 from rostether.graph.log_message import LOG_TYPE, ROSOUT
 from rostether.graph.ports import JoinGraph, Level, Snapshot
 from rostether.graph.ros_clock import CLOCK_TOPIC, CLOCK_TYPE
@@ -38,7 +38,7 @@ async def test_a_snapshot_has_all_nodes_topics_and_services(
             and "/switch" in snapshot.services
         )
 
-    snapshot = await snapshot_when(listener, is_complete)
+    snapshot = await wait_for_snapshot(listener, is_complete)
     assert {"/talker", "/listener"} <= set(snapshot.nodes)
     chat = snapshot.topics["/chat"]
     assert (chat.name, chat.type) == ("/chat", capabilities.string_type)
@@ -126,7 +126,7 @@ async def test_all_registrations_of_a_node_end_when_it_leaves(join: JoinGraph) -
     await leaving.close()
     assert await closed == "closed"
     await until(lambda: subscriber.publisher_count == kept.subscriber_count == 0)
-    snapshot = await snapshot_when(
+    snapshot = await wait_for_snapshot(
         staying, lambda snapshot: "/leaving" not in snapshot.nodes and "/switch" not in snapshot.services
     )
     assert snapshot.topics["/chat"].publishers == ()

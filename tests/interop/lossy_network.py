@@ -88,13 +88,13 @@ class _Route:
         self._robot_address: SocketAddress | None = None
         self.to_robot = open_sender(robot, robot.interfaces[0])
         self._to_sender = open_sender(replace(robot, group="127.0.0.1"), "")
-        network.add_reader(self.to_robot, self._from_robot)
-        network.add_reader(self._to_sender, self._from_sender)
+        network.add_reader(self.to_robot, self._forward_to_sender)
+        network.add_reader(self._to_sender, self._forward_to_robot)
 
-    def _from_robot(self, datagram: bytes, address: SocketAddress) -> None:
+    def _forward_to_sender(self, datagram: bytes, address: SocketAddress) -> None:
         self._robot_address = address
         self._network.deliver(partial(self._to_sender.sendto, datagram, self._sender))
 
-    def _from_sender(self, datagram: bytes, _: SocketAddress) -> None:
+    def _forward_to_robot(self, datagram: bytes, _: SocketAddress) -> None:
         if self._robot_address is not None:
             self._network.deliver(partial(self.to_robot.sendto, datagram, self._robot_address))

@@ -18,10 +18,10 @@ from contract.graphs import (
     Inbox,
     answer,
     answer_set_bool,
-    snapshot_when,
     string,
     wait_for_nodes,
     wait_for_service,
+    wait_for_snapshot,
 )
 from contract.zenoh_graphs import open_session
 from interop.ros1_peers import free_port
@@ -117,4 +117,4 @@ async def test_ros2_works_after_the_end_of_the_master(world: World) -> None:
         await until(lambda: talker.subscriber_count)  # noqa: B023 - awaited at once
         talker.publish_raw([string(topic)])
     await until(lambda: inbox.payloads == [string("/before"), string("/after")])
-    await snapshot_when(world.board, lambda snapshot: "/after" in snapshot.topics)
+    await wait_for_snapshot(world.board, lambda snapshot: "/after" in snapshot.topics)

@@ -9,7 +9,7 @@ from contextlib import AsyncExitStack
 import pytest
 import pytest_asyncio
 
-from contract.graphs import ADD_DIAGNOSTICS, Inbox, answer, snapshot_when, string, wait_for_service
+from contract.graphs import ADD_DIAGNOSTICS, Inbox, answer, string, wait_for_service, wait_for_snapshot
 from contract.zenoh_graphs import open_session, ros2_types
 from interop.ros1_peers import free_port
 from rostether.cli.bridge.relay import finding_types
@@ -76,7 +76,7 @@ async def world() -> AsyncIterator[World]:
 async def listen(target: Graph, topic: str, message_type: MessageType) -> Inbox:
     """Wait until the topic is relayed; return the target's inbox."""
     inbox = Inbox()
-    await snapshot_when(target, lambda seen: topic in seen.topics and seen.topics[topic].publishers)
+    await wait_for_snapshot(target, lambda seen: topic in seen.topics and seen.topics[topic].publishers)
     await target.subscribe(topic, message_type, inbox.store, on_connection=inbox.store_header)
     await until(lambda: inbox.headers)
     return inbox

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 import pytest_asyncio
 
-from contract.graphs import Inbox, snapshot_when, string
+from contract.graphs import Inbox, string, wait_for_snapshot
 from contract.zenoh_graphs import open_router
 from interop.zenoh_peers import SdkPeer, missing_sdk, sdk_peer
 from rostether.errors import ServiceCallError, ServiceTimeoutError
@@ -193,7 +193,7 @@ async def test_nodes_and_topics_of_both_are_listed(node: Graph, session: ZenohSe
     (publisher,) = info["publishers"]
     assert (publisher["node_namespace"].strip("/"), publisher["node_name"].strip("/")) == ("lab", "board")
     assert publisher["type_hash"] == session.types.message(STRING).type_hash
-    snapshot = await snapshot_when(
+    snapshot = await wait_for_snapshot(
         node, lambda seen: "/from_sdk" in seen.topics and seen.topics["/from_sdk"].publishers
     )
     assert {"/lab/board", "/far/talker"} <= set(snapshot.nodes)

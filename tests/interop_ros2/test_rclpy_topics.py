@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 
-from contract.graphs import STRING, Inbox, snapshot_when, string
+from contract.graphs import STRING, Inbox, string, wait_for_snapshot
 from interop_ros2.rclpy_peer import PEER_NAME, RclpyPeer
 from interop_ros2.samples import ADDED, MESSAGES, ros2_name, with_times, without_seq
 from rostether.errors import UnknownTypeError
@@ -243,7 +243,7 @@ async def test_a_publisher_waits_for_subscribers_that_do_not_know_it_yet(
     """A publisher may discover a subscriber that has not discovered it yet, and drops its messages."""
     node = await join("/hasty")
     await peer.ask("subscribe", topic="/hasty_text", type="std_msgs/msg/String")
-    await snapshot_when(node, lambda seen: "/hasty_text" in seen.topics, 60)
+    await wait_for_snapshot(node, lambda seen: "/hasty_text" in seen.topics, 60)
     os.kill(peer.pid, signal.SIGSTOP)
     try:
         # On a busy machine, its threads may continue for a short time, and discover the publisher.

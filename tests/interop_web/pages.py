@@ -13,7 +13,7 @@ from programs import Peer
 TIMEOUT_S = 60.0
 
 
-def reports(peer: Peer) -> dict[str, Any]:
+def read_reports(peer: Peer) -> dict[str, Any]:
     """Return the result of each check; errors as texts."""
     found = [json.loads(line) for line in peer.lines if line.startswith('{"check"')]
     return {each["check"]: each.get("found", each.get("error")) for each in found}

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from interop_web.graphs import GRAPHS
-from interop_web.pages import TIMEOUT_S, reports, resume, wait_until, wait_until_served
+from interop_web.pages import TIMEOUT_S, read_reports, resume, wait_until, wait_until_served
 from interop_web.robot_stage import IMAGE_BYTES, POSE, robot_stage
 from interop_web.web_peers import WebPeers
 from rostether.gateways.rosbridge.cdr_form import CdrForm
@@ -22,7 +22,7 @@ async def test_a_page_uses_a_robot_as_with_rosbridge_suite(
         stage.collect("/bytes_from_page", "std_msgs/UInt8MultiArray")
         page = await web_peers.start("roslib_client.mjs", generation, stage.url, parameter)
 
-        await wait_until(page, lambda: "serving" in reports(page))
+        await wait_until(page, lambda: "serving" in read_reports(page))
         await wait_until_served(stage, "/from_page/double")
         answer = await stage.talker.call(
             "/from_page/double", "std_srvs/SetBool", {"data": True}, timeout_s=60
@@ -30,12 +30,12 @@ async def test_a_page_uses_a_robot_as_with_rosbridge_suite(
         assert (answer.success, answer.message) == (False, "page got true")
         await resume(page)
 
-        await wait_until(page, lambda: "waiting for close" in reports(page))
+        await wait_until(page, lambda: "waiting for close" in read_reports(page))
         await stage.stop_server()
         await stage.start_server()
         await page.finish(TIMEOUT_S)
 
-        found = reports(page)
+        found = read_reports(page)
         pose = POSE[graph.style]
         payload = stage.payload("geometry_msgs/PoseStamped", pose)
         if ros == "zenoh":

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from interop_web.graphs import GRAPHS
-from interop_web.pages import TIMEOUT_S, reports, resume, wait_until, wait_until_served
+from interop_web.pages import TIMEOUT_S, read_reports, resume, wait_until, wait_until_served
 from interop_web.robot_stage import POSE, robot_stage
 from interop_web.web_peers import WebPeers
 
@@ -17,7 +17,7 @@ async def test_a_program_uses_a_robot_as_with_rosbridge_suite(web_peers: WebPeer
         stage.collect("/stamped_from_program", "geometry_msgs/PoseStamped")
         program = await web_peers.start("roslibpy_client.py", str(stage.port), transport)
 
-        await wait_until(program, lambda: "serving" in reports(program))
+        await wait_until(program, lambda: "serving" in read_reports(program))
         await wait_until_served(stage, "/from_program/double")
         answer = await stage.talker.call(
             "/from_program/double", "std_srvs/SetBool", {"data": True}, timeout_s=60
@@ -25,12 +25,12 @@ async def test_a_program_uses_a_robot_as_with_rosbridge_suite(web_peers: WebPeer
         assert (answer.success, answer.message) == (False, "program got True")
         await resume(program)
 
-        await wait_until(program, lambda: "waiting for close" in reports(program))
+        await wait_until(program, lambda: "waiting for close" in read_reports(program))
         await stage.stop_server()
         await stage.start_server()
         await program.finish(TIMEOUT_S)
 
-        found = reports(program)
+        found = read_reports(program)
         assert found["latched"] == {"data": "kept"}
         assert found["relative"] == {"data": "kept"}
         assert found["nested"] == POSE[graph.style]

@@ -65,12 +65,12 @@ def test_any_bytes_are_converted_or_refused(data: st.DataObject, pairs: Pairs) -
     codec, converter = pairs.store.codec("test/L2"), pairs.converter("L2", "L2")
     value = data.draw(messages(codec))
     payload = codec.encode(value)
-    for raw in (data.draw(st.binary(max_size=80)), _damaged(data, payload)):
+    for raw in (data.draw(st.binary(max_size=80)), _damage(data, payload)):
         if codec.layout.accepts(raw):
             converter.to_cdr(raw)
         else:
-            _refused_in_one_line(converter, raw)
-    for cdr in (data.draw(st.binary(max_size=80)), _damaged(data, converter.to_cdr(payload))):
+            _require_refusal_in_one_line(converter, raw)
+    for cdr in (data.draw(st.binary(max_size=80)), _damage(data, converter.to_cdr(payload))):
         for head in (b"\0\1\0\0", b"\0\0\0\0"):
             try:
                 back = converter.from_cdr(head + cdr[4:])
@@ -80,14 +80,14 @@ def test_any_bytes_are_converted_or_refused(data: st.DataObject, pairs: Pairs) -
                 assert codec.layout.accepts(back)
 
 
-def _damaged(data: st.DataObject, payload: bytes) -> bytes:
+def _damage(data: st.DataObject, payload: bytes) -> bytes:
     damaged = bytearray(payload)
     for _ in range(data.draw(st.integers(0, 3)) if damaged else 0):
         damaged[data.draw(st.integers(0, len(damaged) - 1))] = data.draw(st.integers(0, 255))
     return bytes(damaged[: data.draw(st.integers(0, len(damaged)))])
 
 
-def _refused_in_one_line(converter: CdrConverter, payload: bytes) -> None:
+def _require_refusal_in_one_line(converter: CdrConverter, payload: bytes) -> None:
     with pytest.raises(SerializationError) as caught:
         converter.to_cdr(payload)
     assert "\n" not in str(caught.value)

@@ -25,7 +25,7 @@ rosbag2: Any = pytest.importorskip("rosbags.rosbag2")
 TYPESYS: Any = pytest.importorskip("rosbags.typesys")
 
 
-def _bag(path: Path) -> dict[str, bytes]:
+def _write_bag(path: Path) -> dict[str, bytes]:
     writer, random = BagWriter(path), RandomMessages(3)
     written = {}
     for number, name in enumerate(TYPES):
@@ -37,7 +37,7 @@ def _bag(path: Path) -> dict[str, bytes]:
     return written
 
 
-def _copied(
+def _convert(
     source: Path, target: Path, form: Form, *, is_native: bool = False, storage: str = "mcap"
 ) -> None:
     reader = open_recording(source, is_native=is_native)
@@ -47,9 +47,9 @@ def _copied(
 
 
 def test_every_type_is_unchanged_after_conversion_through_both_storages(tmp_path: Path) -> None:
-    written = _bag(tmp_path / "a.bag")
-    _copied(tmp_path / "a.bag", tmp_path / "mcap", Form.ROS2)
-    _copied(tmp_path / "mcap", tmp_path / "sqlite", Form.ROS2, is_native=True, storage="sqlite3")
+    written = _write_bag(tmp_path / "a.bag")
+    _convert(tmp_path / "a.bag", tmp_path / "mcap", Form.ROS2)
+    _convert(tmp_path / "mcap", tmp_path / "sqlite", Form.ROS2, is_native=True, storage="sqlite3")
     for folder in ("mcap", "sqlite"):
         with rosbag2.Reader(tmp_path / folder) as reader:
             found = {each.topic: (each.msgtype, bytes(data)) for each, _, data in reader.messages()}
@@ -64,7 +64,7 @@ def test_every_type_is_unchanged_after_conversion_through_both_storages(tmp_path
         assert found.keys() == written.keys()
         for topic, (name, cdr) in found.items():
             assert cdr == bytes(ROSBAGS.ros1_to_cdr(written[topic], name))
-    _copied(tmp_path / "sqlite", tmp_path / "b.bag", Form.ROS1)
+    _convert(tmp_path / "sqlite", tmp_path / "b.bag", Form.ROS1)
     back = list(BagReader(tmp_path / "b.bag").messages())
     for each in back:
         assert each.connection.type == STORE.registry.message_type(each.connection.type.name)

@@ -52,7 +52,7 @@ class Browser:
             stdin=asyncio.subprocess.PIPE,
             stdout=asyncio.subprocess.PIPE,
             limit=1 << 24,
-            env=children.outliving_files(),
+            env=children.environment_of_session(),
             start_new_session=True,
         )
         return cls(process)

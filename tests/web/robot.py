@@ -76,8 +76,8 @@ class Robot:
         """Return the topics to which the dashboard's node subscribes, from the master."""
         return await self._topics(1)
 
-    async def wait_published(self, topic: str, *, expected: bool) -> None:
-        """Wait until the dashboard's node publishes a topic or, with `wanted` false, does not."""
+    async def wait_for_publication(self, topic: str, *, expected: bool) -> None:
+        """Wait until the dashboard's node publishes a topic or, with `expected` false, does not."""
         async with asyncio.timeout(TIMEOUT_S):
             while (topic in await self._topics(0)) is not expected:
                 await asyncio.sleep(POLL_S)
@@ -87,8 +87,8 @@ class Robot:
             answer: Any = await asyncio.to_thread(master.getSystemState, "/test")
         return {topic for topic, nodes in answer[2][kind] if any("dashboard" in node for node in nodes)}
 
-    async def wait_subscribed(self, topic: str, *, expected: bool) -> None:
-        """Wait until the dashboard's node subscribes to a topic or, with `wanted` false, does not."""
+    async def wait_for_subscription(self, topic: str, *, expected: bool) -> None:
+        """Wait until the dashboard's node subscribes to a topic or, with `expected` false, does not."""
         async with asyncio.timeout(TIMEOUT_S):
             while (topic in await self.subscribed_topics()) is not expected:
                 await asyncio.sleep(POLL_S)

@@ -36,7 +36,7 @@ async def served(tmp_path_factory: pytest.TempPathFactory) -> AsyncIterator[tupl
         await end(process, signal.SIGTERM)
 
 
-async def connected_page(url: str, board: UsbBoard, browser: Browser) -> int:
+async def connect_board(url: str, board: UsbBoard, browser: Browser) -> int:
     """Open the page, choose the port, and connect the board as uno."""
     page = await browser.do("open", url=url + "#/connect", script=board.script)
     await browser.do("click", page=page, selector=".connect-ports .primary")
@@ -63,7 +63,7 @@ async def test_the_board_of_a_page_is_a_node(served: tuple[str, str], browser: B
 
         following = asyncio.ensure_future(follow())
         publisher = await graph.publisher("/spoken", "std_msgs/String")
-        page = await connected_page(url, board, browser)
+        page = await connect_board(url, board, browser)
         await publish_until_received("by page")
         assert board.bauds == ["57600"]
         # The board was reset once, before the robot got its bytes.

@@ -82,12 +82,12 @@ async def test_a_topic_is_shown_as_a_tree_with_its_values(robot: Robot, browser:
 async def test_a_hidden_page_has_no_subscriptions(robot: Robot, browser: Browser) -> None:
     page = await browser.do("open", url=robot.url)
     await browser.wait_for(page, "rostether.subscriptionCount > 2")
-    await robot.wait_subscribed("/ultrasound", expected=True)
+    await robot.wait_for_subscription("/ultrasound", expected=True)
     await browser.do("hide", page=page, hidden=True)
     await browser.wait_for(page, "rostether.subscriptionCount === 0")
-    await robot.wait_subscribed("/ultrasound", expected=False)
+    await robot.wait_for_subscription("/ultrasound", expected=False)
     await browser.do("hide", page=page, hidden=False)
-    await robot.wait_subscribed("/ultrasound", expected=True)
+    await robot.wait_for_subscription("/ultrasound", expected=True)
     await browser.wait_for(page, f"!{RANGE}.isStale()")
 
 

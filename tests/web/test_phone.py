@@ -86,9 +86,9 @@ async def test_a_phone_publishes_its_sensors_in_the_robot_s_time(robot: Robot, b
         assert battery.present
         # A hidden page publishes nothing.
         await browser.do("hide", page=page, hidden=True)
-        await robot.wait_published("/phone/imu", expected=False)
+        await robot.wait_for_publication("/phone/imu", expected=False)
         await browser.do("hide", page=page, hidden=False)
-        await robot.wait_published("/phone/imu", expected=True)
+        await robot.wait_for_publication("/phone/imu", expected=True)
     assert (await browser.do("seen", page=page))["errors"] == []
 
 

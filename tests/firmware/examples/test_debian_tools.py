@@ -18,7 +18,7 @@ GENERATOR = Path("/usr/lib/genpy/gensrv_py.py")
 TEST_SRV = Path(registry.__file__).parent / "share" / "rosserial_arduino" / "srv" / "Test.srv"
 
 
-async def generated_types(folder: Path) -> Path:
+async def generate_types(folder: Path) -> Path:
     """Generate the class of rosserial_arduino/Test, which Debian does not package, with Debian's
     generator.
     """
@@ -46,7 +46,7 @@ async def test_rostopic_pub_toggles_the_led(tmp_path: Path) -> None:
 
 
 async def test_rosservice_call_is_answered(tmp_path: Path) -> None:
-    types = await generated_types(tmp_path)
+    types = await generate_types(tmp_path)
     async with running("ServiceServer") as stage:
         peers = Ros1Peers(stage.master_uri, tmp_path)
         peers.environment["PYTHONPATH"] = str(types)

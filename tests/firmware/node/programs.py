@@ -38,7 +38,7 @@ def write_test_library(folder: Path) -> Path:
     return write_library(folder, Registry([EXTRAS / "definitions"])).path
 
 
-def built(compiler: str, name: str, library: Path, *flags: str) -> Path:
+def build_program(compiler: str, name: str, library: Path, *flags: str) -> Path:
     """Build the program of a folder of extras/tests and return it; fail with the compiler's messages."""
     sources = sorted((EXTRAS / name).glob("*.cpp"))
     command = [*COMPILERS[compiler], *flags, *WARNINGS]
@@ -81,13 +81,13 @@ def _digest(command: Sequence[str], library: Path) -> str:
 
 def _build(command: Sequence[str], sources: Sequence[Path], work: Path, program: Path) -> None:
     whole, unfinished = work / "whole.cpp", work / "program"
-    whole.write_text(_joined(sources))
+    whole.write_text(_join_sources(sources))
     completed = subprocess.run([*command, str(whole), "-o", str(unfinished)], capture_output=True, text=True)
     assert completed.returncode == 0 and not completed.stderr, completed.stderr
     os.replace(unfinished, program)  # noqa: PTH105 - at once, so that a program is never started half-written
 
 
-def _joined(sources: Sequence[Path]) -> str:
+def _join_sources(sources: Sequence[Path]) -> str:
     """Return one source that includes all others, so that common templates are compiled once.
 
     Each source except the one with `main` is in a namespace, so names may repeat. Their headers are included

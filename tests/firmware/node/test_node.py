@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from firmware.node.programs import COMPILERS, EXTRAS, built, run
+from firmware.node.programs import COMPILERS, EXTRAS, build_program, run
 
 CONCEPTS = [each.stem.removeprefix("test_") for each in sorted((EXTRAS / "node").glob("test_*.cpp"))]
 COMPILER_NAMES = [
@@ -18,4 +18,4 @@ COMPILER_NAMES = [
 @pytest.mark.parametrize("compiler", COMPILER_NAMES)
 @pytest.mark.timeout(300)
 def test_concept(compiler: str, concept: str, library: Path) -> None:
-    run(built(compiler, "node", library), concept)
+    run(build_program(compiler, "node", library), concept)

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from firmware.node.programs import built, run
+from firmware.node.programs import build_program, run
 from rostether.rosserial import topic_id
 from rostether.rosserial.frame_decoder import FrameDecoder, Frames
 from vectors import captures
@@ -31,7 +31,7 @@ def endpoints(capture: Capture) -> list[str]:
     return [ENDPOINTS[each] for each in expected if each in ENDPOINTS]
 
 
-def sent_by_host(capture: Capture) -> dict[int, int]:
+def count_frames_of_host(capture: Capture) -> dict[int, int]:
     """Return the number of frames of each topic id that the host sent."""
     decoder = FrameDecoder()
     counts: dict[int, int] = {}
@@ -47,9 +47,9 @@ def sent_by_host(capture: Capture) -> dict[int, int]:
 @pytest.mark.parametrize("name", [each for each in captures.names() if each not in SKIPPED])
 def test_messages_of_recorded_hosts_are_received(name: str, library: Path) -> None:
     capture = captures.load(name)
-    sent = sent_by_host(capture)
+    sent = count_frames_of_host(capture)
     chunks = "".join(f"{int(each.time_s * 1000)} {each.data.hex()}\n" for each in capture.of_host())
-    program = built("gcc", "sessions", library)
+    program = build_program("gcc", "sessions", library)
     lines = run(program, *endpoints(capture), stdin=chunks).splitlines()
     reported = [int(line.split()[1]) for line in lines if line.startswith("sent")]
     received = sum(line.startswith("heard") for line in lines)

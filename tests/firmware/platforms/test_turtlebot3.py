@@ -88,8 +88,10 @@ def has_turned(heading: float, pose: Any) -> bool:
 
 
 @contextlib.asynccontextmanager
-async def burger(program: Path, lost_answers: Container[int] = (), **parameters: Any) -> AsyncIterator[Robot]:
-    """Start the robot with private parameters. The servos' answers with the numbers in `lost` are lost."""
+async def start_burger(
+    program: Path, lost_answers: Container[int] = (), **parameters: Any
+) -> AsyncIterator[Robot]:
+    """Start the robot with private parameters. `lost_answers` are the numbers of the servos' lost answers."""
     async with node_harness() as harness, await OpenCrBoard.start(program) as board:
         answers = itertools.count()
         board.base.damage = lambda answer: b"" if next(answers) in lost_answers else answer
@@ -100,7 +102,7 @@ async def burger(program: Path, lost_answers: Container[int] = (), **parameters:
 
 
 async def test_it_drives_a_square_with_correct_odometry(program: Path) -> None:
-    async with burger(program) as robot:
+    async with start_burger(program) as robot:
         base = robot.board.base
         for side in range(4):
             start = (await robot.message("/odom", ODOM, is_at_rest)).pose.pose.position
@@ -134,7 +136,7 @@ async def test_it_drives_a_square_with_correct_odometry(program: Path) -> None:
 
 
 async def test_it_publishes_its_sensors(program: Path) -> None:
-    async with burger(program, tf_prefix="tb3_0") as robot:
+    async with start_burger(program, tf_prefix="tb3_0") as robot:
         board = robot.board
         board.set_pin("BDPIN_PUSH_SW_1", high=True)
         board.set_pin("OLLO_4", high=True)
@@ -181,7 +183,7 @@ async def test_it_publishes_its_sensors(program: Path) -> None:
 
 
 async def test_it_stops_without_a_sender(program: Path) -> None:
-    async with burger(program) as robot:
+    async with start_burger(program) as robot:
         board = robot.board
         commands = await robot.harness.graph.publisher("/cmd_vel", TWIST)
         assert await commands.wait_for_subscriber(TIMEOUT_S)
@@ -214,7 +216,7 @@ async def test_it_stops_without_a_sender(program: Path) -> None:
 
 async def test_torque_and_errors_of_the_servos(program: Path) -> None:
     # The left servo does not answer at first, and is set up later.
-    async with burger(program, lost_answers=(0,)) as robot:
+    async with start_burger(program, lost_answers=(0,)) as robot:
         base = robot.board.base
         await robot.message("/sensor_state", STATE, lambda each: each.torque)
         await until(lambda: base.servos[1]["operating_mode"] == 1, "velocity mode")

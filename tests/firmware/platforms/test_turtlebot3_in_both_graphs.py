@@ -15,7 +15,7 @@ from typing import Any
 import pytest
 import pytest_asyncio
 
-from contract.graphs import Inbox, snapshot_when
+from contract.graphs import Inbox, wait_for_snapshot
 from contract.zenoh_graphs import open_session
 from firmware.examples.stage import EXAMPLES, STORE, open_graph
 from firmware.ros2.serving import serving
@@ -101,7 +101,7 @@ async def test_each_topic_has_its_type_and_its_rate_in_both_graphs(world: World)
     for name, graph in world.graphs.items():
         types = {topic: kind for topic, (kind, _) in SENT_HZ.items()} | RECEIVED
         expected = {topic: shown_type(name, topic, kind) for topic, kind in types.items()}
-        await snapshot_when(graph, partial(has_types, expected))
+        await wait_for_snapshot(graph, partial(has_types, expected))
         for topic, (kind, _) in SENT_HZ.items():
             inboxes[name, topic] = await listen(graph, topic, kind if name == "ROS 2" else expected[topic])
     await until(lambda: all(inbox.payloads for inbox in inboxes.values()), "each topic in each graph")

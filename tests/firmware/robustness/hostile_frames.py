@@ -82,20 +82,20 @@ class HostileFrames:
         if kind == 1:
             return encode_frame(any_id, self._noise(MAX_BYTES))
         if kind == 2:
-            return self._damaged(encode_frame(sample_id, payload))
+            return self._damage(encode_frame(sample_id, payload))
         if kind == 3:
             frame = encode_frame(sample_id, payload)
             return frame[: self._random.randrange(len(frame))]
         if kind == 4:
             return encode_frame(any_id, payload)
         # A valid frame with damaged content, which reaches the callbacks.
-        return encode_frame(sample_id, self._damaged(payload))[: 2 * MAX_BYTES]
+        return encode_frame(sample_id, self._damage(payload))[: 2 * MAX_BYTES]
 
     def _noise(self, longest: int) -> bytes:
         alphabet = self._random.choice((bytes(range(256)), b"\xff\xfe", bytes(5)))
         return bytes(self._random.choices(alphabet, k=self._random.randrange(longest)))
 
-    def _damaged(self, data: bytes) -> bytes:
+    def _damage(self, data: bytes) -> bytes:
         damaged = bytearray(data)
         for _ in range(self._random.randint(1, 3)):
             at = self._random.randrange(len(damaged) + 1)

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from contract.graphs import snapshot_when
+from contract.graphs import wait_for_snapshot
 from programs import started
 from rostether import Device
 from rostether.cli.bridge.serial_node import choose_link
@@ -81,7 +81,9 @@ async def test_well_known_lines_over_a_pseudo_terminal(tmp_path: Path) -> None:
                 assert any(line.startswith("Note: publish buffer size is ") for line in lines)
                 assert all(line.startswith(("[INFO] [", "[WARN] [")) for line in node.lines)
                 async with join("looker", environ={"ROS_MASTER_URI": master.uri}) as graph:
-                    topics = (await snapshot_when(graph.raw, lambda found: "/talk" in found.topics)).topics
+                    topics = (
+                        await wait_for_snapshot(graph.raw, lambda found: "/talk" in found.topics)
+                    ).topics
                 assert topics["/talk"].publishers == ("/opencr",)
                 assert "/chatter" not in topics
     finally:
@@ -113,7 +115,9 @@ async def test_settings_of_devices_toml(tmp_path: Path, mark: str) -> None:
                 await node.wait_for("may not subscribe to /led_out")
                 await node.wait_for("does not announce imu, which devices.toml requires")
                 async with join("looker", environ=environ) as graph:
-                    topics = (await snapshot_when(graph.raw, lambda found: "/talk" in found.topics)).topics
+                    topics = (
+                        await wait_for_snapshot(graph.raw, lambda found: "/talk" in found.topics)
+                    ).topics
                 assert topics["/talk"].publishers == ("/serial_node",)
             async with started("serial-node", str(port), "57600", "--config", str(config), **environ) as node:
                 await node.wait_for(f"Connecting to {port} at 57600 baud")
@@ -136,7 +140,7 @@ async def test_a_board_with_a_key_of_its_own(tmp_path: Path) -> None:
                 device.publisher("chatter", "std_msgs/String")
                 await node.wait_for("Setup publisher on chatter [std_msgs/String]")
                 async with join("looker", environ={"ROS_MASTER_URI": master.uri}) as graph:
-                    snapshot = await snapshot_when(graph.raw, lambda found: "/talk" in found.topics)
+                    snapshot = await wait_for_snapshot(graph.raw, lambda found: "/talk" in found.topics)
                     assert snapshot.topics["/talk"].publishers == ("/serial_node",)
     finally:
         await master.close()

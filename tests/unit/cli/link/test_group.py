@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from contract.graphs import snapshot_when
+from contract.graphs import wait_for_snapshot
 from interop.ros1_peers import free_port
 from programs import started
 from rostether.cli.bag.formatting import MEGABYTE
@@ -79,7 +79,7 @@ async def test_recorded_killed_and_played_again(tmp_path: Path) -> None:
     async with master() as environ, join("looker", environ=environ) as graph:
         # A replay does not wait for late subscribers.
         receiving = asyncio.create_task(receive(environ, "/chatter", 3))
-        await snapshot_when(graph.raw, lambda found: "/chatter" in found.topics)
+        await wait_for_snapshot(graph.raw, lambda found: "/chatter" in found.topics)
         async with started("link", "replay", str(file), "--name", "ghost", **environ) as play:
             await receiving
             text = await play.finish()
