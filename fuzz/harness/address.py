@@ -80,12 +80,12 @@ def _check(address: Address) -> None:
             assert 1 <= address.baud <= MAX_BAUD, "a speed that no port has"
         case XbeeAddress():
             assert 1 <= address.baud <= MAX_BAUD, "a speed that no port has"
-            assert all(_is_radio_address(peer) for peer in address.peers), "no address of a peer"
+            assert all(_is_radio_address(peer) for peer in address.peers), "not the address of a peer"
         case TcpAddress():
-            assert 0 <= address.port <= _MAX_PORT, "no port"
+            assert 0 <= address.port <= _MAX_PORT, "not a port number"
         case UdpAddress():
-            assert 0 <= address.port <= _MAX_PORT, "no port"
-            assert 0 <= address.bind <= _MAX_PORT, "no port"
+            assert 0 <= address.port <= _MAX_PORT, "not a port number"
+            assert 0 <= address.bind <= _MAX_PORT, "not a port number"
         case SimAddress():
             assert address.uart is None or 0 <= address.uart <= MAX_UART
             assert 0 <= address.seed <= MAX_SEED

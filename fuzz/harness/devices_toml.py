@@ -93,9 +93,11 @@ def _parse(text: str) -> None:
     assert len(book.devices) <= MAX_ENTRIES, "more boards than allowed"
     for device in book.devices:
         assert device.baud is None or 1 <= device.baud <= MAX_BAUD, "a speed that no port has"
-        assert device.grace_s is None or 0 <= device.grace_s <= MAX_GRACE_S, "no such time"
+        assert device.grace_s is None or 0 <= device.grace_s <= MAX_GRACE_S, "a time outside its limits"
         assert len(device.queue_depths) <= MAX_ENTRIES
-        assert all(1 <= depth <= MAX_QUEUE_DEPTH for depth in device.queue_depths.values()), "no such depth"
+        assert all(1 <= depth <= MAX_QUEUE_DEPTH for depth in device.queue_depths.values()), (
+            "a depth outside its limits"
+        )
         if device.match is not None and device.match.address is not None:
             assert device.match.address == str(ipaddress.ip_address(device.match.address))
     settings = book.settings_for("arm", BoardIdentity(port="/dev/ttyUSB0", address="192.168.1.20"))

@@ -1,4 +1,4 @@
-"""Messages of a Foxglove client, one a line: after any of them, a request is answered in valid JSON.
+"""Messages of a Foxglove client, one per line: after any messages, a request is answered in valid JSON.
 
 A line of `!` and hexadecimal digits is a binary message. The graph is in memory, and no socket is opened.
 """

@@ -68,9 +68,11 @@ def run(data: bytes) -> None:
                 assert "\n" not in str(error)
                 is_refused = True
                 break
-        assert (rest is not None) == _is_proven(stream, count, role), "let in without the key, or kept out"
+        assert (rest is not None) == _is_proven(stream, count, role), (
+            "a peer without the key is accepted, or one with the key refused"
+        )
         if rest is not None:
-            assert rest == stream.split(b"\n", count)[count], "bytes behind the hello are lost"
+            assert rest == stream.split(b"\n", count)[count], "bytes after the hello are lost"
         elif not is_refused:
             last = stream.rsplit(b"\n", 1)[-1]
             assert len(last) <= MAX_LINE_BYTES, "a line without an end is kept"

@@ -96,7 +96,7 @@ def _read(data: bytes) -> None:
                 assert "\n" not in reader.damage
                 messages = list(islice(reader.messages(), MAX_MESSAGES))
                 largest = max((len(message.payload) for message in messages), default=0)
-                assert largest <= max(MAX_CHUNK_BYTES, len(data)), "a chunk unpacks to more than it may"
+                assert largest <= max(MAX_CHUNK_BYTES, len(data)), "a chunk unpacks to more than allowed"
                 times = [message.time_ns for message in messages]
                 assert reader.span_ns is None or all(each >= 0 for each in reader.span_ns)
         except (RecordingError, ConfigError) as error:

@@ -1,7 +1,7 @@
-"""Messages of a rosbridge client, one a line: after any of them, a call is answered, all in valid JSON.
+"""Messages of a rosbridge client, one per line: after any messages, a call is answered, all in valid JSON.
 
-The graph is in memory, and no socket is opened. Errors that are not ours would also reach the client;
-here they break the promise.
+The graph is in memory, and no socket is opened. The server reports an unexpected exception to the client; in
+this harness, such a report is a failure.
 """
 
 from __future__ import annotations

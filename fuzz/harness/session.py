@@ -153,7 +153,7 @@ async def _converse(data: bytes) -> None:
         board.received.clear()
     board.is_sound = True
     await asyncio.sleep(SILENCE_S)
-    assert await board.is_answered(_QUESTION, _ANSWERS), "a question is not answered any more"
+    assert await board.is_answered(_QUESTION, _ANSWERS), "a request is not answered any more"
     assert await board.is_answered(encode_frame(110, b"\1"), _RESPONSES), "a call is not answered any more"
     assert session.is_connected
     assert not board.is_lost

@@ -69,7 +69,9 @@ def run(data: bytes) -> None:
         expected = _items(stream, head_bytes)
         for parts in ([stream], [stream[:middle], stream[middle:]]):
             found = _outcome(make, parts)
-            assert found == expected, f"{make.__name__}: other items than there are"
+            assert found == expected, (
+                f"{make.__name__}: the decoder and the simple reader find different items"
+            )
     limits = {"MAX_FIELDS": MAX_FIELDS, "MAX_KEY_BYTES": MAX_KEY_BYTES, "MAX_VALUE_BYTES": MAX_VALUE_BYTES}
     with lowered(header_module, **limits):
         _read_header(stream, middle)
@@ -110,7 +112,7 @@ def _read_header(stream: bytes, middle: int) -> None:
     try:
         for part in (stream[:middle], stream[middle:]):
             fields = decoder.feed(part)
-            assert decoder.held_bytes <= MAX_HEADER_BYTES + 4, "more is kept than a header may have"
+            assert decoder.held_bytes <= MAX_HEADER_BYTES + 4, "more bytes are kept than a header may have"
             if fields is not None:
                 break
     except RostetherError as error:
@@ -123,7 +125,7 @@ def _read_header(stream: bytes, middle: int) -> None:
         assert is_refused, "a header that is too long is not refused"
     elif len(stream) >= 4 + size:
         expected = _fields(stream[4 : 4 + size])
-        assert is_refused == (expected is None), "a header is judged otherwise than it is described"
+        assert is_refused == (expected is None), "the decoder and the simple reader differ about a header"
         assert is_refused or fields == expected
         if fields is not None:
             try:

@@ -53,9 +53,9 @@ def run(data: bytes) -> None:
     middle = data[0] * len(stream) // 256 if data else 0
     whole, cut = (XbeeFrameDecoder(escaped=is_escaped) for _ in range(2))
     found = whole.feed(stream)
-    assert [*cut.feed(stream[:middle]), *cut.feed(stream[middle:])] == found, "the chunks change frames"
+    assert [*cut.feed(stream[:middle]), *cut.feed(stream[middle:])] == found, "the chunks change the frames"
     assert found == (read_escaped(stream) if is_escaped else read_plain(stream)), (
-        "other frames than there are"
+        "the decoder and the simple reader find different frames"
     )
     handle(found)
 

@@ -111,7 +111,7 @@ def _read(data: bytes) -> None:
         with contextlib.suppress(Exception):
             theirs, _ = xmlrpc.client.loads(data, use_builtin_types=True)
             if _is_plain(list(theirs)):
-                assert repr(list(theirs)) == repr(params), "read otherwise than Python does"
+                assert repr(list(theirs)) == repr(params), "the values differ from those of Python's reader"
     with contextlib.suppress(RostetherError):
         value = load_response(data)
         with contextlib.suppress(SerializationError):

@@ -20,7 +20,7 @@ from collections import deque
 
 from rostether.mechanisms.median import median
 
-# A stamp further off is not the synchronized clock's: answers come every 2.5 s.
+# A stamp that differs more from the host's time is not from the set clock: answers set it every 2.5 s.
 MAX_LAG_S = 5.0
 
 # Stamps from before the answer may still arrive for this long.
