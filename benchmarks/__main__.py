@@ -106,14 +106,14 @@ def crowd_table() -> Table:
         "MB",
         "wanted",
         title="Crowd",
-        caption="sent late: p99 and longest by which the devices, one program, missed their own times, in ms",
+        caption="sent late: the delay of the devices' own program, p99 and longest, in ms",
     )
     for name, floods, trouble in (
         ("alone", False, ""),
         ("beside a flood", True, ""),
         ("beside 10 MB/s of random bytes", False, "noise"),
         ("beside 10 MB/s of headers without ends", False, "headers"),
-        ("beside ever other announcements, rosmaster", False, "announcements"),
+        ("beside announcements that always change, rosmaster", False, "announcements"),
     ):
         seen = crowd.crowd(100, 50, 10, floods=floods, trouble=trouble, roscore=trouble == "announcements")
         table.add_row(

@@ -89,7 +89,7 @@ test("constants are choices of the field that they belong to", () => {
   assert.deepEqual(names("uint8 A=0\nuint8 x\nuint8 y", "x"), []);
   assert.deepEqual(names("byte OK=0\nbyte level\nstring NAME=x y\nstring name", "level"), ["OK=0"]);
   assert.deepEqual(names("uint64 MOST=18446744073709551615\nuint64 x", "x"), ["MOST=18446744073709551615"]);
-  // A value that does not fit the field is no choice.
+  // A constant that does not fit the field is not offered as a choice.
   assert.deepEqual(names("int32 X_A=-1\nuint8 x", "x"), []);
 });
 

@@ -119,7 +119,7 @@ def _result(future: concurrent.futures.Future[_T], timeout_s: float | None) -> _
             return future.result(max(0.0, min(left_s, _SHORT_WAIT_S)))
         except TimeoutError:
             if future.done():
-                # Either its own error, or it ended just now.
+                # The coroutine raised this error itself, or it ended just after the wait.
                 return future.result()
             if left_s <= _SHORT_WAIT_S:
                 raise

@@ -114,7 +114,7 @@ class DeviceLink:
 
     @property
     def is_configured(self) -> bool:
-        """Whether a host has requested the topics and still answers; only then messages are sent."""
+        """Whether a host has requested the topics and still answers; messages are sent only then."""
         return self._state is State.CONFIGURED
 
     def add_publisher(self, topic: str, message_type: str, md5sum: str) -> int:

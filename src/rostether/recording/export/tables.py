@@ -40,7 +40,7 @@ class Table(Protocol):
 class CsvTable:
     """Comma-separated values in UTF-8, with lists and nested messages as JSON, and bytes as base64.
 
-    Raises RecordingError, but BrokenPipeError if the reader of the output has ended, which is no error.
+    Raises RecordingError, but BrokenPipeError if the reader of the output has ended, which is not an error.
     """
 
     def __init__(self, target: Path | TextIO, columns: Sequence[Column]) -> None:

@@ -46,7 +46,7 @@ class Ros2BagReader:
         if not metadata.files:
             if (path / FILE_NAME).exists():
                 raise RecordingError(
-                    self.damage or f"{path / FILE_NAME} lists no files; delete it to read the others"
+                    self.damage or f"{path / FILE_NAME} lists no files; delete it to read the folder's files"
                 )
             raise RecordingError(
                 f"{path} is not a ROS 2 bag: it has no {FILE_NAME} and no .mcap or .db3 files"
