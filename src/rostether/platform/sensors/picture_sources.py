@@ -81,16 +81,14 @@ class PictureFolder:
         # Opening a named pipe would wait for its writer.
         found = sorted(each for each in names if each.suffix.lower() in (".jpg", ".jpeg") and each.is_file())
         if not found:
-            raise BoardError(
-                f"{self._folder} has no .jpg files; add some, or choose another folder with ~source"
-            )
+            raise BoardError(f"{self._folder} has no .jpg files")
         return found
 
     def _read(self, path: Path) -> bytes:
         with path.open("rb") as file:
             data = file.read(_MAX_PICTURE_BYTES)
         if not data.startswith(b"\xff\xd8"):
-            raise BoardError(f"{path} is not a JPEG picture; remove it from the folder")
+            raise BoardError(f"{path} is not a JPEG picture")
         try:
             return data if self._change.is_none else changed_jpeg(data, self._change)
         except BoardError as error:

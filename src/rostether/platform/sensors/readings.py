@@ -60,7 +60,7 @@ async def publish_readings(
     """Publish each reading until cancelled; `publish` also sets the state. Raises the source's ConfigError.
 
     If `open_source` raises OSError or RostetherError, the device is opened again each second; `hint` is the
-    advice for the user. `silence` is the reason to show while no reading arrives.
+    advice for the user, which follows the error. `silence` is the reason to show while no reading arrives.
     """
     loop = asyncio.get_running_loop()
     period_s = 1 / sensor.description.rate_hz if sensor.description.rate_hz else 0.0

@@ -58,14 +58,10 @@ class V4l2Camera:
                     capture.set_format(form.width, form.height, "YUYV")
                     form = capture.get_format()
                     if form.pixel_format.name != "YUYV":
-                        raise BoardError(
-                            f"{self._path} sends neither JPEG nor YUYV pictures; use another camera"
-                        )
+                        raise BoardError(f"{self._path} sends neither JPEG nor YUYV pictures")
                 capture.open()
             except self._video.V4L2Error as error:
-                raise BoardError(
-                    f"{self._path} is not a camera: {error}; choose another device with ~source"
-                ) from None
+                raise BoardError(f"{self._path} is not a camera: {error}") from None
             with closing(capture):
                 # If the camera scales its pictures, they are not scaled again.
                 if (form.width, form.height) == (change.width, change.height):
@@ -87,9 +83,7 @@ class V4l2Camera:
                     async with asyncio.timeout(_FRAME_LIMIT_S):
                         frame = await anext(frames)
                 except TimeoutError:
-                    raise BoardError(
-                        f"{self._path} sends no pictures; unplug the camera and plug it in again"
-                    ) from None
+                    raise BoardError(f"{self._path} sends no pictures") from None
                 # The camera may be faster than the requested rate.
                 if loop.time() >= next_s:
                     next_s = max(next_s + 1 / rate_hz, loop.time())

@@ -55,7 +55,9 @@ async def test_a_folder_of_pictures_is_read_only_while_a_program_shows_them(tmp_
         (folder / "4.jpg").mkdir()
         await shown.has_state(WHAT.id, "ready")
         viewing = await shown.viewer.subscriber(WHAT.topic, MESSAGE_TYPE, received.append)
-        await until(lambda: any("2.jpg is not a JPEG picture" in each for each in shown.report.texts))
+        damaged = f"{WHAT.id}: {folder / '2.jpg'} is not a JPEG picture"
+        next_step = "plug the camera in, or choose another ~source, such as test; trying again every second"
+        await until(lambda: f"{damaged}; {next_step}" in shown.report.texts)
         await until(lambda: picture("lime") in {bytes(each.data) for each in received})
         (folder / "2.jpg").write_bytes(picture("blue"))
         await until(lambda: len({bytes(each.data) for each in received}) == 3)
