@@ -38,7 +38,7 @@ class JointJoin:
     async def __call__(
         self, node_name: str, *, namespace: str = "/", remappings: Mapping[str, str] | None = None
     ) -> JointGraph:
-        """Join every graph that is reachable now. Raises if none is, or if a name is illegal."""
+        """Join every graph that is reachable now. Raises GraphError if none is, InvalidNameError."""
 
         async def join(join_one: JoinGraph) -> Graph | GraphError:
             try:

@@ -86,7 +86,7 @@ class Registry:
     def can_answer(self, query: Callable[[], object]) -> bool:
         """Return whether `query`, which calls methods of this registry, needs no search of folders.
 
-        For event loops, which must not search: `search_waiting` does it in a thread.
+        For event loops, which must not search: the functions of `search_waiting` search in a thread.
         """
         if self._found is not None and self._found_nearby is not None:
             return True

@@ -50,7 +50,7 @@ async def wait_for_angles(graph: TypedGraph, topic: str, expected: Sequence[int]
                 if seen == tuple(expected):
                     return
     except TimeoutError:
-        pytest.fail(f"{topic} never was {expected}; the last was {seen}")
+        pytest.fail(f"no message on {topic} had the angles {expected}; the last one had {seen}")
 
 
 async def wait_for_servos(board: SimulatedBoard, expected: Sequence[float]) -> None:
@@ -63,7 +63,7 @@ async def wait_for_servos(board: SimulatedBoard, expected: Sequence[float]) -> N
                 angles = [await board.servo_angle(pin) for pin in PINS]
                 await asyncio.sleep(0.01)
     except TimeoutError:
-        pytest.fail(f"the servos never stood at {expected}, but at {angles}")
+        pytest.fail(f"the servos did not reach {expected}; they are at {angles}")
 
 
 async def wait_for_frames(graph: TypedGraph, child: str, turn: float) -> TransformBuffer:

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
 # Wider tables are not easier to read.
 MAX_COLUMNS = 100
-# As many names of items fit beside the numbers.
+# More names of items do not fit beside the numbers.
 SHOWN_ITEMS = 3
 _BAR_CELLS = 20
 _TEMPLATE = re.compile(r"<[^<>]*>")

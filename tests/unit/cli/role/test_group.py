@@ -185,7 +185,7 @@ def test_make_libraries(tmp_path: Path, shell: Shell, monkeypatch: pytest.Monkey
     assert "ros_lib" in shell.output("role", "make-libraries", ".", "std_msgs")
     assert (tmp_path / "ros_lib" / "src" / "std_msgs" / "String.h").is_file()
     assert not (tmp_path / "ros_lib" / "src" / "sensor_msgs").exists()
-    # As with the established tool, one package more.
+    # As with rosserial's tool, a second run adds a package.
     shell.output("role", "make-libraries", ".", "std_srvs")
     assert {"std_msgs", "std_srvs"} <= {each.name for each in (tmp_path / "ros_lib" / "src").iterdir()}
 
