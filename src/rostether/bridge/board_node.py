@@ -34,7 +34,8 @@ from rostether.transports.address import ProgramSize
 SAVED_LINES = 600
 # After that limit, one line per this many seconds.
 LINE_PERIOD_S = 5.0
-# After lines were omitted, this many must be available again: a part of a board's topics is not useful.
+# After lines were omitted, reporting starts again when this many lines are allowed: enough for all topics of
+# a usual board.
 RESUME_LINES = 60
 # How often the number of omitted lines is reported.
 SUMMARY_PERIOD_S = 60.0

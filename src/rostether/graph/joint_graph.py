@@ -184,7 +184,7 @@ class JointGraph:
         return self._first.now()
 
     async def snapshot(self) -> Snapshot:
-        """Return a snapshot of all graphs together. Raises if none of them answers."""
+        """Return a snapshot of all graphs together. Raises the first error if none of them answers."""
         return merge_snapshots(await self._all(lambda graph: graph.snapshot()))
 
     def changes(self) -> AsyncIterator[Snapshot]:
@@ -240,7 +240,7 @@ class JointGraph:
         raise next((fault for fault in faults if isinstance(fault, answered)), faults[0])
 
     async def _all(self, ask: Callable[[Graph], Awaitable[ResultT]]) -> list[ResultT]:
-        """Return the answers of all graphs that answer. Raises if none does."""
+        """Return the answers of all graphs that answer. Raises the first error if none does."""
         results = await asyncio.gather(*map(ask, self._graphs), return_exceptions=True)
         answers = [result for result in results if not isinstance(result, BaseException)]
         faults = [result for result in results if isinstance(result, BaseException)]

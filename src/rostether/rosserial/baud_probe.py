@@ -9,7 +9,7 @@ received correctly. One of these rates is accepted only if few of its bytes are 
     phase    until                              then
     LISTEN   1.2 s of silence                   ASK                       (only if asked to listen first)
              bytes arrived                      SURVEY
-    SURVEY   listened 1.1 s at each rate        ASK, if it has been quiet for long; else the end: not a board
+    SURVEY   listened 1.1 s at each rate        ASK, if quiet for long enough; else the end: not a board
              text arrived twice at one rate     the end: not a board
     ASK      two requests at each rate          the end: no answer
     any      frames that only a board sends     the end: found
@@ -64,7 +64,8 @@ MAX_DAMAGE = 0.25
 # Noise looks like text of this length once in a million tries.
 MIN_TEXT_BYTES = 16
 
-# Bytes at the right rate are passed on, so that no announcement is lost: room for 256 of 250 bytes.
+# Bytes at the right rate are passed on, so that no announcement is lost: room for 256 announcements of 250
+# bytes.
 MAX_KEPT_BYTES = 64 * 1024
 
 # The bytes of another protocol that are shown: a line of text.

@@ -136,7 +136,7 @@ class FrameDiscarded(Struct, frozen=True):
 
 
 class UnknownTopicId(Struct, frozen=True):
-    """`count` messages arrived on a topic id that was never announced; the link asks for the topics again."""
+    """`count` messages arrived on a topic id that was never announced; the link requests the topics again."""
 
     topic_id: int
     count: int = 1

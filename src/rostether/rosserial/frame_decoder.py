@@ -11,7 +11,7 @@ Noise may look like a header that claims 65535 bytes. A header that claims more 
 refused immediately. The others are searched for frames inside them:
 
 - If the topic and the length are possible, the search is due when no more bytes arrive. It is also due while
-  bytes arrive. Then the frame is only given up if it ends with several valid frames in a row: boards do not
+  bytes arrive. Then the frame is only rejected if it ends with several valid frames in a row: boards do not
   send those inside a message.
 - If not, it is due soon after the frame began, even while bytes arrive.
 
@@ -79,7 +79,7 @@ class FrameDecoder:
     """Splits one direction of a line into frames of one protocol version, in linear time.
 
     The decoder waits for unfinished frames within `limits.possible`; complete frames beyond it are delivered
-    too. After `abandon_after_s` without a byte, any unfinished frame is given up (None: never).
+    too. After `abandon_after_s` without a byte, any unfinished frame is rejected (None: never).
     """
 
     def __init__(

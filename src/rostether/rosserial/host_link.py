@@ -211,7 +211,7 @@ class HostLink:
         self._output.call_started()
 
     def service_call_finished(self, now_s: float) -> None:
-        """Note that the response was sent or given up; call it after encode_message of the response."""
+        """Record that the call has ended. If there is a response, call this after its `encode_message`."""
         self._output.call_finished(now_s)
 
     def stop(self) -> None:

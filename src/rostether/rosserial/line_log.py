@@ -75,7 +75,7 @@ class LineLog:
 
     def _describe(self, topic_id: int, from_device: bool, payload: bytes) -> str:
         if not from_device and topic_id == ids.TOPIC_REQUEST:
-            return "asks for topics"
+            return "requests the topics"
         if from_device and topic_id in ids.ANNOUNCEMENTS:
             return self._announcement(topic_id, payload)
         if topic_id == ids.TIME:

@@ -77,7 +77,7 @@ def test_control_frames_in_words() -> None:
         (entry,) = log.feed(0.0, from_device, frame)
         return entry.what
 
-    assert says(encode_frame(ids.TOPIC_REQUEST, b""), from_device=False) == "asks for topics"
+    assert says(encode_frame(ids.TOPIC_REQUEST, b""), from_device=False) == "requests the topics"
     assert says(encode_frame(ids.TX_STOP, b""), from_device=False) == "requests a stop"
     assert says(encode_frame(ids.TIME, bytes(8)), from_device=True) == "requests the time"
     assert says(encode_frame(ids.TIME, bytes(8)), from_device=False) == "answers with the time"

@@ -193,7 +193,7 @@ async def test_a_peer_that_has_not_answered_gets_no_more_than_it_sent() -> None:
     for _ in range(3):
         medium.table.receive("a", b"F")
         peer.write(b"y" * 100)
-    assert medium.sent[-1] != ("a", b"y" * 100), "a frame that needs no question is no answer"
+    assert medium.sent[-1] != ("a", b"y" * 100), "a frame that no request causes does not prove the address"
     medium.table.receive("a", b"A")
     peer.write(b"y" * 100)
     assert medium.sent[-1] == ("a", b"y" * 100)
@@ -256,5 +256,5 @@ async def test_silent_peers_are_replaced_and_sending_ones_are_not() -> None:
     medium.table.receive("new 2", b"F")
     medium.table.receive("new 3", b"F")
     medium.table.receive("new 4", b"F")
-    assert await board_seen.until_lost(), "it no longer speaks"
+    assert await board_seen.until_lost(), "it sends no data any more"
     medium.table.end_all(None)

@@ -1,4 +1,4 @@
-"""Creates the endpoint for a board's announcement, or raises the reason why there is none."""
+"""Creates the endpoint for a board's announcement, or raises an error with the reason why there is none."""
 
 from __future__ import annotations
 

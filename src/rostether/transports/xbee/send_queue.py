@@ -72,7 +72,7 @@ class SendQueue(Generic[Key]):
         """Queue bytes for a board; return False if its queue is full, which drops all of them."""
         board = self._boards.setdefault(key, _WaitingBytes())
         board.is_gone = False
-        # A message that is longer on its own still gets through.
+        # A single message may be longer than the limit.
         if board.data and len(board.data) + len(data) > QUEUE_LIMIT_BYTES:
             return False
         if data and not board.data:
@@ -123,7 +123,7 @@ class SendQueue(Generic[Key]):
             yield Packet(key, payload, frame_id)
 
     def finished(self, status: TransmitStatus) -> Finished[Key] | None:
-        """Handle the radio's report; return whose packet it was, None if it was given up before."""
+        """Handle the radio's report; return whose packet it was, None if it was dropped before."""
         key, _ = self._in_flight.pop(status.frame_id, (None, 0.0))
         if key is None:
             return None

@@ -180,7 +180,7 @@ async def test_replay_is_the_master_where_none_is() -> None:
 
 def test_show(shell: Shell) -> None:
     lines = shell.output("link", "show", str(VECTORS / "pubsub.jsonl")).splitlines()
-    assert lines[0] == "    2.626472  <- host      0      0 B  asks for topics"
+    assert lines[0] == "    2.626472  <- host      0      0 B  requests the topics"
     assert lines[3].endswith(
         "publisher 'chatter' [std_msgs/String] id 125, 280 bytes, md5 992ce8a1687cec8c8bd883ec73ca41d1"
     )
@@ -216,7 +216,7 @@ def test_a_damaged_line_is_named_after_those_before_it(shell: Shell, tmp_path: P
     file.write_text('{"capture": "x"}\n{"t": 1, "from": "host", "hex": "fffe0000ff0000ff"}\n{"t": 2}\n')
     result = shell("link", "show", str(file))
     assert result.code == 1
-    assert "asks for topics" in result.out
+    assert "requests the topics" in result.out
     assert f"{file}, line 3: neither an event, nor bytes" in result.err
 
 

@@ -25,7 +25,9 @@ void loop() {
 """
 
 
-@pytest.mark.parametrize(("letter", "output"), [(b"j", "jumped to its start"), (b"o", "ran out of its code")])
+@pytest.mark.parametrize(
+    ("letter", "output"), [(b"j", "jumped to its start"), (b"o", "ran past the end of its code")]
+)
 async def test_a_restart_without_a_reset_is_reported(start: Start, letter: bytes, output: str) -> None:
     board = await start(build("wrong"))
     await board.run("1ms")

@@ -52,7 +52,7 @@ void canaries_report_restart(uint32_t from) {
     event_begin("restart");
     event_int("pc", from);
     event_int("stack_pointer", _avr_sp_get(board.avr));
-    event_text("text", from >= board.avr->codeend ? "the program ran out of its code and starts over without a reset"
+    event_text("text", from >= board.avr->codeend ? "the program ran past the end of its code and starts over without a reset"
                                                   : "the program jumped to its start without a reset");
     event_end_droppable();
 }

@@ -29,9 +29,9 @@ void pacing_rebase(void) {
 }
 
 static void wait_for_commands(int64_t timeout_ns) {
-    struct pollfd words = {.fd = STDIN_FILENO, .events = POLLIN};
+    struct pollfd input = {.fd = STDIN_FILENO, .events = POLLIN};
     struct timespec timeout = {timeout_ns / 1000000000, timeout_ns % 1000000000};
-    if (ppoll(&words, 1, timeout_ns < 0 ? NULL : &timeout, NULL) > 0) commands_read();
+    if (ppoll(&input, 1, timeout_ns < 0 ? NULL : &timeout, NULL) > 0) commands_read();
 }
 
 static void wait_for_clock(void) {
