@@ -127,7 +127,7 @@ def bare_round_trips(rate_hz: float, count: int) -> RoundTrips:
 
     with ZenohBench() as bench, ExitStack() as stack:
         if first_line(bench.module("bare_zenoh", str(device_port), str(zenoh_port))) != ["serving"]:
-            raise RuntimeError("the process between did not start")
+            raise RuntimeError("the process that passes bytes on did not start")
         device = stack.enter_context(socket.create_connection(("127.0.0.1", device_port)))
         device.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
         threading.Thread(target=_echo_bytes, args=(device,), daemon=True).start()

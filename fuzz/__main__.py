@@ -25,8 +25,8 @@ def main() -> int:
     """Fuzz one target or all, one after the other; return 1 if an input broke a promise."""
     parser = argparse.ArgumentParser(prog="python -m fuzz", description=__doc__)
     parser.add_argument("target", choices=[*targets.NAMES, "all"])
-    parser.add_argument("--seconds", type=float, default=60.0, help="how long, for each target (60)")
-    parser.add_argument("--seed", type=int, default=None, help="of the random changes (the time)")
+    parser.add_argument("--seconds", type=float, default=60.0, help="for each target (default: 60)")
+    parser.add_argument("--seed", type=int, default=None, help="for the random changes (default: the time)")
     parser.add_argument("--keep", action="store_true", help="keep inputs that reach new code (atheris only)")
     parser.add_argument("--no-atheris", action="store_true", help="change inputs blindly, without coverage")
     parser.add_argument("--input", type=Path, help="run one file instead, and show what it does")

@@ -150,7 +150,7 @@ class ParameterRequest(NamedTuple):
 
     @classmethod
     def decode(cls, payload: bytes) -> ParameterRequest | None:
-        """Decode a request; None unless the name is printable (the device waits for an answer)."""
+        """Decode a request; None if its layout is wrong, or its name is empty or not printable."""
         reader = _Reader(payload)
         name = reader.text(MAX_NAME_BYTES)
         return cls(name) if reader.is_complete and name and name.isprintable() else None

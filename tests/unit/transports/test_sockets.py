@@ -100,7 +100,7 @@ def test_an_address_without_ipv6_does_not_hide_why_ipv4_failed(reason: int) -> N
     assert explain_reason(several) == os.strerror(reason)
 
 
-@pytest.mark.skipif(not hasattr(socket, "TCP_KEEPIDLE"), reason="this system names its options otherwise")
+@pytest.mark.skipif(not hasattr(socket, "TCP_KEEPIDLE"), reason="this system has no such option")
 def test_a_peer_that_disappears_is_detected_within_about_eleven_seconds() -> None:
     with socket.socket() as sock:
         tune_stream(sock)
@@ -111,7 +111,7 @@ def test_a_peer_that_disappears_is_detected_within_about_eleven_seconds() -> Non
     assert idle + interval * probes == 11
 
 
-@pytest.mark.skipif(not hasattr(socket, "TCP_NOTSENT_LOWAT"), reason="this system cannot be told")
+@pytest.mark.skipif(not hasattr(socket, "TCP_NOTSENT_LOWAT"), reason="this system has no such option")
 def test_unread_data_for_a_slow_board_waits_in_this_process() -> None:
     with socket.socket() as sock:
         tune_stream(sock)

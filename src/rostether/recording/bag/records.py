@@ -105,7 +105,7 @@ def u32_field(fields: Fields, name: bytes) -> int:
     """Return a uint32 field. Raises RecordingError if it is missing."""
     value = fields.get(name, b"")
     if len(value) != 4:
-        raise RecordingError(f"a record has no number {name.decode()!r}")
+        raise RecordingError(f"a record's header has no number in the field {name.decode()}")
     return int(U32.unpack(value)[0])
 
 
@@ -113,7 +113,7 @@ def u64_field(fields: Fields, name: bytes) -> int:
     """Return a uint64 field. Raises RecordingError if it is missing."""
     value = fields.get(name, b"")
     if len(value) != 8:
-        raise RecordingError(f"a record has no number {name.decode()!r}")
+        raise RecordingError(f"a record's header has no number in the field {name.decode()}")
     return int(U64.unpack(value)[0])
 
 
@@ -121,7 +121,7 @@ def time_field(fields: Fields, name: bytes) -> int:
     """Return a time field in nanoseconds. Raises RecordingError if it is missing."""
     value = fields.get(name, b"")
     if len(value) != 8:
-        raise RecordingError(f"a record has no time {name.decode()!r}")
+        raise RecordingError(f"a record's header has no time in the field {name.decode()}")
     secs, nsecs = U32_PAIR.unpack(value)
     return int(secs * NS_PER_S + nsecs)
 
