@@ -21,7 +21,7 @@ import warm_start
 
 # Each test process adds its name to the value: "CONTROLLER.WORKER." marks what a worker has started.
 MARK = warm_start.MARK
-# CI systems let what they start in the background ignore the first two, nohup the third.
+# Background processes of CI systems ignore the first two; a process under nohup ignores the third.
 _OFTEN_IGNORED = ("SIGINT", "SIGQUIT", "SIGHUP")
 
 

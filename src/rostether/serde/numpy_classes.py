@@ -34,7 +34,7 @@ class NumpyClasses(MessageClasses):
             # Imported by name, because only the program depends on numpy.
             self.view: Callable[[bytes, str, int, int], Any] = import_module("numpy").frombuffer
         except ImportError:
-            raise ConfigError("numpy=True needs numpy; type: pip install numpy") from None
+            raise ConfigError("numpy=True needs numpy; run: pip install numpy") from None
 
     def for_other_types(self) -> MessageClasses:
         """Return classes with numpy arrays for another registry's types."""

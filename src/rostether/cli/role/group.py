@@ -71,7 +71,7 @@ ROLES = verb_entries(
         "sensing-manager": ("platform.sensing:sensing_manager", "Register sensors and publish their list."),
         "digital-tester": ("platform.sensing:digital_tester", "Publish test values as a sensor."),
         "camera": ("platform.camera:camera", "Publish a camera as a sensor."),
-        "analog": ("platform.sensor_roles:analog", "Publish a number of a file or a topic as a sensor."),
+        "analog": ("platform.sensor_roles:analog", "Publish a number from a file or a topic as a sensor."),
         "digital": ("platform.sensor_roles:digital", "Publish a GPIO line or a topic as a sensor."),
         "gps": ("platform.sensor_roles:gps", "Publish the positions of a receiver (NMEA) as a sensor."),
         "battery": ("platform.sensor_roles:battery", "Publish this computer's battery as a sensor."),

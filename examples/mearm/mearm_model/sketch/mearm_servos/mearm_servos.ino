@@ -1,5 +1,5 @@
 // The four servos of a MeArm. Turns them to the angles, in degrees, that it receives on the topics "servo_control" and
-// "servo_pose_server". Publishes the angles that they hold ten times a second on "servo_angles".
+// "servo_pose_server". Ten times a second, publishes the angles that they hold on "servo_angles".
 //
 // Wiring:  joint_0 (base) - pin 9, joint_1 (shoulder) - 10, joint_2 (elbow) - 11, joint_3 (claw) - 12.
 //          The servos need a separate supply of 5 V, 2 A. Connect its GND to the board's GND.
