@@ -38,8 +38,8 @@ STEPS = 32
 # Half a minute of pauses: a node that reads other connections for longer does not return to this one.
 SMALL_STEPS = 300
 
-# A subscriber that reads less in a pause hangs: 160 kB/s in the bridge's pauses, in which dozens of floods
-# share one subscriber.
+# A subscriber that reads less than this in a pause hangs. In the bridge's pauses this is 160 kB/s, so dozens
+# of floods may share one subscriber.
 MIN_READ_BYTES = 16 << 10
 
 

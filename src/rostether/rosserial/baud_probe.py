@@ -141,7 +141,7 @@ class BaudProbe:
         self._handle_events(self._link.receive_data(data, now_s), now_s)
 
     def get_timer(self) -> float | None:
-        """Return when to call `handle_timer`, on the clock of `now_s`; None at the end."""
+        """Return when to call `handle_timer`, on the clock of `now_s`; None after the end."""
         if self.result is not None:
             return None
         timer_s = self._link.get_timer()

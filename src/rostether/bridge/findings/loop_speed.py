@@ -20,7 +20,7 @@ SLOW_LISTENER_S = 0.1
 # second in loop(). A network delays requests by a retransmission.
 SLOW_TALKER_S = 0.6
 
-# A request later than this is late in any case.
+# A time request that may answer a topic request is counted only if it is late by more than this.
 OVERDUE_S = 0.4
 
 # The jitter of an interval between two requests.
