@@ -51,7 +51,7 @@ static void begin() {
 #if defined(NEUTRAL_HARDWARE)
   cli();
 #else
-  delay(100);  // what waits to be sent is sent
+  delay(100);  // until all waiting bytes are sent
 #endif
   GPIOR2 = 1;
 }
@@ -60,7 +60,7 @@ static void end() {
   sei();
 }
 
-// A message of `length` bytes has come in on `id`.
+// Simulates the arrival of a message of `length` bytes on `id`.
 static void arrive(uint16_t id, const uint8_t* payload, uint8_t length) {
 #if defined(NEUTRAL_HARDWARE)
   uint8_t sum = 255 - id - (id >> 8);
@@ -88,7 +88,7 @@ void setup() {
   nh.advertise(ranges);
   nh.advertise(imus);
   nh.advertise(odometries);
-  // The first words of a board, and its answer to a host that asks for the topics.
+  // The first spinOnce of a board, and its answer to a host that requests the topics.
   begin();
   nh.spinOnce();
   end();
@@ -106,7 +106,7 @@ void setup() {
   odometry.header.frame_id = "odom";
   odometry.child_frame_id = "base_link";
   odometry.pose.pose.position.x = 1.25;
-  // Numbers that are not zero are the dearer ones.
+  // Numbers other than zero take more cycles.
   for (uint8_t i = 0; i < 9; ++i) {
     imu.orientation_covariance[i] = imu.angular_velocity_covariance[i] = imu.linear_acceleration_covariance[i] = 0.01 * (i + 1);
   }

@@ -110,7 +110,7 @@ class Device(OpenContext[device.Device], LogMethods):
     ) -> None:
         """Declare a topic to receive; the callback runs in its own thread.
 
-        Raises UnknownTypeError, LocalProtocolError.
+        Raises UnknownTypeError, LocalProtocolError, TypeError for an async callback.
         """
         thread = CallbackThread(f"rostether {topic}", guarded(callback), limit=DEFAULT_QUEUE_MESSAGES)
         self._subscriber(topic, name_of_type(type_name), lambda message: thread.put([message]))
@@ -126,7 +126,10 @@ class Device(OpenContext[device.Device], LogMethods):
     def messages(
         self, topic: str, type_name: str | type[Message], *, queue_size: int = DEFAULT_QUEUE_MESSAGES
     ) -> Messages[Any]:
-        """Declare a topic to receive, and return its messages. Raises the same errors as `subscriber`."""
+        """Declare a topic to receive, and return its messages.
+
+        Raises UnknownTypeError, LocalProtocolError.
+        """
         return Messages(self._messages(topic, name_of_type(type_name), queue_size=queue_size))
 
     @overload
@@ -143,7 +146,10 @@ class Device(OpenContext[device.Device], LogMethods):
     def service_server(
         self, service: str, type_name: str | type[Service[Any, Any]], handler: Callable[[Any], Answer[Any]]
     ) -> None:
-        """Offer a service; the handler runs in a thread. Raises UnknownTypeError, LocalProtocolError."""
+        """Offer a service; the handler runs in a thread.
+
+        Raises UnknownTypeError, LocalProtocolError, TypeError for an async handler.
+        """
         self._service_server(service, name_of_type(type_name), threaded(handler))
 
     @overload

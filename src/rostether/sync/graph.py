@@ -115,7 +115,8 @@ class Graph(OpenContext[TypedGraph], LogMethods):
     ) -> Subscriber:
         """Call a function with each message of a topic, in a thread; the queue is bounded.
 
-        Raises UnknownTypeError, InvalidNameError. If the graph refuses the subscription, this is logged.
+        Raises UnknownTypeError, InvalidNameError, TypeError for an async callback. If the graph refuses the
+        subscription, this is logged.
         """
         name = None if type_name is None else name_of_type(type_name)
         thread = CallbackThread(f"rostether {topic}", guarded(callback), limit=DEFAULT_QUEUE_MESSAGES)
@@ -185,13 +186,16 @@ class Graph(OpenContext[TypedGraph], LogMethods):
         """Offer a service; `handler` takes the request and returns the response, in a new thread.
 
         If the handler raises an exception, the call fails and the caller receives the error.
-        Raises UnknownTypeError, InvalidNameError, GraphError.
+        Raises UnknownTypeError, InvalidNameError, GraphError, TypeError for an async handler.
         """
         handle = threaded(handler)
         return ServiceServer(LOOP.call(self.wrapped.service_server(service, name_of_type(type_name), handle)))
 
     def watch_param(self, name: str, on_change: Callable[[ParamValue], object]) -> ParamWatch:
-        """Call a function, in a thread, with the value now and after each change; None means it is unset."""
+        """Call a function, in a thread, with the value now and after each change; None means it is unset.
+
+        Raises GraphError, TypeError for an async function.
+        """
         thread = CallbackThread(f"rostether {name}", guarded(on_change))
         watch = self.wrapped.watch_param(name, lambda value: thread.put([value]))
         return ParamWatch(LOOP.call(watch))

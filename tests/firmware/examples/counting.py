@@ -30,7 +30,7 @@ class Operation:
 
 
 OPERATIONS = (
-    Operation("first words", None, 1, 590),
+    Operation("first spinOnce", None, 1, 590),
     # The established library's cycles are those of a similar sketch.
     Operation("answer with 7 topics", 24852, 1, 15800),
     Operation("publish String, 12 letters", 1023, 1, 910),

@@ -49,7 +49,7 @@ class SimpleActionServer:
         )
         self.execute_thread: threading.Thread | None = None
         if execute_cb is not None:
-            # No daemon, so that a program continues to serve after its main function.
+            # Not a daemon thread, so that a program continues to serve after its main function.
             self.execute_thread = threading.Thread(target=self._execute_goals, name=f"actionlib {name}")
             self.execute_thread.start()
 

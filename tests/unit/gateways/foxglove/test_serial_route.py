@@ -49,13 +49,13 @@ class Page:
         self._sending.add(asyncio.ensure_future(self._socket.send(data)))
 
     def connection_lost(self, _: object) -> None:
-        """The test ends."""
+        """Do nothing: the test ends."""
 
     def pause_writing(self) -> None:
-        """The test sends little."""
+        """Do nothing: the test sends little."""
 
     def resume_writing(self) -> None:
-        """The test sends little."""
+        """Do nothing: the test sends little."""
 
     async def _read(self) -> None:
         async for message in self._socket:
