@@ -43,7 +43,7 @@ export class RobotModel {
     this.robot.traverse((each) => {
       if (each instanceof Mesh) materials.add(each.material);
     });
-    // The loader interprets the colors of a URDF as amounts of light.
+    // The colors of a URDF are sRGB, but the loader treats them as linear.
     for (const each of materials) if ("color" in each) (each.color as Color).convertSRGBToLinear();
     this.links = Object.keys(this.robot.links);
     if (this.links.length === 0) throw new Error("The robot description has no links.");

@@ -176,6 +176,6 @@ def _show_totals(network: XbeeNetwork, boards: list[CountingBoard]) -> None:
         )
     counts = network.air.counts
     write_line(
-        f"The air carried {counts.packets} packets in {counts.transmissions} transmissions; "
+        f"The radios sent {counts.packets} packets in {counts.transmissions} transmissions; "
         f"{counts.lost_packets} were lost, {counts.repeated_packets} arrived twice"
     )

@@ -352,7 +352,7 @@ async def test_a_board_whose_node_is_shut_down_is_left_alone_until_it_is_plugged
     await site.start()
     async with site.machine.board("ttyACM0", chatter, serial_number="7533", **UNO):
         await until(lambda: site.settled("/board_7533"), "the board")
-        await site.network.nodes["/board_7533"].close("somebody wanted so")
+        await site.network.nodes["/board_7533"].close("requested by a test")
         await until(lambda: site.reporter.having("not served until you unplug it"), "the line")
         await until(lambda: not site.connected(), "the end")
         async with site.machine.board("ttyACM1", chatter, serial_number="7534", **UNO):

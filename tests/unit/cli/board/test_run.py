@@ -28,7 +28,7 @@ def run_to_end(*arguments: str, words: str = "") -> subprocess.CompletedProcess[
 
 
 def without_wait(errors: str) -> str:
-    """Return the lines of stderr without that on a long preparation, as on a busy machine."""
+    """Return the lines of stderr without the line about a long preparation, which a busy machine adds."""
     return "".join(
         line for line in errors.splitlines(keepends=True) if not line.startswith("preparing a simulated ")
     )

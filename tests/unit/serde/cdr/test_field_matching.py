@@ -1,4 +1,4 @@
-"""Which fields meet, which types have another name in ROS 2, and what is refused rather than guessed."""
+"""Which fields match, which types have another name in ROS 2, and what is refused rather than guessed."""
 
 from __future__ import annotations
 
