@@ -49,7 +49,7 @@ def sow(plant: Plant) -> None:
     source = path.read_text() if path.is_file() else ""
     if source.count(plant.old) != 1:
         raise PlantDoesNotApplyError(
-            f"plant {plant.name}: {plant.module} has {source.count(plant.old)} times {plant.old!r}; "
+            f"plant {plant.name}: {plant.module} contains {plant.old!r} {source.count(plant.old)} times; "
             "adapt fuzz/plants.py to its source"
         )
     if plant.module in sys.modules:

@@ -62,10 +62,10 @@ class UsbBoard:
         """The test ends."""
 
     def pause_writing(self) -> None:
-        """The test sends little."""
+        """Do nothing: the test sends little."""
 
     def resume_writing(self) -> None:
-        """The test sends little."""
+        """Do nothing: the test sends little."""
 
     async def unplug(self) -> None:
         """Make the open port fail."""

@@ -96,7 +96,7 @@ async def _use(uri: str, serve: Peer) -> None:
 
 
 async def _command_node(graph: TypedGraph) -> None:
-    """Check that the board's node shows its pins, and accepts only commands about its surroundings."""
+    """Check that the board's node shows its pins, and accepts only commands that change its environment."""
     command = await graph.publisher("/volt_meter_simulation/command", "std_msgs/String")
     assert await command.wait_for_subscriber(60)
     reported: list[tuple[str, Callable[[Any], bool]]] = [
