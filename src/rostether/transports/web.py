@@ -154,7 +154,7 @@ class WebTransport:
             elif isinstance(message, str):
                 self._note_written(read_progress(message))
             elif len(message) > MAX_MESSAGE_BYTES:
-                raise RemoteProtocolError(f"a message has at most {MAX_MESSAGE_BYTES} bytes of the line")
+                raise RemoteProtocolError(f"a message can have at most {MAX_MESSAGE_BYTES} bytes")
             elif message:
                 self._deliver(message)
         except RemoteProtocolError as error:
@@ -187,7 +187,7 @@ class WebTransport:
 
     def _handle_hello(self, message: str | bytes) -> None:
         if not isinstance(message, str):
-            raise RemoteProtocolError("a page first names its board, as text")
+            raise RemoteProtocolError("the first message of a page must name its board, as text")
         reason = self._connect(self, read_hello(message))
         if reason is not None:
             self._socket.close(_TRY_LATER, reason)
@@ -222,7 +222,9 @@ class WebTransport:
 
     def _note_written(self, written_bytes: int) -> None:
         if not self._written_bytes <= written_bytes <= self._sent_bytes:
-            raise RemoteProtocolError(f"{written_bytes} bytes are not written: {self._sent_bytes} were sent")
+            raise RemoteProtocolError(
+                f"a page must report {self._written_bytes} to {self._sent_bytes} written bytes, not {written_bytes}"
+            )
         self._written_bytes = written_bytes
         self._send()
         if self._is_writing_paused and self.write_buffer_bytes <= LOW_WATER_BYTES:

@@ -188,14 +188,14 @@ def test_limits_are_those_of_a_table_made_again() -> None:
         if step % 50 == 49:
             table.withdraw_all_but([key for key in sorted(table.keys()) if rng.random() < 0.7])
         kept = dict(table._endpoints)
-        anew = TopicTable(40)
+        new_table = TopicTable(40)
         for endpoint in kept.values():
-            anew.announce(endpoint.kind, endpoint.info)
-            assert anew.is_known(endpoint.kind, endpoint.info)
-        assert anew.limits == table.limits
-        assert anew.send_limits == table.send_limits
-        assert anew.senders == table.senders
-        assert anew.incomplete_services() == table.incomplete_services()
+            new_table.announce(endpoint.kind, endpoint.info)
+            assert new_table.is_known(endpoint.kind, endpoint.info)
+        assert new_table.limits == table.limits
+        assert new_table.send_limits == table.send_limits
+        assert new_table.senders == table.senders
+        assert new_table.incomplete_services() == table.incomplete_services()
         if table.senders:
             largest = max(endpoint.info.buffer_size for key, endpoint in kept.items() if key.sends)
             assert table.limits.refused_above[None] == largest

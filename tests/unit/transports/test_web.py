@@ -165,12 +165,12 @@ async def test_a_page_without_a_hello_is_refused() -> None:
     boards = Bridge().boards
     silent, hasty, wrong, false = (Page(boards) for _ in range(4))
     hasty.transport.received(b"\xff\xfe")
-    assert hasty.closed == (1008, "a page first names its board, as text")
+    assert hasty.closed == (1008, "the first message of a page must name its board, as text")
     wrong.connect(name="../uno")
     assert wrong.closed is not None
     false.connect()
     false.report(1)
-    assert false.closed == (1008, "1 bytes are not written: 0 were sent")
+    assert false.closed == (1008, "a page must report 0 to 0 written bytes, not 1")
     await asyncio.sleep(HELLO_LIMIT_S + 0.1)
     assert silent.closed == (1008, "the page did not name its board")
 

@@ -139,7 +139,7 @@ async def test_a_board_that_reconnects_has_its_topics_unchanged(world: Table) ->
     world.table.settle()
     new.receivers[130]([text("back")])
     await until(lambda: received, "the message")
-    assert len(connections) == 1, "the subscriber was not connected anew"
+    assert len(connections) == 1, "the subscriber was not connected again"
     assert [endpoint.info for _, endpoint in world.table] == [topic_info(topic_id=130)]
 
 
@@ -220,7 +220,7 @@ async def test_a_name_used_by_another_spelling_is_bridged_after_that_is_withdraw
     world.table.withdraw(TopicWithdrawn(TopicRole.PUBLISHER, topic_info("/level", topic_id=126)))
     line.receivers[125]([b"\x07\x00"])
     await until(lambda: received == [b"\x07\x00"], "the message of the new type")
-    await until(lambda: world.reporter.texts[-1] == "level is bridged now", "the good news")
+    await until(lambda: world.reporter.texts[-1] == "level is bridged now", "the report")
     assert findings.find(0.0, -math.inf, Oversizes()) == []
 
 
