@@ -223,7 +223,8 @@ class WebTransport:
     def _note_written(self, written_bytes: int) -> None:
         if not self._written_bytes <= written_bytes <= self._sent_bytes:
             raise RemoteProtocolError(
-                f"a page must report {self._written_bytes} to {self._sent_bytes} written bytes, not {written_bytes}"
+                f"a page must report {self._written_bytes} to {self._sent_bytes} written bytes, "
+                f"not {written_bytes}"
             )
         self._written_bytes = written_bytes
         self._send()
