@@ -135,7 +135,7 @@ class Bench:
         )
 
     def wait_for_publisher(self, topic: str) -> str:
-        """Wait until a node publishes a topic; returns its name."""
+        """Wait until a node publishes a topic; return its name."""
         found: list[str] = []
 
         def published() -> bool:

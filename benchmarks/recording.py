@@ -52,7 +52,7 @@ class Played:
 
 
 async def flood(publisher: Publisher, seconds: float, rate: float) -> int:
-    """Publish at a rate; returns how many messages."""
+    """Publish at a rate; return the number of published messages."""
     loop = asyncio.get_running_loop()
     began_s = loop.time()
     sent = 0

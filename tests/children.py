@@ -62,7 +62,7 @@ def _ignore(_number: int, _frame: FrameType | None) -> None:
 
 
 def end_left_running() -> list[str]:
-    """Kill what this test process, or a test process that it started, left running; returns command lines.
+    """Kill what this test process, or a test process that it started, left running; return command lines.
 
     Only on Linux.
     """

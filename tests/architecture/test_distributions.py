@@ -24,7 +24,7 @@ LINK = re.compile(r"\[[^\]]*\]\((?P<target>[^)\s]+)\)")
 
 
 def build(folder: Path, kind: str, result: Path) -> Path:
-    """Build a distribution of a folder; returns its file."""
+    """Build a distribution of a folder; return its file."""
     subprocess.run(
         [sys.executable, "-m", "hatchling", "build", "-t", kind, "-d", str(result)],
         cwd=folder,

@@ -28,7 +28,7 @@ def numbers(inbox: Inbox) -> list[int]:
 
 
 async def publish_until_behind(publisher: Publisher, reader: Inbox, first: int = 0) -> int:
-    """Publish one by one until a subscriber is behind; returns the next number."""
+    """Publish one by one until a subscriber is behind; return the next number."""
     for number in range(first, first + MAX_QUEUED):
         if not publisher.publish_raw([payload(number)]):
             return number + 1

@@ -1,4 +1,4 @@
-"""A simulated board in the browser: its pins and its surroundings."""
+"""A simulated board in the browser: its pins and its environment."""
 
 from __future__ import annotations
 

@@ -220,5 +220,5 @@ class FakeLine:
     def call_finished(self) -> None:
         self.calls_finished += 1
 
-    def _note_dropped(self, lane: TopicQueue, count: int) -> None:
-        self.dropped.append((lane.topic, count))
+    def _note_dropped(self, queue: TopicQueue, count: int) -> None:
+        self.dropped.append((queue.topic, count))

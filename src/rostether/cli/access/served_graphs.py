@@ -84,7 +84,7 @@ async def served_graphs(
             stack.push_async_callback(boards.close)
             joins.append(boards)
             types = access.types
-            # Other nodes may bring any type; do not search folders for it in the event loop.
+            # Other nodes may use any type; do not search folders for it in the event loop.
             await types.searched()
             lines.append(access.line)
         join = joins[0] if len(joins) == 1 else JointJoin(joins)

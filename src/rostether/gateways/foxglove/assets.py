@@ -17,7 +17,7 @@ from rostether.mechanisms.text import read_failure
 # Maps the packages' names to their folders.
 FindPackages = Callable[[], Mapping[str, Path]]
 
-# Most meshes are smaller. Larger ones are in memory for a few clients at a time: 64 would need 4 GB.
+# Most meshes are smaller. Larger ones are in memory for a few clients at a time: 64 would need 1.5 GB.
 _LARGE_BYTES = 4 << 20
 _LARGE_AT_ONCE = 4
 

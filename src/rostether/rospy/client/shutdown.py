@@ -43,7 +43,7 @@ class Shutdown:
         self._hooks.append(hook)
 
     def signal(self, reason: str) -> None:
-        """End the node. Idempotent; returns after the node has left the graph."""
+        """End the node, and return after it has left the graph. Idempotent."""
         with self._lock:
             if self.is_requested:
                 return

@@ -15,7 +15,7 @@ from unit.bridge.doubles import FakeLink, FakeSerialPort, FakeSource, FakeTransp
 
 
 class Bench:
-    """An outbox whose surroundings the test controls."""
+    """An outbox whose link and sources the test controls."""
 
     def __init__(
         self, *, can_pause: bool = True, baud: int | None = None, bytes_per_s: float | None = None
@@ -30,7 +30,7 @@ class Bench:
             self.transport,
             cast(HostLink, self.link),
             cast(AbstractEventLoop, self.loop),
-            on_dropped=lambda lane, count: self.dropped.append((lane.topic, count)),
+            on_dropped=lambda queue, count: self.dropped.append((queue.topic, count)),
             settings=BridgeSettings(stall_s=1.0),
             baud=baud,
         )
@@ -59,11 +59,11 @@ def test_one_write_a_turn() -> None:
 def test_after_a_pause_nothing_waits_for_the_next_turn() -> None:
     bench = Bench()
     bench.loop.run_until(1.0)
-    lane = TopicQueue(101, "a")
-    bench.outbox.put(lane, [b"1"])
+    queue = TopicQueue(101, "a")
+    bench.outbox.put(queue, [b"1"])
     assert bench.transport.writes == [b"101:1;"]
-    bench.outbox.put(lane, [b"2"])
-    bench.outbox.put(lane, [b"3"])
+    bench.outbox.put(queue, [b"2"])
+    bench.outbox.put(queue, [b"3"])
     assert len(bench.transport.writes) == 1
     bench.loop.turn()
     assert bench.transport.writes[1:] == [b"101:2;101:3;"]
@@ -133,12 +133,12 @@ def test_a_dead_link_gets_limited_data() -> None:
 
 def test_overflow_pauses_the_source_and_loses_nothing() -> None:
     bench = Bench()
-    lane, source = TopicQueue(101, "flood"), FakeSource()
-    lane.set_source(source)
+    queue, source = TopicQueue(101, "flood"), FakeSource()
+    queue.set_source(source)
     bench.block()
     sent = 0
     while not source.is_paused:
-        bench.outbox.put(lane, [b"x" * 992] * 10)
+        bench.outbox.put(queue, [b"x" * 992] * 10)
         sent += 10
     assert sent * 1000 > DEFAULT_SETTINGS.queue_bytes
     bench.outbox.resume_writing()
@@ -150,28 +150,28 @@ def test_overflow_pauses_the_source_and_loses_nothing() -> None:
 
 def test_a_hanging_board_delays_the_end_by_a_second_at_most() -> None:
     bench = Bench()
-    lane, source = TopicQueue(101, "flood"), FakeSource()
-    lane.set_source(source)
+    queue, source = TopicQueue(101, "flood"), FakeSource()
+    queue.set_source(source)
     bench.block()
-    bench.outbox.put(lane, [b"x" * 992] * 200)
+    bench.outbox.put(queue, [b"x" * 992] * 200)
     assert source.is_paused
     bench.loop.run_until(0.9)
     assert source.is_paused
     bench.loop.run_until(1.3)
     assert not source.is_paused
-    bench.outbox.put(lane, [b"y" * 992] * 200)
+    bench.outbox.put(queue, [b"y" * 992] * 200)
     assert not source.is_paused
-    assert lane.queued_bytes <= DEFAULT_SETTINGS.queue_bytes
-    assert lane.payloads[-1] == b"y" * 992
-    assert bench.dropped == [("flood", lane.dropped_count)]
+    assert queue.queued_bytes <= DEFAULT_SETTINGS.queue_bytes
+    assert queue.payloads[-1] == b"y" * 992
+    assert bench.dropped == [("flood", queue.dropped_count)]
 
 
 def test_a_slow_board_that_accepts_bytes_is_waited_for() -> None:
     bench = Bench()
-    lane, source = TopicQueue(101, "flood"), FakeSource()
-    lane.set_source(source)
+    queue, source = TopicQueue(101, "flood"), FakeSource()
+    queue.set_source(source)
     bench.block()
-    bench.outbox.put(lane, [b"x" * 992] * 200)
+    bench.outbox.put(queue, [b"x" * 992] * 200)
     for step in range(50):
         bench.transport.write_buffer_bytes -= 1
         bench.loop.run_until(step * 0.1)
@@ -181,41 +181,41 @@ def test_a_slow_board_that_accepts_bytes_is_waited_for() -> None:
 
 def test_a_board_that_hung_and_accepts_bytes_again_is_waited_for_again() -> None:
     bench = Bench()
-    lane, source = TopicQueue(101, "flood"), FakeSource()
-    lane.set_source(source)
+    queue, source = TopicQueue(101, "flood"), FakeSource()
+    queue.set_source(source)
     bench.block()
-    bench.outbox.put(lane, [b"x" * 992] * 200)
+    bench.outbox.put(queue, [b"x" * 992] * 200)
     bench.loop.run_until(2.0)
     bench.outbox.resume_writing()
     bench.loop.run_until(2.1)
     bench.block()
-    bench.outbox.put(lane, [b"x" * 992] * 200)
+    bench.outbox.put(queue, [b"x" * 992] * 200)
     assert source.is_paused
 
 
 def test_without_a_source_to_pause_the_oldest_messages_are_dropped() -> None:
     bench = Bench()
-    lane = TopicQueue(101, "flood")
+    queue = TopicQueue(101, "flood")
     bench.block()
-    bench.outbox.put(lane, [b"%04d" % number for number in range(20_000)])
-    assert lane.queued_bytes <= DEFAULT_SETTINGS.queue_bytes
-    assert lane.payloads[-1] == b"19999"
-    assert bench.dropped == [("flood", 20_000 - len(lane.payloads))]
+    bench.outbox.put(queue, [b"%04d" % number for number in range(20_000)])
+    assert queue.queued_bytes <= DEFAULT_SETTINGS.queue_bytes
+    assert queue.payloads[-1] == b"19999"
+    assert bench.dropped == [("flood", 20_000 - len(queue.payloads))]
 
 
 def test_a_resumed_source_that_sends_immediately_keeps_the_order() -> None:
     bench = Bench()
-    lane = TopicQueue(101, "flood")
+    queue = TopicQueue(101, "flood")
 
     class EagerSource(FakeSource):
         def resume(self) -> None:
             super().resume()
-            bench.outbox.put(lane, [b"late" * 250] * 200)
+            bench.outbox.put(queue, [b"late" * 250] * 200)
 
     source = EagerSource()
-    lane.set_source(source)
+    queue.set_source(source)
     bench.block()
-    bench.outbox.put(lane, [b"early" * 200] * 200)
+    bench.outbox.put(queue, [b"early" * 200] * 200)
     assert source.is_paused
     bench.outbox.resume_writing()
     bench.loop.run_until(1.0)
@@ -226,8 +226,8 @@ def test_a_resumed_source_that_sends_immediately_keeps_the_order() -> None:
 
 def test_a_serial_line_gets_little_at_a_time_and_all_of_it() -> None:
     bench = Bench(baud=57600)
-    lane = TopicQueue(101, "commands")
-    bench.outbox.put(lane, [b"x" * 56] * 100)
+    queue = TopicQueue(101, "commands")
+    bench.outbox.put(queue, [b"x" * 56] * 100)
     bench.loop.turn()
     assert len(bench.transport.written) < 300
     bench.loop.run_until(0.5)
@@ -238,8 +238,8 @@ def test_a_serial_line_gets_little_at_a_time_and_all_of_it() -> None:
 
 def test_a_board_with_native_usb_gets_more_than_its_baud_rate() -> None:
     bench = Bench(baud=57600, bytes_per_s=1_000_000)
-    lane = TopicQueue(101, "images")
-    bench.outbox.put(lane, [b"x" * 492] * 20)
+    queue = TopicQueue(101, "images")
+    bench.outbox.put(queue, [b"x" * 492] * 20)
     bench.loop.run_until(0.2)
     assert bench.ids_written().count(101) == 20
 
@@ -288,11 +288,11 @@ def test_an_answer_that_cannot_be_sent_is_reported() -> None:
 
 def test_a_removed_topic_leaves_nothing_behind() -> None:
     bench = Bench()
-    lane, source = TopicQueue(101, "flood"), FakeSource()
-    lane.set_source(source)
+    queue, source = TopicQueue(101, "flood"), FakeSource()
+    queue.set_source(source)
     bench.block()
-    bench.outbox.put(lane, [b"x" * 992] * 200)
-    bench.outbox.remove(lane)
+    bench.outbox.put(queue, [b"x" * 992] * 200)
+    bench.outbox.remove(queue)
     assert not source.is_paused
     assert bench.outbox.queued_bytes == 0
     bench.outbox.resume_writing()
@@ -302,10 +302,10 @@ def test_a_removed_topic_leaves_nothing_behind() -> None:
 
 def test_closing_lets_go_of_paused_sources() -> None:
     bench = Bench()
-    lane, source = TopicQueue(101, "flood"), FakeSource()
-    lane.set_source(source)
+    queue, source = TopicQueue(101, "flood"), FakeSource()
+    queue.set_source(source)
     bench.block()
-    bench.outbox.put(lane, [b"x" * 992] * 200)
+    bench.outbox.put(queue, [b"x" * 992] * 200)
     bench.outbox.close()
     assert not source.is_paused
     bench.loop.run_until(10.0)
@@ -315,9 +315,9 @@ def test_closing_lets_go_of_paused_sources() -> None:
 def test_a_depth_keeps_the_newest_while_the_link_accepts_nothing() -> None:
     bench = Bench()
     bench.block()
-    lane = TopicQueue(101, "cmd_vel", 2)
+    queue = TopicQueue(101, "cmd_vel", 2)
     for number in range(5):
-        bench.outbox.put(lane, [b"%d" % number])
+        bench.outbox.put(queue, [b"%d" % number])
     assert bench.dropped == [("cmd_vel", 1)] * 3
     bench.outbox.resume_writing()
     bench.loop.run_until(1.0)

@@ -34,7 +34,7 @@ class Controller:
         return [(each.id, each.parameters[0], each.parameters[1:]) for each in PacketReader().feed(answer)]
 
     def write(self, servo_id: int, name: str, value: int) -> int:
-        """Write a register; returns the error."""
+        """Write a register; return the error."""
         register = BY_NAME[name]
         data = value.to_bytes(register.size, "little", signed=value < 0)
         ((_, error, _),) = self.ask(servo_id, Instruction.WRITE, _address(name) + data)
