@@ -64,7 +64,7 @@ def estimate_stack(elf: ElfFile) -> StackEstimate:
 
 
 class _Search:
-    """Searches the deepest path that enters no function twice.
+    """Finds the deepest path that enters no function twice.
 
     This restriction matters only for functions that can reach each other, so results are cached for each
     function with the functions of its own cycle above it.

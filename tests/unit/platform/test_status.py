@@ -59,7 +59,7 @@ def test_a_robot_answers_each_sender_once_a_second_and_names_who_commands_it() -
     copied = first.repeat(0.6)[0]
     answer = robot.answer(first.repeat(1.0)[0], "a:1", 1.0)
     assert answer is not None
-    # Two copies of the first command were never sent on, and one frame is still on its way.
+    # Two copies of the first command were never forwarded, and one frame is still on its way.
     assert (answer.received_count, answer.lost_count) == (3, 3)
     refused = robot.answer(second.command(b"go", 1.1)[0], "b:1", 1.1)
     assert refused is not None

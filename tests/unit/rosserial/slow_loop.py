@@ -33,13 +33,13 @@ class Library(Enum):
     """How a client library answers topic requests, and what it does after a reset."""
 
     ONE_PER_SPIN = auto()
-    """Ours so far: introduces itself after a reset, and answers the first request in each spinOnce."""
+    """Requests the time after a reset, and answers the first topic request in each spinOnce."""
     EACH_AT_ONCE = auto()
-    """Introduces itself, and answers all requests in one spinOnce, each with a burst."""
+    """Requests the time after a reset, and answers all requests in one spinOnce, each with a burst."""
     ONCE_FOR_ALL = auto()
-    """Introduces itself, and answers all requests in one spinOnce with one burst."""
+    """Requests the time after a reset, and answers all requests in one spinOnce with one burst."""
     ESTABLISHED = auto()
-    """Says nothing until asked or probed, and answers the first request in each spinOnce."""
+    """Sends nothing until a request or a probe, and answers the first topic request in each spinOnce."""
 
 
 @dataclass
@@ -60,7 +60,7 @@ class SlowLoop:
         self.boot(self.booted_s)
 
     def boot(self, now_s: float) -> None:
-        """Start, or start again: all that was known or waiting is lost."""
+        """Start, or start again: the state and the waiting bytes are lost."""
         self.boots += 1
         self._decoder = FrameDecoder(2, abandon_after_s=0.2)
         self._uart.clear()
@@ -71,7 +71,7 @@ class SlowLoop:
         self._requested_s = float("-inf")
 
     def receive(self, data: bytes, now_s: float) -> None:
-        """Take what the host sends; it waits for the next spinOnce, if the board is on and has room."""
+        """Keep the host's bytes for the next spinOnce, if the board is on and its UART has room."""
         if now_s >= self.booted_s:
             self._uart += data[: UART_BYTES - len(self._uart)]
 
