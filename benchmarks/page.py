@@ -1,7 +1,7 @@
 """The dashboard under load: `python -m benchmarks.page MINUTES` prints processor time and the page's memory.
 
 The dashboard's process is measured without a page, with one, with four, and with one that is hidden. Then one
-page stays open for the minutes; its heap is printed each minute and must not grow.
+page stays open for MINUTES; its heap is printed each minute and must not grow.
 """
 
 from __future__ import annotations
