@@ -73,7 +73,7 @@ class CheckedClient(SmallWriter):
         self.damage: list[str] = []
 
     async def open(self) -> None:
-        """Connect, and ask for the topics until the client announces them.
+        """Connect, and request the topics until the client announces them.
 
         Raises TransportError, and TransportTimeoutError if no client announces a topic.
         """
@@ -130,7 +130,7 @@ class CheckedClient(SmallWriter):
             await self.configure()
 
     async def configure(self, tries: int = 3) -> list[Announcement]:
-        """Ask for the topics up to `tries` times; return the announcements, which may be fewer than at first.
+        """Request the topics up to `tries` times; return the announcements, which may be fewer than at first.
 
         Raises Deviation if there are none.
         """

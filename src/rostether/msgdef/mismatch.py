@@ -62,7 +62,7 @@ def explain_mismatch(types: Registry, name: str, md5sum: str) -> str:
             return f"{start}; it belongs to {spec.package} {version}, which {differing}; {advice}"
     guess = guess_definition(types, name, md5sum)
     if guess is None:
-        return f"{start}, and not of any known definition; the known one is '{declarations(spec)}'; {advice}"
+        return f"{start}, nor that of any known definition; the known one is '{declarations(spec)}'; {advice}"
     whose = "its definition" if guess.full_name == name else f"its {guess.full_name}"
     return f"{start}: {whose} {difference(types.message(guess.full_name), guess)}; {advice}"
 

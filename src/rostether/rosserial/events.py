@@ -104,7 +104,7 @@ class AnnouncementRefused(Struct, frozen=True):
 
 
 class NegotiationSettled(Struct, frozen=True):
-    """The set of endpoints is considered complete: asked again, the device announced nothing new."""
+    """The set of endpoints is considered complete: another request brought nothing new."""
 
 
 class TimeRequested(Struct, frozen=True):
@@ -169,7 +169,7 @@ class ProtocolDetected(Struct, frozen=True):
 
 
 class TopicsRequested(Struct, frozen=True):
-    """A host asked for the topics; they were announced and the device is configured now."""
+    """A host requested the topics; they were announced and the device is configured now."""
 
 
 class Unconfigured(Struct, frozen=True):

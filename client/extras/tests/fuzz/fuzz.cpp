@@ -301,8 +301,10 @@ int main(int count, char** arguments) {
     for (const Frame& got : board->line.frames) announced += got.id < 6;
     EXPECT(board->node.getHardware()->canaryIsIntact());
     if (number_count != before + 1 || last_number != number || (asks && (result != ros::SPIN_ERR || announced < known.size()))) {
-      fprintf(stderr, "after frame %lu: a valid message was %s, the request for topics was %s; the input was\n", fed,
-              number_count == before ? "lost" : "delivered", asks && result != ros::SPIN_ERR ? "not answered" : "answered");
+      const char* outcome = number_count == before ? "lost" : last_number == number ? "delivered" : "changed";
+      fprintf(stderr, "after frame %lu: a valid message was %s; topics %s, %lu of at least %lu announced; the input was\n", fed,
+              outcome, asks ? "requested" : "not requested", static_cast<unsigned long>(announced),
+              static_cast<unsigned long>(known.size()));
       for (uint8_t byte : bytes) fprintf(stderr, "%02x", byte);
       fprintf(stderr, "\n");
       return 1;

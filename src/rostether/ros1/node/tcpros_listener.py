@@ -30,7 +30,7 @@ AcceptPeer = Callable[[dict[str, str], asyncio.Transport], asyncio.Protocol]
 class TcprosListener:
     """Accepts connections and passes each to `accept_subscriber` or `accept_client`, according to its header.
 
-    Both raise GraphError to refuse one; the peer receives the error, and `report` a mismatch of types.
+    Both raise GraphError to refuse one. The peer receives the error; `report` receives mismatches of types.
     """
 
     def __init__(
