@@ -35,7 +35,10 @@ class MemoryParameters:
             return None
 
     def set(self, name: str, value: ParamValue) -> None:
-        """Set a value; a mapping replaces the whole tree below the name. Raises UnknownNameError for `/`."""
+        """Set a value; a mapping replaces the whole tree below the name.
+
+        Raises UnknownNameError if the name is `/` and the value is not a mapping.
+        """
         value = copy.deepcopy(value)
         parts = _parts(name)
         if parts:
