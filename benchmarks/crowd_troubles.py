@@ -1,6 +1,6 @@
 """A faulty TCP device: it sends no valid frame, or announces new topics all the time.
 
-    crowd_troubles.py PORT KIND BYTES_PER_S   prints a line, begins at one on stdin, ends when it is ended
+    crowd_troubles.py PORT KIND BYTES_PER_S   prints a line, starts at a line on stdin, runs until killed
 
 KIND is noise (random bytes), headers (bytes that look like the beginnings of frames) or announcements (the
 topics of a new board each time). Prints at the end of each second how many bytes it wrote, which
