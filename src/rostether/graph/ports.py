@@ -220,7 +220,8 @@ class Graph(Protocol):
     ) -> bytes:
         """Call a service; without a time limit it waits as long as the server runs.
 
-        Raises ServiceUnavailableError, ServiceTimeoutError, ServiceCallError, TypeMismatchError.
+        Raises ServiceUnavailableError, ServiceTimeoutError, ServiceCallError, TypeMismatchError,
+        InvalidNameError.
         """
 
     async def get_param(self, name: str) -> ParamValue:

@@ -135,7 +135,8 @@ class Ros1Graph(NodeMembership):
     ) -> bytes:
         """Call a service.
 
-        Raises ServiceUnavailableError, ServiceTimeoutError, ServiceCallError, TypeMismatchError.
+        Raises ServiceUnavailableError, ServiceTimeoutError, ServiceCallError, TypeMismatchError,
+        InvalidNameError.
         """
         self._check_open()
         return await self.service_client(service, service_type).call(request, timeout_s=timeout_s)

@@ -82,7 +82,8 @@ class RclpyGraph(Ros2Membership):
     ) -> bytes:
         """Call a service.
 
-        Raises ServiceUnavailableError, ServiceTimeoutError, ServiceCallError, TypeMismatchError.
+        Raises ServiceUnavailableError, ServiceTimeoutError, ServiceCallError, TypeMismatchError,
+        UnknownTypeError, InvalidNameError, SerializationError.
         """
         self._check_open()
         return await self._endpoints.call_service(self.resolve(service), service_type, request, timeout_s)

@@ -112,7 +112,8 @@ class ZenohGraph(Ros2Membership):
     ) -> bytes:
         """Call a service.
 
-        Raises ServiceUnavailableError, ServiceTimeoutError, ServiceCallError, TypeMismatchError.
+        Raises ServiceUnavailableError, ServiceTimeoutError, ServiceCallError, TypeMismatchError,
+        UnknownTypeError, InvalidNameError, SerializationError.
         """
         self._check_open()
         return await self._endpoints.call_service(
