@@ -1,4 +1,4 @@
-"""Runs a plan: sets parameters, starts the nodes in order, and waits until all or a required one end."""
+"""Runs a plan: sets parameters, starts the nodes, and waits until a required node or all nodes have ended."""
 
 from __future__ import annotations
 
