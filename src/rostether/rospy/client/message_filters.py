@@ -10,7 +10,7 @@ from itertools import product
 from typing import Any
 
 from rostether.rospy.client.logs import loginfo, logwarn
-from rostether.rospy.client.ros_time import Duration, Time, get_rostime
+from rostether.rospy.client.ros_time import Duration, Time, get_rostime, is_wallclock
 from rostether.rospy.client.subscriber import Subscriber as _Subscriber
 
 _NO_STAMP = (
@@ -114,7 +114,7 @@ class Cache(SimpleFilter):
 class TimeSynchronizer(SimpleFilter):
     """Passes on one message of each filter together if their stamps are equal.
 
-    With `reset`, a jump of ROS time into the past clears the queues.
+    With `reset`, a jump of simulated time into the past clears the queues.
     """
 
     def __init__(self, fs: Sequence[SimpleFilter], queue_size: int, reset: bool = False) -> None:
@@ -136,7 +136,7 @@ class TimeSynchronizer(SimpleFilter):
     def add(self, msg: Any, my_queue: dict[Any, Any], my_queue_index: int | None = None) -> None:
         """Handle a message of one filter."""
         with self.lock:
-            if self.enable_reset:
+            if self.enable_reset and not is_wallclock():
                 self._clear_after_jump()
             self._keep(msg.header.stamp, msg, my_queue)
             for stamp in sorted(set.intersection(*(set(queue) for queue in self.queues))):

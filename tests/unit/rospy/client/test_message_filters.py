@@ -17,11 +17,14 @@ def stamped(seconds: float) -> SimpleNamespace:
     return SimpleNamespace(header=SimpleNamespace(stamp=Time(seconds)))
 
 
-@pytest.mark.parametrize(("reset", "count"), [(True, 1), (False, 0)])
-def test_a_jump_back_in_time_clears_the_queues_with_reset(
-    monkeypatch: pytest.MonkeyPatch, reset: bool, count: int
+@pytest.mark.parametrize(
+    ("reset", "is_wallclock", "count"), [(True, False, 1), (False, False, 0), (True, True, 0)]
+)
+def test_a_jump_back_of_simulated_time_clears_the_queues_with_reset(
+    monkeypatch: pytest.MonkeyPatch, reset: bool, is_wallclock: bool, count: int
 ) -> None:
     now = Time(100)
+    monkeypatch.setattr(message_filters, "is_wallclock", lambda: is_wallclock)
     monkeypatch.setattr(message_filters, "get_rostime", lambda: now)
     first, second = SimpleFilter(), SimpleFilter()
     together: list[object] = []
