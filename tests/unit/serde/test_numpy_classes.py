@@ -69,7 +69,7 @@ def test_a_store_for_other_types_has_values_of_the_same_kind(store: TypeStore, k
 
 def test_without_numpy_the_error_names_the_package_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "numpy", None)
-    with pytest.raises(ConfigError, match="type: pip install numpy"):
+    with pytest.raises(ConfigError, match="run: pip install numpy"):
         NumpyClasses()
 
 
