@@ -8,10 +8,13 @@ from collections.abc import Callable, Sequence
 
 from rostether.errors import ConfigError, GraphError
 from rostether.ros1.environment import connect_host
-from rostether.transports.sockets import close_servers, lengthen_backlog, system_bind_errors
+from rostether.transports.sockets import close_servers, start_server
 
 # A free port of one address is rarely in use on another one; repeated clashes have another cause.
 _ATTEMPTS = 5
+
+# Accepting all waiting connections in one turn of the loop would delay others.
+_ACCEPTED_AT_ONCE = 128
 
 
 async def start_servers(
@@ -28,7 +31,11 @@ async def start_servers(
         try:
             for address in addresses:
                 common_port = port_of(servers) if servers else port
-                servers.append(await _start_server(make_protocol, address, common_port))
+                servers.append(
+                    await start_server(
+                        make_protocol, address, common_port, accepted_at_once=_ACCEPTED_AT_ONCE
+                    )
+                )
         except asyncio.CancelledError:
             await close_servers(servers)
             raise
@@ -45,15 +52,6 @@ def port_of(servers: Sequence[asyncio.Server]) -> int:
     """Return the port of the servers of `start_servers`."""
     port: int = servers[0].sockets[0].getsockname()[1]
     return port
-
-
-async def _start_server(
-    make_protocol: Callable[[], asyncio.Protocol], address: str, port: int
-) -> asyncio.Server:
-    async with system_bind_errors(address, port):
-        server = await asyncio.get_running_loop().create_server(make_protocol, address, port, backlog=128)
-    lengthen_backlog(server)
-    return server
 
 
 def _explain(addresses: str, port: int, error: OSError) -> GraphError | ConfigError:

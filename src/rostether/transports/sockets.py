@@ -8,7 +8,7 @@ import errno
 import os
 import re
 import socket
-from collections.abc import AsyncIterator, Collection
+from collections.abc import AsyncIterator, Callable, Collection
 from weakref import WeakKeyDictionary
 
 from rostether.errors import TransportOpenError
@@ -73,18 +73,36 @@ def read_buffer() -> memoryview:
     return buffer
 
 
-def lengthen_backlog(server: asyncio.Server) -> None:
-    """Permit many connections at once; asyncio's `backlog` is also the number that it accepts per turn."""
+async def start_server(
+    make_protocol: Callable[[], asyncio.BaseProtocol], host: str | None, port: int, *, accepted_at_once: int
+) -> asyncio.Server:
+    """Listen on a TCP port; many more connections than are accepted in one turn of the loop may wait.
+
+    Raises OSError in the system's form, with errno and strerror, and socket.gaierror for a host without an
+    address.
+    """
+    async with _system_bind_errors(host, port):
+        # asyncio's `backlog` is also the number of connections that it accepts in one turn.
+        server = await asyncio.get_running_loop().create_server(
+            make_protocol, host, port, backlog=accepted_at_once, start_serving=False
+        )
+        # `create_server` itself would leave the server open if it was cancelled while it starts to serve.
+        try:
+            await server.start_serving()
+        except BaseException:
+            server.close()
+            raise
     for listener in server.sockets:
         with (
             contextlib.suppress(OSError),
             socket.fromfd(listener.fileno(), listener.family, listener.type) as sock,
         ):
             sock.listen(_BACKLOG)
+    return server
 
 
 @contextlib.asynccontextmanager
-async def system_bind_errors(host: str | None, port: int) -> AsyncIterator[None]:
+async def _system_bind_errors(host: str | None, port: int) -> AsyncIterator[None]:
     """Raise the errors of a TCP bind inside the block in the system's form, with errno and strerror.
 
     asyncio words these errors differently in each Python, and since 3.13 gives a foreign address no errno.

@@ -24,9 +24,8 @@ from rostether.transports.sockets import (
     close_servers,
     explain_bind_error,
     explain_connect_error,
-    lengthen_backlog,
     read_buffer,
-    system_bind_errors,
+    start_server,
     tune_stream,
 )
 from rostether.transports.stream import StreamTransport
@@ -152,21 +151,18 @@ class TcpListener:
         allow = AllowList(address.allow)
         greeting = make_greeting(address, board_keys)
         listener = cls(on_transport, allow, max_connections, max_connections_per_host, greeting)
-        loop = asyncio.get_running_loop()
         try:
-            async with system_bind_errors(address.host, address.port):
-                listener._server = await loop.create_server(
-                    lambda: _AcceptedTransport(listener),
-                    address.host,
-                    address.port,
-                    backlog=_ACCEPTED_AT_ONCE,
-                )
+            server = listener._server = await start_server(
+                lambda: _AcceptedTransport(listener),
+                address.host,
+                address.port,
+                accepted_at_once=_ACCEPTED_AT_ONCE,
+            )
         except OSError as error:
             raise explain_bind_error("tcp", address.host, address.port, error) from error
-        lengthen_backlog(listener._server)
-        host, port = listener._server.sockets[0].getsockname()[:2]
+        host, port = server.sockets[0].getsockname()[:2]
         listener.address = str(replace(address, host=host, port=port))
-        listener.refusals = RefusalLog(listener.address, loop.time)
+        listener.refusals = RefusalLog(listener.address, asyncio.get_running_loop().time)
         return listener
 
     @property

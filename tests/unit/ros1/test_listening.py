@@ -9,6 +9,7 @@ import pytest
 from rostether.errors import GraphError
 from rostether.ros1 import listening
 from rostether.ros1.listening import port_of, start_servers
+from rostether.transports import sockets
 from rostether.transports.sockets import close_servers
 
 
@@ -19,20 +20,20 @@ async def test_all_hosts_have_the_same_port() -> None:
 
 
 async def test_a_cancelled_start_closes_the_servers_that_listen(monkeypatch: pytest.MonkeyPatch) -> None:
-    start = listening._start_server
+    start = sockets.start_server
     started: list[asyncio.Server] = []
     reached = asyncio.Event()
 
     async def start_only_one(
-        make_protocol: type[asyncio.Protocol], address: str, port: int
+        make_protocol: type[asyncio.Protocol], address: str, port: int, *, accepted_at_once: int
     ) -> asyncio.Server:
         if started:
             reached.set()
             await asyncio.Event().wait()
-        started.append(await start(make_protocol, address, port))
+        started.append(await start(make_protocol, address, port, accepted_at_once=accepted_at_once))
         return started[0]
 
-    monkeypatch.setattr(listening, "_start_server", start_only_one)
+    monkeypatch.setattr(listening, "start_server", start_only_one)
     starting = asyncio.create_task(start_servers(asyncio.Protocol, ["127.0.0.1", "127.0.0.2"], 0))
     await reached.wait()
     starting.cancel()
@@ -42,9 +43,9 @@ async def test_a_cancelled_start_closes_the_servers_that_listen(monkeypatch: pyt
 
 
 async def test_a_reserved_port_is_explained(monkeypatch: pytest.MonkeyPatch) -> None:
-    async def refuse(*_arguments: object) -> asyncio.Server:
+    async def refuse(*_arguments: object, **_options: object) -> asyncio.Server:
         raise OSError(errno.EACCES, os.strerror(errno.EACCES))
 
-    monkeypatch.setattr(listening, "_start_server", refuse)
+    monkeypatch.setattr(listening, "start_server", refuse)
     with pytest.raises(GraphError, match=r"port 80 of 127\.0\.0\.1 is reserved .* choose one above 1023"):
         await start_servers(asyncio.Protocol, ["127.0.0.1"], 80)

@@ -1,17 +1,20 @@
 from __future__ import annotations
 
 import asyncio
+import contextlib
 import errno
+import gc
 import os
 import socket
 
 import pytest
 
 from rostether.transports.sockets import (
+    close_servers,
     explain_bind_error,
     explain_connect_error,
     explain_reason,
-    system_bind_errors,
+    start_server,
     tune_stream,
 )
 
@@ -34,19 +37,22 @@ def test_why_a_port_cannot_be_listened_on(host: str, code: int, reported: str) -
 @pytest.mark.parametrize("host", ["192.0.2.1", "2001:db8::1"])
 async def test_a_foreign_address_is_named_by_the_system(host: str) -> None:
     with pytest.raises(OSError) as caught:
-        async with system_bind_errors(host, 0):
-            await asyncio.get_running_loop().create_server(asyncio.Protocol, host, 0)
+        await start_server(asyncio.Protocol, host, 0, accepted_at_once=1)
     assert (caught.value.errno, caught.value.strerror) == (
         errno.EADDRNOTAVAIL,
         os.strerror(errno.EADDRNOTAVAIL),
     )
 
 
-async def test_an_error_without_a_number_is_replaced_by_that_of_the_system() -> None:
+async def test_an_error_without_a_number_is_replaced_by_that_of_the_system(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    async def fail_as_python_3_13(*_: object, **__: object) -> None:
+        raise OSError("could not bind on any address out of [('192.0.2.1', 0)]")
+
+    monkeypatch.setattr(asyncio.get_running_loop(), "create_server", fail_as_python_3_13)
     with pytest.raises(OSError) as caught:
-        async with system_bind_errors("192.0.2.1", 0):
-            # What Python 3.13 raises.
-            raise OSError("could not bind on any address out of [('192.0.2.1', 0)]")
+        await start_server(asyncio.Protocol, "192.0.2.1", 0, accepted_at_once=1)
     assert caught.value.errno == errno.EADDRNOTAVAIL
 
 
@@ -54,15 +60,13 @@ async def test_a_port_in_use_is_reported_in_the_words_of_the_system() -> None:
     with socket.create_server(("127.0.0.1", 0)) as taken:
         port = taken.getsockname()[1]
         with pytest.raises(OSError) as caught:
-            async with system_bind_errors("127.0.0.1", port):
-                await asyncio.get_running_loop().create_server(asyncio.Protocol, "127.0.0.1", port)
+            await start_server(asyncio.Protocol, "127.0.0.1", port, accepted_at_once=1)
     assert (caught.value.errno, caught.value.strerror) == (errno.EADDRINUSE, os.strerror(errno.EADDRINUSE))
 
 
 async def test_a_host_without_an_address_is_an_error_of_the_resolver() -> None:
     with pytest.raises(socket.gaierror):
-        async with system_bind_errors("no such host", 0):
-            await asyncio.get_running_loop().create_server(asyncio.Protocol, "no such host", 0)
+        await start_server(asyncio.Protocol, "no such host", 0, accepted_at_once=1)
 
 
 @pytest.mark.parametrize(
@@ -116,3 +120,16 @@ def test_unread_data_for_a_slow_board_waits_in_this_process() -> None:
     with socket.socket() as sock:
         tune_stream(sock)
         assert sock.getsockopt(socket.IPPROTO_TCP, socket.TCP_NOTSENT_LOWAT) == 16 * 1024
+
+
+@pytest.mark.parametrize("turns", range(6))
+async def test_a_start_that_is_cancelled_at_any_moment_leaves_no_port_open(turns: int) -> None:
+    starting = asyncio.create_task(start_server(asyncio.Protocol, "127.0.0.1", 0, accepted_at_once=1))
+    for _ in range(turns):
+        await asyncio.sleep(0)
+    starting.cancel()
+    with contextlib.suppress(asyncio.CancelledError):
+        await close_servers([await starting])
+    # An open socket would raise a ResourceWarning.
+    del starting
+    gc.collect()

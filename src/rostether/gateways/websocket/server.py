@@ -29,8 +29,7 @@ from rostether.transports.own_names import OwnNames
 from rostether.transports.sockets import (
     close_servers,
     explain_reason,
-    lengthen_backlog,
-    system_bind_errors,
+    start_server,
 )
 from rostether.transports.tls import ListenerTls, TlsFiles
 
@@ -105,19 +104,16 @@ class WebSocketServer:
         hosts = _LOOPBACK_HOSTS if host == DEFAULT_HOST else (host or None,)
         if self._settings.certificate:
             self.encryption = ListenerTls(TlsFiles(self._settings.certificate, self._settings.key or None))
-        loop = asyncio.get_running_loop()
         for each in hosts:
             try:
-                async with system_bind_errors(each, port):
-                    server = await loop.create_server(
-                        partial(Connection, self), each, port, backlog=self.limits.clients
-                    )
+                server = await start_server(
+                    partial(Connection, self), each, port, accepted_at_once=self.limits.clients
+                )
             except OSError as error:
                 if self._servers:
                     # The machine has no IPv6.
                     continue
                 raise self._explain(port, error) from error
-            lengthen_backlog(server)
             self._servers.append(server)
             port = self.port
 
