@@ -43,8 +43,8 @@ def throughput_table() -> Table:
         ("sensor_msgs/CompressedImage", 60_000, "10,000"),
     ):
         relay = throughput.relay_to_ros(type_name, count)
-        ours = throughput.device_to_ros(type_name, count)
-        _row(table, f"device to ROS, {throughput.SIZES[type_name]} B", ours, relay, wanted)
+        flood = throughput.device_to_ros(type_name, count)
+        _row(table, f"device to ROS, {throughput.SIZES[type_name]} B", flood, relay, wanted)
     _row(
         table,
         "ROS to device, 64 B",
@@ -55,14 +55,14 @@ def throughput_table() -> Table:
     return table
 
 
-def _row(table: Table, name: str, ours: throughput.Flood, relay: throughput.Flood, wanted: str) -> None:
+def _row(table: Table, name: str, flood: throughput.Flood, relay: throughput.Flood, wanted: str) -> None:
     table.add_row(
         name,
-        f"{ours.rate_hz:,.0f}",
-        f"{ours.sent - ours.received:,}",
-        f"{ours.cpu_per_100k_s:.2f}",
+        f"{flood.rate_hz:,.0f}",
+        f"{flood.sent - flood.received:,}",
+        f"{flood.cpu_per_100k_s:.2f}",
         f"{relay.rate_hz:,.0f}",
-        f"{ours.rate_hz / relay.rate_hz:.0%}",
+        f"{flood.rate_hz / relay.rate_hz:.0%}",
         wanted,
     )
 
@@ -188,18 +188,20 @@ def cdr_table() -> Table:
 
 
 def _beside_rosbags(title: str, rows: list[serde_codec.Row]) -> Table:
-    table = Table("operation", "ours ns", "rosbags ns", "ratio", title=title)
+    table = Table("operation", "rostether ns", "rosbags ns", "ratio", title=title)
     for row in rows:
-        theirs = "" if row.theirs_ns is None else f"{row.theirs_ns:,.0f}"
-        ratio = "" if row.theirs_ns is None else f"{row.theirs_ns / row.ours_ns:.1f}"
-        table.add_row(row.operation, f"{row.ours_ns:,.0f}", theirs, ratio)
+        rosbags = "" if row.rosbags_ns is None else f"{row.rosbags_ns:,.0f}"
+        ratio = "" if row.rosbags_ns is None else f"{row.rosbags_ns / row.rostether_ns:.1f}"
+        table.add_row(row.operation, f"{row.rostether_ns:,.0f}", rosbags, ratio)
     return table
 
 
 def cycles_table() -> Table:
     """Count the cycles that the client library uses on a Mega."""
     title = "Client library, cycles on a Mega"
-    table = Table("operation", "ours", "relative", "with Serial, 1 Mbaud", "theirs", "wanted", title=title)
+    table = Table(
+        "operation", "rostether", "relative", "with Serial, 1 Mbaud", "established", "wanted", title=title
+    )
     neutral, serial = cycles.count(neutral=True), cycles.count(neutral=False)
     for operation in cycles.OPERATIONS:
         table.add_row(

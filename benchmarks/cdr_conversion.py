@@ -33,7 +33,7 @@ def compare() -> list[Row]:
     """Measure both libraries in turns."""
     from rosbags.typesys import Stores, get_typestore
 
-    store, definitions, theirs = TypeStore(Registry()), Ros2Definitions(), get_typestore(Stores.ROS2_JAZZY)
+    store, definitions, rosbags = TypeStore(Registry()), Ros2Definitions(), get_typestore(Stores.ROS2_JAZZY)
     trees = TypeTrees(store.registry)
     rows: list[Row] = []
     for name, fields in MESSAGES.items():
@@ -42,25 +42,25 @@ def compare() -> list[Row]:
             trees.struct(name), definitions.message(ros2_message_name(name)), definitions.message
         )
         payload = codec.encode(codec.conform(fields))
-        rows += _compare_type(name, converter.to_cdr, converter.from_cdr, payload, theirs)
+        rows += _compare_type(name, converter.to_cdr, converter.from_cdr, payload, rosbags)
     return rows
 
 
-def _compare_type(name: str, to_cdr: Any, from_cdr: Any, payload: bytes, theirs: Any) -> list[Row]:
-    their_name = name.replace("/", "/msg/")
+def _compare_type(name: str, to_cdr: Any, from_cdr: Any, payload: bytes, rosbags: Any) -> list[Row]:
+    rosbags_name = name.replace("/", "/msg/")
     cdr = to_cdr(payload)
     assert from_cdr(cdr) == payload
-    their_ros1 = bytes(theirs.cdr_to_ros1(cdr, their_name))
-    assert bytes(theirs.ros1_to_cdr(their_ros1, their_name)) == cdr
+    rosbags_ros1 = bytes(rosbags.cdr_to_ros1(cdr, rosbags_name))
+    assert bytes(rosbags.ros1_to_cdr(rosbags_ros1, rosbags_name)) == cdr
     return [
         Row(
             f"{name} to CDR",
             best_ns(lambda: to_cdr(payload)),
-            best_ns(lambda: theirs.ros1_to_cdr(their_ros1, their_name)),
+            best_ns(lambda: rosbags.ros1_to_cdr(rosbags_ros1, rosbags_name)),
         ),
         Row(
             f"{name} from CDR",
             best_ns(lambda: from_cdr(cdr)),
-            best_ns(lambda: theirs.cdr_to_ros1(cdr, their_name)),
+            best_ns(lambda: rosbags.cdr_to_ros1(cdr, rosbags_name)),
         ),
     ]

@@ -40,7 +40,7 @@ def crowd(
     with Bench(roscore=roscore) as bench:
         # One more device may connect: the one that floods.
         limits = (f"--limit={name}={devices + 1}" for name in ("connections", "connections-per-host"))
-        bridge = bench.ours("serve", f"tcp://:{port}", *limits)
+        bridge = bench.rostether("serve", f"tcp://:{port}", *limits)
         talkers = bench.module("crowd_devices", str(port), str(devices), str(rate_hz), str(messages))
         first_line(talkers)
         wanted = {f"/crowd{number}" for number in range(devices)}

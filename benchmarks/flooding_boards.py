@@ -35,7 +35,7 @@ def flooding_boards(boards: int, messages: int) -> FloodingBoards:
     port = free_port()
     each = messages // boards
     with Bench() as bench:
-        bench.ours("serve", f"tcp://:{port}")
+        bench.rostether("serve", f"tcp://:{port}")
         devices = [
             bench.module("flood_device", str(port), "send", FLOOD_TYPE, str(each)) for _ in range(boards)
         ]

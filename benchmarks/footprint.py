@@ -35,7 +35,7 @@ def start_to_first_message_s() -> float:
         bench.module("talker_device", str(port), "1", "50")
         time.sleep(0.5)
         started = time.perf_counter()
-        bench.ours("serve", f"tcp://:{port}")
+        bench.rostether("serve", f"tcp://:{port}")
         first_line(listener)
         return time.perf_counter() - started
 
@@ -44,7 +44,7 @@ def idle(devices: int) -> Footprint:
     """Serve devices that publish once a second each."""
     port = free_port()
     with Bench() as bench:
-        bridge = bench.ours("serve", f"tcp://:{port}")
+        bridge = bench.rostether("serve", f"tcp://:{port}")
         bench.module("talker_device", str(port), str(devices), "1")
 
         def all_there() -> bool:

@@ -56,7 +56,7 @@ def gateway_costs() -> dict[str, GatewayCost]:
 
 def _gateway(bench: Bench, verb: str) -> tuple[subprocess.Popen[str], int]:
     port = free_port()
-    process = bench.ours(verb, str(port))
+    process = bench.rostether(verb, str(port))
     wait_until(lambda: _listens(port), f"the gateway {verb}")
     return process, port
 

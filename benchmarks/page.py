@@ -33,7 +33,7 @@ async def main(minutes: float) -> int:
         first_line(bench.module("page_source"))
         port = free_port()
         url = f"http://127.0.0.1:{port}/"
-        dashboard = bench.ours("dashboard", "--port", str(port), "--no-open")
+        dashboard = bench.rostether("dashboard", "--port", str(port), "--no-open")
         wait_until(lambda: _answers(url), "the dashboard")
         browser = await Browser.start(page_packages())
         try:

@@ -58,7 +58,7 @@ class Bench:
             environment = ros_environment(self.master_uri, self._home)
             self.start("rosmaster", "--core", "-p", str(self.port), env=environment)
         else:
-            self.ours("core", "--port", str(self.port))
+            self.rostether("core", "--port", str(self.port))
         wait_until(self._master_answers, "the master")
         return self
 
@@ -107,7 +107,7 @@ class Bench:
             if stream is not None:
                 stream.close()
 
-    def ours(self, *arguments: str) -> subprocess.Popen[str]:
+    def rostether(self, *arguments: str) -> subprocess.Popen[str]:
         """Start one of our commands with this master; its log is discarded."""
         environment = dict(os.environ, ROS_MASTER_URI=self.master_uri)
         environment.pop("PYTHONDONTWRITEBYTECODE", None)

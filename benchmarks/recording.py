@@ -144,14 +144,14 @@ def cpu_s(pid: int) -> float:
 
 def recordings(seconds: float = 10.0, rate: float = 100_000.0) -> list[Recorded]:
     """Measure our recorder in each format, and Debian's if it is installed."""
-    ours = [sys.executable, "-m", "rostether", "bag", "record"]
+    rostether = [sys.executable, "-m", "rostether", "bag", "record"]
     runs = [
-        ("rostether, .bag", ours, "ours.bag"),
-        ("rostether, .mcap", ours, "ours.mcap"),
-        ("rostether, .bag, LZ4", [*ours, "--lz4"], "lz4.bag"),
+        ("rostether, .bag", rostether, "rostether.bag"),
+        ("rostether, .mcap", rostether, "rostether.mcap"),
+        ("rostether, .bag, LZ4", [*rostether, "--lz4"], "lz4.bag"),
     ]
-    if theirs := _debians("record"):
-        runs.append(("Debian's rosbag, .bag", theirs, "theirs.bag"))
+    if debian := _debians("record"):
+        runs.append(("Debian's rosbag, .bag", debian, "debian.bag"))
     with tempfile.TemporaryDirectory() as folder:
         return [
             asyncio.run(record(name, command, Path(folder) / file, seconds, rate))
@@ -161,12 +161,12 @@ def recordings(seconds: float = 10.0, rate: float = 100_000.0) -> list[Recorded]
 
 def playbacks() -> list[Played]:
     """Measure our player, and Debian's if it is installed."""
-    ours = [sys.executable, "-m", "rostether", "bag", "play", "--immediate", "--wait-for-subscribers"]
-    runs = [("rostether", ours)]
-    if theirs := _debians("play"):
+    rostether = [sys.executable, "-m", "rostether", "bag", "play", "--immediate", "--wait-for-subscribers"]
+    runs = [("rostether", rostether)]
+    if debian := _debians("play"):
         # Its queue is limited by the number of messages, and drops the others.
         runs.append(
-            ("Debian's rosbag", [*theirs, "--immediate", "--wait-for-subscribers", f"--queue={PLAYED}"])
+            ("Debian's rosbag", [*debian, "--immediate", "--wait-for-subscribers", f"--queue={PLAYED}"])
         )
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "flood.bag"

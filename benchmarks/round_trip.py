@@ -100,7 +100,7 @@ def round_trips(rate_hz: float, count: int) -> RoundTrips:
     """Send `count` 64-byte messages at `rate_hz` and measure each round trip."""
     port = free_port()
     with Bench() as bench:
-        bench.ours("serve", f"tcp://:{port}?name=echo_board")
+        bench.rostether("serve", f"tcp://:{port}?name=echo_board")
         peers = Peers(bench, port)
         peers.subscriber.settimeout(2.0)
         times: list[float] = []

@@ -40,11 +40,11 @@ DECODE_ONE_STRING = {
 
 @dataclass(frozen=True, slots=True)
 class Row:
-    """One operation; `theirs_ns` is None if rosbags has no such operation."""
+    """One operation; `rosbags_ns` is None if rosbags has no such operation."""
 
     operation: str
-    ours_ns: float
-    theirs_ns: float | None
+    rostether_ns: float
+    rosbags_ns: float | None
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,30 +63,30 @@ def compare() -> list[Row]:
     from rostether.msgdef.registry import Registry
     from rostether.serde.store import TypeStore
 
-    store, theirs = TypeStore(Registry()), get_typestore(Stores.ROS1_NOETIC)
+    store, rosbags = TypeStore(Registry()), get_typestore(Stores.ROS1_NOETIC)
     rows: list[Row] = []
     for name, fields in MESSAGES.items():
-        rows += _compare_type(store.codec(name), fields, theirs)
+        rows += _compare_type(store.codec(name), fields, rosbags)
     return rows
 
 
-def _compare_type(codec: Codec, fields: dict[str, Any], theirs: Any) -> list[Row]:
-    name, their_name = codec.type_name, codec.type_name.replace("/", "/msg/")
+def _compare_type(codec: Codec, fields: dict[str, Any], rosbags: Any) -> list[Row]:
+    name, rosbags_name = codec.type_name, codec.type_name.replace("/", "/msg/")
     message = codec.conform(fields)
     payload = codec.encode(message)
-    their_message = theirs.deserialize_ros1(payload, their_name)
-    assert bytes(theirs.serialize_ros1(their_message, their_name)) == payload
+    rosbags_message = rosbags.deserialize_ros1(payload, rosbags_name)
+    assert bytes(rosbags.serialize_ros1(rosbags_message, rosbags_name)) == payload
     batch = [payload] * BATCH
     return [
         Row(
             f"{name} encode",
             best_ns(lambda: codec.encode(message)),
-            best_ns(lambda: theirs.serialize_ros1(their_message, their_name)),
+            best_ns(lambda: rosbags.serialize_ros1(rosbags_message, rosbags_name)),
         ),
         Row(
             f"{name} decode",
             best_ns(lambda: codec.decode(payload)),
-            best_ns(lambda: theirs.deserialize_ros1(payload, their_name)),
+            best_ns(lambda: rosbags.deserialize_ros1(payload, rosbags_name)),
         ),
         Row(f"{name} check", best_ns(lambda: codec.layout.accepts_all(batch)) / BATCH, None),
     ]
@@ -129,8 +129,8 @@ def _start(library: str, code: str) -> Start:
 
 if __name__ == "__main__":
     for row in compare():
-        beside = "" if row.theirs_ns is None else f", rosbags {row.theirs_ns:,.0f} ns"
-        ratio = "" if row.theirs_ns is None else f" ({row.theirs_ns / row.ours_ns:.1f} times as long)"
-        print(f"{row.operation}: {row.ours_ns:,.0f} ns{beside}{ratio}")
+        beside = "" if row.rosbags_ns is None else f", rosbags {row.rosbags_ns:,.0f} ns"
+        ratio = "" if row.rosbags_ns is None else f" ({row.rosbags_ns / row.rostether_ns:.1f} times as long)"
+        print(f"{row.operation}: {row.rostether_ns:,.0f} ns{beside}{ratio}")
     for start in starts():
         print(f"decode one String, {start.library}: {start.duration_s:.3f} s, {start.resident_mb:.0f} MB")

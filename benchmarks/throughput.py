@@ -34,7 +34,7 @@ def device_to_ros(type_name: str, count: int) -> Flood:
     """A TCP device floods, a roscpp subscriber counts."""
     port = free_port()
     with Bench() as bench:
-        bridge = bench.ours("serve", f"tcp://:{port}?name=flood_board")
+        bridge = bench.rostether("serve", f"tcp://:{port}?name=flood_board")
         device = bench.module("flood_device", str(port), "send", type_name, str(count))
         bench.wait_for_publisher("/flood")
         counter = bench.roscpp("count", "/flood", str(count), "3")
@@ -49,7 +49,7 @@ def ros_to_device(count: int) -> Flood:
     """A roscpp publisher floods, a TCP device counts."""
     port = free_port()
     with Bench() as bench:
-        bridge = bench.ours("serve", f"tcp://:{port}?name=flood_board")
+        bridge = bench.rostether("serve", f"tcp://:{port}?name=flood_board")
         device = bench.module("flood_device", str(port), "sink", str(count))
 
         def subscribed() -> bool:
