@@ -212,14 +212,14 @@ async def test_a_board_calls_a_rospy_service(bridged: BridgeStage) -> None:
 
 async def test_a_call_without_a_server_fails(bridged: BridgeStage) -> None:
     device = await bridged.device()
-    client = device.service_client("nobody", "std_srvs/SetBool")
-    await bridged.wait_for_endpoint("service client", "nobody")
+    client = device.service_client("no_server", "std_srvs/SetBool")
+    await bridged.wait_for_endpoint("service client", "no_server")
     try:
         response = await client.call(data=True)
         assert (response.success, response.message) == (False, "")
     except ServiceTimeoutError:
         pytest.fail("the board waited")
-    assert len(bridged.reporter.having("nobody")) >= 1
+    assert len(bridged.reporter.having("no_server")) >= 1
 
 
 @ON_BOTH_MASTERS

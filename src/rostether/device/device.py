@@ -21,7 +21,7 @@ from rostether.mechanisms.block_end import BlockClosable
 from rostether.mechanisms.tasks import cancel_all
 from rostether.msgdef.registry import Registry
 from rostether.msgdef.search_waiting import definitions_searched
-from rostether.rosserial.device_link import PUBLISHER_OVERHEAD_BYTES, DeviceLink, DeviceLinkConfig
+from rostether.rosserial.device_link import DeviceLink, DeviceLinkConfig
 from rostether.rosserial.events import (
     DeviceEvent,
     MessagesReceived,
@@ -32,7 +32,7 @@ from rostether.rosserial.events import (
     Unconfigured,
 )
 from rostether.rosserial.frame import MAX_PAYLOAD_BYTES, encode_frame
-from rostether.rosserial.packets import LogLevel, encode_time
+from rostether.rosserial.packets import PUBLISHER_OVERHEAD_BYTES, LogLevel, encode_time
 from rostether.rosserial.topic_id import TIME
 from rostether.rostime import Time
 from rostether.serde.store import TypeStore

@@ -29,6 +29,7 @@ from rostether.rosserial.frame import encode_frame, encode_frames
 from rostether.rosserial.frame_decoder import Decoded, FrameDecoder
 from rostether.rosserial.link_statistics import LinkStatistics
 from rostether.rosserial.packets import (
+    PUBLISHER_OVERHEAD_BYTES,
     Log,
     LogLevel,
     ParameterRequest,
@@ -38,9 +39,6 @@ from rostether.rosserial.packets import (
 )
 from rostether.rosserial.time_sync import OUR_REQUEST_PERIOD_S, SYNC_LOST_S, DeviceClock
 from rostether.rostime import Time
-
-# The output buffer must also hold these bytes of a frame, in both versions (established library).
-PUBLISHER_OVERHEAD_BYTES = 8
 
 # An unfinished frame must not hide a probe; the established library waits 20 ms, networks need more.
 ABANDON_AFTER_S = 0.25

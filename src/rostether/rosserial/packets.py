@@ -30,6 +30,9 @@ MAX_NAME_BYTES = 255
 # A frame holds at most 65535 bytes. Devices with more memory may round up, but to no more than 1 MiB.
 MAX_BUFFER_BYTES = 1 << 20
 
+# The output buffer of a device must also hold these bytes of a frame, in both versions (established library).
+PUBLISHER_OVERHEAD_BYTES = 8
+
 TIME_BYTES = 8
 
 # A request needs no content: some firmware sends it empty, and the established host answers it.

@@ -12,9 +12,8 @@ from rostether.bridge.findings.finding import Code, Finding, error, split_step, 
 from rostether.bridge.findings.oversize import Oversizes
 from rostether.errors import DefinitionError, RostetherError, TypeMismatchError, UnknownTypeError
 from rostether.mechanisms.text import listed
-from rostether.rosserial.device_link import PUBLISHER_OVERHEAD_BYTES
 from rostether.rosserial.events import ServiceRole
-from rostether.rosserial.packets import TopicInfo
+from rostether.rosserial.packets import PUBLISHER_OVERHEAD_BYTES, TopicInfo
 from rostether.serde.store import TypeStore
 
 # How long a loss is reported after it happened.
