@@ -57,7 +57,7 @@ class FrameWriter : protected NodeState {
   ROS_APART void count(size_t length) {
     uint8_t* to = to_;
     to_ = to + 4;
-    // Always zero on a processor with addresses of 16 bits.
+    // Always zero on a processor with 16-bit addresses.
     const uint16_t upper = static_cast<uint16_t>(static_cast<uint32_t>(length) >> 16);
     const uint8_t bytes[] = {static_cast<uint8_t>(length), static_cast<uint8_t>(length >> 8), static_cast<uint8_t>(upper),
                              static_cast<uint8_t>(upper >> 8)};

@@ -12,7 +12,7 @@
 //
 // The host:  rostether serve "tcp://:11411?psk=board.key"
 //
-// It refuses hosts without the key, but does not encrypt. If the board supports TLS, NetworkClient can be a TLS client.
+// The board refuses hosts without the key. The data is not encrypted, unless NetworkClient is a TLS client.
 #ifndef ROS_KEYED_CLIENT_H_
 #define ROS_KEYED_CLIENT_H_
 

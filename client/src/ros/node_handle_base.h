@@ -230,8 +230,7 @@ class NodeHandleBase_ : public FrameWriter {
     requested_ms_ = static_cast<uint16_t>(shortTime() - SYNC_PERIOD_MS);
   }
 
-  // The time in milliseconds modulo 65536: enough to measure a few seconds, and half the work for a processor of 8
-  // bits.
+  // The time in milliseconds modulo 65536: enough to measure a few seconds, and half the work for an 8-bit processor.
   uint16_t shortTime() { return static_cast<uint16_t>(time()); }
   static uint16_t since(uint16_t then_ms, uint16_t now_ms) { return static_cast<uint16_t>(now_ms - then_ms); }
 

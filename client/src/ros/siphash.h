@@ -1,6 +1,6 @@
 // SipHash-2-4 (Aumasson and Bernstein, 2012): a tag of 8 bytes that only holders of the key can make.
 //
-// An AVR has no short instructions to add and rotate words of 64 bits. Therefore its code is assembly: a compiler makes
+// An AVR has no short instructions to add and rotate 64-bit words. Therefore its code is assembly: a compiler makes
 // twice as much code.
 #ifndef ROS_SIPHASH_H_
 #define ROS_SIPHASH_H_

@@ -18,7 +18,7 @@ _SHORT_ESCAPES = {"\n": "\\n", "\t": "\\t", '"': '\\"', "\\": "\\\\"}
 
 
 def integer_literal(value: int) -> str:
-    """Return an integer with the suffix that boards with an int of 16 bits need."""
+    """Return an integer with the suffix that boards with a 16-bit int need."""
     if value < 0:
         # C++ has no negative literals, so the smallest value of a type is written as -MAX - 1.
         if -value - 1 in (_INT32_MAX, _INT64_MAX):

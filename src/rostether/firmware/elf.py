@@ -99,9 +99,14 @@ class ElfFile:
 
     def __init__(self, content: bytes, name: str = "the file") -> None:
         if len(content) > MAX_FILE_BYTES:
-            raise FirmwareError(f"{name} is larger than {MAX_FILE_BYTES} bytes, the limit for firmware")
+            limit_mib = MAX_FILE_BYTES >> 20
+            raise FirmwareError(
+                f"{name} is larger than {limit_mib} MiB; give the ELF file of a microcontroller"
+            )
         if content[:6] != _MAGIC:
-            raise FirmwareError(f"{name} is not an ELF file of a microcontroller (32 bits, little endian)")
+            raise FirmwareError(
+                f"{name} is not an ELF file of a microcontroller (32 bits, little endian); give the .elf file of a build"
+            )
         self._content = content
         self._name = name
         try:

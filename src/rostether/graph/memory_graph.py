@@ -36,7 +36,7 @@ class MemoryGraph(NodeMembership):
     async def advertise(
         self, topic: str, message_type: MessageType, *, latch: bool = False, queue_bytes: int | None = None
     ) -> MemoryPublisher:
-        """Advertise a topic. Raises TypeMismatchError, GraphError."""
+        """Advertise a topic. Raises TypeMismatchError, InvalidNameError, GraphError."""
         self._check_open()
         name = self.resolve(topic)
         for handle in self._handles:

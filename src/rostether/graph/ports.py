@@ -179,7 +179,8 @@ class Watch(Protocol):
 class Graph(Protocol):
     """One node's membership of a ROS graph.
 
-    Every method that asks the graph raises GraphError if the graph cannot be reached or refuses.
+    Every method that takes a name raises InvalidNameError if the name is invalid. Every method that asks the
+    graph raises GraphError if the graph cannot be reached or refuses.
     """
 
     @property

@@ -114,7 +114,7 @@ class SensorRegistry:
     def register(self, platform: str, sensor_type: str, now_s: float) -> Sensor:
         """Register a sensor of a platform: return a new one, or a disconnected one of the same type.
 
-        Raises ServiceCallError for a type or a name that cannot be used.
+        Raises ServiceCallError for an invalid type or name, and when there are too many sensors.
         """
         check_text("platform_name", platform)
         if sensor_type not in MESSAGE_TYPES:
@@ -131,8 +131,8 @@ class SensorRegistry:
     def register_by_id(self, wanted: Registration, now_s: float) -> tuple[Sensor, str]:
         """Register a sensor or renew its lease; return it, and why it must wait, or an empty string.
 
-        The sensor must wait while another process holds its lease. Raises ServiceCallError for a field that
-        cannot be used.
+        The sensor must wait while another process holds its lease. Raises ServiceCallError for an invalid
+        field, for an id that another kind of sensor uses, and when there are too many sensors.
         """
         wanted.check()
         before = self._sensors.get(wanted.id)
@@ -232,7 +232,7 @@ class SensorRegistry:
         lost = [key for key, each in self._conditions.items() if each.state == "lost"]
         if not lost:
             raise ServiceCallError(
-                f"there are already {MAX_SENSORS} sensors, and none of them is lost; stop one of them first"
+                f"there are already {MAX_SENSORS} sensors; stop one, and try again when its state is lost"
             )
         oldest = min(lost, key=lambda key: self._conditions[key].since_s)
         del self._sensors[oldest], self._conditions[oldest]

@@ -22,7 +22,7 @@ SYNC_LOST_S = 11.0
 # A device sets its clock back only by more than this: longer than any round trip, as in the C++ client.
 MAX_HOLD_S = 10.0
 
-# With 2.5 s between requests, a held answer comes 7.5 s after the last: well before the board gives up.
+# With 2.5 s between requests, a held answer comes at most 7.5 s after the previous one: before `SYNC_LOST_S`.
 HOLD_LIMIT_S = 5.0
 
 
@@ -43,7 +43,7 @@ class DeviceClock:
         self._requested_s = now_s
 
     def answered(self, time: Time, now_s: float) -> float:
-        """Set the clock to the host's stamp; return the round trip, 0 without a request."""
+        """Set the clock to the host's stamp; return the round trip in seconds, 0 without a request."""
         round_trip_s = 0.0 if self._requested_s is None else max(now_s - self._requested_s, 0.0)
         self._requested_s = None
         self._offset_ns = time.to_ns() + round(round_trip_s / 2 * 1e9) - round(now_s * 1e9)

@@ -92,7 +92,7 @@ class TcpTransport(StreamTransport, asyncio.BufferedProtocol):
                 pass
 
     def get_buffer(self, sizehint: int) -> memoryview:
-        """Lend the event loop's read buffer until `buffer_updated`."""
+        """Return the buffer for the next read, which all connections of the event loop share."""
         return self._buffer[: self._turn.size_bytes]
 
     def buffer_updated(self, nbytes: int) -> None:

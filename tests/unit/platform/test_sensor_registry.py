@@ -116,7 +116,7 @@ def test_the_number_of_sensors_is_limited(registry: SensorRegistry, monkeypatch:
     monkeypatch.setattr(sensor_registry, "MAX_SENSORS", 2)
     registry.register("A", "ANALOG", 0.0)
     registry.register("B", "ANALOG", 1.0)
-    with pytest.raises(ServiceCallError, match="there are already 2 sensors, and none of them is lost"):
+    with pytest.raises(ServiceCallError, match="there are already 2 sensors; stop one"):
         registry.register("C", "ANALOG", 2.0)
     registry.update_states(60.0)
     assert registry.register("C", "ANALOG", 60.0).topic == "sensor_node2"

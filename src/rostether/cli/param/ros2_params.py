@@ -214,7 +214,7 @@ class Ros2Params:
 
         refuse_ros1_only(namespace=namespace, verbose=verbose)
         if node is None:
-            raise click.UsageError("give the node whose parameters to print")
+            raise click.UsageError("give a node, for example /board")
         owner = full_node_name(str(node))
 
         async def ask(client: ParameterClient) -> dict[str, TypedValue]:

@@ -142,7 +142,7 @@ class Connection(asyncio.BufferedProtocol):
     @property
     def is_open(self) -> bool:
         """Whether messages can be sent."""
-        # An invalid frame in the chunk of the request ends sending, but the state becomes open.
+        # After an invalid frame in the chunk of the request, the state is OPEN although sending has ended.
         return self._is_established and self._websocket.state is OPEN and not self._websocket.eof_sent
 
     @property
@@ -187,7 +187,7 @@ class Connection(asyncio.BufferedProtocol):
             self._encrypting = asyncio.ensure_future(self._encrypt(transport, early, encryption.context()))
 
     def get_buffer(self, sizehint: int) -> memoryview:
-        """Lend the event loop's read buffer until `buffer_updated`."""
+        """Return the buffer for the next read, which all connections of the event loop share."""
         return self._buffer[: self._turn.size_bytes]
 
     def buffer_updated(self, nbytes: int) -> None:

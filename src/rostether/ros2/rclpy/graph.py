@@ -89,7 +89,10 @@ class RclpyGraph(Ros2Membership):
         return await self._endpoints.call_service(self.resolve(service), service_type, request, timeout_s)
 
     async def list_client(self, service: str, service_type: ServiceType) -> ListedClient:
-        """Appear in the graph as a client of a service. Raises UnknownTypeError, TypeMismatchError."""
+        """Appear in the graph as a client of a service.
+
+        Raises UnknownTypeError, TypeMismatchError, InvalidNameError.
+        """
         self._check_open()
         return await self._endpoints.list_client(self.resolve(service), service_type)
 

@@ -121,7 +121,10 @@ class ZenohGraph(Ros2Membership):
         )
 
     async def list_client(self, service: str, service_type: ServiceType) -> ListedClient:
-        """Appear in the graph as a client of a service. Raises UnknownTypeError, TypeMismatchError."""
+        """Appear in the graph as a client of a service.
+
+        Raises UnknownTypeError, TypeMismatchError, InvalidNameError.
+        """
         self._check_open()
         return self._endpoints.list_client(self._resolve_ros2(service), service_type)
 
