@@ -105,7 +105,8 @@ class ElfFile:
             )
         if content[:6] != _MAGIC:
             raise FirmwareError(
-                f"{name} is not an ELF file of a microcontroller (32 bits, little endian); give the .elf file of a build"
+                f"{name} is not an ELF file of a microcontroller (32 bits, little endian); "
+                "give the .elf file of a build"
             )
         self._content = content
         self._name = name
