@@ -9,6 +9,7 @@ RostetherError
 │   └── SketchError             the compiler or the linker rejects it; has their output
 ├── RobotModelError             a robot description (URDF, xacro) that is not valid
 ├── BoardError                  a simulated board that cannot start, refuses a command, or has ended
+├── SensorError                 a sensor, such as a camera, that is missing or whose data cannot be used
 ├── DefinitionError             a .msg or .srv text that cannot be read (file, line, column)
 │   └── UnknownTypeError        no known package has the message or service
 ├── SerializationError          a value or bytes that do not fit a type
@@ -91,6 +92,10 @@ class RobotModelError(RostetherError):
 
 class BoardError(RostetherError):
     """A simulated board cannot start, refuses a command, or has ended."""
+
+
+class SensorError(RostetherError):
+    """A sensor, such as a camera, is missing, or its data cannot be used."""
 
 
 class DefinitionError(RostetherError):

@@ -33,7 +33,7 @@ _ANSWER_PAUSE_MS = 20
 _SPIN_TIMEOUT_MS = 1000
 # If the transmitter accepts no byte for this time, it is not connected: one byte takes 1 ms at 9600 baud.
 _STALL_MS = 100
-# The limit of callbacks inside each other, each waiting in a spinOnce. More would fill a board's stack.
+# The limit of nested callbacks, each of which waits in a spinOnce. More would fill a board's stack.
 _MAX_DEPTH = 3
 
 # What _keep_in_touch must react to, as bits: a host that searches for boards, a time without a request for

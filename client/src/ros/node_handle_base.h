@@ -296,7 +296,7 @@ class NodeHandleBase_ : public FrameWriter {
   static const uint16_t RELIABLE_GAP_MS = 5000;
   // A host that searches for boards sends other version bytes, and so does noise. One answer to a burst is enough.
   static const uint8_t ANSWER_PAUSE_MS = 20;
-  // The limit of callbacks inside each other, each of which waits in a spinOnce. More would need all of an Uno's stack.
+  // The limit of nested callbacks, each of which waits in a spinOnce. More would need all of an Uno's stack.
   static const uint8_t MAX_NESTED_SPINS = 3;
   // The default time limit of a spinOnce: a line that never pauses must not block loop().
   static const uint16_t SPIN_TIMEOUT_MS = 1000;

@@ -202,7 +202,7 @@ class HostLink:
     ) -> None:
         """Answer ParameterRequested.
 
-        Raises LocalProtocolError if it does not fit in the device's buffer, or a number not in 32 bits.
+        Raises LocalProtocolError if the answer does not fit in the device's buffer, or a number in 32 bits.
         """
         self._output.queue_parameter(ParameterResponse(tuple(ints), tuple(floats), tuple(strings)))
 

@@ -87,7 +87,7 @@ def own_certificate(folder: Path, names: Iterable[str] = ()) -> OwnCertificate:
             f"authority.pem or authority.key in {folder} is damaged; delete both to make a new authority, "
             "which devices must trust again"
         ) from None
-    raise ConfigError(f"another program changes the certificates in {folder}; try again")
+    raise ConfigError(f"another program is changing the certificates in {folder}; try again")
 
 
 def _identities(names: Iterable[str]) -> tuple[set[str], set[_Address]]:

@@ -13,7 +13,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from rostether.errors import BoardError
+from rostether.errors import SensorError
 from rostether.graph.ports import Level
 from rostether.graph.typed_graph import TypedGraph
 from rostether.platform.sensors.readings import paced, publish_readings
@@ -39,11 +39,11 @@ _TECHNOLOGY = {"NiMH": 1, "Li-ion": 2, "Li-poly": 3, "LiFe": 4, "NiCd": 5, "LiMn
 
 
 def find_battery(folder: Path = FOLDER) -> Path:
-    """Return the folder of the first battery. Raises BoardError if there is no battery."""
+    """Return the folder of the first battery. Raises SensorError if there is no battery."""
     for supply in sorted(folder.glob("*")):
         if _text(supply, "type") == "Battery" and _text(supply, "scope") != "Device":
             return supply
-    raise BoardError(f"{folder} has no battery")
+    raise SensorError(f"{folder} has no battery")
 
 
 def read_battery(supply: Path) -> dict[str, Any]:

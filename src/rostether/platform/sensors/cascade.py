@@ -7,7 +7,7 @@ from typing import Any
 
 from msgspec import Struct
 
-from rostether.errors import BoardError, ConfigError
+from rostether.errors import ConfigError, SensorError
 from rostether.extras import install_command
 from rostether.mechanisms.text import first_line
 from rostether.platform.sensors.jpeg import DEFAULT_QUALITY
@@ -58,7 +58,7 @@ class CascadeDetector:
     def detect(self, picture: bytes) -> tuple[list[Region], bytes]:
         """Return the regions in a JPEG picture, and the picture with a box around each.
 
-        Raises BoardError for data that is not a picture.
+        Raises SensorError for data that is not a picture.
         """
         import numpy as np
 
@@ -66,7 +66,7 @@ class CascadeDetector:
         try:
             image = cv2.imdecode(np.frombuffer(picture, np.uint8), cv2.IMREAD_COLOR)
             if image is None:
-                raise BoardError("a picture is damaged")
+                raise SensorError("a picture is damaged")
             gray = cv2.cvtColor(image, cv2.COLOR_BGR2GRAY)
             found = self._classifier.detectMultiScale(gray)[:_MAX_REGIONS]
             regions = [Region(*(int(each) for each in box)) for box in found]
@@ -76,7 +76,7 @@ class CascadeDetector:
                 cv2.rectangle(image, box, _GREEN_BGR, _LINE_PIXELS)
             _, encoded = cv2.imencode(".jpg", image, [cv2.IMWRITE_JPEG_QUALITY, DEFAULT_QUALITY])
         except cv2.error as error:
-            raise BoardError(f"a picture is damaged: {first_line(error)}") from None
+            raise SensorError(f"a picture is damaged: {first_line(error)}") from None
         return regions, encoded.tobytes()
 
 

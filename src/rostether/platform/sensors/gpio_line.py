@@ -8,7 +8,7 @@ from typing import Any
 
 from msgspec import Struct
 
-from rostether.errors import BoardError, ConfigError
+from rostether.errors import ConfigError, SensorError
 from rostether.extras import install_command
 
 # The interval for a line that does not change.
@@ -26,7 +26,7 @@ class GpioLine(Struct, frozen=True):
     is_active_low: bool = False
 
     async def levels(self) -> AsyncGenerator[float, None]:
-        """Yield 1.0 (active) or 0.0 now, at each change, and every second. Raises OSError, BoardError."""
+        """Yield 1.0 (active) or 0.0 now, at each change, and every second. Raises OSError, SensorError."""
         gpiod = gpio_package()
         changed = asyncio.Event()
         loop = asyncio.get_running_loop()
@@ -62,7 +62,7 @@ class GpioLine(Struct, frozen=True):
             return gpiod.request_lines(self.chip, config={key: settings}, consumer="rostether")
         except (OSError, ValueError) as error:
             reason = error.strerror if isinstance(error, OSError) else error
-            raise BoardError(f"{self.chip}: line {self.line} cannot be read: {reason}") from None
+            raise SensorError(f"{self.chip}: line {self.line} cannot be read: {reason}") from None
 
 
 def gpio_package() -> Any:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 from collections.abc import AsyncGenerator, Callable
 
-from rostether.errors import BoardError, TransportError
+from rostether.errors import SensorError, TransportError
 from rostether.graph.ports import Level
 from rostether.graph.typed_graph import TypedGraph
 from rostether.platform.sensors.nmea import NmeaReader, Position
@@ -61,7 +61,7 @@ async def publish_positions(
 async def positions(address: Address, report_s: float) -> AsyncGenerator[Position | str, None]:
     """Yield the positions that arrive, and after each `report_s` without one the reason.
 
-    Raises TransportError, BoardError, ConfigError.
+    Raises TransportError, SensorError, ConfigError.
     """
     transport = await open_transport(address)
     receiver = _Receiver(f"{address}")
@@ -89,7 +89,7 @@ class _Receiver(SmallWriter):
     async def next_position(self) -> Position:
         position = await self._waiting.get()
         if position is None:
-            raise BoardError(f"{self._where} closed the connection")
+            raise SensorError(f"{self._where} closed the connection")
         return position
 
     def data_received(self, data: bytes) -> None:

@@ -8,7 +8,7 @@ from typing import Any
 
 from msgspec import Struct
 
-from rostether.errors import BoardError, ConfigError
+from rostether.errors import ConfigError, SensorError
 from rostether.extras import install_command
 
 DEFAULT_QUALITY = 80
@@ -41,7 +41,7 @@ def pillow() -> Any:
 
 
 def changed_jpeg(data: bytes, change: PictureChange) -> bytes:
-    """Return a changed JPEG picture. Raises BoardError for invalid data."""
+    """Return a changed JPEG picture. Raises SensorError for invalid data."""
     image_module = pillow()
     try:
         with image_module.open(io.BytesIO(data), formats=["JPEG"]) as image:
@@ -52,15 +52,15 @@ def changed_jpeg(data: bytes, change: PictureChange) -> bytes:
             return _encoded(image, change)
     # Pillow raises SyntaxError for damaged markers.
     except (OSError, ValueError, SyntaxError, image_module.DecompressionBombError) as error:
-        raise BoardError(f"a picture is damaged: {error}") from None
+        raise SensorError(f"a picture is damaged: {error}") from None
 
 
 def jpeg_of_yuyv(data: bytes, width: int, height: int, change: PictureChange) -> bytes:
-    """Return a raw picture (YUV 4:2:2, two bytes per pixel) as JPEG. Raises BoardError if it is too short."""
+    """Return a raw picture (YUV 4:2:2, two bytes per pixel) as JPEG. Raises SensorError for too few bytes."""
     image_module = pillow()
     size = width * height
     if len(data) < 2 * size:
-        raise BoardError(f"a picture of {width} x {height} has only {len(data)} bytes")
+        raise SensorError(f"a picture of {width} x {height} has only {len(data)} bytes")
     data = data[: 2 * size]
     luma = image_module.frombytes("L", (width, height), data[0::2])
     chroma = [

@@ -6,7 +6,7 @@ import re
 from collections.abc import AsyncGenerator
 from pathlib import Path
 
-from rostether.errors import BoardError
+from rostether.errors import SensorError
 from rostether.platform.sensors.readings import paced
 
 # Longer than every number; a larger file is a mistake.
@@ -28,13 +28,13 @@ _IIO_UNITS = {
 
 
 def read_number(path: Path) -> float:
-    """Return the number at the start of a file. Raises OSError, BoardError."""
+    """Return the number at the start of a file. Raises OSError, SensorError."""
     with path.open("rb") as file:
         text = file.read(_MAX_FILE_BYTES)
     try:
         return float(text.split()[0])
     except (ValueError, IndexError):
-        raise BoardError(
+        raise SensorError(
             f"{path} does not start with a number, but with {text[:20].decode(errors='replace')!r}"
         ) from None
 
@@ -49,14 +49,14 @@ class NumberFile:
         self.unit = _IIO_THOUSANDTHS.get(self._kind) or _IIO_UNITS.get(self._kind, "")
 
     def read(self) -> float:
-        """Return the value in its unit; an ADC on I2C may need 0.1 s. Raises OSError, BoardError."""
+        """Return the value in its unit; an ADC on I2C may need 0.1 s. Raises OSError, SensorError."""
         value = read_number(self.path)
         if self._form == "raw":
             value = (value + self._property("offset", 0.0)) * self._property("scale", 1.0)
         return value / 1000 if self._kind in _IIO_THOUSANDTHS else value
 
     def readings(self, rate_hz: float) -> AsyncGenerator[float, None]:
-        """Yield the value `rate_hz` times a second. Raises OSError, BoardError."""
+        """Yield the value `rate_hz` times a second. Raises OSError, SensorError."""
         return paced(self.read, rate_hz)
 
     def _property(self, name: str, default: float) -> float:

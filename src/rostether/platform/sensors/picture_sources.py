@@ -8,7 +8,7 @@ from collections.abc import AsyncGenerator
 from pathlib import Path
 from typing import Protocol
 
-from rostether.errors import BoardError
+from rostether.errors import SensorError
 from rostether.platform.sensors.jpeg import PictureChange, changed_jpeg, draw_test_picture, pillow
 from rostether.platform.sensors.readings import Pace
 
@@ -22,12 +22,12 @@ class PictureSource(Protocol):
     """A source of JPEG pictures."""
 
     def check(self) -> None:
-        """Raise OSError or BoardError if the source is missing; opens nothing."""
+        """Raise OSError or SensorError if the source is missing; opens nothing."""
 
     def pictures(self, rate_hz: float) -> AsyncGenerator[bytes, None]:
         """Open the source and yield JPEG pictures, at most `rate_hz` a second.
 
-        Raises OSError, BoardError.
+        Raises OSError, SensorError.
         """
 
 
@@ -61,7 +61,7 @@ class PictureFolder:
         self._last_name = ""
 
     def check(self) -> None:
-        """Raise OSError or BoardError if the folder has no pictures."""
+        """Raise OSError or SensorError if the folder has no pictures."""
         self._files()
 
     async def pictures(self, rate_hz: float) -> AsyncGenerator[bytes, None]:
@@ -81,15 +81,15 @@ class PictureFolder:
         # Opening a named pipe would wait for its writer.
         found = sorted(each for each in names if each.suffix.lower() in (".jpg", ".jpeg") and each.is_file())
         if not found:
-            raise BoardError(f"{self._folder} has no .jpg files")
+            raise SensorError(f"{self._folder} has no .jpg files")
         return found
 
     def _read(self, path: Path) -> bytes:
         with path.open("rb") as file:
             data = file.read(_MAX_PICTURE_BYTES)
         if not data.startswith(b"\xff\xd8"):
-            raise BoardError(f"{path} is not a JPEG picture")
+            raise SensorError(f"{path} is not a JPEG picture")
         try:
             return data if self._change.is_none else changed_jpeg(data, self._change)
-        except BoardError as error:
-            raise BoardError(f"{path}: {error}") from None
+        except SensorError as error:
+            raise SensorError(f"{path}: {error}") from None

@@ -8,7 +8,7 @@ import io
 from collections.abc import AsyncGenerator
 from typing import Any
 
-from rostether.errors import BoardError, ConfigError
+from rostether.errors import ConfigError, SensorError
 from rostether.platform.sensors.jpeg import DEFAULT_QUALITY, PictureChange
 from rostether.platform.sensors.readings import Pace
 
@@ -33,7 +33,7 @@ class RaspberryCamera:
         """Do nothing: only opening shows whether there is a camera."""
 
     async def pictures(self, rate_hz: float) -> AsyncGenerator[bytes, None]:
-        """Yield pictures. Raises BoardError."""
+        """Yield pictures. Raises SensorError."""
         camera = await asyncio.to_thread(self._open)
         pace = Pace(rate_hz)
         try:
@@ -56,7 +56,7 @@ class RaspberryCamera:
             camera.options["quality"] = change.quality or DEFAULT_QUALITY
             camera.start()
         except (RuntimeError, IndexError) as error:
-            raise BoardError(f"the camera cannot be opened: {error}") from None
+            raise SensorError(f"the camera cannot be opened: {error}") from None
         return camera
 
 

@@ -10,7 +10,7 @@ from pathlib import Path
 
 from msgspec import Struct
 
-from rostether.errors import BoardError
+from rostether.errors import SensorError
 from rostether.graph.ports import Level
 from rostether.graph.typed_graph import TypedGraph
 from rostether.platform.sensors.number_file import read_number
@@ -43,7 +43,7 @@ class SystemLoad:
         """Return the CPU load since the last call; the first call returns the load since boot."""
         first = (self._files.proc / "stat").read_text().split("\n", 1)[0].split()
         if first[:1] != ["cpu"]:
-            raise BoardError(f"{self._files.proc / 'stat'} does not start with cpu")
+            raise SensorError(f"{self._files.proc / 'stat'} does not start with cpu")
         # user, nice, system, idle, iowait, irq, softirq, steal; guest time is in user time.
         times = [int(each) for each in first[1:9]]
         busy, total = sum(times) - sum(times[3:5]), sum(times)
@@ -60,13 +60,13 @@ class SystemLoad:
         try:
             return 100 * (1 - int(values["MemAvailable"]) / int(values["MemTotal"]))
         except (KeyError, ValueError, ZeroDivisionError):
-            raise BoardError(f"{self._files.proc / 'meminfo'} lacks MemTotal or MemAvailable") from None
+            raise SensorError(f"{self._files.proc / 'meminfo'} lacks MemTotal or MemAvailable") from None
 
     def temperature(self) -> float:
         """Return the temperature of the hottest zone in degrees Celsius."""
         zones = [zone / "temp" for zone in self._files.thermal.glob("thermal_zone*")]
         if not zones:
-            raise BoardError(f"{self._files.thermal} has no thermal zone")
+            raise SensorError(f"{self._files.thermal} has no thermal zone")
         return max(read_number(each) for each in zones) / 1000
 
     def disk(self) -> float:

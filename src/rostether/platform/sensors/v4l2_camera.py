@@ -11,7 +11,7 @@ from typing import Any
 
 from msgspec.structs import replace
 
-from rostether.errors import BoardError, ConfigError
+from rostether.errors import ConfigError, SensorError
 from rostether.extras import install_command
 from rostether.platform.sensors.jpeg import PictureChange, changed_jpeg, jpeg_of_yuyv, pillow
 
@@ -33,7 +33,7 @@ class V4l2Camera:
         self._path.stat()
 
     async def pictures(self, rate_hz: float) -> AsyncGenerator[bytes, None]:
-        """Yield pictures. Raises OSError, BoardError."""
+        """Yield pictures. Raises OSError, SensorError."""
         try:
             async with aclosing(self._captured(rate_hz)) as pictures:
                 async for picture in pictures:
@@ -42,7 +42,7 @@ class V4l2Camera:
             if error.filename:
                 raise
             # Only errors of open() contain the file name.
-            raise BoardError(f"{self._path}: {error.strerror or error}") from None
+            raise SensorError(f"{self._path}: {error.strerror or error}") from None
 
     async def _captured(self, rate_hz: float) -> AsyncGenerator[bytes, None]:
         change = self._change
@@ -58,10 +58,10 @@ class V4l2Camera:
                     capture.set_format(form.width, form.height, "YUYV")
                     form = capture.get_format()
                     if form.pixel_format.name != "YUYV":
-                        raise BoardError(f"{self._path} sends neither JPEG nor YUYV pictures")
+                        raise SensorError(f"{self._path} sends neither JPEG nor YUYV pictures")
                 capture.open()
             except self._video.V4L2Error as error:
-                raise BoardError(f"{self._path} is not a camera: {error}") from None
+                raise SensorError(f"{self._path} is not a camera: {error}") from None
             with closing(capture):
                 # If the camera scales its pictures, they are not scaled again.
                 if (form.width, form.height) == (change.width, change.height):
@@ -83,7 +83,7 @@ class V4l2Camera:
                     async with asyncio.timeout(_FRAME_LIMIT_S):
                         frame = await anext(frames)
                 except TimeoutError:
-                    raise BoardError(f"{self._path} sends no pictures") from None
+                    raise SensorError(f"{self._path} sends no pictures") from None
                 # The camera may be faster than the requested rate.
                 if loop.time() >= next_s:
                     next_s = max(next_s + 1 / rate_hz, loop.time())

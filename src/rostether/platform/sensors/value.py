@@ -9,7 +9,7 @@ from contextlib import aclosing
 
 from msgspec import Struct
 
-from rostether.errors import BoardError, ConfigError
+from rostether.errors import ConfigError, SensorError
 from rostether.graph.ports import Level
 from rostether.graph.typed_graph import TypedGraph
 from rostether.platform.sensors.readings import publish_readings
@@ -88,7 +88,7 @@ class TopicField:
     async def values(self) -> AsyncGenerator[float, None]:
         """Yield the field of each message; true is 1.
 
-        Raises ConfigError if the first message has no such number, BoardError if a later one has none: a
+        Raises ConfigError if the first message has no such number, SensorError if a later one has none: a
         board may get another sketch. Raises GraphError.
         """
         async with aclosing(aiter(self._graph.messages(self._topic))) as messages:
@@ -105,6 +105,6 @@ class TopicField:
                 except ConfigError as error:
                     if not self._has_number:
                         raise
-                    raise BoardError(str(error)) from None
+                    raise SensorError(str(error)) from None
                 self._has_number = True
                 yield float(value)

@@ -47,7 +47,7 @@ class McapWriter(ChunkedWriter):
     """An MCAP file being written; see `recording.recorded.RecordingWriter`.
 
     Subclasses for another ROS version override `profile`, `schema_of` and `channel_of`. Raises
-    RecordingError, and ConfigError if the compression is not installed, or is not one of MCAP.
+    RecordingError, and ConfigError if the compression is not installed, or MCAP does not have it.
     """
 
     profile = "ros1"

@@ -139,7 +139,7 @@ class XbeeListener(SmallWriter):
         what_happened = str(error or f"{self.address} is closed").partition(";")[0]
         _LOG.warning("%s; plug the radio in again", what_happened)
         self._cancel_timers()
-        self.peers.end_all(f"is disconnected with {self.address}")
+        self.peers.end_all(f"is out of reach: {self.address} is disconnected")
         self._reopening = self._loop.create_task(self._reopen())
 
     async def _open(self) -> None:

@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 from PIL import Image, ImageDraw, ImageFilter
 
-from rostether.errors import BoardError, ConfigError
+from rostether.errors import ConfigError, SensorError
 from rostether.platform.sensors.camera import MESSAGE_TYPE, publish_pictures
 from rostether.platform.sensors.cascade import CascadeDetector
 from rostether.platform.sensors.jpeg import PictureChange, changed_jpeg, draw_test_picture, jpeg_of_yuyv
@@ -86,7 +86,7 @@ def test_pictures_are_changed(change: PictureChange, black: tuple[int, int], siz
 
 
 def test_a_damaged_picture() -> None:
-    with pytest.raises(BoardError, match="a picture is damaged"):
+    with pytest.raises(SensorError, match="a picture is damaged"):
         changed_jpeg(picture()[:100], PictureChange(vflip=True))
 
 
@@ -98,7 +98,7 @@ def test_a_raw_picture_is_encoded() -> None:
     with Image.open(io.BytesIO(data)) as image:
         red, green, blue = rgb(image, 28, 8)
     assert red > 200 > 60 > max(green, blue)
-    with pytest.raises(BoardError, match="a picture of 32 x 16 has only 64 bytes"):
+    with pytest.raises(SensorError, match="a picture of 32 x 16 has only 64 bytes"):
         jpeg_of_yuyv(row, 32, 16, PictureChange())
 
 
@@ -161,7 +161,7 @@ async def test_faces_are_found_and_drawn(tmp_path: Path, capfd: pytest.CaptureFi
         red, green, blue = rgb(image, face.x_offset + face.width // 2, face.y_offset)
     assert green > 150 > max(red, blue)
     assert pictures[without] == picture()
-    with pytest.raises(BoardError, match="damaged"):
+    with pytest.raises(SensorError, match="damaged"):
         detector.detect(b"none")
     with pytest.raises(ConfigError, match=r"nothing\.xml is not a cascade file of OpenCV; some are in"):
         CascadeDetector(tmp_path / "nothing.xml")
@@ -184,7 +184,7 @@ async def test_what_is_not_a_camera(tmp_path: Path) -> None:
         missing.check()
     with pytest.raises(FileNotFoundError):
         await anext(missing.pictures(10.0))
-    with pytest.raises(BoardError, match=r"^/dev/null: "):
+    with pytest.raises(SensorError, match=r"^/dev/null: "):
         await anext(V4l2Camera(Path("/dev/null"), PictureChange()).pictures(10.0))
 
 

@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from rostether.errors import BoardError
+from rostether.errors import SensorError
 from rostether.platform.sensors.battery import MESSAGE_TYPE, find_battery, publish_battery, read_battery
 from rostether.platform.sensors.system_load import SystemFiles, SystemLoad, publish_system_load
 from unit.platform.datagrams import running
@@ -44,7 +44,7 @@ def tree(folder: Path, files: dict[str, str]) -> Path:
 def test_a_battery(tmp_path: Path) -> None:
     tree(tmp_path / "AC", {"type": "Mains"})
     mouse = tree(tmp_path / "A-mouse", {"type": "Battery", "scope": "Device"})
-    with pytest.raises(BoardError, match="has no battery"):
+    with pytest.raises(SensorError, match="has no battery"):
         find_battery(tmp_path)
     supply = tree(tmp_path / "BAT0", BATTERY)
     assert find_battery(tmp_path) == supply

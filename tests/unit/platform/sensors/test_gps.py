@@ -12,7 +12,7 @@ from typing import Any
 
 import pytest
 
-from rostether.errors import BoardError, ConfigError
+from rostether.errors import ConfigError, SensorError
 from rostether.platform.sensors.gps import MESSAGE_TYPE, positions, publish_positions
 from rostether.platform.sensors.nmea import NmeaReader, Position
 from rostether.transports.address_parser import parse_address
@@ -147,5 +147,5 @@ def test_without_the_package(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 async def test_a_port_that_is_missing() -> None:
-    with pytest.raises((OSError, BoardError, Exception), match="/dev/ttyNONE"):
+    with pytest.raises((OSError, SensorError, Exception), match="/dev/ttyNONE"):
         await anext(positions(parse_address("/dev/ttyNONE"), 60.0))

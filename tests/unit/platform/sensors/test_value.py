@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from rostether.errors import BoardError, ConfigError
+from rostether.errors import ConfigError, SensorError
 from rostether.platform.sensors import readings
 from rostether.platform.sensors.gpio_line import GpioLine
 from rostether.platform.sensors.number_file import NumberFile
@@ -31,7 +31,7 @@ def test_a_converter_of_the_system_in_its_unit(tmp_path: Path) -> None:
     plain.write_text("7 of 9\n")
     assert (NumberFile(plain).read(), NumberFile(plain).unit) == (7.0, "")
     plain.write_text("none\n")
-    with pytest.raises(BoardError, match="value does not start with a number, but with 'none"):
+    with pytest.raises(SensorError, match="value does not start with a number, but with 'none"):
         NumberFile(plain).read()
 
 
@@ -135,7 +135,7 @@ async def test_a_gpio_line_that_is_missing(monkeypatch: pytest.MonkeyPatch, tmp_
     # A superscript is a digit, but it is not a number.
     for name in ("17", "GPIO17", "²"):
         line = GpioLine(name, str(tmp_path / "gpiochip0"))
-        with pytest.raises(BoardError, match=f"gpiochip0: line {name} cannot be read: No such file"):
+        with pytest.raises(SensorError, match=f"gpiochip0: line {name} cannot be read: No such file"):
             await anext(line.levels())
     monkeypatch.setitem(sys.modules, "gpiod", None)
     with pytest.raises(ConfigError, match=r"GPIO lines need another package; run: .*rostether\[gpio\]"):

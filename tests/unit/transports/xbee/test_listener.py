@@ -137,7 +137,7 @@ async def test_an_unplugged_coordinator_ends_all_and_comes_back(
     board, seen = await arrivals.next_started()
     coordinator.missing = True
     coordinator.radio.close()
-    assert str(await seen.until_lost()).startswith("xbee 0x0001 is disconnected with xbee:")
+    assert str(await seen.until_lost()).startswith("xbee 0x0001 is out of reach: xbee:")
     board.write(b"into the void")
     await asyncio.sleep(0.02)
     assert len(coordinator.opened) == 1
