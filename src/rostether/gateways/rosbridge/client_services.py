@@ -98,7 +98,8 @@ class ClientServices:
         except RostetherError as error:
             answer |= {"values": str(error), "result": False}
         except TimeoutError:
-            answer |= {"values": f"service {service} did not answer within {timeout_s:g} s", "result": False}
+            problem = f"service {service} did not answer within {timeout_s:g} s"
+            answer |= {"values": f"{problem}; check that its node does not hang", "result": False}
         self._send(answer, delivery)
 
     async def _values(self, service: str, request: Request) -> dict[str, Any] | JsonText:

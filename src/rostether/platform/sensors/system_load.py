@@ -33,7 +33,7 @@ class SystemFiles(Struct, frozen=True):
 
 
 class SystemLoad:
-    """Reads the load; each value is in percent, except the temperature."""
+    """Reads the load; each value is in percent, except the temperature. Raises OSError, SensorError."""
 
     def __init__(self, files: SystemFiles) -> None:
         self._files = files

@@ -13,7 +13,7 @@ export function isCompressedDepth(format: string): boolean {
  * Decodes the image of a message.
  *
  * @param format of the message, such as "32FC1; compressedDepth png".
- * @returns millimeters (16UC1) or, of the encoding 32FC1, meters.
+ * @returns depths in millimeters (encoding 16UC1) or in meters (encoding 32FC1).
  * @throws Error with a sentence when it cannot be shown.
  */
 export async function decodeDepth(format: string, data: Uint8Array<ArrayBuffer>): Promise<RawImage> {
