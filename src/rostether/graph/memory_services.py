@@ -50,7 +50,8 @@ class MemoryServiceServer:
         done, _ = await asyncio.wait((task,), timeout=timeout_s)
         if not done:
             raise ServiceTimeoutError(
-                f"service {self.service} did not answer within {timeout_s:g} s; check that its node does not hang"
+                f"service {self.service} did not answer within {timeout_s:g} s; check that its node does not"
+                " hang"
             )
         if task.cancelled():
             raise ServiceUnavailableError(f"service {self.service} was shut down during the call")

@@ -180,7 +180,8 @@ class Graph(Protocol):
     """One node's membership of a ROS graph.
 
     Every method that takes a name raises InvalidNameError if the name is invalid. Every method that asks the
-    graph raises GraphError if the graph cannot be reached or refuses.
+    graph raises GraphError if the graph cannot be reached or refuses. On ROS 2, methods also raise
+    UnknownTypeError if no definition of a type is found, and SerializationError for values that do not fit.
     """
 
     @property

@@ -27,7 +27,7 @@ from rostether.errors import GraphError
 from rostether.mechanisms.block_end import closed_at_end
 from rostether.ros1.environment import RosEnvironment, format_uri
 
-# The ends of endpoints at which the nodes of this machine look for the router.
+# Nodes on this machine find the router only if one of its endpoints ends with one of these texts.
 _USUAL_ENDPOINTS = ("/localhost:7447", "/127.0.0.1:7447", "/[::1]:7447", "/0.0.0.0:7447", "/[::]:7447")
 
 # Scripts pass these options of roscore; they have no effect here.
