@@ -213,7 +213,7 @@ class CheckedClient(SmallWriter):
         return frame.payload
 
     async def expect_text(self, wanted: str) -> None:
-        """Wait for the next message on text_out. Raises Deviation if it is missing or another one."""
+        """Wait for the next message on text_out. Raises Deviation if none arrives, or another text."""
         text = read_text(await self.next_on("text_out"))
         if text != wanted:
             raise Deviation(f"the client sent {text[:40]!r}, not {wanted[:40]!r}")

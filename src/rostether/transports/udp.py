@@ -195,7 +195,7 @@ async def connect_udp(address: UdpAddress) -> Transport:
             family, remote = await _resolve(address.host, address.port)
     except TimeoutError as error:
         raise TransportTimeoutError(
-            f"the name of {endpoint} is not found within {RESOLVE_LIMIT_S:g} s; write its numeric address"
+            f"the name of {endpoint} was not found within {RESOLVE_LIMIT_S:g} s; write its numeric address"
         ) from error
     except OSError as error:
         raise explain_connect_error(endpoint, error) from error

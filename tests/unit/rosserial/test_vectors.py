@@ -1,4 +1,4 @@
-"""Both links read every recorded session and report what it holds, as an independent decoder finds it."""
+"""Both links read every recorded session, and report the same contents as an independent decoder."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ from vectors.captures import Capture, frame_counts, load, names
 COUNTS = frame_counts()
 DAMAGE = {DiscardReason.LENGTH_CHECKSUM, DiscardReason.PAYLOAD_CHECKSUM, DiscardReason.UNFINISHED}
 LOST_ANNOUNCEMENTS = {"damaged_announce": {100}}
-"""What the host never learned in the recording, because the topics were not requested again."""
+"""The topic ids whose announcement the host never received in a recording, because it was damaged."""
 
 KINDS = {
     "publisher": ids.PUBLISHER,
@@ -51,7 +51,7 @@ KINDS = {
 
 
 def replay_to_host(capture: Capture) -> tuple[HostLink, list[HostEvent]]:
-    """Feed what the host got, timers in between; what our link would have sent goes nowhere."""
+    """Feed the received bytes to a host, and call its timers when they are due; its output is discarded."""
     link = HostLink()
     events: list[HostEvent] = []
     link.start(0.0)
@@ -64,7 +64,7 @@ def replay_to_host(capture: Capture) -> tuple[HostLink, list[HostEvent]]:
 
 
 def replay_to_device(capture: Capture) -> tuple[DeviceLink, list[DeviceEvent]]:
-    """Feed what the device got to a device that declares what the capture's device did."""
+    """Feed the received bytes to a device that declares the endpoints of the capture."""
     link = DeviceLink(DeviceLinkConfig(version=capture.version))
     for _, topic in sorted(capture.topics.items()):
         if topic.kind == "publisher":
@@ -98,7 +98,7 @@ def received(events: list[HostEvent] | list[DeviceEvent]) -> dict[int, list[byte
 
 
 def frames_of(capture: Capture, *, from_device: bool) -> list[tuple[int, bytes]]:
-    """Decode one side. Each write of the host is whole frames, and the pauses between its writes count."""
+    """Decode one side. Each write of the host contains only whole frames, and is decoded separately."""
     if from_device:
         return list(plain_decode(b"".join(chunk.data for chunk in capture.of_device()), capture.version))
     return [frame for chunk in capture.of_host() for frame in plain_decode(chunk.data, capture.version)]

@@ -111,9 +111,9 @@ class DescribedTypes:
         if support.type_hash not in (type_hash, ANY_HASH) and type_hash.startswith("RIHS"):
             self._report(
                 Level.WARN,
-                f"cannot receive {self._topic}: its {name} is not the known one ({type_hash:.80}, not "
-                f"{support.type_hash}); set ROS_DISTRO to its distribution, or give its definition with "
-                "--msg-path",
+                f"cannot receive {self._topic}: the publisher's {name} is not the known one "
+                f"({type_hash:.80}, not {support.type_hash}); set ROS_DISTRO to the publisher's "
+                "distribution, or give this definition with --msg-path",
             )
             return None
         return support

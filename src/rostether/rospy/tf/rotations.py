@@ -1,8 +1,8 @@
 """Most of tf.transformations: quaternions (x, y, z, w), Euler angles and 4x4 matrices.
 
-Results are numpy arrays if numpy is installed, lists otherwise. Four letters name the order of Euler angles:
-`s` for fixed (static) or `r` for rotating axes, and the axes in order (source: Shoemake, Euler Angle
-Conversion, in Graphics Gems IV).
+Results are numpy arrays if numpy is installed, lists otherwise. Angles are in radians. Four letters name the
+order of Euler angles: `s` for fixed (static) or `r` for rotating axes, and the axes in order (source:
+Shoemake, Euler Angle Conversion, in Graphics Gems IV).
 """
 
 from __future__ import annotations

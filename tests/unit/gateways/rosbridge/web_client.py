@@ -23,7 +23,7 @@ TIMEOUT_S = 60.0
 
 
 class WebClient:
-    """A client that sends operations, and receives messages of one op at a time."""
+    """A client that sends operations, and receives one message at a time."""
 
     def __init__(self, connection: ClientConnection) -> None:
         self.connection = connection
@@ -32,7 +32,7 @@ class WebClient:
         await self.connection.send(json.dumps({"op": op, **fields}))
 
     async def receive(self, op: str | None = None) -> dict[str, Any]:
-        """Return the next message, of this op if one is given; none before it may be of another."""
+        """Return the next message; if `op` is given, the message must have it."""
         async with asyncio.timeout(TIMEOUT_S):
             message: dict[str, Any] = json.loads(await self.connection.recv())
         assert op is None or message["op"] == op, message
