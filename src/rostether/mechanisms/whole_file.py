@@ -5,14 +5,16 @@ from __future__ import annotations
 import os
 import shutil
 from contextlib import suppress
+from functools import partial
 from pathlib import Path
 
 
-def write_whole(path: Path, content: bytes, *, is_durable: bool = False) -> None:
+def write_whole(path: Path, content: bytes, *, is_durable: bool = False, mode: int | None = None) -> None:
     """Create or replace a file. Devices and pipes are written directly. Raises OSError.
 
-    With `is_durable`, even after a power cut the file is the old or the new one. This can take seconds on a
-    memory card, so call it in a thread.
+    `mode` are the file's permissions, which the umask may reduce (None: those of the old file, or the usual
+    ones). With `is_durable`, even after a power cut the file is the old or the new one. This can take seconds
+    on a memory card, so call it in a thread.
     """
     target = path.resolve()
     exists = target.exists()
@@ -24,12 +26,12 @@ def write_whole(path: Path, content: bytes, *, is_durable: bool = False) -> None
         if exists:
             # A file that may not be written is not replaced.
             target.open("ab").close()
-        with fresh.open("wb") as file:
+        with open(fresh, "wb", opener=partial(os.open, mode=0o666 if mode is None else mode)) as file:
             file.write(content)
             if is_durable:
                 file.flush()
                 os.fsync(file.fileno())
-        if exists:
+        if exists and mode is None:
             shutil.copymode(target, fresh)
         fresh.replace(target)
     except OSError as error:

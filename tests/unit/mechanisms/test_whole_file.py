@@ -58,3 +58,11 @@ def test_the_target_of_a_link_is_written(tmp_path: Path) -> None:
         os.close(reader)
     with pytest.raises(OSError, match="directory"):
         write_whole(tmp_path, b"")
+
+
+def test_a_replaced_file_gets_the_wanted_permissions(tmp_path: Path) -> None:
+    path = tmp_path / "key.pem"
+    path.write_text("old")
+    path.chmod(0o644)
+    write_whole(path, b"new", mode=0o600)
+    assert (path.read_text(), path.stat().st_mode & 0o777) == ("new", 0o600)

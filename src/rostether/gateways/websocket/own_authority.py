@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import datetime
 import ipaddress
-import os
 import socket
 from collections.abc import Iterable
 from importlib.util import find_spec
@@ -19,6 +18,7 @@ from msgspec import Struct
 
 from rostether.errors import ConfigError
 from rostether.extras import install_command
+from rostether.mechanisms.whole_file import write_whole
 from rostether.transports.own_names import own_addresses
 
 if TYPE_CHECKING:
@@ -260,17 +260,8 @@ def _write_pair(
     from cryptography.hazmat.primitives.serialization import Encoding, NoEncryption, PrivateFormat
 
     # Other users must not be able to read it.
-    _replace(key_file, key.private_bytes(Encoding.PEM, PrivateFormat.PKCS8, NoEncryption()), 0o600)
-    _replace(certificate_file, certificate.public_bytes(Encoding.PEM), 0o644)
-
-
-def _replace(file: Path, content: bytes, mode: int) -> None:
-    """Write a file atomically: other programs read the old content or the new one."""
-    new = file.with_name(f"{file.name}.{os.getpid()}")
-    new.unlink(missing_ok=True)
-    with os.fdopen(os.open(new, os.O_WRONLY | os.O_CREAT | os.O_EXCL, mode), "wb") as opened:
-        opened.write(content)
-    new.replace(file)
+    write_whole(key_file, key.private_bytes(Encoding.PEM, PrivateFormat.PKCS8, NoEncryption()), mode=0o600)
+    write_whole(certificate_file, certificate.public_bytes(Encoding.PEM), mode=0o644)
 
 
 def _now() -> datetime.datetime:
