@@ -30,6 +30,7 @@ from rostether.bridge.settings import DEFAULT_NODES, DEFAULT_SETTINGS, BoardNode
 from rostether.errors import NodeEndedError, RostetherError, SessionError, TransportError, TransportOpenError
 from rostether.graph.ports import NAME_TAKEN, Graph, JoinGraph, Level
 from rostether.mechanisms.backoff import Backoff
+from rostether.mechanisms.loopback import is_loopback
 from rostether.mechanisms.tasks import cancel_all, start_task
 from rostether.mechanisms.waiting import wait_for_master
 from rostether.names.graph_name import join as join_names
@@ -250,7 +251,7 @@ class Supervisor:
         """Serve one connection until it ends; return the error. Raises SessionError, InvalidNameError."""
         device = self._devices.settings_for(address.name, identity)
         name = node_name(address, transport.peer, identity, device)
-        is_program = transport.remote is not None and _is_loopback(transport.remote)
+        is_program = transport.remote is not None and is_loopback(transport.remote)
         is_remote = transport.remote is not None and not is_program
         try:
             board = await self._boards.claim(name, replaces_silent=is_remote and address.listens)
@@ -370,7 +371,3 @@ def _end_without_frame(session: Session) -> None:
 def _is_stranger(session: Session | None) -> bool:
     """Return whether the peer never sent a frame: a port scanner must not leave nodes behind."""
     return session is not None and session.link.version is None and not any(session.node.endpoints)
-
-
-def _is_loopback(remote: str) -> bool:
-    return remote.startswith("127.") or remote == "::1"

@@ -19,9 +19,9 @@ from rostether.launch.plan import DeclaredArgument, LaunchPlan
 from rostether.launch.scope import Scope
 from rostether.launch.substitution import LaunchContext
 from rostether.launch.tag_reader import TagReader
+from rostether.mechanisms.loopback import is_loopback
 from rostether.mechanisms.xml_tree import XmlElement
 from rostether.names.graph_name import as_namespace
-from rostether.ros1.environment import is_loopback
 
 _MACHINE_ATTRIBUTES = ("name", "address", "env-loader", "ssh-port", "user", "password", "default", "timeout")
 

@@ -16,6 +16,7 @@ from msgspec import Struct
 from msgspec.structs import replace
 
 from rostether.errors import ConfigError
+from rostether.mechanisms.loopback import LOOPBACK, is_loopback
 from rostether.mechanisms.text import show_endpoint
 from rostether.names.graph_name import canonical, is_global, is_legal_name, join
 from rostether.ros1.admission import ALLOW_ALL, Admission
@@ -24,8 +25,6 @@ from rostether.transports.allow_list import check_networks
 
 DEFAULT_MASTER_PORT = 11311
 DEFAULT_MASTER_URI = f"http://localhost:{DEFAULT_MASTER_PORT}"
-# As a number: peers then need no resolver, and do not try ::1 first.
-LOOPBACK = "127.0.0.1"
 ALL_ADDRESSES = "0.0.0.0"  # noqa: S104
 
 _URI = re.compile(
@@ -60,11 +59,6 @@ def parse_rpc_uri(uri: str, *, scheme: str = "http") -> RpcUri:
 def format_uri(host: str, port: int, *, scheme: str = "http") -> str:
     """Return the URI under which a server is advertised; only http URIs end with a slash, as rospy's do."""
     return f"{scheme}://{show_endpoint(host, port)}" + ("/" if scheme == "http" else "")
-
-
-def is_loopback(host: str) -> bool:
-    """Return whether a host name or address is loopback, without asking a resolver."""
-    return host in ("localhost", "::1") or bool(re.fullmatch(r"127(\.\d{1,3}){3}", host))
 
 
 def connect_host(host: str) -> str:

@@ -8,8 +8,9 @@ from collections.abc import Collection, Iterable, Sequence
 from time import monotonic
 
 from rostether.errors import ConfigError, GraphError
+from rostether.mechanisms.loopback import LOOPBACK, is_loopback
 from rostether.ros1.admission import ALLOW_ALL, Admission
-from rostether.ros1.environment import LOOPBACK, format_uri, is_loopback
+from rostether.ros1.environment import format_uri
 from rostether.ros1.graph_limits import DEFAULT_GRAPH_LIMITS, GraphLimits
 from rostether.ros1.listening import port_of, start_servers
 from rostether.ros1.long_work import SLICE_S

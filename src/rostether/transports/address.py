@@ -15,7 +15,6 @@ DEFAULT_BAUD = 57600
 
 # The port to which boards with rosserial_arduino connect over TCP.
 DEFAULT_PORT = 11411
-LOOPBACK = "127.0.0.1"
 
 
 class _NamedAddress(Struct, frozen=True, kw_only=True):

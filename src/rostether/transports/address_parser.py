@@ -16,10 +16,10 @@ from __future__ import annotations
 import re
 
 from rostether.errors import ConfigError
+from rostether.mechanisms.loopback import LOOPBACK
 from rostether.transports.address import (
     DEFAULT_BAUD,
     DEFAULT_PORT,
-    LOOPBACK,
     Address,
     PtyAddress,
     SerialAddress,

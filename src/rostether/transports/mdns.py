@@ -5,7 +5,6 @@ Needs zeroconf, which is an extra: `pip install rostether[mdns]`.
 
 from __future__ import annotations
 
-import ipaddress
 import socket
 from collections.abc import Iterable, Sequence
 
@@ -14,6 +13,7 @@ from zeroconf import IPVersion, NonUniqueNameException
 from zeroconf.asyncio import AsyncServiceInfo, AsyncZeroconf
 
 from rostether.errors import TransportOpenError
+from rostether.mechanisms.loopback import is_loopback
 from rostether.transports.sockets import explain_reason
 
 SERVICE_TYPE = "_rosserial._tcp.local."
@@ -24,10 +24,7 @@ _ANY = ("0.0.0.0", "::", "")  # noqa: S104 - only compared with
 
 def is_reachable(host: str) -> bool:
     """Return whether boards on the network can reach a listener at this host."""
-    try:
-        return not ipaddress.ip_address(host).is_loopback
-    except ValueError:
-        return host not in ("", "localhost")
+    return bool(host) and not is_loopback(host)
 
 
 class ListenerAnnouncement:

@@ -12,8 +12,8 @@ from collections.abc import AsyncIterator, Callable, Collection
 from weakref import WeakKeyDictionary
 
 from rostether.errors import TransportOpenError
+from rostether.mechanisms.loopback import LOOPBACK
 from rostether.mechanisms.text import show_endpoint
-from rostether.transports.address import LOOPBACK
 
 # A working name server answers within this time.
 RESOLVE_LIMIT_S = 5.0

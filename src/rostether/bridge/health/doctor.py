@@ -31,6 +31,7 @@ from rostether.bridge.peer_entry import BOARD_ENTRY
 from rostether.bridge.ports.port_probe import TunableTransport, probe_port
 from rostether.errors import RostetherError, TransportError
 from rostether.mechanisms.block_end import closed_at_end
+from rostether.mechanisms.loopback import is_loopback
 from rostether.rosserial.baud_probe import NoBoard
 from rostether.serde.store import TypeStore
 from rostether.transports.address import Address, SerialAddress, SimulationPauses, TcpAddress, UdpAddress
@@ -239,11 +240,10 @@ def _judge_search(address: SerialAddress, watched: BoardObservations, found: NoB
 
 
 def _no_board_connected(address: Address, endpoint: str, wait_s: float) -> Finding:
-    is_local = "127.0.0.1" in endpoint or "[::1]" in endpoint
     step = (
         "boards on the network cannot reach loopback; give an address of this machine, for example "
         "tcp://0.0.0.0:11411"
-        if is_local and isinstance(address, TcpAddress | UdpAddress)
+        if isinstance(address, TcpAddress | UdpAddress) and is_loopback(address.host)
         else "check the server address and port in the sketch, its Wi-Fi, and this machine's firewall"
     )
     return error(Code.NOBODY_CONNECTED, f"no board connected to {endpoint} within {wait_s:.0f} s", step)

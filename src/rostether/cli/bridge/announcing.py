@@ -12,7 +12,7 @@ from rostether.errors import ConfigError, TransportOpenError
 from rostether.extras import install_command
 from rostether.graph.ports import Level
 from rostether.mechanisms.block_end import task_beside
-from rostether.ros1.environment import is_loopback
+from rostether.mechanisms.loopback import is_loopback
 from rostether.transports.address import TcpAddress
 from rostether.transports.address_parser import parse_address
 

@@ -106,14 +106,14 @@ async def _serve(environment: RosEnvironment, port: int) -> None:
 async def _serve_router(reach: ZenohReach) -> None:
     """Run the router until cancelled. Raises ConfigError, MasterUnreachableError if another one runs."""
     async with ros2_access(Middleware.ZENOH, reach=replace(reach, router="always")) as access:
-        from rostether.ros2.zenoh.reachability import is_loopback
+        from rostether.ros2.zenoh.reachability import is_local
 
         write_line("Started a zenoh router for RMW_IMPLEMENTATION=rmw_zenoh_cpp")
         if access.connects_to:
             write_line(
                 f"Connecting to other routers when they are available: {', '.join(access.connects_to)}"
             )
-        others = [endpoint for endpoint in access.listens_on if not is_loopback(endpoint)]
+        others = [endpoint for endpoint in access.listens_on if not is_local(endpoint)]
         if others:
             write_line(f"Other machines can reach it at {', '.join(others)}")
         else:

@@ -31,10 +31,11 @@ from rostether.cli.shell.verbs import verb
 from rostether.errors import ConfigError, GraphError, UnknownNameError
 from rostether.graph.ports import Level
 from rostether.mechanisms.block_end import closed_at_end
+from rostether.mechanisms.loopback import LOOPBACK
 from rostether.names.graph_name import canonical, join, validate_name
 from rostether.names.remap import Arguments, parse_arguments
 from rostether.ports.device_book import DeviceBook
-from rostether.ros1.environment import LOOPBACK, RosEnvironment
+from rostether.ros1.environment import RosEnvironment
 from rostether.ros1.node.master_client import MasterClient
 from rostether.transports.address import DEFAULT_PORT, SimAddress, TcpAddress
 from rostether.transports.opening import listen as listen_for_links

@@ -53,10 +53,11 @@ from rostether.cli.shell.option_group import FILE, PORT, flag, option, option_gr
 from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import verb
 from rostether.graph.ports import JoinGraph, Level
+from rostether.mechanisms.loopback import LOOPBACK
 from rostether.ports.config_paths import known_boards_path
 from rostether.ports.device_book import DeviceBook
 from rostether.ports.known_boards import KnownBoards
-from rostether.ros1.environment import LOOPBACK, RosEnvironment
+from rostether.ros1.environment import RosEnvironment
 from rostether.transports.address import Address, SimAddress
 from rostether.transports.opening import listen as listen_for_links
 

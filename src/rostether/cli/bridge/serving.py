@@ -11,7 +11,8 @@ from msgspec.structs import replace
 from rostether.cli.shell.library_logs import show_library_logs
 from rostether.errors import ConfigError
 from rostether.mechanisms.block_end import closed_at_end
-from rostether.ros1.environment import LOOPBACK, RosEnvironment, is_loopback
+from rostether.mechanisms.loopback import LOOPBACK, is_loopback
+from rostether.ros1.environment import RosEnvironment
 from rostether.transports.address import Address, TcpAddress, UdpAddress, WebAddress
 from rostether.transports.address_parser import parse_address
 from rostether.transports.descriptors import shortage

@@ -29,9 +29,9 @@ from rostether.dashboard.authority_page import PAGE_FILE, authority_files
 from rostether.errors import TransportOpenError
 from rostether.graph.ports import Level
 from rostether.mechanisms.block_end import closed_at_end
+from rostether.mechanisms.loopback import LOOPBACK, is_loopback
 from rostether.mechanisms.text import show_endpoint
 from rostether.ports.config_paths import recordings_folder
-from rostether.ros1.environment import LOOPBACK, is_loopback
 from rostether.transports.own_names import outward_address
 
 if TYPE_CHECKING:

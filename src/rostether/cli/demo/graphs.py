@@ -16,7 +16,8 @@ from rostether.errors import GraphError, RostetherError, UnknownNameError
 from rostether.extras import install_command
 from rostether.graph.ports import JoinGraph, Level, ParamValue
 from rostether.mechanisms.block_end import closed_at_end
-from rostether.ros1.environment import RosEnvironment, format_uri, is_loopback
+from rostether.mechanisms.loopback import is_loopback
+from rostether.ros1.environment import RosEnvironment, format_uri
 from rostether.ros1.node.master_client import MasterClient
 
 BOARD_NAME = "virtual_board"

@@ -7,9 +7,10 @@ import logging
 import os
 from collections.abc import Iterable, Iterator, Sequence
 
+from rostether.mechanisms.loopback import LOOPBACK
 from rostether.mechanisms.tasks import cancel_all, start_task
 from rostether.ros1.admission import ALLOW_ALL, Admission
-from rostether.ros1.environment import DEFAULT_MASTER_PORT, LOOPBACK
+from rostether.ros1.environment import DEFAULT_MASTER_PORT
 from rostether.ros1.graph_limits import DEFAULT_GRAPH_LIMITS, GraphLimits
 from rostether.ros1.long_work import run_in_slices
 from rostether.ros1.master.master_api import MasterApi

@@ -7,8 +7,8 @@ from collections.abc import Callable, Sequence
 
 from rostether.errors import GraphError, TypeMismatchError
 from rostether.graph.ports import Level
+from rostether.mechanisms.loopback import is_loopback
 from rostether.ros1.admission import ALLOW_ALL, Admission
-from rostether.ros1.environment import is_loopback
 from rostether.ros1.graph_limits import DEFAULT_GRAPH_LIMITS, GraphLimits
 from rostether.ros1.listening import port_of, start_servers
 from rostether.ros1.tcpros_connection import HandshakeProtocol

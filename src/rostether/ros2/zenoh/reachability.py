@@ -15,6 +15,7 @@ from typing import Any
 
 import zenoh
 
+from rostether.mechanisms.loopback import is_loopback
 from rostether.mechanisms.text import fold_line
 
 # A machine on a busy Wi-Fi accepts within a second; a machine that is off never answers.
@@ -31,7 +32,6 @@ _TLS_PROTOCOLS = ("tls/", "quic/")
 # The cause if an endpoint accepts connections, or its protocol cannot be tried.
 NO_SESSION = "zenoh cannot connect to it; check its protocol (tcp, tls, quic), and that it is a zenoh router"
 
-_LOOPBACK = ("localhost", "127.", "[::1]")
 _TLS = "transport/link/tls"
 _CONNECT_FILES = ("root_ca_certificate", "connect_certificate", "connect_private_key")
 _LISTEN_FILES = ("root_ca_certificate", "listen_certificate", "listen_private_key")
@@ -51,9 +51,9 @@ def tls_of(configuration: zenoh.Config) -> Mapping[str, Any]:
     return found if isinstance(found, dict) else {}
 
 
-def is_loopback(endpoint: str) -> bool:
+def is_local(endpoint: str) -> bool:
     """Return whether only this machine can reach an endpoint (`tcp/localhost:7447`)."""
-    return endpoint.partition("/")[2].startswith(_LOOPBACK)
+    return is_loopback(_split(endpoint)[1])
 
 
 async def find_faults(endpoints: Sequence[str], tls: Mapping[str, Any]) -> dict[str, str]:
@@ -64,9 +64,7 @@ async def find_faults(endpoints: Sequence[str], tls: Mapping[str, Any]) -> dict[
 
 async def find_fault(endpoint: str, tls: Mapping[str, Any]) -> str:
     """Return why an endpoint cannot be reached; empty if it can, or if its protocol cannot be tried."""
-    protocol, _, address = endpoint.partition("#")[0].partition("?")[0].partition("/")
-    host, _, port = address.rpartition(":")
-    host = host.strip("[]")
+    protocol, host, port = _split(endpoint)
     if protocol not in ("tcp", "tls") or not port.isdecimal():
         return ""
     files = _CONNECT_FILES if tls.get("enable_mtls") else _CONNECT_FILES[:1]
@@ -83,6 +81,13 @@ async def find_fault(endpoint: str, tls: Mapping[str, Any]) -> str:
         return await _find_tls_fault(reader, writer, host, tls) if protocol == "tls" else ""
     finally:
         writer.close()
+
+
+def _split(endpoint: str) -> tuple[str, str, str]:
+    """Return the protocol, the host and the port of an endpoint, without its metadata and settings."""
+    protocol, _, address = endpoint.partition("#")[0].partition("?")[0].partition("/")
+    host, _, port = address.rpartition(":")
+    return protocol, host.strip("[]"), port
 
 
 async def _find_tls_fault(

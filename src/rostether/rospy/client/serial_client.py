@@ -10,7 +10,7 @@ from typing import Any, cast
 from rostether.bridge.supervisor import Supervisor
 from rostether.graph.ports import Graph, Level
 from rostether.mechanisms.block_end import closed_at_end
-from rostether.ros1.environment import LOOPBACK
+from rostether.mechanisms.loopback import LOOPBACK
 from rostether.rospy.client.exceptions import ROSInterruptException
 from rostether.rospy.client.logs import TerminalHandler
 from rostether.rospy.client.message_types import all_types
