@@ -20,6 +20,7 @@ import msgspec
 from msgspec import Meta, Struct
 
 from rostether.errors import ConfigError
+from rostether.mechanisms.json_fault import explain_fault
 from rostether.mechanisms.text import read_failure
 
 # A chunk has at most 128 KiB, thus 256 KiB of hex; a much longer line is not from a capture.
@@ -143,6 +144,8 @@ def _decoded(line: bytes, kind: type[_T]) -> _T:
         return msgspec.json.decode(line, type=kind)
     except RecursionError:
         raise ValueError("JSON is nested too deeply") from None
+    except ValueError as error:
+        raise ValueError(explain_fault(error)) from None
 
 
 def _entry(line: _Line, last_s: float) -> Entry | None:

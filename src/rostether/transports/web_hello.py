@@ -8,6 +8,7 @@ import msgspec
 from msgspec import Meta, Struct
 
 from rostether.errors import RemoteProtocolError
+from rostether.mechanisms.json_fault import explain_fault
 from rostether.transports.address_parser import MAX_BAUD
 
 # A hello has about 100 characters.
@@ -51,4 +52,4 @@ def _read(text: str, kind: type[_T]) -> _T:
     try:
         return msgspec.json.decode(text, type=kind)
     except (ValueError, RecursionError) as error:
-        raise RemoteProtocolError(f"a text message is invalid: {error}") from None
+        raise RemoteProtocolError(f"a text message is invalid: {explain_fault(error)}") from None

@@ -179,12 +179,12 @@ async def test_a_page_without_a_hello_is_refused() -> None:
     ("text", "mistake"),
     [
         ("", "truncated"),
-        ("[" * 900, "Expected `object`"),
+        ("[" * 900, "expected object"),
         ("x" * 2000, "at most 1000 characters"),
-        ('{"op":"connect","name":"a b","key":"12345678","baud":9600}', r"at `\$\.name`"),
-        ('{"op":"connect","name":"a","key":"1","baud":9600}', r"at `\$\.key`"),
-        ('{"op":"connect","name":"a","key":"12345678","baud":true}', "Expected `int`, got `bool`"),
-        ('{"op":"connect","name":"a","key":"12345678","baud":0}', "Expected `int` >= 1"),
+        ('{"op":"connect","name":"a b","key":"12345678","baud":9600}', "invalid: name: "),
+        ('{"op":"connect","name":"a","key":"1","baud":9600}', "invalid: key: "),
+        ('{"op":"connect","name":"a","key":"12345678","baud":true}', "expected integer, got boolean"),
+        ('{"op":"connect","name":"a","key":"12345678","baud":0}', "expected integer >= 1"),
     ],
 )
 def test_a_wrong_hello_is_explained(text: str, mistake: str) -> None:

@@ -13,6 +13,7 @@ from rostether.errors import RemoteProtocolError
 from rostether.gateways.foxglove import client_messages as requests
 from rostether.gateways.large_json import check_few_values, parse_json
 from rostether.gateways.shown_values import show
+from rostether.mechanisms.json_fault import explain_fault
 
 # Checking a longer text takes longer than 10 ms. The longest texts set a robot description of a few MB.
 MAX_TEXT_MESSAGE_CHARACTERS = 4 << 20
@@ -58,7 +59,7 @@ def parse_text(text: str) -> requests.ClientMessage:
     try:
         return msgspec.convert(message, message_type)
     except msgspec.ValidationError as error:
-        raise RemoteProtocolError(f"{op}: {error}") from None
+        raise RemoteProtocolError(f"{op}: {explain_fault(error)}") from None
 
 
 _MESSAGES: dict[str, type[requests.ClientMessage]] = {

@@ -77,7 +77,7 @@ def test_what_is_wrong_is_reported_in_one_short_line(text: str) -> None:
 def test_a_wrong_field_is_named() -> None:
     with pytest.raises(RemoteProtocolError) as caught:
         parse_text('{"op":"subscribe","subscriptions":[{"id":1,"channelId":"1"}]}')
-    assert str(caught.value) == "subscribe: Expected `int`, got `str` - at `$.subscriptions[0].channelId`"
+    assert str(caught.value) == "subscribe: subscriptions[0].channelId: expected integer, got string"
 
 
 @given(st.binary(max_size=40))

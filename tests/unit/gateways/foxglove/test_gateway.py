@@ -228,4 +228,4 @@ async def test_a_client_asks_for_the_robot_s_time() -> None:
         assert answer["id"] == 7
         assert before_s - 1e-3 <= answer["sec"] + answer["nsec"] / 1e9 <= time.time() + 1e-3
         await client.say("askTime", id=-1)
-        assert "Expected `int` >= 0" in (await client.wait("status"))["message"]
+        assert "expected integer >= 0" in (await client.wait("status"))["message"]

@@ -98,9 +98,9 @@ async def test_a_client_plays_a_recording(monkeypatch: pytest.MonkeyPatch) -> No
             ("b.bag", 0.0, 1.0, True),
         ]
         await client.say("playRecording", name="b.bag", start=-1)
-        await client.wait("status", lambda status: "Expected `float` >= 0" in status["message"])
+        await client.wait("status", lambda status: "expected number >= 0" in status["message"])
         await client.say("pausePlayback", paused=1)
-        await client.wait("status", lambda status: "Expected `bool`" in status["message"])
+        await client.wait("status", lambda status: "expected boolean" in status["message"])
     assert recordings.calls[4:] == ["stop playing"]
 
 
