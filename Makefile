@@ -55,6 +55,7 @@ check-python: $(VENV)/.dev
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
+	$(BIN)/mypy --scripts-are-modules $$(grep -l "^#!.*python" scripts/*)
 	$(BIN)/lint-imports --no-cache
 	$(BIN)/reuse lint --quiet
 	$(BIN)/python scripts/check-words
