@@ -72,18 +72,30 @@ class BuildCache:
         Raises FirmwareError if the cache folder cannot be written.
         """
         target = self.path(kind, key, "")
+        with self.scratch(kind) as folder:
+            yield folder
+            # If another build was faster, its files are the same.
+            with contextlib.suppress(OSError):
+                target.parent.mkdir(exist_ok=True)
+                folder.rename(target)
+
+    @contextmanager
+    def scratch(self, kind: str) -> Iterator[Path]:
+        """Provide an empty folder, which is removed at the end of the block.
+
+        Raises FirmwareError if the cache folder cannot be written.
+        """
+        # Prune finds entries at this depth, also those of a build that was killed.
+        parent = self.folder / kind / "new"
         try:
-            target.parent.mkdir(parents=True, exist_ok=True)
-            folder = Path(tempfile.mkdtemp(prefix=".new-", dir=target.parent))
+            parent.mkdir(parents=True, exist_ok=True)
+            folder = Path(tempfile.mkdtemp(dir=parent))
         except OSError as error:
             raise FirmwareError(
                 f"cannot write to {self.folder}: {error.strerror}; set XDG_CACHE_HOME to a writable folder"
             ) from None
         try:
             yield folder
-            # If another build was faster, its files are the same.
-            with contextlib.suppress(OSError):
-                folder.rename(target)
         finally:
             shutil.rmtree(folder, ignore_errors=True)
 

@@ -74,9 +74,7 @@ class Compiler:
             if found is not None:
                 return Compiled(found, tuple(map(Path, known["files"])), known["output"])
         started_ns = time.time_ns()
-        with self._cache.filling(
-            "compiling", digest(key, os.getpid(), id(self), time.monotonic_ns())
-        ) as folder:
+        with self._cache.scratch("compiling") as folder:
             made = folder / "unit.o"
             command = [str(made) if each == "{object_file}" else each for each in arguments]
             code, output = await self._run(command)
@@ -87,7 +85,6 @@ class Compiler:
             content = digest(key, [self._cache.file_digest(file) for file in files])
             with self._cache.filling("objects", content) as kept:
                 made.replace(kept / "unit.o")
-            (folder / "unit.d").unlink(missing_ok=True)
         record = {"object": content, "files": [str(file) for file in files], "output": output}
         self._cache.save(key, record, files, includes, started_ns=started_ns)
         return Compiled(self._cache.path("objects", content, "unit.o"), files, output)
