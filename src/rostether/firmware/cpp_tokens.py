@@ -8,7 +8,7 @@ from typing import Literal
 
 from msgspec import Struct
 
-Kind = Literal["name", "number", "string", "char", "punctuation", "directive", "comment"]
+TokenKind = Literal["name", "number", "string", "char", "punctuation", "directive", "comment"]
 
 _TOKEN = re.compile(
     r"""
@@ -24,13 +24,13 @@ _TOKEN = re.compile(
     """,
     re.VERBOSE | re.DOTALL | re.ASCII,
 )
-_KINDS: dict[str, Kind] = {"raw": "string"}
+_KINDS: dict[str, TokenKind] = {"raw": "string"}
 
 
 class Token(Struct, frozen=True):
     """A piece of text and its start offset."""
 
-    kind: Kind
+    kind: TokenKind
     text: str
     offset: int
 

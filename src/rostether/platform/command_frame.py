@@ -47,7 +47,7 @@ _VERSION = 1
 HEADER_BYTES = _HEADER.size
 
 
-def kind_of(md5sum: str) -> bytes:
+def type_kind(md5sum: str) -> bytes:
     """Return the kind in frames with messages of a type, given the type's MD5 sum in hexadecimal digits."""
     return bytes.fromhex(md5sum[:8])
 

@@ -17,7 +17,7 @@ from rostether.errors import ConfigError
 from rostether.graph.ports import Graph, Level
 from rostether.msgdef.interface import ANY_MD5SUM, ANY_MESSAGE
 from rostether.platform.command_channel import CommandChannel
-from rostether.platform.command_frame import MAX_PAYLOAD_BYTES, kind_of
+from rostether.platform.command_frame import MAX_PAYLOAD_BYTES, type_kind
 from rostether.platform.command_link import RELEASE_FRAMES, CommandSender, SenderSettings
 from rostether.platform.datagram_sender import DatagramSender
 from rostether.platform.multicast_socket import MAX_DATAGRAM_BYTES, GroupAddress
@@ -148,7 +148,7 @@ class _FramedBridge:
         md5sum = header.get("md5sum", ANY_MD5SUM)
         if md5sum == ANY_MD5SUM:
             return
-        kind = kind_of(md5sum)
+        kind = type_kind(md5sum)
         if self._commands is None or kind != self._settings.kind:
             self._release()
             self._settings = replace(self._settings, kind=kind)

@@ -13,7 +13,7 @@ from rostether.ports.board_identity import BoardIdentity
 from rostether.ports.port_pattern import fits_entry
 from rostether.ports.port_watch import SETTLING_S, folder_mark
 from rostether.ports.settings import DeviceSettings, DiscoverySettings
-from rostether.ports.usb_boards import Kind, kind_of
+from rostether.ports.usb_boards import UsbKind, usb_kind
 from rostether.transports.serial_port import ListPorts, SerialPort
 
 
@@ -55,10 +55,10 @@ def port_use(port: SerialPort, settings: DeviceSettings, discovery: DiscoverySet
         return PortUse.LEAVE
     if any(fits_entry(identity, entry) for entry in discovery.probe):
         return PortUse.EXPECT
-    match kind_of(port.usb_vendor_id, port.usb_product_id):
-        case Kind.BOARD:
+    match usb_kind(port.usb_vendor_id, port.usb_product_id):
+        case UsbKind.BOARD:
             return PortUse.ASK
-        case Kind.LIKELY_BOARD:
+        case UsbKind.LIKELY_BOARD:
             return PortUse.LISTEN
         case _:
             return PortUse.OFFER if port.usb_vendor_id is not None else PortUse.LEAVE

@@ -80,7 +80,7 @@ _LIKELY_BOARDS = frozenset(
 _CABLE_ADAPTERS = frozenset({(0x0403, 0x6010), (0x0403, 0x6014), (0x067B, 0x2303)})
 
 
-class Kind(Enum):
+class UsbKind(Enum):
     """Whether a USB id belongs to a board."""
 
     BOARD = auto()
@@ -88,14 +88,14 @@ class Kind(Enum):
     UNKNOWN = auto()
 
 
-def kind_of(vendor_id: int | None, product_id: int | None) -> Kind:
+def usb_kind(vendor_id: int | None, product_id: int | None) -> UsbKind:
     """Return the kind of device for a USB id."""
     board = board_of(vendor_id, product_id)
     usb_id = (vendor_id, product_id)
     # In its bootloader, a board interprets all data as an upload.
     if not board or usb_id in _CABLE_ADAPTERS or board.endswith("in its bootloader"):
-        return Kind.UNKNOWN
-    return Kind.LIKELY_BOARD if usb_id in _LIKELY_BOARDS else Kind.BOARD
+        return UsbKind.UNKNOWN
+    return UsbKind.LIKELY_BOARD if usb_id in _LIKELY_BOARDS else UsbKind.BOARD
 
 
 def board_of(vendor_id: int | None, product_id: int | None) -> str:

@@ -15,10 +15,8 @@ TIME_POLL_S = 0.01
 # The time for a publisher of a named topic to connect: DDS takes more than a second on a busy machine.
 CONNECT_S = 3.0
 
-Report = Callable[[str], None]
 
-
-async def wait_for_time(graph: Graph, report: Report) -> None:
+async def wait_for_time(graph: Graph, report: Callable[[str], None]) -> None:
     """Wait for simulated time: without a time, latched messages would be lost."""
     report("WARNING: use_sim_time is set: waiting for the first message on /clock")
     while not graph.now().to_ns():  # noqa: ASYNC110 - the port does not report it
@@ -26,7 +24,7 @@ async def wait_for_time(graph: Graph, report: Report) -> None:
 
 
 async def report_missing(
-    graph: Graph, names: Collection[str], connected: Container[str], report: Report
+    graph: Graph, names: Collection[str], connected: Container[str], report: Callable[[str], None]
 ) -> None:
     """Report the named topics that are not connected and have no publisher after `CONNECT_S`."""
     await asyncio.sleep(CONNECT_S)

@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import pytest
 
-from rostether.ports.usb_boards import Kind, board_of, kind_of
+from rostether.ports.usb_boards import UsbKind, board_of, usb_kind
 
 
 @pytest.mark.parametrize(
@@ -25,13 +25,13 @@ def test_board_of(usb_id: tuple[int | None, int | None], board: str) -> None:
 @pytest.mark.parametrize(
     ("usb_id", "kind"),
     [
-        ((0x2341, 0x0043), Kind.BOARD),
-        ((0x2341, 0x0036), Kind.UNKNOWN),
-        ((0x1A86, 0x7523), Kind.LIKELY_BOARD),
-        ((0x067B, 0x2303), Kind.UNKNOWN),
-        ((0x1546, 0x01A8), Kind.UNKNOWN),
-        ((None, None), Kind.UNKNOWN),
+        ((0x2341, 0x0043), UsbKind.BOARD),
+        ((0x2341, 0x0036), UsbKind.UNKNOWN),
+        ((0x1A86, 0x7523), UsbKind.LIKELY_BOARD),
+        ((0x067B, 0x2303), UsbKind.UNKNOWN),
+        ((0x1546, 0x01A8), UsbKind.UNKNOWN),
+        ((None, None), UsbKind.UNKNOWN),
     ],
 )
-def test_kind_of(usb_id: tuple[int | None, int | None], kind: Kind) -> None:
-    assert kind_of(*usb_id) is kind
+def test_usb_kind(usb_id: tuple[int | None, int | None], kind: UsbKind) -> None:
+    assert usb_kind(*usb_id) is kind

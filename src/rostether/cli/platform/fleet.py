@@ -16,7 +16,7 @@ from rostether.cli.shell.output import json_option, warn, write_json, write_line
 from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import LazyGroup, verb, verb_entries
 from rostether.graph.ports import Level
-from rostether.platform.command_frame import ALL_GROUPS, kind_of
+from rostether.platform.command_frame import ALL_GROUPS, type_kind
 from rostether.platform.fleet import FleetSender, FleetSettings, has_stopped, silence_text
 from rostether.platform.robot_table import Robot
 
@@ -145,7 +145,7 @@ async def _query(settings: FleetSettings, as_json: bool, *, detailed: bool) -> i
 async def _drive(settings: FleetSettings, payload: bytes, duration_s: float) -> int:
     from rostether.msgdef.registry import Registry
 
-    kind = kind_of(Registry().message_type(_CONTROL).md5sum)
+    kind = type_kind(Registry().message_type(_CONTROL).md5sum)
     settings = replace(settings, sender=replace(settings.sender, kind=kind))
     with closing(FleetSender(settings, _report)) as sender:
         await sender.drive(payload, duration_s)

@@ -213,7 +213,7 @@ def _has_group(name: str) -> bool:
 
 def _robot_text(file: Path, root: Path | None, answers: Answers) -> str:
     from rostether.cli.platform.robot_check import check_robot, parse_robot
-    from rostether.platform.boot.machine import Kind, Machine
+    from rostether.platform.boot.machine import Machine, MachineKind
     from rostether.platform.boot.robot_file import check_interface, read_robot_text
 
     if (given := answers.given) is not None:
@@ -225,10 +225,10 @@ def _robot_text(file: Path, root: Path | None, answers: Answers) -> str:
         text = read_robot_text(kept)
         parse_robot(text, str(kept))
         return text
-    kind = Kind(answers.machine or _ask("What is this machine", "both", _KINDS))
+    kind = MachineKind(answers.machine or _ask("What is this machine", "both", _KINDS))
     name = answers.name or _ask("Name of this machine", os.uname().nodename)
     core, interface = answers.core or "", answers.interface or ""
-    if kind is Kind.ROBOT and not core:
+    if kind is MachineKind.ROBOT and not core:
         core = _ask("Address of the base station")
     if not answers.machine and not answers.address and not interface:
         interface = _ask_interface()

@@ -81,7 +81,7 @@ async def multicast_topic_receiver(graph: TypedGraph, _: Arguments) -> None:
     of `rostether fleet` (239.255.82.83, port 11412); only commands for this robot are published, and zeros
     when they end: ~robot (1), ~groups (0), ~key_file.
     """
-    from rostether.platform.command_frame import kind_of
+    from rostether.platform.command_frame import type_kind
     from rostether.platform.command_link import ReceiverSettings
     from rostether.platform.multicast_receiver import ReceiverNodeSettings, receive_topic
 
@@ -91,7 +91,7 @@ async def multicast_topic_receiver(graph: TypedGraph, _: Arguments) -> None:
         raise ConfigError("give the type of the messages, for instance _type:=arduino_control/ArduinoControl")
     framed = None
     if await parameters.flag(False, "framed"):
-        kind = kind_of(graph.store.registry.message_type(type_name).md5sum)
+        kind = type_kind(graph.store.registry.message_type(type_name).md5sum)
         robot = await parameters.integer(1, 1, MAX_ROBOT, "robot")
         framed = ReceiverSettings(robot, await _group_mask(parameters) or 1, kind, await _key(parameters))
     settings = ReceiverNodeSettings(

@@ -11,7 +11,7 @@ from enum import Enum
 from msgspec import Struct, field
 
 
-class Kind(Enum):
+class MachineKind(Enum):
     """The purpose of a machine."""
 
     BASE = "base"
@@ -25,7 +25,7 @@ class Machine(Struct, frozen=True):
     Other machines reach this one at `address`, or at the network interface `interface`.
     """
 
-    kind: Kind
+    kind: MachineKind
     name: str
     core: str = ""
     address: str = ""
@@ -40,7 +40,7 @@ class Machine(Struct, frozen=True):
             "# What this machine runs: each part is a rostether command.",
             f"name = {_quoted(self.name)}",
         ]
-        if self.kind is Kind.ROBOT:
+        if self.kind is MachineKind.ROBOT:
             lines.append(f"master = {_quoted(_uri(self.core))}")
         if self.address:
             lines.append(f"address = {_quoted(self.address)}")
@@ -52,11 +52,11 @@ class Machine(Struct, frozen=True):
 
     def _all_parts(self) -> dict[str, str]:
         parts = {}
-        if self.kind is not Kind.ROBOT:
+        if self.kind is not MachineKind.ROBOT:
             parts["core"] = "core --listen 0.0.0.0"
             parts["sensors"] = "role sensing-manager"
             parts["dashboard"] = "dashboard --no-open --listen 0.0.0.0 --port 8765"
-        if self.kind is not Kind.BASE:
+        if self.kind is not MachineKind.BASE:
             parts["boards"] = shlex.join(["serve", *self.boards])
         return parts | dict(self.parts)
 

@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from rostether.errors import RecordingError
 from rostether.recording.compression import Buffer
 from rostether.recording.mcap.content import McapContent, footer_of
-from rostether.recording.mcap.data_check import DataCheck, kind_of
+from rostether.recording.mcap.data_check import DataCheck, record_name
 from rostether.recording.mcap.decoding import check_header, decode_chunk_index, decode_statistics, read_record
 from rostether.recording.mcap.records import (
     FOOTER_BYTES,
@@ -60,7 +60,7 @@ class _Check:
             raise RecordingError("it does not start with MCAP's magic bytes")
         op, start, position = read_record(data, len(MAGIC))
         if op != Op.HEADER:
-            raise RecordingError(f"there is a record ({kind_of(op)}) instead of the header")
+            raise RecordingError(f"there is a record ({record_name(op)}) instead of the header")
         check_header(data, start, position)
         position = self._found.run(position)
         if self._found.order.fault:
@@ -89,7 +89,7 @@ class _Check:
             before = position
             op, start, position = read_record(data, position, end)
             if op != last_op and op in groups:
-                self.report(f"records of its summary ({kind_of(op)}) are not grouped together")
+                self.report(f"records of its summary ({record_name(op)}) are not grouped together")
             last_op = op
             groups[op] = (groups[op][0] if op in groups else before, position)
             if op in (Op.SCHEMA, Op.CHANNEL):
@@ -167,8 +167,8 @@ class _Check:
         while position < end:
             op, start, position = read_record(data, position, end)
             if op != Op.SUMMARY_OFFSET or position - start < SUMMARY_OFFSET.size:
-                self.report(f"there is a record ({kind_of(op)}) among its summary offsets")
+                self.report(f"there is a record ({record_name(op)}) among its summary offsets")
                 continue
             kind, begin, length = SUMMARY_OFFSET.unpack_from(data, start)
             if length and groups.get(kind) != (begin, begin + length):
-                self.report(f"its summary offset of {kind_of(kind)} is wrong")
+                self.report(f"its summary offset of {record_name(kind)} is wrong")

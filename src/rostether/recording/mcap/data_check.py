@@ -80,7 +80,7 @@ class DataCheck:
                 if crc and zlib.crc32(data[start : position - 4]) != crc:
                     self._report(f"the checksum (CRC) of the attachment at byte {before} is wrong")
             elif op != Op.METADATA and op < 0x80:
-                raise RecordingError(f"there is a record ({kind_of(op)}) among the data at byte {before}")
+                raise RecordingError(f"there is a record ({record_name(op)}) among the data at byte {before}")
 
     def _check_chunk(self, position: int, start: int, end: int) -> FoundChunk:
         data = self._data
@@ -110,7 +110,7 @@ class DataCheck:
                     first, last = min(first, time_ns), max(last, time_ns)
                     found.message_offsets.setdefault(number, array("Q")).extend((time_ns, record))
                 elif op < 0x80:
-                    self._report(f"{where}: a record ({kind_of(op)}) does not belong there")
+                    self._report(f"{where}: a record ({record_name(op)}) does not belong there")
         except RecordingError as error:
             self._report(f"{where}: {error}")
         if found.message_offsets and (first, last) != (chunk.start_ns, chunk.end_ns):
@@ -188,6 +188,6 @@ def _pairs(values: array[int]) -> list[tuple[int, int]]:
     return sorted(zip(values[0::2], values[1::2], strict=True))
 
 
-def kind_of(op: int) -> str:
+def record_name(op: int) -> str:
     """Return the name of a kind of record."""
     return KINDS.get(op, f"of kind {op:#x}")

@@ -6,7 +6,7 @@ import asyncio
 from collections.abc import Callable, Mapping, Sequence
 
 from rostether.graph.flow_control import DEFAULT_QUEUE_BYTES, PublicationFlow
-from rostether.graph.ports import Level
+from rostether.graph.ports import Level, Report
 from rostether.graph.publisher_handle import PublisherHandle, check_same_type
 from rostether.mechanisms.text import counted
 from rostether.msgdef.interface import MessageType
@@ -14,8 +14,6 @@ from rostether.ros1.node.subscriber_connection import SubscriberConnection
 from rostether.tcpros.handshake import check_subscriber, publisher_fields
 from rostether.tcpros.header import encode_header
 from rostether.tcpros.message_framing import encode_messages
-
-Report = Callable[[Level, str], None]
 
 # Called for a subscriber that has connected (True) or disconnected (False).
 OnSubscriber = Callable[[SubscriberConnection, bool], None]

@@ -78,7 +78,7 @@ class AtAnswer(NamedTuple):
     value: bytes
 
 
-Report: TypeAlias = RadioPacket | TransmitStatus | AtAnswer
+RadioReport: TypeAlias = RadioPacket | TransmitStatus | AtAnswer
 
 
 def status_text(status: int) -> str:
@@ -106,7 +106,7 @@ def encode_at(command: str, value: bytes = b"", *, frame_id: int) -> bytes:
     return encode_frame(bytes((_AT, frame_id)) + command.encode("ascii") + value)
 
 
-def parse_report(data: bytes) -> Report | None:
+def parse_report(data: bytes) -> RadioReport | None:
     """Return the content of a frame from the radio; None for other kinds and for short frames."""
     kind = data[0] if data else None
     match kind:

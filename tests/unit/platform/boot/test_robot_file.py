@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from rostether.errors import ConfigError
-from rostether.platform.boot.machine import Kind, Machine
+from rostether.platform.boot.machine import Machine, MachineKind
 from rostether.platform.boot.robot_file import Part, RobotFile, parse_robot_file, read_robot_text
 
 COMMANDS = {"serve", "core", "role", "dashboard"}
@@ -69,8 +69,8 @@ def test_a_missing_file() -> None:
         read_robot_text(Path("/nowhere/robot.toml"))
 
 
-@pytest.mark.parametrize("kind", Kind)
-def test_the_file_of_a_machine_can_be_read(kind: Kind) -> None:
+@pytest.mark.parametrize("kind", MachineKind)
+def test_the_file_of_a_machine_can_be_read(kind: MachineKind) -> None:
     # JSON leaves DEL unescaped, and writes the emoji as two surrogate escapes; TOML allows neither.
     name = 'my "robot" \N{ROBOT FACE}\x7f'
     machine = Machine(kind, name, "base", "10.0.0.2", "wlan0", ["sim:my sketch"], {"two words": "role x"})
@@ -78,7 +78,9 @@ def test_the_file_of_a_machine_can_be_read(kind: Kind) -> None:
     assert robot.name == name
     assert robot.environment["ROSTETHER_INTERFACE"] == "wlan0"
     names = [part.name for part in robot.parts]
-    assert ("core" in names) == (kind is not Kind.ROBOT)
-    assert (Part("boards", ("serve", "sim:my sketch")) in robot.parts) == (kind is not Kind.BASE)
+    assert ("core" in names) == (kind is not MachineKind.ROBOT)
+    assert (Part("boards", ("serve", "sim:my sketch")) in robot.parts) == (kind is not MachineKind.BASE)
     assert names[-1] == "two words"
-    assert robot.environment.get("ROS_MASTER_URI") == ("http://base:11311" if kind is Kind.ROBOT else None)
+    assert robot.environment.get("ROS_MASTER_URI") == (
+        "http://base:11311" if kind is MachineKind.ROBOT else None
+    )

@@ -7,7 +7,7 @@ import pytest
 from rostether.transports.xbee.packets import (
     AtAnswer,
     RadioPacket,
-    Report,
+    RadioReport,
     TransmitStatus,
     encode_at,
     encode_packet,
@@ -55,7 +55,7 @@ def test_encode_an_at_command() -> None:
         ("", None),
     ],
 )
-def test_parse(frame: str, report: Report | None) -> None:
+def test_parse(frame: str, report: RadioReport | None) -> None:
     assert parse_report(bytes.fromhex(frame + "0" * (len(frame) % 2))[: len(frame) // 2]) == report
 
 
