@@ -16,12 +16,12 @@ from rostether.errors import ConfigError
 from rostether.firmware.properties import parse_properties
 from rostether.firmware.sketch import SOURCE_SUFFIXES
 
-# Users install at most a few hundred libraries; a folder with more folders than this is another one.
+# Users install at most a few hundred libraries; a folder with more subfolders does not hold libraries.
 MAX_LIBRARIES = 2000
 
 _HEADER_SUFFIXES = (".h", ".hh", ".hpp")
 _ARCHITECTURE = "avr"
-# Libraries that are used if the user has none: Servo, and Ethernet for a chip of simulated boards.
+# Libraries that are used if the user has none: Servo, and Ethernet for the network chip of simulated boards.
 SIMULATION_LIBRARIES = Path(__file__).parent / "share" / "libraries"
 
 
@@ -81,7 +81,7 @@ def read_library(folder: Path, origin: Origin) -> Library:
 def read_given(folder: Path) -> list[Library]:
     """Return the libraries of `--library`: one library, or a folder of them.
 
-    Raises ConfigError for another folder.
+    Raises ConfigError for any other folder.
     """
     folder = folder.expanduser().resolve()
     if not folder.is_dir():
@@ -93,7 +93,7 @@ def read_given(folder: Path) -> list[Library]:
     found = read_folder(folder, Origin.GIVEN)
     if not found:
         raise ConfigError(
-            f"--library {folder}: not a library or a folder of libraries (it contains no headers)"
+            f"--library {folder}: contains no headers; give the folder of a library, or of several"
         )
     return found
 

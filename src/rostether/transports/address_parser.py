@@ -39,6 +39,7 @@ from rostether.transports.xbee.radio_address import parse_radio_address
 MAX_BAUD = 20_000_000
 # A Mega has four.
 MAX_UART = 3
+# More seeds than anyone tries; the simulator reads numbers of 64 bits.
 MAX_SEED = 2**32 - 1
 
 _COMMON_OPTIONS = ("name", "ns")
@@ -137,8 +138,8 @@ class _Options:
         known = tuple(dict.fromkeys(peer for peer in peers if peer is not None))
         if len(known) < len(peers):
             raise ConfigError(
-                f"peers={value} in link address {self._address!r}: write each address once, separated by "
-                "commas, of 16 bits or as on the radio's label: peers=1,0x2a,0013A20040A1B2C3"
+                f"peers={value} in link address {self._address!r}: write each radio once, separated by "
+                "commas, with its 16-bit address or the address on its label: peers=1,0x2a,0013A20040A1B2C3"
             )
         return known
 

@@ -56,7 +56,7 @@ def test_a_given_folder_is_a_library_or_contains_libraries(tmp_path: Path) -> No
 def test_a_given_folder_without_libraries_is_reported(tmp_path: Path) -> None:
     with pytest.raises(ConfigError, match="no such folder"):
         read_given(tmp_path / "nowhere")
-    with pytest.raises(ConfigError, match="not a library or a folder of libraries"):
+    with pytest.raises(ConfigError, match="contains no headers; give the folder of a library"):
         read_given(tmp_path)
 
 

@@ -87,8 +87,8 @@ def test_read_as_typed(text: str, address: Address) -> None:
         ("udp://h?connect=yes&bind=70000", "write a number from 0 to 65535"),
         ("pty:", "has no path"),
         ("serial:", "has no path"),
-        ("xbee:/dev/x?peers=one", "of 16 bits or as on the radio's label"),
-        ("xbee:/dev/x?peers=0xffff", "of 16 bits or as on the radio's label"),
+        ("xbee:/dev/x?peers=one", "with its 16-bit address or the address on its label"),
+        ("xbee:/dev/x?peers=0xffff", "with its 16-bit address or the address on its label"),
         ("bluetooth:/dev/x", "unknown kind of link 'bluetooth'"),
     ],
 )
