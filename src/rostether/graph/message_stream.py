@@ -71,8 +71,8 @@ class LearnedTypes:
             learned = Registry.of_full_text(name, definition)
             return self.store.for_registry(learned).codec(name)
         raise TypeMismatchError(
-            f"{name} has md5sum {md5sum} there and {known} here, and its publisher sends no definition; "
-            "give its package with --msg-path or ROS_PACKAGE_PATH"
+            f"{name} has md5sum {md5sum} at its publisher and {known} here, and the publisher sends no "
+            "definition; give the type's package with --msg-path or ROS_PACKAGE_PATH"
         )
 
 
