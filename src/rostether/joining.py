@@ -45,7 +45,7 @@ async def join(  # noqa: PLR0913 - each is an independent setting
     to nodes.
 
     With `numpy`, arrays of numbers in received messages are numpy arrays: read-only views without a copy.
-    Raises MasterUnreachableError, InvalidNameError, ConfigError.
+    Raises MasterUnreachableError, GraphError, InvalidNameError, ConfigError.
     """
     if ros2 is not None:
         if master is not None or allow:

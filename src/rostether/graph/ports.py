@@ -286,4 +286,4 @@ class JoinGraph(Protocol):
     async def __call__(
         self, node_name: str, *, namespace: str = "/", remappings: Mapping[str, str] | None = None
     ) -> Graph:
-        """Join as `node_name`. Raises MasterUnreachableError, InvalidNameError."""
+        """Join as `node_name`. Raises MasterUnreachableError, InvalidNameError, GraphError."""

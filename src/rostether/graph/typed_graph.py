@@ -183,7 +183,7 @@ class TypedGraph(LogMethods):
 
         Pass the whole request, or its fields.
         Raises UnknownTypeError, ServiceUnavailableError, ServiceTimeoutError, ServiceCallError,
-        TypeMismatchError, SerializationError.
+        TypeMismatchError, InvalidNameError, SerializationError.
         """
         client = await self.service_client(service, name_of_type(type_name))
         return await client.call(request, timeout_s=timeout_s, **fields)

@@ -124,7 +124,7 @@ class TypedServiceClient(Generic[Response]):
         """Call the service and return its response; pass the whole request, or its fields.
 
         Raises ServiceUnavailableError, ServiceTimeoutError, ServiceCallError, TypeMismatchError,
-        SerializationError.
+        InvalidNameError, SerializationError.
         """
         payload = self._request_codec.encode_given(request, fields)
         answer = await self._graph.call_service(

@@ -155,7 +155,7 @@ class Graph(OpenContext[TypedGraph], LogMethods):
         """Call a service and return its response; pass the whole request, or its fields.
 
         Raises UnknownTypeError, ServiceUnavailableError, ServiceTimeoutError, ServiceCallError,
-        TypeMismatchError, SerializationError.
+        TypeMismatchError, InvalidNameError, SerializationError.
         """
         return self.service_client(service, type_name).call(request, timeout_s=timeout_s, **fields)
 

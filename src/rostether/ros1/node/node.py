@@ -125,7 +125,10 @@ class Ros1Graph(NodeMembership):
     def service_client(
         self, service: str, service_type: ServiceType, *, persistent: bool = False
     ) -> ServiceClient:
-        """Return a client for many calls; a persistent one keeps its connection. Close it at the end."""
+        """Return a client for many calls; a persistent one keeps its connection. Close it at the end.
+
+        Raises InvalidNameError.
+        """
         return ServiceClient(
             self.resolve(service), service_type, self._master, persistent=persistent, limits=self._limits
         )
