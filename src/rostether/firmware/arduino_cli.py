@@ -22,7 +22,10 @@ _PLATFORM_MISSING = re.compile(r"[Pp]latform '?([\w:]+)[^\n]*not (?:found|instal
 
 
 async def build_with_arduino_cli(sketch: Sketch, board: Board, options: BuildOptions) -> BuiltFirmware:
-    """Build like `build_sketch`. The ROS library is generated for the includes of the sketch's own files."""
+    """Build like `build_sketch`, with the same errors.
+
+    The ROS library is generated for the includes of the sketch's own files.
+    """
     started_s = time.monotonic()
     program = find_arduino_cli(f"building for {board.title}")
     cache = BuildCache(cache_folder())

@@ -35,7 +35,8 @@ def find_board(name: str) -> Board:
 async def build_sketch(sketch: Path, board: Board, options: BuildOptions | None = None) -> BuiltFirmware:
     """Build an .ino file, a folder with one, or a .cpp file.
 
-    Raises FirmwareError if there is no such sketch or no compiler, SketchError if it does not compile.
+    Raises FirmwareError if there is no such sketch or no compiler, SketchError if it does not compile,
+    ConfigError for a folder without libraries, DefinitionError for an invalid message definition.
     """
     options = options or BuildOptions()
     found = open_sketch(sketch)

@@ -12,7 +12,8 @@ from rostether.firmware.avr_pointers import PLAIN, UNKNOWN, table_functions
 from rostether.firmware.elf import DATA, FUNCTION, ElfFile, Symbol
 from rostether.firmware.stack_walk import Code, Walk, walk
 
-# The bits of the ELF file's flags with the architecture, and avr6: its program counters have 22 bits.
+# The bits of the ELF header's flags that name the architecture, and the value of avr6, whose program counter
+# has 22 bits.
 _MACHINE_FLAGS = 0x7F
 _LARGE_FLASH = 6
 _VECTOR = re.compile(r"__vector_\d+")
@@ -26,7 +27,7 @@ _LIBRARY_FILE = re.compile(r"^(?!.*/ros_lib/).*/(cores|libraries)/")
 _TABLES_END = "__ctors_start"
 # This function ends the program, and is in the tables of all abstract classes.
 _PURE_VIRTUAL = "__cxa_pure_virtual"
-# The two halves of an address are loaded within this distance.
+# The compiler loads the two halves of an address within this number of instructions.
 _LOAD_WINDOW = 4
 
 

@@ -64,7 +64,10 @@ class Compiler:
         self._running = asyncio.Semaphore(os.cpu_count() or 1)
 
     async def compile(self, source: Path, includes: Sequence[Path], *, warnings: str = "none") -> Compiled:
-        """Return the object of a source. Raises SketchError with the compiler's output."""
+        """Return the object of a source.
+
+        Raises SketchError with the compiler's output, FirmwareError if the cache folder cannot be written.
+        """
         recipe = self._recipe(_RECIPES.get(source.suffix, "cpp.o"), warnings)
         arguments = self._fill(recipe, source, includes)
         key = digest("compile", self._toolchain.identity, arguments, source)
@@ -121,7 +124,10 @@ class Compiler:
         return None if code else output
 
     async def archive(self, objects: Sequence[Path]) -> Path:
-        """Return an archive of objects; the linker uses only the needed ones. Raises SketchError."""
+        """Return an archive of objects, of which the linker uses only the needed ones.
+
+        Raises the same errors as `compile`.
+        """
         key = digest("archive", self._toolchain.identity, objects)
         found = self._cache.find("archives", key, "core.a")
         if found is not None:
@@ -136,7 +142,7 @@ class Compiler:
         return self._cache.path("archives", key, "core.a")
 
     async def link(self, objects: Sequence[Path], archive: Path, name: str) -> tuple[Path, Path]:
-        """Return the ELF and HEX files of a program. Raises SketchError with the linker's output."""
+        """Return the ELF and HEX files of a program. Raises the same errors as `compile`."""
         recipe = [*self._toolchain.recipe("c.combine", self._board), *_NO_SIZE_LIMITS]
         key = digest("link", self._toolchain.identity, recipe, objects, archive, name)
         elf, image = (self._cache.find("programs", key, f"{name}.{suffix}") for suffix in ("elf", "hex"))

@@ -36,7 +36,8 @@ KINDS = {
 def write_sketch(folder: Path, kind: SensorKind, examples: Path, pins: Mapping[str, str], topic: str) -> Path:
     """Write FOLDER/FOLDER.ino and return it; `pins` replace those of the kind, by name.
 
-    Raises ConfigError for an invalid name, pin or topic, and if the file exists.
+    Raises InvalidNameError for an invalid topic, ConfigError for an invalid name or pin, or if the file
+    exists.
     """
     if not _SKETCH_NAME.fullmatch(folder.name):
         raise ConfigError(f"{folder.name!r} cannot be a sketch's name; use letters, digits and _")

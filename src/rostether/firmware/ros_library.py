@@ -58,7 +58,10 @@ class RosLibrary:
         return False
 
     def write(self) -> Library:
-        """Return the library with the packages requested so far. Raises CodegenError and DefinitionError."""
+        """Return the library with the packages requested so far.
+
+        Raises CodegenError, DefinitionError, FirmwareError.
+        """
         from rostether.codegen.arduino_library import write_library
 
         key = digest("ros_lib", sorted(self.packages), self.signature())

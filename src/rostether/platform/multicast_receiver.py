@@ -69,7 +69,7 @@ async def receive_topic(
     report: Callable[[Level, str], None],
     read_host: Callable[[], HostState] = read_host,
 ) -> None:
-    """Publish received messages until cancelled. Raises ConfigError, UnknownTypeError, GraphError."""
+    """Publish received messages until cancelled. Raises ConfigError, DefinitionError, GraphError."""
     address = settings.address.checked()
     sources = check_networks(settings.sources, "~sources")
     publisher = await graph.publisher(settings.topic, settings.type_name)

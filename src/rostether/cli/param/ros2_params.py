@@ -235,7 +235,7 @@ class Ros2Params:
         write_line(yaml.safe_dump({owner: {"ros__parameters": tree}}, default_flow_style=False))
 
     def load(self, node: Path, file: str, /, *, verbose: bool) -> None:
-        """Set the parameters that a file has for a node. Raises ConfigError."""
+        """Set the parameters that a file has for a node. Raises ConfigError, GraphError."""
         from rostether.ros2.parameters.parameter_file import read_parameter_files
 
         refuse_ros1_only(verbose=verbose)

@@ -1,7 +1,8 @@
 """Checks the arguments of the Master API, with the error texts of rosmaster.
 
-A check gets (value, caller id) and returns the value to use, with resolved names. As in rosmaster, a name may
-have characters that the naming rules do not allow: old nodes have such names and must not be refused.
+A check gets (value, caller id) and returns the value to use, with resolved names; it raises BadArgumentError.
+As in rosmaster, a name may have characters that the naming rules do not allow: old nodes have such names and
+must not be refused.
 """
 
 from __future__ import annotations

@@ -26,7 +26,10 @@ class Shutdown:
         self._previous: dict[int, Any] = {}
 
     def on_client(self, hook: Callable[[], object]) -> None:
-        """Add a hook of the program, which can still publish; during a shutdown, call it at once."""
+        """Add a hook of the program, which can still publish; during a shutdown, call it at once.
+
+        Raises TypeError for a hook that cannot be called.
+        """
         if not callable(hook):
             raise TypeError(f"shutdown hook [{hook}] must be a function or callable object: {type(hook)}")
         if self.event.is_set():

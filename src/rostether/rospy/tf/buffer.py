@@ -54,7 +54,7 @@ class Buffer(BufferInterface):
         return self.lookup_transform_core(target_frame, source_frame, time)
 
     def lookup_transform_core(self, target_frame: str, source_frame: str, time: Any) -> Any:
-        """Return the result of `lookup_transform`, without waiting."""
+        """Return the result of `lookup_transform`, without waiting. Raises the same errors."""
         with self._lock, _tf2_errors():
             return _to_message(self._buffer.lookup(target_frame, source_frame, time.to_nsec()))
 

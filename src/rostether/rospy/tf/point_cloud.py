@@ -61,14 +61,17 @@ def read_points_list(
     skip_nans: bool = False,
     uvs: Iterable[tuple[int, int]] = (),
 ) -> list[Any]:
-    """Return the points as named tuples."""
+    """Return the points as named tuples. Raises the same errors as `read_points`."""
     names = [field.name for field in cloud.fields] if field_names is None else list(field_names)
     point_class: Any = namedtuple("Point", names)  # type: ignore[misc]
     return [point_class._make(point) for point in read_points(cloud, names, skip_nans, uvs)]
 
 
 def create_cloud(header: Any, fields: Sequence[Any], points: Iterable[Sequence[Any]]) -> Any:
-    """Return a cloud of one row; each point has a value for each field."""
+    """Return a cloud of one row; each point has a value for each field.
+
+    Raises struct.error for wrong values.
+    """
     layout = struct.Struct(struct_format(False, fields))
     data = b"".join([layout.pack(*point) for point in points])
     return _PointCloud2(
@@ -85,7 +88,7 @@ def create_cloud(header: Any, fields: Sequence[Any], points: Iterable[Sequence[A
 
 
 def create_cloud_xyz32(header: Any, points: Iterable[Sequence[float]]) -> Any:
-    """Return a point cloud with x, y and z."""
+    """Return a point cloud with x, y and z. Raises struct.error for wrong values."""
     fields = [_PointField(name, 4 * index, _PointField.FLOAT32, 1) for index, name in enumerate("xyz")]
     return create_cloud(header, fields, points)
 

@@ -75,12 +75,15 @@ def concatenate_matrices(*matrices: Any) -> Any:
 
 
 def euler_matrix(ai: float, aj: float, ak: float, axes: str = "sxyz") -> Any:
-    """Return the matrix of three Euler angles."""
+    """Return the matrix of three Euler angles. Raises ValueError for unknown `axes`."""
     return quaternion_matrix(quaternion_from_euler(ai, aj, ak, axes))
 
 
 def euler_from_matrix(matrix: Any, axes: str = "sxyz") -> tuple[float, float, float]:
-    """Return the Euler angles of a matrix; of several solutions, the one that tf returns."""
+    """Return the Euler angles of a matrix; of several solutions, the one that tf returns.
+
+    Raises ValueError for unknown `axes`.
+    """
     is_rotating, (i, j, k), is_first_repeated, is_odd = _convention(axes)
     m = _rows(matrix)
     if is_first_repeated:
@@ -100,12 +103,18 @@ def euler_from_matrix(matrix: Any, axes: str = "sxyz") -> tuple[float, float, fl
 
 
 def euler_from_quaternion(quaternion: Sequence[float], axes: str = "sxyz") -> tuple[float, float, float]:
-    """Return the Euler angles of a quaternion; `sxyz` are roll, pitch and yaw."""
+    """Return the Euler angles of a quaternion; `sxyz` are roll, pitch and yaw.
+
+    Raises ValueError for unknown `axes`.
+    """
     return euler_from_matrix(quaternion_matrix(quaternion), axes)
 
 
 def quaternion_from_euler(ai: float, aj: float, ak: float, axes: str = "sxyz") -> Any:
-    """Return the quaternion of three Euler angles; `sxyz` are roll, pitch and yaw."""
+    """Return the quaternion of three Euler angles; `sxyz` are roll, pitch and yaw.
+
+    Raises ValueError for unknown `axes`.
+    """
     is_rotating = _convention(axes)[0]
     first, second, third = (
         _axis_rotation(_LETTERS.index(letter), angle)
