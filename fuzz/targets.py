@@ -39,7 +39,7 @@ NAMES = (
 CORPORA = Path(__file__).parent / "corpora"
 # No input of a few KB may block a bridge for as long as a board waits for its parameter.
 LIMIT_S = 1.0
-# The memory for one input: a hundred times that of the largest input, and far below a declared 256 MB.
+# The memory for one input: 2000 times the longest input, and far below the 256 MB that an input may declare.
 LIMIT_BYTES = 32 << 20
 # Tracing memory takes three times as long, so only one of this number of inputs is traced.
 TRACE_EVERY = 16

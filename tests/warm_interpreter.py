@@ -72,7 +72,8 @@ class Ending:
     def _end(self) -> None:
         # A reference that is never released.
         ctypes.pythonapi.Py_IncRef(ctypes.py_object(self.libraries))
-        # Python reports errors, and stops threads while it clears what they use.
+        # After an error or with threads, Python ends the program: it reports the error, and stops the threads
+        # while it clears what they use.
         if self.code is not None and _thread._count() == 0:
             self._end_program(self.code)
         for name in self.libraries:
@@ -93,7 +94,7 @@ class Ending:
             sys.stdout.flush()
             sys.stderr.flush()
         except (AttributeError, OSError, ValueError):
-            # Python reports it.
+            # Python's own finalization reports the error.
             return
         if has_extensions or len(os.listdir("/proc/self/task")) > 1:  # noqa: PTH208 - imports nothing
             ctypes.pythonapi.exit(code)

@@ -203,7 +203,7 @@ class FolderEvents:
         return self._descriptor
 
     def watch(self) -> bool:
-        """Watch all folders, including those that exist again; return whether all can be watched."""
+        """Watch all folders, including those that were created again; return whether all can be watched."""
         watched = [
             self._library.inotify_add_watch(self._descriptor, folder, _MASK) >= 0 for folder in self._folders
         ]

@@ -10,7 +10,7 @@ from rostether.errors import DefinitionError
 from rostether.graph.ports import Graph
 from rostether.msgdef.interface import ANY_TYPE, ServiceType
 
-# Finds the type of a service by the names of the service and of its type, `*` if that is unknown. Raises
+# Returns the type of a service, by the service's name and the type's name (`*` if it is unknown). Raises
 # RostetherError.
 FindServiceType = Callable[[str, str], Awaitable[ServiceType]]
 

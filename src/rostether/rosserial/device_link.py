@@ -172,7 +172,7 @@ class DeviceLink:
         return self._handle_decoded(self._decoder.feed(data, now_s), now_s)
 
     def get_timer(self) -> float | None:
-        """Return when to call `handle_timer`, on the clock of `now_s`; None while nothing is due."""
+        """Return when to call `handle_timer`, on the clock of `now_s`; None if nothing is scheduled."""
         timers = [self._decoder.get_timer(), self._parameters.get_timer()]
         if self._state is State.CONFIGURED:
             timers += [self._time_due_s, self._time_lost_s]

@@ -156,7 +156,7 @@ class FrameDecoder:
         return self._accept(buffer, self._scan(buffer, Patience.WAIT, now_s), now_s)
 
     def get_timer(self) -> float | None:
-        """Return when to call `handle_timer`, None while nothing is due."""
+        """Return when to call `handle_timer`, None if nothing is scheduled."""
         timers = (self._search_at_s, self._tail_search_at_s, self._abandon_at_s())
         return min((timer for timer in timers if timer is not None), default=None)
 

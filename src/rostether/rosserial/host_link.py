@@ -149,7 +149,7 @@ class HostLink:
         return events
 
     def get_timer(self) -> float | None:
-        """Return when to call `handle_timer`, on the clock of `now_s`; None while nothing is due."""
+        """Return when to call `handle_timer`, on the clock of `now_s`; None if nothing is scheduled."""
         if self._is_stopped:
             return None
         timers = (

@@ -224,7 +224,7 @@ class Negotiation:
         self._completeness.note_announcement(kind, info)
 
     def get_timer(self) -> float | None:
-        """Return when to call `handle_timer`, None while nothing is due."""
+        """Return when to call `handle_timer`, None if nothing is scheduled."""
         return self._due_s
 
     def handle_timer(self, now_s: float, *, is_flowing: bool) -> bool:

@@ -49,7 +49,7 @@ class ProtocolDetector:
         )
 
     def get_timer(self) -> float | None:
-        """Return when to call `handle_timer`, None while nothing is due."""
+        """Return when to call `handle_timer`, None if nothing is scheduled."""
         timers = [reader.get_timer() for reader in self._candidates.values()]
         return min((timer for timer in (*timers, self._release_s) if timer is not None), default=None)
 

@@ -125,7 +125,7 @@ class UnreadBytes:
         self._update()
 
     def get_timer(self) -> float | None:
-        """Return when to call `handle_timer`, None while nothing is due."""
+        """Return when to call `handle_timer`, None if nothing is scheduled."""
         if not self._frames or self.version is None:
             return None
         due_s = self._expiry_s(self._frames[0])

@@ -72,8 +72,8 @@ def own_addresses() -> set[ipaddress.IPv4Address | ipaddress.IPv6Address]:
 def is_own_address(host: str, scope: int = 0) -> bool:
     """Return whether a numeric address belongs to this machine: datagrams to it are then sent from it.
 
-    `scope` is the interface index of a link-local IPv6 address. 0.0.0.0 is included: Linux sends from it to a
-    group by `lo` where no other interface has an address.
+    `scope` is the interface index of a link-local IPv6 address. 0.0.0.0 is included: if no
+    other interface than `lo` has an address, Linux sends from 0.0.0.0 to a group.
     """
     is_ipv6 = ":" in host
     try:

@@ -120,7 +120,7 @@ class Shell:
         return result.out
 
     def observed(self, pattern: str, *arguments: str, before: Callable[[], object] = lambda: None) -> str:
-        """Run a command that listens for a while, for longer until its output matches a pattern.
+        """Run a command that listens for a while; run it again for longer until its output matches a pattern.
 
         `before` is called before each try.
         """

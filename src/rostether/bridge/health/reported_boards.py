@@ -24,7 +24,8 @@ FORGET_S = 15.0
 # The longest time that `reported_boards` listens: rates are known some time after a board's first report.
 LISTEN_S = 6.0
 
-# A bridge measures rates from its first report to a subscriber on. The second may follow immediately.
+# A bridge starts to measure rates with its first report to a new subscriber. The second report may follow
+# immediately, before the rates are known.
 RATES_AFTER_S = 0.9
 
 # How long `reported_boards` waits for a publisher: a newly connected board advertises within a second.

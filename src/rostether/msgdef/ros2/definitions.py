@@ -123,7 +123,7 @@ class Ros2Definitions:
                 self._messages[message.full_name] = message
                 self._added.add(message.full_name)
         for service in joined_services(self._messages):
-            # A description has the service as a message too.
+            # A type description also lists a service as a message, so its name may be known already.
             if service.full_name in self._added or not self.has(service.full_name):
                 self._services[service.full_name] = service
                 self._added.add(service.full_name)

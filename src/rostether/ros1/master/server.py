@@ -65,9 +65,9 @@ class MasterServer:
     ) -> MasterServer:
         """Start a master on one or several addresses; port 0 means a free one.
 
-        `advertised_host` is the host in its URI, by default the first address; `own_names` are more names of
-        this machine for requests. Raises GraphError if the port is already in use, ConfigError if an address
-        does not belong to this machine.
+        `advertised_host` is the host in its URI, by default the first address. `own_names` are further names
+        of this machine that requests may contain. Raises GraphError if the port is already in use,
+        ConfigError if an address does not belong to this machine.
         """
         master = cls(hosts, port, advertised_host or hosts[0], admission, limits, own_names)
         await master._listen()

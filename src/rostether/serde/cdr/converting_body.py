@@ -231,8 +231,8 @@ class ConvertingBody(ReadingBody):
         """Return the code that converts one element, with a modulus and a residue of the offsets in CDR.
 
         Every element begins at an offset with this residue. The end of an element is the beginning of the
-        next one, and is known better if the beginning is known better. So this is repeated until the modulus
-        stops growing.
+        next one: a larger modulus for the beginning may give a larger one for the end. So this is repeated
+        until the modulus stops growing.
         """
         start = self.target_at if self.to_cdr else self.source_at
         modulus, residue = 1, 0
