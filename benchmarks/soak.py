@@ -4,7 +4,7 @@ python -m benchmarks.soak [MINUTES]
 
 Each device numbers its messages. Its line to the bridge damages one in a hundred, adds garbage before one in
 fifty, and is closed every few seconds. All messages that were sent undamaged after the negotiation
-must be received, no others may be, and memory must not grow. Exits with 1 if one of these fails.
+must be received, and no others; memory must not grow. Exits with 1 if one of these fails.
 """
 
 from __future__ import annotations

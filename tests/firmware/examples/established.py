@@ -105,7 +105,7 @@ class RamSize:
     stack_bytes: int
 
     def part(self, *, excluded_bytes: int = 0) -> float:
-        """RAM and stack, as a part of the established library's; `without_bytes` are not counted in
+        """RAM and stack, as a part of the established library's; `excluded_bytes` are not counted in
         either.
         """
         established = ESTABLISHED["uno"][self.example][1] + ESTABLISHED_STACK_BYTES
