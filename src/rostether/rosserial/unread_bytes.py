@@ -2,11 +2,11 @@
 
 The established library answers one topic request in each spinOnce and leaves the bytes after it in the UART:
 63 bytes on an AVR. While requests are unanswered, the host sends only what has room there. Requests can also
-be lost, for example in a bootloader. So a request is unread no longer if
+be lost, for example in a bootloader. So a request counts as unread until
 
     it is answered
-    a time request comes without announcements  an established board sends it when it has read all
-    no answer comes                             for longer than between two answers, or than any sketch sleeps
+    a time request comes without announcements  the established library sends it when it has read all bytes
+    too much time has passed                    more than between two answers, or than any sketch sleeps
 """
 
 from __future__ import annotations
@@ -84,7 +84,7 @@ class UnreadBytes:
 
     @property
     def has_room_for_time(self) -> bool:
-        """Whether a time answer may be sent: one at most is unread, so that messages find room."""
+        """Whether a time answer may be sent: at most one is unread, so that there is room for messages."""
         if self.room_bytes is None:
             return True
         is_waiting = any(frame.kind == _TIME for frame in self._frames)
@@ -101,7 +101,7 @@ class UnreadBytes:
             self._add(_TIME if is_time else _OTHER, size_bytes, self._frames[-1].sent_s)
 
     def time_requested(self, now_s: float) -> None:
-        """Handle a time request, which begins an answer unless it comes alone."""
+        """Handle a time request. The answer to a topic request begins with one; others come alone."""
         self._opened_s = now_s
         self._read_before = len(self._frames)
 
@@ -172,7 +172,7 @@ class UnreadBytes:
     def _add(self, kind: int, size_bytes: int, now_s: float) -> None:
         room_bytes = UART_BYTES - self._unread_bytes
         if self.version is None and size_bytes > room_bytes:
-            # A full UART keeps the beginning.
+            # A full UART keeps the first bytes and loses the rest.
             kind, size_bytes = _OTHER, room_bytes
         if size_bytes:
             self._frames.append(_Frame(kind, size_bytes, now_s))

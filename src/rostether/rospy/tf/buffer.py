@@ -67,7 +67,10 @@ class Buffer(BufferInterface):
         fixed_frame: str,
         timeout: Any = NO_TIME,
     ) -> Any:
-        """Return the pose of the source at one time in the target at another."""
+        """Return the pose of the source at one time in the target at another.
+
+        Raises the same exceptions as `lookup_transform`.
+        """
         route = (target_frame, target_time, source_frame, source_time, fixed_frame)
         self.can_transform_full(*route, timeout)
         return self.lookup_transform_full_core(*route)
@@ -75,7 +78,7 @@ class Buffer(BufferInterface):
     def lookup_transform_full_core(
         self, target_frame: str, target_time: Any, source_frame: str, source_time: Any, fixed_frame: str
     ) -> Any:
-        """Return the result of `lookup_transform_full`, without waiting."""
+        """Return the result of `lookup_transform_full`, without waiting. Raises the same exceptions."""
         with self._lock, _tf2_errors():
             return _to_message(
                 self._buffer.lookup_through(
@@ -114,7 +117,7 @@ class Buffer(BufferInterface):
         timeout: Any = NO_TIME,
         return_debug_tuple: bool = False,
     ) -> Any:
-        """Return whether a lookup over time would succeed within `timeout`, like `can_transform`."""
+        """Return whether a lookup with two times would succeed within `timeout`, like `can_transform`."""
         route = (target_frame, target_time, source_frame, source_time, fixed_frame)
         result = _wait(lambda: self._can_look_up_full(*route), timeout)
         return result if return_debug_tuple else result[0]

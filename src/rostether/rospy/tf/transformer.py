@@ -16,7 +16,10 @@ from rostether.rospy.tf.exceptions import TransformException
 
 
 class Transformer:
-    """Looks up transforms as lists of numbers; names may begin with a slash."""
+    """Looks up transforms as lists of numbers; names may begin with a slash.
+
+    A lookup that fails raises tf.Exception, or one of its subclasses, as `Buffer.lookup_transform` does.
+    """
 
     def __init__(self, interpolate: bool = True, cache_time: Any = None) -> None:
         self._buffer = Buffer(cache_time, debug=False)
@@ -33,7 +36,7 @@ class Transformer:
     def canTransformFull(
         self, target_frame: str, target_time: Any, source_frame: str, source_time: Any, fixed_frame: str
     ) -> bool:
-        """Return whether a lookup over time would succeed."""
+        """Return whether a lookup with two times would succeed."""
         route = (_bare(target_frame), target_time, _bare(source_frame), source_time, _bare(fixed_frame))
         return bool(self._buffer.can_transform_full(*route))
 
@@ -63,7 +66,7 @@ class Transformer:
         timeout: Any,
         polling_sleep_duration: Any = None,
     ) -> None:
-        """Wait until a lookup over time would succeed. Raises tf.Exception at the timeout."""
+        """Wait until a lookup with two times would succeed. Raises tf.Exception at the timeout."""
         self._require_listening()
         route = (_bare(target_frame), target_time, _bare(source_frame), source_time, _bare(fixed_frame))
         can, reason = self._buffer.can_transform_full(*route, timeout, return_debug_tuple=True)
