@@ -3,7 +3,8 @@
 from ros.ticks import ticks_diff
 from ros.times import Time
 
-# Longer than any round trip, so that late answers do not set the clock back. It must not stop much longer.
+# Longer than any round trip, so that late answers do not set the clock back. The clock must not stop for much
+# longer.
 _MAX_HOLD_S = 10
 
 

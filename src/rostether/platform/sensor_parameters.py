@@ -50,8 +50,8 @@ async def read_description(parameters: NodeParameters, kind: SensorKind) -> Sens
 
 
 async def read_rate(parameters: NodeParameters, default_hz: float) -> float:
-    """Return ~rate. Raises ConfigError."""
+    """Return ~rate, in hertz. Raises ConfigError."""
     rate_hz = await parameters.number(default_hz, "rate")
     if not 0 < rate_hz <= MAX_RATE_HZ:
-        raise ConfigError(f"~rate must be above 0 and at most {MAX_RATE_HZ:g}, not {rate_hz:g}")
+        raise ConfigError(f"~rate must be above 0 and at most {MAX_RATE_HZ:g} Hz, not {rate_hz:g} Hz")
     return rate_hz

@@ -18,7 +18,7 @@ from rostether.xmlrpc.values import FaultError, XmlRpcValue
 
 StatusTriplet: TypeAlias = tuple[int, str, XmlRpcValue]
 
-# A healthy master or node answers within milliseconds; a loaded board's computer within a second or two.
+# A healthy master or node answers within milliseconds; on a busy single-board computer, within two seconds.
 DEFAULT_TIMEOUT_S = 10.0
 # More calls than this to one server at a time are rare; connections above it are closed after their call.
 MAX_IDLE_CONNECTIONS = 16

@@ -17,7 +17,7 @@ DEFAULT_BANDWIDTH_WINDOW = 100
 
 
 class Spread(Struct, frozen=True):
-    """Statistics of a window: mean, extremes and standard deviation in seconds; `window` counts messages."""
+    """Statistics of `window` messages: mean, extremes and standard deviation, in seconds."""
 
     mean_s: float
     min_s: float
@@ -39,7 +39,7 @@ def _spread(values: Sequence[float], window: int) -> Spread:
 
 
 class IntervalWindow:
-    """The intervals between a topic's messages; `window` counts messages, None for the default."""
+    """The intervals between a topic's messages; `window` is a number of messages, None for the default."""
 
     def __init__(self, window: int | None = None) -> None:
         self._intervals: deque[float] = deque(maxlen=(window or DEFAULT_WINDOW) - 1)
@@ -63,7 +63,7 @@ class IntervalWindow:
 
 
 class DelayWindow:
-    """The ages of a topic's messages on arrival; `window` counts messages, None for the default."""
+    """The ages of a topic's messages on arrival; `window` is a number of messages, None for the default."""
 
     def __init__(self, window: int | None = None) -> None:
         self._delays: deque[float] = deque(maxlen=window or DEFAULT_WINDOW)
@@ -83,7 +83,7 @@ class DelayWindow:
 
 
 class Bandwidth(Struct, frozen=True):
-    """Bytes per second, and the sizes of the messages in the window; `window` counts messages."""
+    """Bytes per second, and the sizes of the messages in the window; `window` is their number."""
 
     bytes_per_s: float
     mean_bytes: float

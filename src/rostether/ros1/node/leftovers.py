@@ -9,7 +9,7 @@ from rostether.mechanisms.block_end import closed_at_end
 from rostether.ros1.node.master_client import MasterClient
 from rostether.ros1.xmlrpc_client import XmlRpcClient
 
-# A node answers within milliseconds; on a loaded computer within a second or two.
+# A node answers within milliseconds; on a busy single-board computer, within two seconds.
 ANSWER_TIMEOUT_S = 3.0
 
 # The failures in a row after which a machine without any answer counts as disconnected; Wi-Fi may pause.
