@@ -13,6 +13,7 @@ CONNECTING_S = 1.0
 # How long a slow subscriber may delay the client, as with boards; then it loses the oldest messages.
 DRAIN_S = 0.1
 
+# A graph does not report that a subscriber has connected.
 _POLL_S = 0.005
 
 

@@ -19,6 +19,7 @@ from rostether.mechanisms.backoff import Backoff
 from rostether.mechanisms.block_end import Closable
 from rostether.mechanisms.tasks import start_task
 
+# Many failures are short, for example while a master restarts.
 FIRST_RETRY_S = 0.2
 # A graph that is unreachable returns within seconds, or much later: then this rate is sufficient.
 MAX_RETRY_S = 5.0

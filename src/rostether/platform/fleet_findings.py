@@ -70,14 +70,14 @@ def _robot_finding(key: RobotKey, robot: Robot, found: Examination) -> FleetFind
     if key not in found.by_multicast and found.asks_group:
         faults.append(
             "unicast arrives, but multicast does not; turn off multicast filtering (or IGMP snooping) in the "
-            f"access point and the switches, or send to it by --unicast {host}"
+            f"access point and the switches, or send to it with --unicast {host}"
         )
     elif robot.loss is not None and robot.loss > MAX_LOSS:
         unicast = by_unicast.loss if by_unicast is not None else None
         compared = "" if unicast is None else f" of multicast, and {unicast:.0%} of unicast,"
         faults.append(
             f"{robot.loss:.0%}{compared or ' of the datagrams'} are lost; turn off Wi-Fi power saving on the "
-            f"robot, or send to it by --unicast {host}"
+            f"robot, or send to it with --unicast {host}"
         )
     if status.signal_dbm is not None and status.signal_dbm < _WEAK_SIGNAL_DBM:
         faults.append(f"the Wi-Fi signal of {status.signal_dbm} dBm is weak; move the access point closer")

@@ -10,6 +10,7 @@ from rostether.platform.command_frame import CommandFrame, Flags
 from rostether.platform.command_link import CommandReceiver
 from rostether.platform.status_frame import HostState, RobotStatus
 
+# The interval between the reports to a sender that drives the robot: often enough for a list of robots.
 STATUS_PERIOD_S = 1.0
 
 # The interval between answers to queries and stops. It is short because the sender waits, and an answer may

@@ -26,7 +26,8 @@ from rostether.rosserial.events import DiscardReason, FrameDiscarded
 from rostether.rosserial.frame import FORMS, SYNC
 from rostether.rosserial.topic_id import FIRST_USER_ID
 
-# Stretches between two valid frames; in worse noise, the last stretch includes all further ones.
+# Stretches between two valid frames. Each is one event, and noise must not cause any number of them: the last
+# stretch includes all further ones.
 MAX_STRETCHES = 64
 
 # Checksumming a false frame costs as much as one header check per this many bytes.

@@ -34,6 +34,7 @@ NO_PUBLISHER_S = 2.5
 # Any node may publish on /diagnostics; no user needs more boards than this.
 MAX_BOARDS = 512
 
+# Users do not notice this delay.
 _POLL_S = 0.1
 
 

@@ -27,6 +27,7 @@ WATCH_S = 8.0
 # How long to watch a board that was reset or whose time request was late: by then a pattern is visible.
 UNSTABLE_WATCH_S = 20.0
 
+# Users do not notice this delay.
 _POLL_S = 0.1
 # As often as a bridge checks its boards.
 _FIND_PERIOD_S = 1.0

@@ -22,6 +22,7 @@ from rostether.platform.sensors.registered_sensor import SensorDescription, regi
 MESSAGE_TYPE = "sensor_msgs/BatteryState"
 FOLDER = Path("/sys/class/power_supply")
 
+# The largest text that Linux returns for one of these files: a page of memory.
 _MAX_FILE_BYTES = 4096
 _DISCHARGING = 2
 _STATUS = {"Charging": 1, "Discharging": _DISCHARGING, "Not charging": 3, "Full": 4}

@@ -27,6 +27,7 @@ PROBE_LIMIT_S = 10.0
 # The interval between probes: until a subscription is known, they are lost.
 _REPEAT_S = 0.2
 
+# A connection over TLS needs several round trips, a list of tokens only one.
 _CONNECT_LIMIT_MS = 5000
 _LISTING_LIMIT_S = 2.0
 _PROBE = "_rostether_access"

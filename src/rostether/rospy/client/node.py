@@ -62,7 +62,10 @@ class Node:
             raise ROSException(f"{error}") from None
 
     def master(self) -> MasterClient:
-        """Return a client of the master; before init_node, its caller id is that of an unnamed node."""
+        """Return a client of the master; before init_node, its caller id is that of an unnamed node.
+
+        Raises ROSInitException.
+        """
         with self.lock:
             if self._master is None or self._master.caller_id != names.caller_id:
                 self._master = MasterClient(self.environment().master_uri, names.caller_id)

@@ -26,6 +26,7 @@ from rostether.simulation.simavr.runner_process import RunnerProcess
 from rostether.transports.address import SimulationPauses
 from rostether.transports.pty_link import PtyLink
 
+# A busy machine may simulate a board several times slower than it runs.
 DEFAULT_TIMEOUT_S = 10.0
 # Enough for ten seconds of a watched pin that toggles at 1 kHz; older events are dropped.
 MAX_RECENT_EVENTS = 20_000

@@ -56,7 +56,7 @@ class Master:
 
 
 def as_sent(value: Any) -> Any:
-    """Return a value with its iterators as the arrays they are sent as."""
+    """Return a value as it is sent: iterators become arrays, without None."""
     if isinstance(value, (list, tuple, Iterator)):
         return [as_sent(item) for item in value if item is not None]
     return value
