@@ -75,7 +75,7 @@ class Mpu9150 {
       delay(2);
     }
     const Vector3 mean = {sum.x / samples, sum.y / samples, sum.z / samples};
-    // By the data sheet, the offset is less than 20 degrees a second: more is a movement.
+    // According to the data sheet, the offset is less than 20 degrees a second: more is a movement.
     const float limit = 20 * DEG_TO_RAD;
     if (fabs(mean.x) < limit && fabs(mean.y) < limit && fabs(mean.z) < limit) zero_ = mean;
   }

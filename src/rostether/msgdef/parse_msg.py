@@ -1,8 +1,8 @@
 """Reads a .msg text: one declaration per line, `type name` or `type NAME=value`, comments after `#`.
 
-Accepts and refuses the same texts as genmsg, with two exceptions that no client library could compile: a
-constant whose name contains a blank is refused, and the name of an indented string constant is complete.
-Tabs separate words.
+Accepts and refuses the same texts as genmsg, with three exceptions. A constant whose name contains a blank is
+refused, because no client library could compile it. The name of an indented string constant does not include
+its type. Tabs separate words, as blanks do.
 """
 
 from __future__ import annotations

@@ -28,8 +28,8 @@ _CLOSE_GRACE_S = 1.0
 # The maximum share of connections that have not sent a complete request. Above it, they replace each other;
 # otherwise, they would replace the connections of nodes that wait between two calls.
 _UNUSED_SHARE = 0.25
-# How many of the largest requests may be received, and of the largest answers wait to be read, at once: they
-# use up to 64 MB each.
+# How many requests of the largest size may be received at once, and how many such answers may be unread: each
+# of the two takes up to 64 MB.
 _LARGEST_AT_ONCE = 4
 
 

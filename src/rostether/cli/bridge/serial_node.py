@@ -43,7 +43,7 @@ from rostether.transports.opening import listen as listen_for_links
 # As in serial_node.py.
 DEFAULT_SERIAL_PORT = "/dev/ttyUSB0"
 DEFAULT_NODE_NAME = "serial_node"
-# The last two control internals of the established host; they are accepted and have no effect.
+# The last two are settings of the established host's implementation; they are accepted and have no effect.
 PRIVATE_PARAMETERS = ("port", "baud", "tcp_port", "fork_server", "fix_pyserial_for_test")
 
 

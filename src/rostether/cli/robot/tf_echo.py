@@ -59,7 +59,7 @@ class EchoOptions:
 @option_group("options", EchoOptions)
 @graph_options(allow=True)
 def echo(options: EchoOptions, graph: GraphOptions) -> int:
-    """Print the pose of the frame CHILD in the frame PARENT, RATE times a second (1).
+    """Print the pose of the frame CHILD in the frame PARENT, RATE times a second (default: 1).
 
     Translations are in meters. Rotations are shown as a quaternion and as roll, pitch and yaw. The command
     waits for frames that are not known yet.

@@ -96,7 +96,7 @@ class RosbridgeServer:
 
     @property
     def uri(self) -> str:
-        """The URI for clients on this machine."""
+        """The URL for clients on this machine."""
         return self._server.url()
 
     async def start(self) -> None:

@@ -54,8 +54,8 @@ class WebSocketServer:
         open_user: Creates the user of a WebSocket after its handshake.
         report_refused: Gets a line, at a limited rate, when a connection is refused.
         site: Files that are served by plain GET.
-        routes: Functions that create the users of other paths, for this server's pages and programs with the
-            full token. None refuses a path.
+        routes: For each other path, the function that creates the user of a WebSocket there; None if the path
+            is refused. Only this server's pages and programs with the full token may use these paths.
     """
 
     def __init__(
@@ -93,7 +93,7 @@ class WebSocketServer:
         return int(sockets[0].getsockname()[1]) if sockets else 0
 
     def url(self, everywhere: str = DEFAULT_HOST) -> str:
-        """Return the URI for clients; `everywhere` replaces an address that means all addresses."""
+        """Return the URL for clients; `everywhere` replaces an address that means all addresses."""
         scheme = "wss" if self._settings.certificate else "ws"
         host = everywhere if self._settings.host in _EVERYWHERE else self._settings.host
         return f"{scheme}://{show_endpoint(host, self.port)}"

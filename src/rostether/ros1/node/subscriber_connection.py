@@ -16,7 +16,7 @@ from rostether.tcpros.message_framing import measure_oldest
 SLOW_REPORT_INTERVAL_S = 10.0
 
 # The bytes of a queue that are joined for one write. More bytes would wait in the transport, where they
-# cannot be dropped, and the progress of a slow subscriber would show late.
+# cannot be dropped, and the progress of a slow subscriber would be noticed late.
 _WRITE_BYTES = 64 << 10
 
 

@@ -159,7 +159,7 @@ class ActionServer:
                 self.publish_status()
 
     def publish_status(self) -> None:
-        """Remove goals from the status list that ended some time ago, and publish the list."""
+        """Publish the status list, without goals that ended some time ago."""
         with self.lock:
             now = Time.now()
             ended_before = [goal for goal in self.status_list if self._is_over(goal, now)]

@@ -28,7 +28,7 @@ def get_param(param_name: str, default: Any = _UNSPECIFIED) -> Any:
 
 
 def get_param_cached(param_name: str, default: Any = _UNSPECIFIED) -> Any:
-    """Return a parameter's value, like `get_param`: the master is asked each time."""
+    """Return a parameter's value, like `get_param`: the master is asked each time. Raises the same errors."""
     return get_param(param_name, default)
 
 

@@ -76,19 +76,28 @@ class Transformer:
     def lookupTransform(
         self, target_frame: str, source_frame: str, time: Any
     ) -> tuple[list[float], list[float]]:
-        """Return the pose of the source in the target: a translation and a quaternion."""
+        """Return the pose of the source in the target: a translation and a quaternion.
+
+        Raises tf.LookupException, ConnectivityException, ExtrapolationException.
+        """
         found = self._buffer.lookup_transform(_bare(target_frame), _bare(source_frame), time)
         return _lists(found)
 
     def lookupTransformFull(
         self, target_frame: str, target_time: Any, source_frame: str, source_time: Any, fixed_frame: str
     ) -> tuple[list[float], list[float]]:
-        """Return the pose of the source at one time in the target at another."""
+        """Return the pose of the source at one time in the target at another.
+
+        Raises the same errors as `lookupTransform`.
+        """
         route = (_bare(target_frame), target_time, _bare(source_frame), source_time, _bare(fixed_frame))
         return _lists(self._buffer.lookup_transform_full(*route))
 
     def getLatestCommonTime(self, source_frame: str, dest_frame: str) -> Any:
-        """Return the latest time at which a lookup succeeds."""
+        """Return the latest time at which a lookup succeeds.
+
+        Raises tf.LookupException, ConnectivityException.
+        """
         return self._buffer.get_latest_common_time(_bare(source_frame), _bare(dest_frame))
 
     def frameExists(self, frame_id: str) -> bool:
