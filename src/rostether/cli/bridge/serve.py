@@ -155,9 +155,9 @@ def serve(
     Without an ADDRESS, boards on USB are detected at any usual baud rate and served when plugged in; other
     devices are left alone.
 
-    An ADDRESS is a serial port, tcp://HOST:PORT or udp://HOST:PORT to listen on, pty:PATH for a new
-    pseudo-terminal, xbee:PORT, sim:SKETCH for a simulated board, or web: for boards that are plugged into
-    a device that shows the dashboard (--dashboard adds it). Options follow a question mark:
+    An ADDRESS is a serial port, tcp://HOST:PORT, tls://HOST:PORT or udp://HOST:PORT to listen on, pty:PATH
+    for a new pseudo-terminal, xbee:PORT, sim:SKETCH for a simulated board, or web: for boards that are
+    plugged into a device that shows the dashboard (--dashboard adds it). Options follow a question mark:
     baud=115200, name=arm, ns=lab, reset=no. If a port does not exist yet, the bridge waits for it.
     """
     twice = next((address for address in addresses if addresses.count(address) > 1), None)

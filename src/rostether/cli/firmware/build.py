@@ -169,8 +169,8 @@ def firmware_sim(
 ) -> None:
     """Build a sketch and run it on a simulated board.
 
-    The options, commands and events are those of `rostether board run`, which runs a program that is already
-    built.
+    The options, commands and events are those of `rostether board run`, which also runs
+    programs that are already built.
     """
     built = run(build(sketch, board_name, options))
     context.invoke(board_run, program=built.elf, board=board_name, msg_paths=(), **board_options)

@@ -215,7 +215,10 @@ def _show_verb(kind: _Kind) -> click.Command:
                 write_line(f"[{each}]:")
             write_line(text)
 
-    show.help = f"Show the fields of a {kind.what} type, with all nested fields."
+    show.help = (
+        f"Show the fields of a {kind.what} type, with all nested fields; with --ros2, those that it has in "
+        "ROS 2."
+    )
     return show
 
 
@@ -233,7 +236,10 @@ def _md5_verb(kind: _Kind) -> click.Command:
             for each in _matches(kind, registry, given):
                 write_line(f"[{each}]: {kind.md5sum(registry, each, is_ros2=graph.ros2 is not None)}")
 
-    md5.help = f"Print the md5sum of a {kind.what} type, which both ends of a connection must agree on."
+    md5.help = (
+        f"Print the md5sum of a {kind.what} type, or with --ros2 its type hash; both ends of a connection "
+        "need the same."
+    )
     return md5
 
 

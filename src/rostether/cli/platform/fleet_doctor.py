@@ -17,7 +17,7 @@ from rostether.platform.fleet import FleetSettings, silence_text
     "doctor",
     """
     rostether fleet doctor --interface wlan0 --key-file fleet.key
-    sudo rostether fleet doctor --duration 130 --key-file fleet.key   also listens for the IGMP querier
+    sudo "$(which rostether)" fleet doctor --duration 130   also listens for the IGMP querier
     """,
 )
 @add_option(
