@@ -60,7 +60,8 @@ class Clock {
   }
 
  private:
-  // Longer than any round trip, so that late answers do not set the clock back. The clock must not stop for much longer.
+  // Longer than any round trip, so that late answers do not set the clock back. The clock must not stop for much
+  // longer.
   static const uint32_t MAX_HOLD_S = 10;
 
   // The last returned time, and the clock that returned it.

@@ -66,7 +66,8 @@ class Assets:
     def _check_size(self, uri: str, size: int) -> None:
         if size > self._max_bytes:
             raise ConfigError(
-                f"{uri[:200]} is larger than {self._max_bytes >> 20} MB; use a mesh or picture with less detail"
+                f"{uri[:200]} is larger than {self._max_bytes >> 20} MB; "
+                "use a mesh or picture with less detail"
             )
 
     def _locate(self, uri: str) -> Path:
