@@ -76,7 +76,7 @@ class MemoryState:
         try:
             return self._services[name]
         except KeyError:
-            raise UnknownNameError(f"no node offers the service {name}") from None
+            raise UnknownNameError(f"no node offers the service {name}; start its node") from None
 
     def snapshot(self) -> Snapshot:
         """Return a snapshot of the whole graph."""

@@ -205,6 +205,6 @@ async def _wait_for_service(client: MasterClient, name: str, timeout_s: float | 
                     return
     except TimeoutError:
         raise ServiceUnavailableError(
-            f"no node offers the service {name} within {timeout_s:g} s; "
+            f"no node offered the service {name} within {timeout_s:g} s; "
             "`rostether service list` shows those that are offered"
         ) from None

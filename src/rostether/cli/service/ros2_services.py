@@ -180,7 +180,7 @@ async def _wait_for_server(tool: ToolNode, service: str, options: CallOptions) -
         waited_s = time.monotonic() - begin_s
         if options.timeout_s is not None and waited_s > options.timeout_s:
             raise ServiceUnavailableError(
-                f"no node offers the service {service} within {options.timeout_s:g} s; "
+                f"no node offered the service {service} within {options.timeout_s:g} s; "
                 "`rostether service list` shows those that are offered"
             )
         if not reported and waited_s > POLL_S:

@@ -99,7 +99,7 @@ def test_service_call(world: ZenohWorld, shell: Shell) -> None:
     assert "nope" in shell.failure("service", "call", "/set_led", "{nope: 1}")
     result = shell("service", "call", "--timeout", "0.3", "/nope")
     assert (result.code, result.out) == (1, "waiting for service to become available...\n")
-    assert "no node offers the service /nope within 0.3 s" in result.err
+    assert "no node offered the service /nope within 0.3 s" in result.err
 
 
 def test_definitions(shell: Shell) -> None:

@@ -92,7 +92,7 @@ async def test_the_log_is_not_flooded_by_mistakes(there: World) -> None:
 
 async def test_text_that_is_not_utf8_ends_only_that_client(there: World) -> None:
     async with there.client() as other, there.client() as client:
-        # A text frame, masked with zeros, that holds no UTF-8.
+        # A text frame, masked with zeros, whose text is not valid UTF-8.
         client.connection.transport.write(b"\x81\x82\0\0\0\0\xff\xfe")
         with pytest.raises(ConnectionClosed) as caught:
             await client.receive()
