@@ -129,7 +129,7 @@ class CommandReceiver {
   enum Age { COPY, NEXT, EARLIER, LATER };
   // The place of a frame: its epoch and its sequence, which are adjacent.
   enum { PLACE = 8, EPOCH_BYTES = 8, SEQUENCE_BYTES = 4 };
-  // The longest time that a robot keeps moving after it loses its sender.
+  // The longest time that a robot keeps moving after it loses its sender: a fast robot drives a few meters.
   static const uint16_t LONGEST_TTL_MS = 1000;
   // The shortest time between statuses while the robot drives, and after queries and stops. The latter is shorter,
   // because such a status may be lost.

@@ -43,7 +43,7 @@ HOST_EPOCH = Time(1_700_000_000, 0)
 MAX_KEPT_FRAMES = 100_000
 # The pause after each byte that is sent alone: longer than a byte at 9600 baud.
 SLOW_BYTE_S = 0.002
-# The number of runs of invalid bytes that are kept for the report.
+# The number of runs of invalid bytes that are kept for the report: a few show the fault.
 MAX_KEPT_DAMAGE = 20
 
 Connect = Callable[[], Awaitable[Transport]]

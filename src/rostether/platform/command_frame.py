@@ -35,7 +35,7 @@ ALL_GROUPS = 0xFFFF_FFFF
 # A robot stops when six repetitions of a command in a row are lost.
 DEFAULT_TTL_MS = 300
 
-# The longest time that a robot keeps moving after it loses its sender.
+# The longest time that a robot keeps moving after it loses its sender: a fast robot drives a few meters.
 MAX_TTL_MS = 1000
 
 # With the header and the tag, it fits in an Ethernet frame: losing one fragment loses the whole datagram.

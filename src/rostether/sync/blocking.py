@@ -24,7 +24,7 @@ _LOG = logging.getLogger(__name__)
 # One event loop serves all nodes and devices of the program.
 LOOP = LoopThread()
 
-# The time limit for leaving a graph if the master or peers do not answer.
+# The time limit for leaving a graph: a program must end even if the master or peers do not answer.
 CLOSE_TIMEOUT_S = 10.0
 
 

@@ -32,7 +32,8 @@ Role: TypeAlias = TopicRole | ServiceRole
 # A role and name that only one endpoint may have, except topics that a board announces twice.
 Slot: TypeAlias = tuple[Role, str]
 
-# The longest pause before an endpoint that the graph refused is opened again.
+# The longest pause before an endpoint that the graph refused is opened again: a user waits for it after
+# correcting the cause.
 MAX_RETRY_S = 5.0
 # Leaving must not hang on a master that does not answer.
 CLOSE_LIMIT_S = 1.0

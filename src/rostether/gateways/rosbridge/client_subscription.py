@@ -26,7 +26,7 @@ from rostether.msgdef.interface import ANY_TYPE
 # Smaller fragments would be mostly overhead, and a large message would need millions of them.
 MIN_FRAGMENT_BYTES = 32
 
-# The limit of subscriptions of one client to the same topic.
+# The limit of subscriptions of one client to the same topic: a page has a few, and each change merges all.
 MAX_REQUESTS = 100
 
 _MS = 1e-3

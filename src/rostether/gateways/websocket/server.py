@@ -40,7 +40,7 @@ _EVERYWHERE = ("", "0.0.0.0", "::")  # noqa: S104 - compared, not bound
 # apply to this machine, whose programs share one address.
 _HOST_SHARE = 0.5
 
-# The time for clients to answer a close when the server ends.
+# The time for clients to answer a close when the server ends: a client that hangs must not delay the end.
 CLOSE_LIMIT_S = 2.0
 
 

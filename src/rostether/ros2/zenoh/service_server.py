@@ -27,10 +27,11 @@ from rostether.ros2.zenoh.tokens import TokenKind, data_key
 # The limit of pending calls; a board answers one call at a time, so more calls would wait too long.
 MAX_CALLS = 1000
 
-# The limit of pending refusals; further calls get no answer and end at the caller's time limit.
+# The limit of pending refusals: a peer may send any number of calls. Further calls get no answer and end at
+# the caller's time limit.
 MAX_REFUSALS = 100
 
-# The time that a closing service waits until its callers have received an error.
+# The time that a closing service waits until its callers have received an error, which takes milliseconds.
 CLOSING_REPLY_S = 0.2
 
 _log = logging.getLogger("rostether.ros2")

@@ -184,7 +184,7 @@ def test_timeout(graph: LiveGraph, shell: Shell) -> None:
     serve(graph, "/hang", hang)
     assert "did not answer within 0.2 s" in shell.failure("service", "call", "--timeout", "0.2", "/hang")
     line = shell.failure("service", "call", "--wait", "--timeout", "0.2", "/nothing")
-    assert line.startswith("no node offered the service /nothing within 0.2 s; `rostether service list` shows")
+    assert line.startswith("no node offered the service /nothing within 0.2 s; `rostether service list`")
 
 
 def test_wait_for_a_service(graph: LiveGraph, shell: Shell) -> None:

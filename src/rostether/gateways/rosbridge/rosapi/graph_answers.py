@@ -21,7 +21,7 @@ Allows: TypeAlias = Callable[[str], bool]
 # How long one server may take to send its type or host; a server may hang.
 _ASK_LIMIT_S: Final = 3.0
 
-# The limit of concurrent requests to servers.
+# The limit of concurrent requests to servers: each opens a connection, and file descriptors are limited.
 _MAX_ASKED: Final = 32
 
 # Topics whose definitions one answer may contain: about 10 MB of text.
