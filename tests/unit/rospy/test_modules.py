@@ -33,6 +33,23 @@ async def test_the_masters_api_and_parameter_files(master: str) -> None:
     assert "lookup raises MasterError" in lines
 
 
+async def test_the_functions_of_rosparam_without_a_master() -> None:
+    script = (
+        "import rosparam\n"
+        "for call in (\n"
+        "    lambda: rosparam.get_param('/a'), lambda: rosparam.set_param('/a', '1'),\n"
+        "    lambda: rosparam.upload_params('/a', {'b': 1}), lambda: rosparam.delete_param('/a'),\n"
+        "    lambda: rosparam.list_params('/'), lambda: rosparam.dump_params('', '/a'),\n"
+        "):\n"
+        "    try:\n"
+        "        call()\n"
+        "    except rosparam.RosParamIOException as error:\n"
+        "        print(error)\n"
+    )
+    lines = await printed(script, master_uri="http://127.0.0.1:1")
+    assert lines == ["Unable to communicate with master!"] * 6
+
+
 async def test_lookups_of_the_graph(master: str) -> None:
     lines = await printed(SCRIPTS / "lookups.py", master_uri=master)
     assert "/look/poses/pose/position/x geometry_msgs/PoseStamped /look/poses True" in lines

@@ -135,7 +135,8 @@ def set_param(param: str, value: str, verbose: bool = False) -> None:
 def set_param_raw(param: str, value: Any, verbose: bool = False) -> None:
     """Set a parameter, or those of a tree, and keep all others. Raises RosParamException."""
     if not isinstance(value, dict):
-        parameters.set_param(param, value)
+        with master_required(RosParamIOException):
+            parameters.set_param(param, value)
         return
     for name, each in value.items():
         if not isinstance(name, str):
@@ -159,20 +160,23 @@ def dump_params(filename: str, param: str, verbose: bool = False) -> None:
 def get_param(param: str) -> Any:
     """Return a parameter's value. Raises RosParamException."""
     try:
-        return parameters.get_param(param)
+        with master_required(RosParamIOException):
+            return parameters.get_param(param)
     except KeyError:
         raise RosParamException(f"Parameter [{param}] is not set") from None
 
 
 def delete_param(param: str, verbose: bool = False) -> None:
-    """Delete a parameter. Raises MasterError."""
+    """Delete a parameter. Raises MasterError if it is not set, RosParamIOException."""
     try:
-        parameters.delete_param(param)
+        with master_required(RosParamIOException):
+            parameters.delete_param(param)
     except KeyError:
         raise MasterError(f"Parameter [{param}] is not set") from None
 
 
 def list_params(ns: str) -> list[str]:
-    """Return the names of the parameters below a namespace, sorted."""
+    """Return the names of the parameters below a namespace, sorted. Raises RosParamIOException."""
     below = make_global_ns(ns)
-    return sorted(name for name in parameters.get_param_names() if name.startswith(below))
+    with master_required(RosParamIOException):
+        return sorted(name for name in parameters.get_param_names() if name.startswith(below))

@@ -118,7 +118,7 @@ def kill_nodes(node_names: Iterable[str]) -> tuple[list[str], list[str]]:
 
 
 def cleanup_master_blacklist(master: Master, blacklist: Iterable[str]) -> None:
-    """Unregister all topics and services of nodes."""
+    """Unregister all topics and services of nodes. Raises MasterException, ROSException."""
     publishers, subscribers, services = master.getSystemState()
     for name in blacklist:
         print("Unregistering", name)
