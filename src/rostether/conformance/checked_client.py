@@ -235,7 +235,7 @@ class CheckedClient(SmallWriter):
 
     @property
     def is_over_tcp(self) -> bool:
-        """Whether the connection loses no bytes."""
+        """Whether the connection is over TCP, which loses no bytes."""
         transport = self._transport
         return transport is not None and transport.remote is not None and transport.can_pause
 

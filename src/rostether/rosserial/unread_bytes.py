@@ -26,7 +26,7 @@ OPENING_S = 0.25
 # No sketch sleeps longer: a board that is silent for 4 s counts as gone.
 LONGEST_LOOP_S = 5.0
 
-# Loops of one board differ.
+# The loops of one board differ in length: the longest may take this many times the longest one so far.
 LOOP_MARGIN = 1.5
 
 # A sketch with shorter loops reads faster than requests are sent.

@@ -39,7 +39,7 @@ def format_message(message: Message, style: EchoStyle | None = None) -> str:
 
 
 def format_value(value: Any, field_type: FieldType, style: EchoStyle | None = None) -> str:
-    """Return what a field path selected as `rostopic echo` prints it; `field_type` is the last field's."""
+    """Return the value of a field path as `rostopic echo` prints it; `field_type` is the last field's."""
     printer = _Printer(style or EchoStyle())
     if isinstance(value, Message):
         return printer.message(value, "", elide=True)

@@ -28,10 +28,11 @@ MAX_PUBLICATIONS = 1000
 # Services that one client offers; each is known to the whole graph.
 MAX_SERVICES = 200
 
-# The limit of pending service calls of one client, and of calls to it that it has not answered.
+# The limit of pending service calls of one client, and of calls to it that it has not answered. A page has a few
+# at a time.
 MAX_CALLS = 1024
 
-# Active goals of one client.
+# Active goals of one client; a robot executes a few at a time.
 MAX_GOALS = 100
 
 # Actions that one client offers; each is three services and two topics of the graph.
@@ -49,7 +50,7 @@ MAX_CONTROL_BYTES = 64 << 20
 # How long a graph may take to advertise or subscribe before an error is reported.
 OPERATION_LIMIT_S = 10.0
 
-# A client that has not authenticated by then is disconnected.
+# A client that has not authenticated within this time is disconnected.
 GREETING_LIMIT_S = 10.0
 
 # The time between pings; a client that has disappeared is noticed after 60 to 80 s.

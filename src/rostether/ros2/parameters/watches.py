@@ -142,6 +142,6 @@ class Ros2ParameterWatch:
 def _concerns(node: str, name: str) -> bool:
     """Return whether an event of a node may concern a name.
 
-    The name is that of a parameter of the node, of the node, or of a namespace above it.
+    It may if the name is that of the node, of one of its parameters, or of a namespace above the node.
     """
     return name == node or name.startswith(f"{node}/") or node.startswith(name.rstrip("/") + "/")

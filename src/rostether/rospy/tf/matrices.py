@@ -1,5 +1,6 @@
-"""The functions of tf.transformations for 4x4 matrices that are not rigid. They need numpy.
+"""The functions of tf.transformations for 4x4 matrices that are not rigid.
 
+They need numpy, and raise ImportError if it is not installed.
 A matrix acts on column vectors (x, y, z, 1). M is its upper left 3x3 part, t its last column.
 """
 

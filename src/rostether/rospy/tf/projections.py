@@ -1,4 +1,4 @@
-"""The projections of tf.transformations. They need numpy."""
+"""The projections of tf.transformations. They need numpy, and raise ImportError if it is not installed."""
 
 from __future__ import annotations
 
