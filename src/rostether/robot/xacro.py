@@ -67,7 +67,7 @@ def expand_xacro(file: Path, mappings: Mapping[str, str], *, packages: Mapping[s
             raise
         except RecursionError as error:
             raise RobotModelError(
-                f"{file}: its macros or files call each other endlessly; end it with <xacro:if>"
+                f"{file}: its macros or files call each other endlessly; end the recursion with <xacro:if>"
             ) from error
         # Expressions in the file may raise any exception.
         except Exception as error:
@@ -234,7 +234,9 @@ def _tokenize(tokenize: Callable[..., Any]) -> Callable[..., Any]:
 
     def checked(text: Any, sep: str = ",; ", skip_empty: bool = True) -> Any:
         if not _SEPARATORS.fullmatch(sep):
-            raise ValueError(f"the separators {sep!r} have a ] that is not their first character")
+            raise ValueError(
+                f"the separators {sep!r} have a ] that is not their first character; put it first"
+            )
         return tokenize(text, sep, skip_empty)
 
     return checked

@@ -28,8 +28,8 @@ MAX_PUBLICATIONS = 1000
 # Services that one client offers; each is known to the whole graph.
 MAX_SERVICES = 200
 
-# The limit of pending service calls of one client, and of calls to it that it has not answered. A page has a few
-# at a time.
+# The limit of pending service calls of one client, and of calls to it that it has not answered. A page has a
+# few at a time.
 MAX_CALLS = 1024
 
 # Active goals of one client; a robot executes a few at a time.
