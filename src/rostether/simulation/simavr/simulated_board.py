@@ -133,7 +133,10 @@ class SimulatedBoard(BlockClosable):
     async def wait_for(
         self, name: str, matches: Matches = lambda _event: True, *, timeout_s: float = DEFAULT_TIMEOUT_S
     ) -> BoardEvent:
-        """Return the next event with this name that `matches` accepts. Raises BoardError at the time limit."""
+        """Return the next event with this name that `matches` accepts.
+
+        Raises BoardError if none occurs in time.
+        """
         found: asyncio.Future[BoardEvent] = asyncio.get_running_loop().create_future()
 
         def check(event: BoardEvent) -> None:
