@@ -101,7 +101,7 @@ class Relay:
 
     async def _leave(self, side: RelaySide) -> None:
         reason = await side.graph.wait_closed()
-        raise GraphError(f"the relay's node has left {side.name}: {reason}")
+        raise GraphError(f"the relay's node has left {side.name}: {reason}; start the relay again")
 
     async def _follow(self, side: RelaySide) -> None:
         while True:

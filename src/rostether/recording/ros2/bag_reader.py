@@ -49,7 +49,8 @@ class Ros2BagReader:
                     self.damage or f"{path / FILE_NAME} lists no files; delete it to read the folder's files"
                 )
             raise RecordingError(
-                f"{path} is not a ROS 2 bag: it has no {FILE_NAME} and no .mcap or .db3 files"
+                f"{path} is not a ROS 2 bag: it has no {FILE_NAME} and no .mcap or .db3 files; "
+                "give the folder of a bag"
             )
         self.format_version = "rosbag2"
         if metadata.storage:

@@ -238,7 +238,9 @@ async def _open_session(configuration: zenoh.Config) -> zenoh.Session:
             f"zenoh cannot open a session: {text}; check the endpoints and the zenoh configuration"
         ) from error
     except Exception as error:
-        raise ConfigError(f"zenoh does not accept its configuration: {one_line(error)}") from error
+        raise ConfigError(
+            f"zenoh does not accept its configuration: {one_line(error)}; correct the file or the variable"
+        ) from error
 
 
 async def _watch_router(session: zenoh.Session, named: Sequence[str], report: Callable[[str], None]) -> None:
