@@ -157,8 +157,8 @@ class Device(Endpoints, BlockClosable):
     ) -> DeviceParam:
         """Return a parameter's value from the host, or `default`, if given, for a missing one.
 
-        A value is a number, a string, or a list of one of these types. Raises UnknownNameError, and
-        TransportTimeoutError if no host answers.
+        A value is a number, a string, or a list of one of these types. Raises UnknownNameError,
+        TransportTimeoutError if no host answers, LocalProtocolError for an invalid name or too many requests.
         """
         try:
             async with asyncio.timeout(timeout_s):

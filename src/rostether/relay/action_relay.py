@@ -17,7 +17,7 @@ from rostether.ros2.actions.ros1_form import CANCEL, FEEDBACK, GOAL, RESULT, STA
 from rostether.ros2.actions.ros1_server import Ros1ActionServer
 from rostether.ros2.actions.types import SEND_GOAL_SERVICE
 
-# Follows the relay's name in the name of its node in ROS 2 that offers and calls actions.
+# The relay's node in ROS 2 that offers and calls actions has the relay's name with this suffix.
 NODE_SUFFIX = "_actions"
 
 # How often the ROS 1 server is checked; a client notices its end after this time.

@@ -59,7 +59,7 @@ class FoxgloveLimits(ConnectionLimits, frozen=True):
     # Subscriptions of one client: more than any graph has topics.
     subscriptions: int = 4096
 
-    # Topics that one client publishes.
+    # Topics that one client publishes; each is known to the whole graph.
     client_channels: int = 256
 
     # Watched parameters of one client; on ROS 2 each costs a request.
