@@ -54,7 +54,7 @@ def main() -> int:
 
 
 def _run_mutations(name: str, seconds: float, seed: int, *, is_planted: bool) -> int:
-    # A planted fault must be found in a fixed CPU time, also on a busy machine.
+    # A planted fault must be found in a fixed CPU time, even on a busy machine.
     clock = time.process_time if is_planted else time.monotonic
     target = targets.load(name)
     count, began_s = 0, clock()

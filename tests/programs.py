@@ -31,7 +31,7 @@ SHOWN_LINES = 20
 
 @dataclass(eq=False)
 class Peer:
-    """A running program; `lines` has its output so far, also of standard error."""
+    """A running program; `lines` has its output so far, including standard error."""
 
     process: asyncio.subprocess.Process
     lines: list[str] = field(default_factory=list)

@@ -34,7 +34,7 @@ def seeds() -> list[bytes]:
 
 
 def generate(source: random.Random) -> bytes:
-    """Return the data of a host that requests the topics, then sends anything, also invalid or too large."""
+    """Return the data of a host that requests the topics, then sends valid, invalid and too large data."""
     script = step(ids.TOPIC_REQUEST, b"")
     for _ in range(source.randint(1, 30)):
         match source.randrange(7):

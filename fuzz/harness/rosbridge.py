@@ -57,7 +57,7 @@ _NOT_OURS = re.compile(r"rosbridge: a client: [A-Za-z]*(Error|Exception|Interrup
 
 
 def seeds() -> list[bytes]:
-    """Return messages of every operation, also in fragments and as PNG."""
+    """Return messages of every operation, some in fragments or as PNG."""
     publish = '{"op":"publish","topic":"/pose","msg":{"header":{"stamp":"now"},"pose":{"position":{"x":1}}}}'
     talks = [
         [
@@ -107,7 +107,7 @@ def seeds() -> list[bytes]:
 
 
 def generate(source: random.Random) -> bytes:
-    """Return lines of all operations, more of each than the limits allow, also in fragments and as PNG."""
+    """Return lines of all operations, more of each than the limits allow, some in fragments or as PNG."""
     lines = []
     for _ in range(source.randint(1, 16)):
         line = json.dumps(_operation(source))

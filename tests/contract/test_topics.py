@@ -214,7 +214,7 @@ async def test_a_subscriber_may_skip_nodes(join: JoinGraph) -> None:
     await until(publish_from_all)
     await until(lambda: {string("from 0"), string("from 1")} <= set(inbox.payloads))
     assert string("from 2") not in inbox.payloads
-    # The names may change at any time, also while a publisher is connected.
+    # The names may change at any time, even while a publisher is connected.
     names.clear()
     names.add("/other")
 

@@ -78,7 +78,7 @@ def printed(value: Any, request: dict[str, Any], path: FieldPath | None) -> str:
 
 @functools.cache
 def echo_cases() -> dict[str, list[tuple[Message, dict[str, Any], Any]]]:
-    """Return (message, request, rostopic's answer) by type, in every style, also for values that genpy
+    """Return (message, request, rostopic's answer) by type, in every style, including for values that genpy
     changes.
     """
     cases = []

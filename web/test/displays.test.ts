@@ -138,7 +138,7 @@ test("a marker that expires changes the picture by itself", async () => {
   assert.deepEqual(objects(), []);
 });
 
-test("the trail of an odometry has a point for each 2 cm, also upwards", () => {
+test("the trail of an odometry has a point for each 2 cm, even upwards", () => {
   const { display, objects } = show("nav_msgs/Odometry");
   for (const z of [0, 0.01, 0.03, 0.06])
     display.update({ header, pose: { pose: { ...pose, position: { x: 0, y: 0, z } } } });

@@ -45,6 +45,6 @@ class Clock:
         self.advance(now_ms)
 
     def set(self, moment, now_ms):
-        """Set the time, also to an earlier one."""
+        """Set the time; it may be an earlier one."""
         self._returned_sec = 0
         self.follow(moment.sec, moment.nsec, now_ms, 0)

@@ -50,7 +50,7 @@ Connect = Callable[[], Awaitable[Transport]]
 
 
 class CheckedClient(SmallWriter):
-    """One client under test; `connect` opens a line to it, also again after a line has ended.
+    """One client under test; `connect` opens a line to it, and another one after a line has ended.
 
     `announcements` are those at the start; `damage` describes invalid bytes from the client. While
     `answers_time` is true, requests for the time are answered.

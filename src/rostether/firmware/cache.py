@@ -85,7 +85,7 @@ class BuildCache:
 
         Raises FirmwareError if the cache folder cannot be written.
         """
-        # Prune finds entries at this depth, also those of a build that was killed.
+        # Prune finds entries at this depth, including those of a build that was killed.
         parent = self.folder / kind / "new"
         try:
             parent.mkdir(parents=True, exist_ok=True)

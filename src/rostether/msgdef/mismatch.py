@@ -206,7 +206,7 @@ def _bottom_up(root: MessageSpec, below: Sequence[MessageSpec]) -> list[MessageS
 
 
 def _holders(nested: MessageSpec, ordered: Sequence[MessageSpec]) -> list[MessageSpec]:
-    """Return the messages that contain `nested`, also indirectly, in the given order."""
+    """Return the messages that contain `nested`, directly or indirectly, in the given order."""
     changed = {nested.full_name}
     holders: list[MessageSpec] = []
     for spec in ordered:

@@ -112,7 +112,7 @@ class Registry:
         self._found, self._found_nearby = found, nearby
 
     def message(self, name: str) -> MessageSpec:
-        """Return a message by `package/Name`, also one of a service or an action.
+        """Return a message by `package/Name`, including those of services and actions.
 
         Raises UnknownTypeError, or DefinitionError if its own text is broken.
         """

@@ -1,4 +1,4 @@
-"""joy_node: publishes a joystick's state as sensor_msgs/Joy, also after it was unplugged and plugged in."""
+"""joy_node: publishes a joystick's state as sensor_msgs/Joy, even after it was unplugged for a while."""
 
 from __future__ import annotations
 

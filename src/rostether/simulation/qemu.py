@@ -48,7 +48,7 @@ _TERMINAL = re.compile(rb"char device redirected to (\S+)")
 class QemuBoard(BlockClosable):
     """One board.
 
-    It ends with `close`; if setpriv is installed, also when this process is killed. `address` is the link
+    It ends with `close` and, if setpriv is installed, when this process is killed. `address` is the link
     address of its UART for `serve`. `exit_message` is qemu's error message after it has ended by itself.
     """
 

@@ -67,7 +67,7 @@ void setup() {
 }
 void loop() { nh.spinOnce(); }
 """,
-    # Elements of a float64[] have the type of a float, also in a macro; the array is a pointer.
+    # Elements of a float64[] have the type of a float, even in a macro; the array is a pointer.
     "float64_array_as_a_pointer": """
 #include <ros.h>
 #include <sensor_msgs/JointState.h>

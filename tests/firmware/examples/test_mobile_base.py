@@ -1,4 +1,4 @@
-"""The complete board of a robot: all its topics on one line, also on an Uno."""
+"""The complete board of a robot: all its topics on one line, even on an Uno."""
 
 from __future__ import annotations
 

@@ -19,7 +19,7 @@ from unit.bridge.doubles import RecordingReporter
 from waiting import until
 
 STORE = TypeStore(Registry())
-# Longer than any silence of a working node, also on a busy machine.
+# Longer than any silence of a working node, even on a busy machine.
 TIMEOUT_S = 60.0
 
 

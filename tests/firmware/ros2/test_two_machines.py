@@ -1,4 +1,4 @@
-"""A board on one machine and a ROS 2 node on another, each with a zenoh router, also when one router
+"""A board on one machine and a ROS 2 node on another, each with a zenoh router, even when one router
 restarts.
 
 The machines are network namespaces, the board runs real firmware, the node is zenoh-ros2-sdk.

@@ -10,7 +10,7 @@ from rostether.codegen.arduino_library import WrittenLibrary
 from unit.codegen.compilers import COMPILERS
 
 ALONE = ("hostile/Hostile", "hostile/Types", "hostile/Switch", "sensor_msgs/PointCloud2", "tf/tfMessage")
-# Constants by both names, also if their address is needed; fields by the names that sketches use.
+# Constants by both names, even if their address is needed; fields by the names that sketches use.
 USES = """
 static_assert(hostile::Hostile::HIGH__ == 1 && hostile::Hostile::DEFAULT_ == 0, "aliases");
 static_assert(hostile::Hostile::twice == 2, "the last of two counts");

@@ -1,4 +1,4 @@
-"""A node in several graphs, also if a graph is late, hangs or refuses calls."""
+"""A node in several graphs, even if a graph is late, hangs or refuses calls."""
 
 from __future__ import annotations
 

@@ -65,7 +65,7 @@ def test_old_recorded_and_forged_commands_have_no_effect(robot: CommandReceiver)
         assert robot.last_refusal == ""
     assert robot.receive(CommandSender(replace(TO_ROBOT, key=bytes(16)), 2_000).stop(0.0)[0], 0.0) is None
     assert "a different key" in robot.last_refusal
-    # After a later sender, all frames of an earlier one are refused, also stops.
+    # After a later sender, all frames of an earlier one are refused, even stops.
     robot.receive(CommandSender(TO_ROBOT, 2_000).stop(0.1)[0], 0.1)
     assert robot.receive(sender.stop(0.1)[0], 99.0) is None
     assert "started before the last one" in robot.last_refusal

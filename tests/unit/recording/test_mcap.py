@@ -104,7 +104,7 @@ def test_files_of_the_mcap_package_are_read(tmp_path: Path, compression: str, us
         schema = writer.register_schema(STRING.name, "ros1msg", STRING.definition.encode())
         channels = [writer.register_channel(topic, "ros1", schema) for topic in ("/a", "/b")]
         for index in range(40):
-            # Of each two messages, the later one is first, also across chunks.
+            # Of each two messages, the later one is first, even across chunks.
             writer.add_message(channels[index % 2], START_NS + (index ^ 1), text(str(index ^ 1)), START_NS)
         writer.finish()
     reader = McapReader(path)

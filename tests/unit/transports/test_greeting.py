@@ -65,7 +65,7 @@ async def listening(text: str) -> AsyncIterator[tuple[TcpListener, Arrivals, int
 
 
 async def carry(arrivals: Arrivals, text: str) -> None:
-    """Connect, and check that bytes pass both ways, also those in one piece with the greeting."""
+    """Connect, and check that bytes pass both ways, including those in one piece with the greeting."""
     board, board_seen = await open_transport(text), Recorder()
     try:
         board.start(board_seen)

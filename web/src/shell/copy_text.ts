@@ -1,4 +1,4 @@
-// Copies a text, also on plain http, where browsers offer no clipboard.
+// Copies a text, even on plain http, where browsers offer no clipboard.
 
 export async function copyText(text: string): Promise<boolean> {
   try {

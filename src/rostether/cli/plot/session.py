@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from rostether.pictures.plot import Curve
     from rostether.serde.codec import Codec
 
-# Ten pictures a second: movements look smooth, also over a slow SSH connection.
+# Ten pictures a second: movements look smooth, even over a slow SSH connection.
 REFRESH_S = 0.1
 DEFAULT_WINDOW_S = 10.0
 

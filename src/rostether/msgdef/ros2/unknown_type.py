@@ -33,7 +33,7 @@ class KnownNames(Protocol):
 
 
 def split_name(name: str, kind: Kind = Kind.MESSAGE) -> tuple[str, Kind, str]:
-    """Split `package/msg/Name`, also with `srv` or `action`.
+    """Split `package/msg/Name`, or the same with `srv` or `action`.
 
     Raises UnknownTypeError with an example of a `kind`.
     """

@@ -91,7 +91,7 @@ class OwnNode:
         return int(self.node.get_clock().now().nanoseconds)
 
     def report(self, level: Level, text: str) -> None:
-        """Log a line about this node, also on /rosout. Call it in the event loop."""
+        """Log a line about this node, and publish it on /rosout. Call it in the event loop."""
         _log.log(level.number_in_tens, "%s: %s", self.name, text)
         self.log(level, text)
 

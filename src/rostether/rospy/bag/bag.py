@@ -286,7 +286,7 @@ class Bag:
 
     @contextmanager
     def _reading(self) -> Iterator[RecordingReader]:
-        """Provide a reader of the bag; as in rosbag, also of a closed bag."""
+        """Provide a reader of the bag; as in rosbag, even of a closed bag."""
         if self._reader is not None:
             yield self._reader
             return

@@ -112,7 +112,7 @@ class RosPack:
         return [*found]
 
     def get_depends_on(self, name: str, implicit: bool = True) -> Sequence[str]:
-        """Return the packages that depend on a package; with `implicit`, also indirectly."""
+        """Return the packages that depend on a package, with `implicit` even indirectly."""
         found = []
         for each in self._folders():
             try:

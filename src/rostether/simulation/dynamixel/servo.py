@@ -228,7 +228,7 @@ class WheelMotor:
         return max(-1.0, min(1.0, (self.goal_rad_s - self.speed_rad_s) / self.acceleration_rad_s2 / 0.1))
 
     def advance(self, now_s: float) -> None:
-        """Move up to `now_s`. The result is exact for steps of any length, also on a busy machine."""
+        """Move up to `now_s`. The result is exact for steps of any length, even on a busy machine."""
         step_s = max(0.0, now_s - self._time_s)
         self._time_s = max(self._time_s, now_s)
         missing = self.goal_rad_s - self.speed_rad_s

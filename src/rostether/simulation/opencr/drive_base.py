@@ -15,7 +15,7 @@ WHEEL_SEPARATION_M = 0.160
 LEFT_ID, RIGHT_ID = 1, 2
 # The field of the simulated Earth, in tesla.
 NORTH_T, UP_T = 20e-6, -44e-6
-# The path during a step this short is nearly an arc, also while the wheels change their speed.
+# The path during a step this short is nearly an arc, even while the wheels change their speed.
 _STEP_S = 0.005
 # After a long pause the steps are longer, so that computing them takes at most 20 ms.
 _MAX_STEPS = 200

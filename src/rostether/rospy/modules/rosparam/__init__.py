@@ -1,4 +1,4 @@
-"""rosparam: reads and sets parameters, also from and to YAML files."""
+"""rosparam: reads and sets parameters, and copies them from and to YAML files."""
 
 # ruff: noqa: F401
 from rostether.rospy.client.parameters import get_master as get_param_server
