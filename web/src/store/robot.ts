@@ -34,7 +34,7 @@ export class Robot {
   /** Why the connection was lost, the server's reason; may be empty. */
   readonly lostReason = signal("");
   readonly canCommand = signal(false);
-  /** Whether this page may publish, call, set and record; false without a connection too. */
+  /** Whether this page may publish, call, set and record; also false without a connection. */
   readonly mayAct: ReadonlySignal<boolean> = computed(
     () => this.canCommand.value && this.info.value?.metadata?.rights !== "view",
   );

@@ -66,7 +66,7 @@ class Assets:
     def _check_size(self, uri: str, size: int) -> None:
         if size > self._max_bytes:
             raise ConfigError(
-                f"{uri[:200]} is larger than {self._max_bytes >> 20} MB; "
+                f"{uri[:200]} is larger than {self._max_bytes >> 20} MiB; "
                 "use a mesh or picture with less detail"
             )
 
