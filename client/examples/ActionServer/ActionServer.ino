@@ -4,7 +4,7 @@
 // Try it:  rostether serve /dev/ttyACM0
 //          rostether topic echo /fibonacci/feedback
 //          rostether topic pub -1 /fibonacci/goal actionlib_tutorials/FibonacciActionGoal "goal: {order: 10}"
-//          rostether topic pub -1 /fibonacci/cancel actionlib_msgs/GoalID
+//          rostether topic pub -1 /fibonacci/cancel actionlib_msgs/GoalID "{}"
 
 #include <actionlib_tutorials/FibonacciAction.h>
 #include <ros.h>

@@ -97,7 +97,7 @@ async def _publish(
         fill_message(codec, values, now=wall_time)
     elif text is None and sys.stdin.isatty():
         fields = " ".join(field for field, _ in codec.message_class._fields)
-        raise click.UsageError(f"{type_name} needs values: {fields}")
+        raise click.UsageError(f"{type_name} needs values: {fields}; {{}} sets all to zero")
     async with joined(graph_options, store=store, purpose="rostopic") as graph:
         await _check_type(graph, name, codec)
         now = graph.now if options.use_rostime else wall_time
@@ -175,7 +175,9 @@ class _Output:
         await self._publisher.wait_for_subscriber(SUBSCRIBER_TIMEOUT_S)
         first = await anext(messages, None)
         if first is None:
-            raise ConfigError("no message to publish; separate YAML documents with ---")
+            raise ConfigError(
+                "no message to publish; give VALUES, or YAML documents separated by --- in a file or pipe"
+            )
         if rate_hz is None:
             await self.publish_latched(first)
             return
