@@ -44,7 +44,7 @@ def camera(arguments: tuple[str, ...], ros2: str | None) -> None:
     """Publish a camera as a sensor (sensor_msgs/CompressedImage), only while a program shows it.
 
     Parameters: ~source (/dev/video0, or picamera2 where it is installed; a folder of .jpg files; test),
-    ~vflip, ~hflip, ~width, ~height, ~quality (1 to 95), ~rate (10), ~id (camera), ~name, ~platform_name,
+    ~vflip, ~hflip, ~width, ~height, ~quality (1 to 95), ~rate (10 Hz), ~id (camera), ~name, ~platform_name,
     ~frame_id, ~classifier (a cascade file of OpenCV: draws boxes around what it finds, and publishes them on
     <topic>/detections).
     """

@@ -38,8 +38,8 @@ async def analog(graph: TypedGraph, _: Arguments) -> None:
     """Publish a number from a file of the system, or from a field of a topic, as a sensor.
 
     Parameters: ~path (a file with a number; those in /sys/bus/iio get their unit), or ~topic and ~field
-    (data); ~scale (1), ~offset (0), ~alert_below, ~alert_above, ~rate (10, for a file), ~unit, ~id (analog),
-    ~name, ~platform_name, ~frame_id.
+    (data); ~scale (1), ~offset (0), ~alert_below, ~alert_above, ~rate (10 Hz, for a file), ~unit,
+    ~id (analog), ~name, ~platform_name, ~frame_id.
     """
     await _publish_value("analog", graph)
 
@@ -91,7 +91,7 @@ async def gps(graph: TypedGraph, _: Arguments) -> None:
 async def battery(graph: TypedGraph, _: Arguments) -> None:
     """Publish this computer's battery as a sensor (sensor_msgs/BatteryState).
 
-    Parameters: ~path (the first battery in /sys/class/power_supply), ~alert_below (0.15), ~rate (0.5),
+    Parameters: ~path (the first battery in /sys/class/power_supply), ~alert_below (0.15), ~rate (0.5 Hz),
     ~id (battery), ~name, ~platform_name.
     """
     from rostether.platform.sensors.battery import MESSAGE_TYPE, publish_battery
@@ -107,7 +107,7 @@ async def battery(graph: TypedGraph, _: Arguments) -> None:
 async def system_load(graph: TypedGraph, _: Arguments) -> None:
     """Publish this computer's load as sensors: cpu, memory and disk in percent, and its temperature.
 
-    Parameters: ~rate (0.5), ~disk (a folder on the disk; /), ~platform_name.
+    Parameters: ~rate (0.5 Hz), ~disk (a folder on the disk; /), ~platform_name.
     """
     from rostether.platform.sensors.system_load import SystemFiles, publish_system_load
 

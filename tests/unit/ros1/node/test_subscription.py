@@ -147,7 +147,7 @@ async def test_a_type_that_differs_is_reported_once_and_not_tried_again() -> Non
         assert level is Level.WARN
         assert "cannot subscribe to /chat" in text
         assert "other/Type" in text
-        # A retry would come before three rounds of a publisher that always fails.
+        # While the other publisher reconnects three times, there is time for a retry.
         for count in range(1, 4):
             await until(lambda: len(right.peers) == count)  # noqa: B023 - awaited at once
             await right.peers[-1].close()
@@ -176,7 +176,7 @@ async def test_publishers_come_and_go_with_the_masters_list() -> None:
     async with fake() as first, fake() as second, subscribed() as stage:
         stage.topic.set_publishers([first.uri])
         await until(lambda: stage.topic.publisher_count == 1)
-        # The answer to a registration may be older: it only adds.
+        # The answer to a registration may be older than the last list, so its publishers are only added.
         stage.topic.add_publishers([second.uri])
         await until(lambda: stage.topic.publisher_count == 2)
         stage.topic.set_publishers([second.uri])
@@ -218,7 +218,7 @@ async def test_a_publisher_that_does_not_answer_is_reported_once(uri: str) -> No
         await until(lambda: stage.topic.publisher_count == 1 and stage.reports)
         assert uri in stage.reports[0][1]
         assert "ROS_IP" in stage.reports[0][1]
-        # Less than three rounds of a publisher that always fails: then it is reported again.
+        # While the other publisher reconnects three times, there is time for a second report.
         for count in range(1, 4):
             await until(lambda: len(publisher.peers) == count)  # noqa: B023 - awaited at once
             await publisher.peers[-1].close()
