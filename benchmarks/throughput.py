@@ -31,7 +31,7 @@ class Flood:
 
 
 def device_to_ros(type_name: str, count: int) -> Flood:
-    """A TCP device floods, a roscpp subscriber counts."""
+    """A TCP device floods, and a roscpp subscriber counts."""
     port = free_port()
     with Bench() as bench:
         bridge = bench.rostether("serve", f"tcp://:{port}?name=flood_board")
@@ -46,7 +46,7 @@ def device_to_ros(type_name: str, count: int) -> Flood:
 
 
 def ros_to_device(count: int) -> Flood:
-    """A roscpp publisher floods, a TCP device counts."""
+    """A roscpp publisher floods, and a TCP device counts."""
     port = free_port()
     with Bench() as bench:
         bridge = bench.rostether("serve", f"tcp://:{port}?name=flood_board")

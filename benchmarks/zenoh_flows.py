@@ -43,7 +43,7 @@ def _bridged(bench: ZenohBench, name: str) -> Iterator[tuple[subprocess.Popen[st
 
 
 def device_to_ros2(type_name: str, count: int) -> Flood:
-    """A TCP device floods, a zenoh subscriber of another process counts."""
+    """A TCP device floods, and a zenoh subscriber of another process counts."""
     with ZenohBench() as bench, _bridged(bench, "flood_board") as (bridge, device_port, zenoh_port):
         device = bench.module("flood_device", str(device_port), "send", type_name, str(count))
         listener = bench.module("zenoh_listener", str(zenoh_port), "flood", str(count))
