@@ -1,4 +1,4 @@
-"""What is typed to install an extra, in each way rostether may be installed."""
+"""The command that installs an extra, for each way in which rostether may have been installed."""
 
 from __future__ import annotations
 

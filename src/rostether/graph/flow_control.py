@@ -29,8 +29,8 @@ DEFAULT_QUEUE_BYTES = 4 << 20
 # 20 ms of that flood: a subscriber stays busy until its publisher continues, without a noticeable delay.
 HIGH_WATER_BYTES = 256 << 10
 
-# The flow resumes when the backlog is below this fraction of the high-water mark, so that it does not flap.
-LOW_WATER_SHARE = 4
+# The flow resumes when the backlog is below the high-water mark divided by this, so that it does not flap.
+LOW_WATER_DIVISOR = 4
 
 # Three seconds of the bridge's pauses: a busy system may stop a healthy subscriber for this time.
 STEPS = 32
@@ -116,7 +116,7 @@ class SubscriberFlow:
     def update(self) -> None:
         """Check the backlog; called after each change."""
         backlog_bytes = self._measure()
-        if backlog_bytes <= self._high_water_bytes // LOW_WATER_SHARE:
+        if backlog_bytes <= self._high_water_bytes // LOW_WATER_DIVISOR:
             self.end()
         elif backlog_bytes > self._mark_bytes and not self._is_congested and not self.hangs:
             self._is_congested = True

@@ -75,7 +75,7 @@ class ActionRelay:
         self._stack = AsyncExitStack()
 
     async def open(self) -> None:
-        """Offer the action; wait for a server in ROS 1 first. Raises RostetherError."""
+        """Offer the action; with `to_ros2`, wait for a server in ROS 1 first. Raises RostetherError."""
         session = await self._join.session()
         native = await session.join(self._ros1.node_name + NODE_SUFFIX)
         self._stack.push_async_callback(native.close)
@@ -94,7 +94,7 @@ class ActionRelay:
         self._stack.push_async_callback(action.close)
 
     async def wait_for_new_type(self) -> None:
-        """Wait until a server in ROS 1 has ended; then raise ServiceUnavailableError."""
+        """Wait until a server in ROS 1 has ended, then raise ServiceUnavailableError; else wait without end."""
         # The port does not report connections, and polling is cheap.
         while not self._to_ros2 or self._is_served():  # noqa: ASYNC110
             await asyncio.sleep(CHECK_S)

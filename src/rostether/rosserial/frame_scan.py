@@ -37,7 +37,7 @@ FALSE_START_RUNNING_SUMS_BYTES = 64
 # If a buffer is too noisy to scan completely, its end is scanned: it has the newest data of the device.
 MIN_TAIL_BYTES = 256
 MAX_TAIL_BYTES = 1024
-TAIL_SHARE = 64
+TAIL_DIVISOR = 64
 
 # A few dozen topics times the lengths of their strings; when the table is full, all headers are forgotten.
 MAX_KNOWN_HEADERS = 1024
@@ -341,7 +341,7 @@ class _DiscardedStretches:
         """Extend this stretch to the last part of the buffer, and return where that part begins."""
         self._count = MAX_STRETCHES
         self._max_false_starts = self._total
-        tail_bytes = max(MIN_TAIL_BYTES, min(self._total // TAIL_SHARE, MAX_TAIL_BYTES))
+        tail_bytes = max(MIN_TAIL_BYTES, min(self._total // TAIL_DIVISOR, MAX_TAIL_BYTES))
         return max(position, self._total - tail_bytes)
 
     def _last_start(self, position: int, wanted: bytes) -> int:
