@@ -50,7 +50,7 @@ class Crowd:
         self._asks = 0
 
     def serve(self, until_s: float) -> None:
-        """Answer the host's requests until then, and request the time as boards do."""
+        """Answer the host's requests until `until_s`, and request the time as boards do."""
         while True:
             rest_s = until_s - time.monotonic()
             for key, _ in self._selector.select(max(rest_s, 0.0)):

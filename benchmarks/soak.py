@@ -86,7 +86,7 @@ async def one_line(board: Board, received: list[int], count: Count, number: int,
 
 
 async def one_device(kind: str, folder: Path, end_s: float, count: Count, rng: random.Random) -> None:
-    """Serve one link with its device until then."""
+    """Serve one link with its device until `end_s`."""
     async with line(kind, folder) as (bridge, board):
         received = await bridge.listen("/count")
         number = 1

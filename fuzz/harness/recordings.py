@@ -53,7 +53,7 @@ def seeds() -> list[bytes]:
 
 
 def generate(source: random.Random) -> bytes:
-    """Return a recording with a few topics, with one number changed, or with a small chunk of large content."""
+    """Return a recording with a few topics, with a changed number, or with a small chunk of large content."""
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "made"
         make = source.choice((BagWriter, McapWriter))

@@ -94,7 +94,10 @@ class ActionRelay:
         self._stack.push_async_callback(action.close)
 
     async def wait_for_new_type(self) -> None:
-        """Wait until a server in ROS 1 has ended, then raise ServiceUnavailableError; else wait without end."""
+        """Wait until a server in ROS 1 has ended, then raise ServiceUnavailableError.
+
+        If the server is in ROS 2, wait without end.
+        """
         # The port does not report connections, and polling is cheap.
         while not self._to_ros2 or self._is_served():  # noqa: ASYNC110
             await asyncio.sleep(CHECK_S)

@@ -194,7 +194,7 @@ class Graph(OpenContext[TypedGraph], LogMethods):
     def watch_param(self, name: str, on_change: Callable[[ParamValue], object]) -> ParamWatch:
         """Call a function, in a thread, with the value now and after each change; None means it is unset.
 
-        Raises GraphError, TypeError for an async function.
+        Raises InvalidNameError, GraphError, TypeError for an async function.
         """
         thread = CallbackThread(f"rostether {name}", guarded(on_change))
         watch = self.wrapped.watch_param(name, lambda value: thread.put([value]))
