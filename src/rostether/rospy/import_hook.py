@@ -62,7 +62,15 @@ _IMPLEMENTATIONS = {
     "rospy.topics": "client.publisher client.subscriber",
     "rosserial_python": "client.serial_client",
     "rosservice": "tools.service_lookup",
+    "tf.broadcaster": "tf.transformer",
+    "tf.listener": "tf.transformer",
     "tf.transformations": "tf.transformations",
+    "tf2_ros.buffer": "tf.buffer",
+    "tf2_ros.buffer_client": "tf.buffer_client",
+    "tf2_ros.buffer_interface": "tf.buffer_interface",
+    "tf2_ros.static_transform_broadcaster": "tf.listener_and_broadcasters",
+    "tf2_ros.transform_broadcaster": "tf.listener_and_broadcasters",
+    "tf2_ros.transform_listener": "tf.listener_and_broadcasters",
 }
 
 # Modules of ROS 1 that the ROS 2 packages of the same names lack; Python may find these packages first.

@@ -7,6 +7,7 @@ from sensor_msgs import point_cloud2
 from sensor_msgs.msg import PointCloud2, PointField
 from std_msgs.msg import Header
 
+print(pc2.PointField is PointField, pc2.PointCloud2 is PointCloud2)
 header = Header(frame_id="camera")
 cloud = pc2.create_cloud_xyz32(header, [(1, 2, 3), [math.nan, 5, 6], (7.5, 8, 9)])
 print(cloud)

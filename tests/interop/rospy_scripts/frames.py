@@ -15,7 +15,9 @@ import tf
 import tf2_py
 import tf2_ros
 from geometry_msgs.msg import PointStamped, PoseStamped, QuaternionStamped, TransformStamped, Vector3Stamped
+from tf.listener import TransformListener
 from tf.transformations import *
+from tf2_ros.buffer import Buffer
 
 
 def show(values):
@@ -124,6 +126,22 @@ print(
 print(
     issubclass(tf2_ros.LookupException, tf2_ros.TransformException),
     tf.Exception is tf2_ros.TransformException,
+)
+
+driven = tf.Transformer()
+driven.setTransform(transform("odom", "base", 20, 1, 2, 0, turn))
+driven.setTransform(transform("odom", "base", 21, 1.5, 2.5, 0.1, quaternion_from_euler(0.4, -0.2, 1)))
+driven.setTransform(transform("map", "odom", 20, 3, 0, 1, quaternion_from_euler(0.1, 0.2, 0.3)))
+driven.setTransform(transform("map", "odom", 21, 3, 0, 1, quaternion_from_euler(0.1, 0.2, 0.3)))
+second = rospy.Duration(1)
+print("twist", show(driven.lookupTwist("/base", "/odom", rospy.Time(0), second)))
+print(show(driven.lookupTwist("odom", "base", rospy.Time(20.5), rospy.Duration(0.5))))
+print(show(driven.lookupTwistFull("base", "odom", "map", (0, 0, 0), "odom", rospy.Time(20.75), second)))
+print(
+    tf.broadcaster.TransformBroadcaster is tf.TransformBroadcaster,
+    TransformListener is tf.listener.TransformListener is tf.TransformListener,
+    tf2_ros.buffer.Buffer is tf2_ros.Buffer is Buffer,
+    tf2_ros.transform_listener.TransformListener is tf2_ros.TransformListener,
 )
 
 listener = tf.TransformListener()

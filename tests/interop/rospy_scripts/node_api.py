@@ -104,6 +104,7 @@ rospy.delete_param("/top")
 attempt("delete twice", lambda: rospy.delete_param("/top"))
 print(sorted(name for name in rospy.get_param_names() if name.startswith("/robot")))
 print("/robot/api/rate" in rospy.get_master(), rospy.get_master()["~rate"])
+print(rospy.get_master().search_param("top"))
 
 # topics
 wait_until(lambda: early.get_num_connections() == 1 and early_subscriber.get_num_connections() == 1)

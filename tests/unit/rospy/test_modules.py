@@ -19,6 +19,13 @@ async def test_frames(master: str) -> None:
     assert any(line.startswith("future raises ExtrapolationException Lookup would require") for line in lines)
     assert any(line.startswith("apart raises ConnectivityException") for line in lines)
     assert "['dock', 'odom', 'wheel'] True" in lines
+    assert any(line.startswith("twist [[1.614534109, -0.377809946") for line in lines)
+    assert "True True True True" in lines
+
+
+async def test_rotations_of_tf_conversions() -> None:
+    script = "import tf_conversions; print(tf_conversions.transformations.quaternion_from_euler(0, 0, 0)[3])"
+    assert await printed(script) == ["1.0"]
 
 
 async def test_message_filters_combine_topics(master: str) -> None:

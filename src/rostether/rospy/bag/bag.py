@@ -63,8 +63,8 @@ class Bag:
     ) -> None:
         # A stream is opened again by its name, because recordings are read and written at a path.
         f = f if isinstance(f, str | Path) else getattr(f, "name", None)
-        if not isinstance(f, str | Path):
-            raise ValueError("this rosbag needs the path of a file, or a file that has a path")  # noqa: TRY004
+        if not f or not isinstance(f, str | Path):
+            raise ValueError("this rosbag needs the path of a file, or a file that has a path")
         if mode not in ("r", "w", "a"):
             raise ValueError(f'mode "{mode}" is invalid')
         settings = dict(options or {})
@@ -97,6 +97,9 @@ class Bag:
 
     def __iter__(self) -> Iterator[BagMessage]:
         return self.read_messages()
+
+    def __str__(self) -> str:
+        return self._get_yaml_info()
 
     @property
     def filename(self) -> str:

@@ -107,9 +107,8 @@ def yaml_text(filename: str, reader: RecordingReader, key: str | None) -> str:
             for name, topic in found.topics.items()
         ],
     }
-    if key is not None:
-        return str(facts[key])
-    return yaml.safe_dump(facts, sort_keys=False)
+    value = facts if key is None else facts[key]
+    return yaml.safe_dump(value, sort_keys=False) if isinstance(value, dict | list) else str(value)
 
 
 def _frequency_hz(times_ns: list[int]) -> float | None:

@@ -94,6 +94,10 @@ def configure(simulated_time: Callable[[], float | None], log_level: int | None)
     """Start to print, and to write the file of `__log:=`. Idempotent."""
     if not any(isinstance(handler, TerminalHandler) for handler in _rosout_logger.handlers):
         _rosout_logger.addHandler(TerminalHandler(simulated_time))
+        # Problems of the node's connections, such as a topic that has another type.
+        handler: logging.Handler = TerminalHandler(simulated_time)
+        handler.setLevel(logging.WARNING)
+        logging.getLogger("rostether").addHandler(handler)
         if file := names.mappings.get("__log"):
             from logging.handlers import RotatingFileHandler
 

@@ -106,6 +106,10 @@ class MasterProxy:
 
         return call
 
+    def search_param(self, key: str) -> str | None:
+        """Return the full name of the parameter in the nearest namespace, or None. Raises ROSException."""
+        return search_param(key)
+
     def __getitem__(self, key: str) -> Any:
         return get_param(key)
 

@@ -4,10 +4,20 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
-from rostether.robot.transform import transform_of
+from rostether.robot.transform import (
+    Quaternion,
+    Transform,
+    Vector,
+    conjugated,
+    multiply,
+    rotate,
+    transform_of,
+)
 from rostether.rospy.client.message_types import all_types
+from rostether.rospy.client.ros_time import Duration, Time
 from rostether.rospy.tf import geometry as tf_geometry
 from rostether.rospy.tf import listener_and_broadcasters as tf2_ros
 from rostether.rospy.tf import rotations as tf_rotations
@@ -93,6 +103,58 @@ class Transformer:
         route = (_bare(target_frame), target_time, _bare(source_frame), source_time, _bare(fixed_frame))
         return _lists(self._buffer.lookup_transform_full(*route))
 
+    def lookupTwist(
+        self, tracking_frame: str, observation_frame: str, time: Any, averaging_interval: Any
+    ) -> tuple[Vector, Vector]:
+        """Return the linear and angular velocity of a frame, seen from `observation_frame`.
+
+        It is the mean of an interval, a Duration, around `time`.
+        """
+        return self.lookupTwistFull(
+            tracking_frame,
+            observation_frame,
+            observation_frame,
+            (0, 0, 0),
+            tracking_frame,
+            time,
+            averaging_interval,
+        )
+
+    def lookupTwistFull(
+        self,
+        tracking_frame: str,
+        observation_frame: str,
+        reference_frame: str,
+        ref_point: Any,
+        reference_point_frame: str,
+        time: Any,
+        averaging_interval: Any,
+    ) -> tuple[Vector, Vector]:
+        """Return a velocity like `lookupTwist`, in `reference_frame`; `ref_point` has no effect, as in tf."""
+        latest = self.getLatestCommonTime(observation_frame, tracking_frame)
+        target = time or latest
+        end = min(target + Duration(0.5 * averaging_interval.to_sec()), latest)
+        start = max(Time(0.0001) + averaging_interval, end) - averaging_interval
+        duration_s = (end - start).to_sec()
+        before, after = (
+            self._transform(observation_frame, tracking_frame, moment) for moment in (start, end)
+        )
+        distance = _difference(after.translation, before.translation)
+        turn = _rotation_vector(multiply(conjugated(before.rotation), after.rotation))
+
+        tracked = self._transform(reference_frame, tracking_frame, target)
+        velocity = rotate(tracked.rotation, _divided(distance, duration_s))
+        spin = rotate(tracked.rotation, _divided(turn, duration_s))
+        point = self._transform(reference_frame, reference_point_frame, target).apply(tracked.translation)
+        # tf adds this product to each axis.
+        shift = sum(a * b for a, b in zip(spin, _difference(point, tracked.translation), strict=True))
+        (x, y, z), (a, b, c) = tracked.translation, spin
+        return (
+            velocity[0] + y * c - z * b + shift,
+            velocity[1] + z * a - x * c + shift,
+            velocity[2] + x * b - y * a + shift,
+        ), spin
+
     def getLatestCommonTime(self, source_frame: str, dest_frame: str) -> Any:
         """Return the latest time at which a lookup succeeds.
 
@@ -123,6 +185,9 @@ class Transformer:
     def getTFPrefix(self) -> str:
         """Return the prefix of frames: empty since tf2."""
         return ""
+
+    def _transform(self, target_frame: str, source_frame: str, time: Any) -> Transform:
+        return transform_of(self._buffer.lookup_transform(_bare(target_frame), _bare(source_frame), time))
 
     def _require_listening(self) -> None:
         if not self._using_dedicated_thread:
@@ -226,3 +291,19 @@ def _bare(frame: str) -> str:
 def _lists(message: Any) -> tuple[list[float], list[float]]:
     transform = transform_of(message)
     return list(transform.translation), list(transform.rotation)
+
+
+def _difference(left: Vector, right: Vector) -> Vector:
+    return left[0] - right[0], left[1] - right[1], left[2] - right[2]
+
+
+def _divided(vector: Vector, divisor: float) -> Vector:
+    return vector[0] / divisor, vector[1] / divisor, vector[2] / divisor
+
+
+def _rotation_vector(rotation: Quaternion) -> Vector:
+    """Return the axis of a rotation, with the angle in radians as its length."""
+    x, y, z, w = rotation
+    sine = math.sqrt(x * x + y * y + z * z)
+    angle = 2.0 * math.atan2(math.copysign(sine, w), abs(w))
+    return _divided((x * angle, y * angle, z * angle), sine or 1.0)

@@ -17,6 +17,8 @@ with rosbag.Bag(sys.argv[1]) as bag:
         print(topic, message.data, isinstance(message, String), t.to_nsec())
 info = yaml.safe_load(rosbag.Bag(sys.argv[1])._get_yaml_info())
 print(info['messages'], [each['topic'] for each in info['topics']], info['indexed'])
+bag = rosbag.Bag(sys.argv[1])
+print(yaml.safe_load(str(bag)) == info, yaml.safe_load(bag._get_yaml_info('topics')) == info['topics'])
 """
 UNINDEXED = """
 import sys, rosbag
@@ -41,10 +43,21 @@ async def test_bags_and_those_of_ros2_are_read(tmp_path: Path) -> None:
         f"/a message {number} True {time_ns}" for number, time_ns in zip((0, 2, 4), times, strict=True)
     ]
     for path in (bag, folder):
-        assert await printed(READ, str(path)) == [*expected, "6 ['/a', '/b'] True"]
+        assert await printed(READ, str(path)) == [*expected, "6 ['/a', '/b'] True", "True True"]
 
 
 async def test_a_bag_that_was_not_closed(tmp_path: Path) -> None:
     bag = tmp_path / "a.bag"
     write_bag(bag, closes=False)
     assert await printed(UNINDEXED, str(bag)) == ["Unindexed bag", "30 2", "30"]
+
+
+async def test_a_bag_needs_a_path() -> None:
+    script = """
+import rosbag
+try:
+    rosbag.Bag("")
+except ValueError as error:
+    print(error)
+"""
+    assert await printed(script) == ["this rosbag needs the path of a file, or a file that has a path"]

@@ -38,6 +38,22 @@ async def test_a_node_waits_for_its_master() -> None:
             await server.close()
 
 
+async def test_a_topic_of_another_type_is_a_warning_of_the_node(master: str) -> None:
+    script = """
+import rospy
+from std_msgs.msg import Bool, String
+rospy.init_node("mixed")
+publisher = rospy.Publisher("/mixed", String, queue_size=1)
+subscriber = rospy.Subscriber("/mixed", Bool)
+rospy.spin()
+"""
+    async with running_script(script, master_uri=master) as process:
+        assert process.stderr is not None
+        line = (await asyncio.wait_for(process.stderr.readline(), 60)).decode()
+        assert line.startswith("[WARN] [")
+        assert "topic types do not match" in line
+
+
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 async def test_a_signal_ends_a_node_that_waits(master: str, number: signal.Signals) -> None:
     script = """

@@ -12,4 +12,5 @@ from rostether.rospy.tf.transformer import (
     TransformListener,
 )
 
-_import_module("tf.transformations")
+for _name in ("broadcaster", "listener", "transformations"):
+    _import_module(f"tf.{_name}")

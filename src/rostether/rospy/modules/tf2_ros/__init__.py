@@ -1,6 +1,8 @@
 """tf2_ros on rostether's tf buffer."""
 
 # ruff: noqa: F401
+from importlib import import_module as _import_module
+
 from rostether.rospy.tf.buffer import Buffer
 from rostether.rospy.tf.buffer import Buffer as BufferCore
 from rostether.rospy.tf.buffer_client import BufferClient
@@ -26,3 +28,13 @@ from rostether.rospy.tf.listener_and_broadcasters import (
     TransformBroadcaster,
     TransformListener,
 )
+
+for _name in (
+    "buffer",
+    "buffer_client",
+    "buffer_interface",
+    "static_transform_broadcaster",
+    "transform_broadcaster",
+    "transform_listener",
+):
+    _import_module(f"tf2_ros.{_name}")
