@@ -10,6 +10,7 @@ from struct import Struct
 from rostether.bridge.endpoint.board_line import BoardLine, stop_receiving
 from rostether.bridge.reporter import Notices
 from rostether.bridge.settings import BridgeSettings
+from rostether.errors import DefinitionError, InvalidNameError, TypeMismatchError
 from rostether.graph.ports import Graph, Level, Publisher
 from rostether.msgdef.interface import MessageType
 from rostether.rosserial.frame import SYNC
@@ -24,7 +25,7 @@ _SYNC = bytes((SYNC,))
 # Header.seq, the first field of a message that begins with a Header.
 _SEQUENCE = Struct("<I")
 _SEQUENCES = 1 << 32
-# How long a flood waits for a topic to be advertised before its oldest messages are dropped.
+# How long a flood pauses the board, once, before the oldest messages are dropped: other topics pause too.
 SETUP_PAUSE_S = 1.0
 
 
@@ -58,9 +59,11 @@ class PublisherEndpoint:
         self._sequence = 0
         self._line: BoardLine | None = None
         self._publisher: Publisher | None = None
-        self._opened = asyncio.Event()
+        # Whether the graph has accepted or refused the topic.
+        self._is_decided = asyncio.Event()
         self._held: list[bytes] = []
         self._held_bytes = 0
+        self._has_paused = False
 
     @property
     def lost_count(self) -> int:
@@ -89,13 +92,18 @@ class PublisherEndpoint:
         return f"<publisher {self.info.topic_name} [{self.info.message_type}] id {self.info.topic_id}>"
 
     async def open(self) -> None:
-        """Advertise, then publish the kept messages. Raises GraphError, InvalidNameError."""
-        publisher = await self._graph.advertise(
-            self.info.topic_name, self._type, queue_bytes=self._settings.subscriber_bytes
-        )
+        """Advertise, then publish the kept messages. Raises GraphError, DefinitionError, InvalidNameError."""
+        self._is_decided.clear()
+        try:
+            publisher = await self._graph.advertise(
+                self.info.topic_name, self._type, queue_bytes=self._settings.subscriber_bytes
+            )
+        except (DefinitionError, InvalidNameError, TypeMismatchError):
+            self._is_decided.set()
+            raise
         held, self._held, self._held_bytes = self._held, [], 0
         self._publisher = publisher
-        self._opened.set()
+        self._is_decided.set()
         if held:
             self._publish(publisher, held)
 
@@ -189,14 +197,16 @@ class PublisherEndpoint:
         self._held_bytes += sum(map(len, payloads)) + MESSAGE_OVERHEAD_BYTES * len(payloads)
         if self._held_bytes <= HELD_BYTES:
             return
-        if self._line is None or not self._line.pause_until(self._wait_opened):
+        line = None if self._has_paused or self._is_decided.is_set() else self._line
+        if line is None or not line.pause_until(self._wait_decided):
             self._drop_held()
 
-    async def _wait_opened(self) -> None:
+    async def _wait_decided(self) -> None:
         try:
             async with asyncio.timeout(SETUP_PAUSE_S):
-                await self._opened.wait()
+                await self._is_decided.wait()
         except TimeoutError:
+            self._has_paused = True
             self._drop_held()
 
     def _drop_held(self) -> None:
@@ -206,6 +216,9 @@ class PublisherEndpoint:
             dropped += 1
         del self._held[:dropped]
         self.dropped_count += dropped
+        # The refusal of a topic is already reported.
+        if self._is_decided.is_set():
+            return
         self._notices.report_episode(
             f"held {self.info.topic_name}",
             Level.WARN,

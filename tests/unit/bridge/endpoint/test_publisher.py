@@ -9,6 +9,7 @@ import pytest
 from rostether.bridge.endpoint.publisher import HELD_BYTES, PublisherEndpoint
 from rostether.bridge.outbound.stamps import has_header
 from rostether.bridge.settings import BridgeSettings
+from rostether.errors import TypeMismatchError
 from rostether.graph.ports import Graph
 from rostether.mechanisms.token_bucket import TokenBucket
 from unit.bridge.doubles import FakeLine
@@ -85,6 +86,42 @@ async def test_a_flood_that_cannot_be_paused_is_kept_within_bounds(world: World)
     assert len(received) + chatter.dropped_count == 1000
     assert len(received) * 1000 <= HELD_BYTES
     assert len(world.reporter.having("not advertised yet")) == 1
+
+
+async def test_a_topic_that_is_not_advertised_in_time_pauses_the_board_only_once(
+    world: World, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("rostether.bridge.endpoint.publisher.SETUP_PAUSE_S", 0.01)
+    line, chatter = FakeLine(), endpoint(world)
+    chatter.attach(line, chatter.info)
+    line.receivers[125]([text("x" * 1000)] * (HELD_BYTES // 1000))
+    await line.waits[0]()
+    line.receivers[125]([text("x" * 1000)] * 10)
+    assert len(line.waits) == 1
+    assert chatter.dropped_count > 0
+
+
+async def test_a_refused_topic_never_pauses_the_board(world: World) -> None:
+    line, chatter = FakeLine(), endpoint(world)
+    await world.board.advertise("/chatter", STORE.registry.message_type("std_msgs/Int32"))
+    chatter.attach(line, chatter.info)
+    with pytest.raises(TypeMismatchError):
+        await chatter.open()
+    line.receivers[125]([text("x" * 1000)] * (HELD_BYTES // 1000))
+    assert line.waits == []
+    assert chatter.dropped_count > 0
+    assert world.reporter.having("not advertised yet") == []
+
+
+async def test_a_pause_ends_when_the_topic_is_refused(world: World) -> None:
+    line, chatter = FakeLine(), endpoint(world)
+    await world.board.advertise("/chatter", STORE.registry.message_type("std_msgs/Int32"))
+    chatter.attach(line, chatter.info)
+    line.receivers[125]([text("x" * 1000)] * (HELD_BYTES // 1000))
+    waiting = asyncio.ensure_future(line.waits[0]())
+    with pytest.raises(TypeMismatchError):
+        await chatter.open()
+    await asyncio.wait_for(waiting, 0.5)
 
 
 async def test_damaged_messages_never_reach_the_graph(world: World) -> None:
