@@ -182,6 +182,23 @@ async def test_a_subscriber_with_an_incompatible_quality_of_service_is_reported(
     assert "subscribe with durability volatile" in caplog.text
 
 
+async def test_endpoints_with_another_type_are_reported(
+    join: JoinGraph, peer: RclpyPeer, store: TypeStore, caplog: pytest.LogCaptureFixture
+) -> None:
+    node = await join("/board")
+    await node.advertise("/heard", store.registry.message_type("std_msgs/String"))
+    await node.subscribe("/cmd_vel", store.registry.message_type("geometry_msgs/Twist"), Inbox().store)
+    await peer.ask("subscribe", topic="/heard", type="std_msgs/msg/Int32")
+    await peer.ask("advertise", topic="/cmd_vel", type="geometry_msgs/msg/TwistStamped")
+    await until(
+        lambda: (
+            f"{PEER_NAME} subscribes to /heard as std_msgs/msg/Int32, but this node uses std_msgs/msg/String"
+            in caplog.text
+        )
+    )
+    await until(lambda: f"{PEER_NAME} publishes /cmd_vel as geometry_msgs/msg/TwistStamped" in caplog.text)
+
+
 async def test_the_type_hash_is_the_official_one(
     join: JoinGraph, context: RclpyContext, peer: RclpyPeer, store: TypeStore
 ) -> None:

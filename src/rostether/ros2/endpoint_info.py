@@ -78,6 +78,15 @@ def connection_fields(
     }
 
 
+def different_type_text(node_name: str, kind: EndpointKind, topic: str, other: str, own: str) -> str:
+    """Return the report about a node whose publisher or subscription has another type than this node's."""
+    verb = "publishes" if kind is EndpointKind.PUBLISHER else "subscribes to"
+    return (
+        f"{node_name:.200} {verb} {topic} as {other:.200}, but this node uses {own},"
+        " so they do not connect; make both use the same type"
+    )
+
+
 async def find_distribution(graph: Graph, environ: Mapping[str, str]) -> str:
     """Return the distribution of a ROS 2 graph: ROS_DISTRO, else the graph's, else `BUNDLED_DISTRO`."""
     shown = await graph.distribution() if isinstance(graph, Ros2Graph) else ""

@@ -3,19 +3,22 @@
 from __future__ import annotations
 
 import asyncio
-import contextlib
 from collections import Counter
+from functools import partial
 
 from rostether.errors import GraphError, ServiceUnavailableError
 from rostether.graph.ports import OnMessages, ServiceHandler, SubscribeOptions
 from rostether.graph.publisher_handle import PublisherHandle, check_same_type
+from rostether.mechanisms.tasks import cancel_all
 from rostether.msgdef.interface import ANY_TYPE, MessageType, ServiceType
+from rostether.ros2.endpoint_info import EndpointKind
 from rostether.ros2.listed_client import ListedClient
 from rostether.ros2.rclpy.own_node import OwnNode
 from rostether.ros2.rclpy.publication import RclpyPublication
 from rostether.ros2.rclpy.service_client import DISCOVERY_S, SERVICE_POLL_INTERVAL_S, RclpyServiceClient
 from rostether.ros2.rclpy.service_server import RclpyServiceServer
 from rostether.ros2.rclpy.subscription import RclpySubscriber
+from rostether.ros2.rclpy.type_conflicts import CHECK_INTERVAL_S, TypeConflicts
 from rostether.ros2.types.type_support import ServiceSupport
 
 # How often subscribers search for new publishers if rclpy does not report them; users do not notice 0.2 s.
@@ -39,6 +42,7 @@ class RclpyEndpoints:
         # Endpoints with the same name are created and ended one at a time.
         self._lock = asyncio.Lock()
         self._polling: asyncio.Task[None] | None = None
+        self._checking = asyncio.ensure_future(self._check_types())
         self._is_closing = False
 
     async def advertise(
@@ -106,10 +110,7 @@ class RclpyEndpoints:
     async def close(self) -> None:
         """End all endpoints. Idempotent."""
         self._is_closing = True
-        if self._polling is not None:
-            self._polling.cancel()
-            with contextlib.suppress(asyncio.CancelledError):
-                await self._polling
+        await cancel_all(self._checking, *((self._polling,) if self._polling is not None else ()))
         await asyncio.gather(
             *(each.close() for each in list(self._servers.values())),
             *(each.close() for each in list(self._subscribers)),
@@ -155,6 +156,20 @@ class RclpyEndpoints:
             for subscriber in list(self._subscribers):
                 if subscriber.needs_polling:
                     await self._own.thread.run(subscriber.adapt)
+
+    async def _check_types(self) -> None:
+        conflicts = TypeConflicts(self._own)
+        while True:
+            await asyncio.sleep(CHECK_INTERVAL_S)
+            used = {
+                EndpointKind.PUBLISHER: {
+                    (each.topic, each.support.name) for each in self._publications.values()
+                },
+                EndpointKind.SUBSCRIPTION: {
+                    (each.topic, each.type_name) for each in self._subscribers if each.type_name
+                },
+            }
+            await self._own.thread.run(partial(conflicts.report, used))
 
     async def _end_publication(self, publication: RclpyPublication) -> None:
         async with self._lock:

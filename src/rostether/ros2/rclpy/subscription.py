@@ -92,6 +92,11 @@ class RclpySubscriber:
         return int(self._own.node.count_publishers(self.topic) if count is None else count())
 
     @property
+    def type_name(self) -> str:
+        """The type of the topic; empty while it is unknown."""
+        return "" if self._support is None else self._support.name
+
+    @property
     def needs_polling(self) -> bool:
         """Whether only polling finds new publishers."""
         return self._subscription is None or not self._reports_matches

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from rostether.graph.ports import Level, Report
+from rostether.ros2.endpoint_info import EndpointKind, different_type_text
 from rostether.ros2.naming import dds_name, type_of_dds_name
 from rostether.ros2.types.type_support import MessageSupport
 from rostether.ros2.zenoh.tokens import Token, TokenKind
@@ -31,16 +32,14 @@ class Mismatches:
         return token.type == self._type_name and token.type_hash == self._support.type_hash
 
     def _explain(self, token: Token) -> str:
-        verb = "publishes" if token.kind is TokenKind.PUBLISHER else "subscribes to"
-        node = token.node_name[:200]
+        is_publisher = token.kind is TokenKind.PUBLISHER
         if token.type != self._type_name:
+            kind = EndpointKind.PUBLISHER if is_publisher else EndpointKind.SUBSCRIPTION
             other = type_of_dds_name(token.type) or token.type
-            return (
-                f"{node} {verb} {self._topic} as {other:.200}, but this node uses {self._support.name},"
-                " so they do not connect; make both use the same type"
-            )
+            return different_type_text(token.node_name, kind, self._topic, other, self._support.name)
+        verb = "publishes" if is_publisher else "subscribes to"
         return (
-            f"{node} {verb} {self._topic} with another definition of {self._support.name} "
+            f"{token.node_name:.200} {verb} {self._topic} with another definition of {self._support.name} "
             f"({token.type_hash:.80}, not {self._support.type_hash}), so they do not connect; set ROS_DISTRO "
             "to its distribution, or give its definition with --msg-path"
         )
