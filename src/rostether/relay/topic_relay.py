@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import asyncio
-import struct
 from collections.abc import Container, Mapping, Sequence
 
 from rostether.graph.ports import Publisher, Subscriber
+from rostether.graph.static_transforms import TRANSFORM_TYPES, StaticTransforms
 from rostether.msgdef.interface import ANY_MESSAGE, MessageType
 from rostether.relay.side import RelaySide
 
@@ -23,15 +23,6 @@ SETTLE_S = 0.2
 
 # How often connected subscribers are counted; the port does not report them.
 _COUNT_INTERVAL_S = 0.01
-
-# A robot has a few hundred transforms; a publisher that invents names must not fill memory.
-MAX_FRAMES = 10_000
-
-_TRANSFORM_TYPES = frozenset({"tf2_msgs/TFMessage", "tf/tfMessage"})
-_COUNT = struct.Struct("<I")
-# The sizes of the fields of geometry_msgs/TransformStamped before its two strings, and after them.
-_BEFORE_BYTES = 12
-_AFTER_BYTES = 56
 
 
 class TopicRelay:
@@ -114,7 +105,7 @@ class TopicRelay:
         elif self._is_latched or not is_latched:
             return
         self._type, self._is_latched = found, is_latched
-        self._transforms = StaticTransforms() if is_latched and found.name in _TRANSFORM_TYPES else None
+        self._transforms = StaticTransforms() if is_latched and found.name in TRANSFORM_TYPES else None
         self._is_ready = False
         self._type_changed.set()
 
@@ -160,46 +151,3 @@ class TopicRelay:
             self._pausing = None
             if subscriber is not None and self._is_ready:
                 subscriber.resume()
-
-
-class StaticTransforms:
-    """All transforms of a topic so far, the latest one for each child frame.
-
-    A latched topic keeps the last message of each publisher, so that a later subscriber receives all
-    transforms. A relay is one publisher, so its last message must have all transforms.
-    """
-
-    def __init__(self) -> None:
-        self._transforms: dict[bytes, bytes] = {}
-
-    def merge(self, payload: bytes) -> bytes:
-        """Return the message with all transforms, unchanged if it has another layout or too many frames."""
-        try:
-            found = _read(payload)
-        except struct.error:
-            return payload
-        if len(self._transforms | found) > MAX_FRAMES:
-            return payload
-        self._transforms |= found
-        return _COUNT.pack(len(self._transforms)) + b"".join(self._transforms.values())
-
-
-def _read(payload: bytes) -> dict[bytes, bytes]:
-    """Return the transforms by child frame. Raises struct.error."""
-    (count,) = _COUNT.unpack_from(payload)
-    position, found = _COUNT.size, {}
-    for _ in range(count):
-        start = position
-        _, position = _text(payload, start + _BEFORE_BYTES)
-        child, position = _text(payload, position)
-        position += _AFTER_BYTES
-        if position > len(payload):
-            raise struct.error("the message is too short")
-        found[child] = payload[start:position]
-    return found
-
-
-def _text(payload: bytes, position: int) -> tuple[bytes, int]:
-    (length,) = _COUNT.unpack_from(payload, position)
-    start = position + _COUNT.size
-    return payload[start : start + length], start + length

@@ -12,6 +12,7 @@ from rostether.bridge.reporter import Notices
 from rostether.bridge.settings import BridgeSettings
 from rostether.errors import DefinitionError, InvalidNameError, TypeMismatchError
 from rostether.graph.ports import Graph, Level, Publisher
+from rostether.graph.static_transforms import STATIC_TOPIC, TRANSFORM_TYPES, StaticTransforms
 from rostether.msgdef.interface import MessageType
 from rostether.rosserial.frame import SYNC
 from rostether.rosserial.packets import TopicInfo
@@ -56,6 +57,11 @@ class PublisherEndpoint:
         self._settings = settings
         self._admit = admit
         self._has_header = has_header
+        # As every static broadcaster, the board latches its transforms: in ROS 2, tf2 requires it.
+        is_static = message_type.name in TRANSFORM_TYPES and graph.resolve(info.topic_name).endswith(
+            STATIC_TOPIC
+        )
+        self._static_transforms = StaticTransforms() if is_static else None
         self._sequence = 0
         self._line: BoardLine | None = None
         self._publisher: Publisher | None = None
@@ -96,7 +102,10 @@ class PublisherEndpoint:
         self._is_decided.clear()
         try:
             publisher = await self._graph.advertise(
-                self.info.topic_name, self._type, queue_bytes=self._settings.subscriber_bytes
+                self.info.topic_name,
+                self._type,
+                latch=self._static_transforms is not None,
+                queue_bytes=self._settings.subscriber_bytes,
             )
         except (DefinitionError, InvalidNameError, TypeMismatchError):
             self._is_decided.set()
@@ -133,6 +142,8 @@ class PublisherEndpoint:
     def _publish(self, publisher: Publisher, payloads: list[bytes]) -> None:
         if self._has_header:
             payloads = self._count(payloads)
+        elif self._static_transforms is not None:
+            payloads = [self._static_transforms.merge(each) for each in payloads]
         if not publisher.publish_raw(payloads) and self._line is not None:
             self._line.pause_until(partial(self._pause, publisher))
 

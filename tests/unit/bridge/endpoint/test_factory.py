@@ -72,3 +72,21 @@ async def test_the_empty_response_has_the_responses_layout() -> None:
     line.receivers[110]([b"\0\0\0\0"])
     await until(lambda: line.transport.written, "the empty response")
     assert line.transport.written == b"111:\0\0\0\0;"
+
+
+@pytest.mark.parametrize("type_name", ["tf2_msgs/TFMessage", "tf/tfMessage"])
+async def test_static_transforms_are_latched_and_later_subscribers_receive_all(type_name: str) -> None:
+    world = await World().open()
+    line = FakeLine()
+    endpoint = EndpointFactory(world.board, STORE, world.notices, DEFAULT_SETTINGS).topic(
+        TopicAnnounced(TopicRole.PUBLISHER, topic_info("tf_static", type_name))
+    )
+    endpoint.attach(line, endpoint.info)
+    await endpoint.open()
+    codec = STORE.codec(type_name)
+    for frame in ("lidar", "camera"):
+        line.receivers[125]([codec.encode({"transforms": [{"child_frame_id": frame}]})])
+    received = await world.listen("/tf_static", type_name)
+    await until(lambda: received, "the latched message")
+    frames = [each.child_frame_id for each in codec.decode(received[0]).transforms]
+    assert frames == ["lidar", "camera"]
