@@ -117,7 +117,7 @@ def _add_rates(facts: Mapping[str, Any], reader: RecordingReader) -> None:
 
 
 class _Periods:
-    """The times between messages of a topic, in s: all, or an even selection of at most MAX_PERIODS."""
+    """The times between messages of a topic, in s: all, or at most MAX_PERIODS of them, evenly spaced."""
 
     def __init__(self) -> None:
         self.kept = array("d")

@@ -47,7 +47,7 @@ class RclpyGraph(Ros2Membership):
         """Advertise a topic. `queue_bytes` has no effect: the middleware's queues are limited in messages.
 
         Raises UnknownTypeError for a type whose package is not installed, TypeMismatchError if this process
-        uses the topic with another type.
+        uses the topic with another type, InvalidNameError.
         """
         self._check_open()
         return await self._endpoints.advertise(self.resolve(topic), message_type, latch=latch)
@@ -61,7 +61,7 @@ class RclpyGraph(Ros2Membership):
     ) -> RclpySubscriber:
         """Subscribe.
 
-        `ANY_MESSAGE` uses the type of the first publisher. Raises UnknownTypeError, TypeMismatchError like
+        `ANY_MESSAGE` uses the type of the first publisher. Raises the same errors as
         `advertise`.
         """
         self._check_open()
