@@ -94,7 +94,7 @@ def _swap(fresh: Path, target: Path, scratch: Path) -> None:
             with contextlib.suppress(FileNotFoundError):
                 target.rename(before)
             fresh.rename(target)
-        # Restores the old library also if Ctrl-C interrupts between the two renames.
+        # Restores the old library even if Ctrl-C interrupts between the two renames.
         except BaseException as error:
             if before.exists() and not target.exists():
                 before.rename(target)

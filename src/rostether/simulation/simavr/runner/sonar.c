@@ -4,7 +4,7 @@
  * obstacle and back. It sends no echo if the obstacle is nearer than 2 cm, farther than 4 m, or missing.
  *
  * The speed of sound is 342 m/s here, as in air of 18 degrees. Sketches that calculate with 343 m/s (58.3 us a
- * centimeter) are then accurate to a centimeter up to 3.4 m, with micros() and also with pulseIn(). pulseIn() loses half
+ * centimeter) are then accurate to a centimeter up to 3.4 m, with micros() and with pulseIn(). pulseIn() loses half
  * a percent to the timer's interrupts, as on a real board.
  */
 #include "board.h"
