@@ -14,7 +14,13 @@ from msgspec.structs import replace
 from rostether.device.endpoints import Endpoints
 from rostether.device.line import DeviceLine
 from rostether.device.parameters import DeviceParam, ParameterRequests
-from rostether.errors import ConfigError, TransportError, TransportTimeoutError, UnknownNameError
+from rostether.errors import (
+    ConfigError,
+    TransportClosedError,
+    TransportError,
+    TransportTimeoutError,
+    UnknownNameError,
+)
 from rostether.graph.ports import Level
 from rostether.mechanisms.backoff import Backoff
 from rostether.mechanisms.block_end import BlockClosable
@@ -54,6 +60,7 @@ _GREETING_PERIOD_S = 1.0
 # A running host requests the topics within a second.
 NO_HOST_WARNING_S = 5.0
 _NO_CAUSE = "; start one: rostether serve"
+_CLOSED = "the device was closed"
 
 _LOG = logging.getLogger(__name__)
 
@@ -100,11 +107,13 @@ class Device(Endpoints, BlockClosable):
         # Why no host is connected, as the end of a sentence.
         self._cause = _NO_CAUSE
         self._keeper: asyncio.Task[None] | None = None
+        self._is_closed = False
 
     async def __aenter__(self) -> Self:
         """Open the line; if that fails, retry in the background. Raises ConfigError."""
         # After this, topics of any type can be added without a search of folders.
         await definitions_searched(self._store.registry)
+        self._is_closed = False
         for stream in self._streams:
             stream.begin()
         transport = await self._open()
@@ -114,12 +123,17 @@ class Device(Endpoints, BlockClosable):
         return self
 
     async def close(self) -> None:
-        """Close the line, fail all pending requests, and end the loops over messages. Idempotent."""
+        """Close the line, fail all pending requests, and end waits for a host and loops over messages.
+
+        Idempotent.
+        """
         if self._keeper is not None:
             await cancel_all(self._keeper)
         transport = self._line.transport
         self._line.detach()
-        self._fail_requests("the device was closed")
+        self._is_closed = True
+        self._configured.set()
+        self._fail_requests(_CLOSED)
         for server in self._servers:
             server.close()
         for stream in self._streams:
@@ -133,13 +147,18 @@ class Device(Endpoints, BlockClosable):
         return self._line.transport is not None and self._link.is_configured
 
     async def wait_connected(self, timeout_s: float | None = None) -> None:
-        """Wait until a host is connected; a long wait is logged. Raises TransportTimeoutError."""
+        """Wait until a host is connected; a long wait is logged.
+
+        Raises TransportTimeoutError, and TransportClosedError if the device is closed.
+        """
         if self.connected:
             return
         warning = asyncio.get_running_loop().call_later(NO_HOST_WARNING_S, self._warn_of_no_host)
         try:
             async with asyncio.timeout(timeout_s):
                 while not self.connected:
+                    if self._is_closed:
+                        raise TransportClosedError(_CLOSED)
                     self._configured.clear()
                     await self._configured.wait()
         except TimeoutError:
@@ -172,6 +191,8 @@ class Device(Endpoints, BlockClosable):
             return default
         except TransportTimeoutError:
             raise
+        except TransportClosedError as error:
+            raise TransportTimeoutError(f"parameter {name}: {error}") from None
         except TimeoutError:
             raise TransportTimeoutError(
                 f"no host answered for parameter {name} within {timeout_s:g} s; check the line"

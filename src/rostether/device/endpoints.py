@@ -36,7 +36,7 @@ class Endpoints(LogMethods):
 
     @abstractmethod
     async def wait_connected(self, timeout_s: float | None = None) -> None:
-        """Wait until a host is connected. Raises TransportTimeoutError."""
+        """Wait until a host is connected. Raises TransportTimeoutError, TransportClosedError."""
 
     @abstractmethod
     def now(self) -> Time:

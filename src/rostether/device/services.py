@@ -14,7 +14,12 @@ from typing import Any, Generic, TypeAlias, cast
 
 from rostether.device.endpoint_handles import Declared, Fields
 from rostether.device.line import DeviceLine
-from rostether.errors import RostetherError, ServiceTimeoutError, ServiceUnavailableError
+from rostether.errors import (
+    RostetherError,
+    ServiceTimeoutError,
+    ServiceUnavailableError,
+    TransportClosedError,
+)
 from rostether.rosserial.device_endpoints import ServiceIds
 from rostether.serde.codec import Codec
 from rostether.serde.type_classes import Request, Response
@@ -117,6 +122,8 @@ class ServiceClient(Declared, Generic[Response]):
             async with asyncio.timeout(timeout_s), self._lock:
                 await self._wait_connected()
                 response = await self._exchange(payload)
+        except TransportClosedError as error:
+            raise ServiceUnavailableError(f"service {self.service}: {error}") from None
         except TimeoutError:
             raise ServiceTimeoutError(
                 f"service {self.service} did not answer within {timeout_s:g} s; check that its node runs"

@@ -33,8 +33,9 @@ Handler: TypeAlias = Callable[[Message], ResponseLike[Message]]
 class TypedGraph(LogMethods):
     """A node in a ROS graph. Messages are values; `raw` sends and receives them as bytes.
 
-    With `reports_silence`, a loop over a topic without publishers is logged. Every method that asks the graph
-    raises GraphError if the graph cannot be reached or refuses.
+    With `reports_silence`, a loop over a topic without publishers is logged. Every method that takes a name
+    raises InvalidNameError if the name is invalid. Every method that asks the graph raises GraphError if the
+    graph cannot be reached or refuses.
     """
 
     def __init__(self, graph: Graph, store: TypeStore, *, reports_silence: bool = False) -> None:

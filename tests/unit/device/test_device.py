@@ -17,6 +17,7 @@ from rostether.errors import (
     SerializationError,
     ServiceTimeoutError,
     ServiceUnavailableError,
+    TransportClosedError,
     TransportTimeoutError,
     UnknownNameError,
     UnknownTypeError,
@@ -484,6 +485,23 @@ async def test_an_async_callback_is_refused(pair: tuple[Device, Any]) -> None:
 
     with pytest.raises(TypeError, match="write a plain function"):
         pair[0].subscriber("chatter", "std_msgs/String", hear)
+
+
+async def test_a_closed_device_ends_the_waits_for_a_host(pair: tuple[Device, Any]) -> None:
+    device, _ = pair
+    client = device.service_client("lookup", "rosserial_arduino/Test")
+    async with device:
+        connected = asyncio.ensure_future(device.wait_connected())
+        call = asyncio.ensure_future(client.call(input="a", timeout_s=60))
+        param = asyncio.ensure_future(device.get_param("~rate", timeout_s=60))
+        await asyncio.sleep(0)
+        await asyncio.sleep(0)
+    with pytest.raises(TransportClosedError, match="the device was closed"):
+        await connected
+    with pytest.raises(ServiceUnavailableError, match="service lookup: the device was closed"):
+        await call
+    with pytest.raises(TransportTimeoutError, match="parameter ~rate: the device was closed"):
+        await param
 
 
 async def test_a_closed_device_fails_pending_calls(pair: tuple[Device, Any]) -> None:
