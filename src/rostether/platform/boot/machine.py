@@ -11,6 +11,13 @@ from enum import Enum
 from msgspec import Struct, field
 
 
+# Robots must reach the master of their base station, and phones its dashboard.
+_REACHABLE = (
+    "# With --listen 0.0.0.0, other machines can use the master and the dashboard. To limit this, add",
+    "# --allow 192.168.1.0/24 to both, or --token SECRET to the dashboard.",
+)
+
+
 class MachineKind(Enum):
     """The purpose of a machine."""
 
@@ -46,7 +53,7 @@ class Machine(Struct, frozen=True):
             lines.append(f"address = {_quoted(self.address)}")
         if self.interface:
             lines.append(f"interface = {_quoted(self.interface)}")
-        lines += ["", "[parts]"]
+        lines += ["", *(() if self.kind is MachineKind.ROBOT else _REACHABLE), "[parts]"]
         lines += [f"{_toml_key(name)} = {_quoted(words)}" for name, words in self._all_parts().items()]
         return "\n".join(lines) + "\n"
 

@@ -80,6 +80,7 @@ def test_the_file_of_a_machine_can_be_read(kind: MachineKind) -> None:
     names = [part.name for part in robot.parts]
     assert ("core" in names) == (kind is not MachineKind.ROBOT)
     assert (Part("boards", ("serve", "sim:my sketch")) in robot.parts) == (kind is not MachineKind.BASE)
+    assert ("# --allow 192.168.1.0/24 to both" in machine.text) == ("--listen 0.0.0.0" in machine.text)
     assert names[-1] == "two words"
     assert robot.environment.get("ROS_MASTER_URI") == (
         "http://base:11311" if kind is MachineKind.ROBOT else None
