@@ -10,7 +10,6 @@ from enum import Enum
 
 from msgspec import Struct, field
 
-
 # Robots must reach the master of their base station, and phones its dashboard.
 _REACHABLE = (
     "# With --listen 0.0.0.0, other machines can use the master and the dashboard. To limit this, add",
