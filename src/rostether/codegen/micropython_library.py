@@ -44,7 +44,8 @@ def render_micropython_library(
 ) -> RenderedLibrary:
     """Return the library with all types; or, if given, with those of a program and those of packages.
 
-    Raises ConfigError if the program cannot be read, UnknownTypeError for an unknown package.
+    Raises ConfigError if the program cannot be read, UnknownTypeError for an unknown package, CodegenError if
+    the hand-written library is missing.
     """
     index = TypeIndex(registry)
     wanted = _wanted(index, for_program, packages)

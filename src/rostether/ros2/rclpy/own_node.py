@@ -102,13 +102,19 @@ class OwnNode:
     def create_for_topic(
         self, what: str, topic: str, type_name: str, function: Callable[[], _Result]
     ) -> _Result:
-        """Create an endpoint of a topic in the executor's thread. Raises GraphError and its subclasses."""
+        """Create an endpoint of a topic in the executor's thread.
+
+        Raises GraphError and its subclasses, InvalidNameError.
+        """
         return self._create(what, type_name, function, lambda: self.topic_types(topic))
 
     def create_for_service(
         self, what: str, service: str, type_name: str, function: Callable[[], _Result]
     ) -> _Result:
-        """Create an endpoint of a service in the executor's thread. Raises GraphError and its subclasses."""
+        """Create an endpoint of a service in the executor's thread.
+
+        Raises GraphError and its subclasses, InvalidNameError.
+        """
         return self._create(what, type_name, function, lambda: self.service_types(service))
 
     def topic_types(self, topic: str) -> list[str]:

@@ -40,7 +40,10 @@ class RclpyParameters(OwnParameters):
         return sorted(name for name in names if self.get(name) != NOT_SET)
 
     def declare(self, name: str) -> None:
-        """Declare a requested parameter that is not set, so that `ros2 param list` shows it."""
+        """Declare a requested parameter that is not set, so that `ros2 param list` shows it.
+
+        Raises InvalidNameError, GraphError.
+        """
         is_known = name in self._asked or self._node.has_parameter(name)
         if not name or len(name) > MAX_NAME_CHARACTERS or len(self._asked) >= MAX_ASKED_NAMES or is_known:
             return
@@ -54,7 +57,7 @@ class RclpyParameters(OwnParameters):
         attempt(f"declare the parameter {name}", declare)
 
     def apply(self, values: Mapping[str, TypedValue]) -> None:
-        """Set all the values, or none; `NOT_SET` deletes. Raises GraphError with the reason."""
+        """Set all the values, or none; `NOT_SET` deletes. Raises GraphError with the reason, InvalidNameError."""
         parameters = [_parameter(name, value) for name, value in values.items()]
         result = attempt("set parameters", lambda: self._node.set_parameters_atomically(parameters))
         if not result.successful:

@@ -197,7 +197,7 @@ class Transformer:
 
 
 class TransformerROS(Transformer):
-    """A transformer that also transforms stamped messages."""
+    """A transformer that also transforms stamped messages, with the errors of `lookupTransform`."""
 
     def asMatrix(self, target_frame: str, hdr: Any) -> Any:
         """Return the transform from a header's frame as a matrix."""
