@@ -81,8 +81,8 @@ def render_library(
     """Return the library with all types; or, if given, with those of a sketch and those of packages.
 
     `search` are more folders with headers of the sketch. The same definitions give the same bytes.
-    Raises ConfigError if there is no such sketch, UnknownTypeError for an unknown package, CodegenError if the
-    hand-written library is missing.
+    Raises ConfigError if there is no such sketch, UnknownTypeError for an unknown package, CodegenError if
+    the hand-written library is missing.
     """
     source = client_library()
     index = TypeIndex(registry)

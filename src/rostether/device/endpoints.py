@@ -23,7 +23,11 @@ M = TypeVar("M", bound=Message)
 
 
 class Endpoints(LogMethods):
-    """Declares a device's topics and services on its link, before or after the line opens."""
+    """Declares a device's topics and services on its link, before or after the line opens.
+
+    Every method that takes a type raises DefinitionError if its definition is invalid, and the subclass
+    UnknownTypeError if there is none.
+    """
 
     def __init__(self, store: TypeStore, link: DeviceLink, line: DeviceLine) -> None:
         self._store = store

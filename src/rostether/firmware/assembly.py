@@ -64,7 +64,7 @@ class Assembly:
         self._core = list(toolchain.core_folders(board))
 
     async def assemble(self, given: Sequence[Path], *, warnings: bool) -> Assembled:
-        """Compile and link. `given` are the user's libraries. Raises SketchError."""
+        """Compile and link. `given` are the user's libraries. Raises the errors of `build_sketch`."""
         roots = self._library_roots(given)
         choice = LibraryChoice(self._libraries(roots, len(given)), self._ros)
         try:

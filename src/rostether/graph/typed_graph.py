@@ -35,7 +35,8 @@ class TypedGraph(LogMethods):
 
     With `reports_silence`, a loop over a topic without publishers is logged. Every method that takes a name
     raises InvalidNameError if the name is invalid. Every method that asks the graph raises GraphError if the
-    graph cannot be reached or refuses.
+    graph cannot be reached or refuses. Every method that takes a type raises DefinitionError if its
+    definition is invalid, and the subclass UnknownTypeError if there is none.
     """
 
     def __init__(self, graph: Graph, store: TypeStore, *, reports_silence: bool = False) -> None:

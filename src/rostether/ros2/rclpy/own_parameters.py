@@ -57,7 +57,10 @@ class RclpyParameters(OwnParameters):
         attempt(f"declare the parameter {name}", declare)
 
     def apply(self, values: Mapping[str, TypedValue]) -> None:
-        """Set all the values, or none; `NOT_SET` deletes. Raises GraphError with the reason, InvalidNameError."""
+        """Set all the values, or none; `NOT_SET` deletes.
+
+        Raises GraphError with the reason, InvalidNameError.
+        """
         parameters = [_parameter(name, value) for name, value in values.items()]
         result = attempt("set parameters", lambda: self._node.set_parameters_atomically(parameters))
         if not result.successful:

@@ -33,7 +33,8 @@ PERIOD_S = 0.1
 class NodeBoard(Protocol):
     """A board as the node uses it. Its methods raise BoardError.
 
-    `commands` may come from every node on the graph; others read memory, open connections or end the board.
+    `commands` are those that every node on the graph may send; its other commands read memory, open
+    connections or end the board.
     """
 
     kind: str
