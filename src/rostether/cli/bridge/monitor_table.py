@@ -71,7 +71,7 @@ def table(boards: Sequence[BoardStatus], width: int, height: int | None = None) 
     Args:
         boards: The boards, in any order.
         width: The width of the terminal in characters.
-        height: The highest number of lines, None without a limit.
+        height: The maximum number of lines, None without a limit.
     """
     width = max(width, _MIN_WIDTH)
     boards = sorted(boards, key=lambda board: _natural(board.name))

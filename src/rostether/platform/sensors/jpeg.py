@@ -1,4 +1,7 @@
-"""JPEG pictures: rotation, scaling, encoding, and a test picture, with Pillow (extra `camera`)."""
+"""JPEG pictures: rotation, scaling, encoding, and a test picture, with Pillow (extra `camera`).
+
+The functions raise ConfigError if Pillow is needed and not installed.
+"""
 
 from __future__ import annotations
 
