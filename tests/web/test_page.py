@@ -219,6 +219,25 @@ async def test_every_panel_opens_without_an_error(robot: Robot, browser: Browser
     assert (await browser.do("seen", page=page))["errors"] == []
 
 
+async def test_the_skip_link_stays_in_the_panel(robot: Robot, browser: Browser) -> None:
+    page = await browser.do("open", url=f"{robot.url}#/topics")
+    await browser.wait_for(page, "document.querySelector('tr[data-topic]') !== null")
+    await browser.do("evaluate", page=page, script="document.querySelector('.skip').click()")
+    await browser.wait_for(page, "document.activeElement.id === 'content'")
+    await browser.wait_for(page, "location.hash === '#/topics'")
+
+
+async def test_a_long_name_of_a_node_does_not_cover_its_log(robot: Robot, browser: Browser) -> None:
+    page = await browser.do("open", url=f"{robot.url}#/console")
+    node = "document.querySelector('.log-node')"
+    await browser.wait_for(page, f"{node} !== null")
+    name = "a_node_with_a_name_that_is_much_wider_than_its_column"
+    # The new name may be replaced by the page's own text when a line arrives.
+    await browser.wait_for(
+        page, f"({node}.textContent = {name!r}) && {node}.scrollWidth <= {node}.clientWidth"
+    )
+
+
 async def test_a_phone_shows_everything_in_one_column(robot: Robot, browser: Browser) -> None:
     page = await browser.do("open", url=robot.url, width=360, height=740, touch=True)
     await browser.wait_for(page, "document.querySelectorAll('.card').length > 2")

@@ -29,9 +29,10 @@ export function App({ robot }: { robot: Robot }) {
   });
   return (
     <div class="app">
-      <a class="skip" href="#content">
+      {/* Not a link: its address would replace that of the panel. */}
+      <button type="button" class="skip" onClick={() => document.getElementById("content")?.focus()}>
         {texts.shell.skip}
-      </a>
+      </button>
       <Header robot={robot} />
       <Navigation groups={useful.value} active={panel?.id ?? ""} />
       <main id="content" tabIndex={-1} class={panel?.fillsPage ? "content fills" : "content"}>
