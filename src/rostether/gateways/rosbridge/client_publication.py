@@ -7,6 +7,9 @@ import asyncio
 from rostether.gateways.new_topic import DRAIN_S, wait_for_subscribers
 from rostether.graph.ports import Graph, Publisher
 
+# The limit of stored ids of one topic; above it, the oldest is forgotten. Pages may advertise each message.
+MAX_IDS = 100
+
 # The limit of messages that wait for subscribers; above it, they are published immediately.
 MAX_FIRST_BYTES = 4 << 20
 
@@ -22,9 +25,23 @@ class ClientPublication:
         self.type = publisher.type
         self.is_latching = is_latching
         self._publisher = publisher
+        self._ids: dict[object, None] = {}
         self._first: list[bytes] | None = []
         self._first_bytes = 0
         self._opening = asyncio.ensure_future(self._open(graph))
+
+    def add_id(self, request_id: object) -> None:
+        """Add the id of an `advertise`: each object of a page advertises and unadvertises on its own."""
+        self._ids[request_id] = None
+        if len(self._ids) > MAX_IDS:
+            del self._ids[next(iter(self._ids))]
+
+    def remove_id(self, request_id: object) -> bool:
+        """Remove an id, or all of them for None; return whether any is left."""
+        if request_id is None:
+            self._ids.clear()
+        self._ids.pop(request_id, None)
+        return bool(self._ids)
 
     async def publish(self, payload: bytes) -> None:
         """Publish; if a subscriber is slow, wait for it, but at most `DRAIN_S`."""

@@ -37,17 +37,22 @@ class ClientTopics:
         message_type = self._context.store.registry.message_type(short_type(type_name))
         known = self._publications.get(topic)
         latch = request.flag("latch")
-        if known is not None and known.type == message_type and known.is_latching >= latch:
-            return
-        await self._advertise(topic, message_type, latch=latch)
+        if known is None or known.type != message_type or known.is_latching < latch:
+            known = await self._advertise(topic, message_type, latch=latch)
+        known.add_id(request.id)
 
     async def unadvertise(self, request: Request) -> None:
-        """Unadvertise a topic; subscribers stay connected for a while, in case it is advertised again."""
+        """Remove the advertisement with the request's id; without an id, all of the client's for the topic.
+
+        After the last one, subscribers stay connected for a while, in case it is advertised again.
+        """
         topic = request.word("topic")
-        publication = self._publications.pop(topic, None)
+        publication = self._publications.get(topic)
         if publication is None:
             raise UnknownNameError(f"unadvertise: this client does not advertise {topic}; check the name")
-        self._context.linger(publication)
+        if not publication.remove_id(request.id):
+            del self._publications[topic]
+            self._context.linger(publication)
 
     async def publish(self, request: Request) -> None:
         """Publish a message; a topic that was not advertised must exist."""

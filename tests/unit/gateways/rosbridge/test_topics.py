@@ -63,6 +63,32 @@ async def test_a_topic_that_exists_needs_no_advertising(there: World) -> None:
     await messages.aclose()
 
 
+async def test_a_topic_stays_until_each_object_of_a_page_has_unadvertised_it(there: World) -> None:
+    async with there.client() as client:
+        for each in ("a", "b"):
+            await client.say("advertise", topic="/chatter", type=STRING, id=each)
+        for each in ("a", "a"):
+            await client.say("unadvertise", topic="/chatter", id=each)
+        await client.say("publish", topic="/chatter", msg={"data": "by b"})
+        assert await client.settled() == []
+        await client.say("unadvertise", topic="/chatter", id="b")
+        await client.say("unadvertise", topic="/chatter", id="b")
+        assert "does not advertise /chatter" in (await client.receive("status"))["msg"]
+
+
+async def test_a_page_that_advertises_for_each_message_is_bounded(
+    there: World, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(client_publication, "MAX_IDS", 2)
+    async with there.client() as client:
+        for each in ("a", "b", "c"):
+            await client.say("advertise", topic="/chatter", type=STRING, id=each)
+        for each in ("a", "b", "c"):
+            await client.say("unadvertise", topic="/chatter", id=each)
+        await client.say("unadvertise", topic="/chatter", id="a")
+        assert "does not advertise /chatter" in (await client.receive("status"))["msg"]
+
+
 async def test_unsubscribing_ends_it_and_ids_keep_others(there: World) -> None:
     publisher = await there.graph.publisher("/chatter", STRING)
     async with there.client() as client:

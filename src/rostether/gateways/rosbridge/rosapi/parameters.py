@@ -81,8 +81,6 @@ def _read(text: str) -> ParamValue:
         raise SerializationError(
             f'a parameter\'s value must be JSON, a string such as "\\"hello\\"": {error}'
         ) from None
-    if value is None:
-        raise SerializationError("a parameter cannot be null; delete it instead")
     _check(value, 0)
     return value  # type: ignore[no-any-return]
 
@@ -90,6 +88,8 @@ def _read(text: str) -> ParamValue:
 def _check(value: Any, depth: int) -> None:
     if depth > MAX_NESTING:
         raise SerializationError(f"parameters can be nested at most {MAX_NESTING} levels deep")
+    if value is None:
+        raise SerializationError("a parameter cannot be null, or contain null; delete it instead")
     if isinstance(value, dict):
         value = list(value.values())
     if isinstance(value, list):

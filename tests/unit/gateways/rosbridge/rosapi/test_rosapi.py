@@ -264,7 +264,9 @@ async def test_defaults_of_parameters(gateway: MemoryGraph) -> None:
     assert await ask(api, "search_param", name="none") == {"global_name": ""}
 
 
-@pytest.mark.parametrize("value", ["", "plain", "{", "null", "[" * 100_000, "[" * 200 + "]" * 200])
+@pytest.mark.parametrize(
+    "value", ["", "plain", "{", "null", '[1, {"a": null}]', "[" * 100_000, "[" * 200 + "]" * 200]
+)
 async def test_a_value_that_is_not_json_is_reported(gateway: MemoryGraph, value: str) -> None:
     with pytest.raises(SerializationError) as error:
         await ask(api_of(gateway), "set_param", name="/x", value=value)
