@@ -114,9 +114,9 @@ def single_header(headers: Headers, name: str) -> str | None:
     return values[0] if len(values) == 1 else "null"
 
 
-def _explain_foreign_host(host: str) -> str:
+def _explain_foreign_host(host: str, remedy: str) -> str:
     """Return why a request to another machine's name is refused."""
-    return f"{host!r:.200} is not a name of this machine; use its address, set ROS_HOSTNAME, or use --token"
+    return f"{host!r:.200} is not a name of this machine; use its address, set ROS_HOSTNAME, or use {remedy}"
 
 
 def _is_presented(token: Token, path: str, headers: Headers) -> bool:
@@ -146,6 +146,7 @@ class AccessRules:
         self._view_token = Token(settings.view_token)
         self._pages = PageRule(settings.origins, own_names, protocol.viewer_site)
         self._own_pages = PageRule(settings.origins, own_names)
+        self._scheme = "https" if settings.certificate else "http"
         self._path = protocol.path.strip("/")
         self._wants_token_first = protocol.wants_token_first
 
@@ -177,7 +178,7 @@ class AccessRules:
         has_token = self.has_token(path, headers) or self._has_view_token(path, headers)
         if not pages.admits(origin, host) and not (has_token and _is_of_program(origin)):
             if origin is None:
-                return HTTPStatus.FORBIDDEN, _explain_foreign_host(host)
+                return HTTPStatus.FORBIDDEN, _explain_foreign_host(host, "--token")
             reason = f"pages of {origin:.200} may not connect; allow them with --origin {origin:.200}"
             return HTTPStatus.FORBIDDEN, reason
         if self.token.is_required and self._wants_token_first and not has_token:
@@ -193,7 +194,9 @@ class AccessRules:
         Files are not secret, so they need no token: the page sends it when it connects.
         """
         host = single_header(headers, "Host") or ""
-        return None if self._pages.admits_host(host) else _explain_foreign_host(host)
+        if self._pages.admits_host(host):
+            return None
+        return _explain_foreign_host(host, f"--origin {self._scheme}://{host:.200}")
 
     def download_refusal(self, path: str, headers: Headers) -> str | None:
         """Return why a request for a recording is refused, None if it is admitted.

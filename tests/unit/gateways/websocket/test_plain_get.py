@@ -81,6 +81,11 @@ async def test_what_is_not_a_file_is_answered_briefly(request_bytes: bytes, stat
 
 
 async def test_pages_that_may_connect_may_be_asked_for() -> None:
+    async with stage(replace(FREE, token="secret"), site=SITE) as there:
+        # The token does not help here.
+        assert b"or use --origin http://panel.example:8765" in await asked(
+            there, get("/?token=secret", host="panel.example:8765")
+        )
     settings = replace(FREE, origins=("https://panel.example",))
     async with stage(settings, site=SITE) as there:
         assert b" 200 OK" in await asked(there, get("/", host="panel.example"))
