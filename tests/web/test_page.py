@@ -127,9 +127,21 @@ async def test_the_picker_of_plots_searches_at_once(robot: Robot, browser: Brows
     await browser.do("fill", page=page, selector=":focus", text="count")
     choices = "[...document.querySelectorAll('.plots-path')].map((each) => each.innerText)"
     await browser.wait_for(page, f"{choices}.join() === '/count.data'")
-    press = "new KeyboardEvent('keydown', { key: 'Escape', bubbles: true })"
-    script = f"void document.activeElement.dispatchEvent({press})"
-    await browser.do("evaluate", page=page, script=script)
+
+    async def press(key: str) -> None:
+        event = f"new KeyboardEvent('keydown', {{ key: '{key}', bubbles: true }})"
+        script = f"void document.activeElement.dispatchEvent({event})"
+        await browser.do("evaluate", page=page, script=script)
+
+    # As for rqt_plot. The list does not have elements of arrays.
+    await browser.do(
+        "fill", page=page, selector=":focus", text="/imu_data/angular_velocity_covariance[4]"
+    )
+    await browser.wait_for(page, f"{choices}.join() === '/imu_data.angular_velocity_covariance[4]'")
+    await press("Enter")
+    legend = "document.querySelector('.plots-legend')?.innerText ?? ''"
+    await browser.wait_for(page, f"({legend}).includes('angular_velocity_covariance[4]')")
+    await press("Escape")
     await browser.wait_for(page, "document.querySelector('.plots-picker') === null")
 
 

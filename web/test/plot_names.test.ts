@@ -1,7 +1,7 @@
 // Names as people type them for rqt_plot.
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { seriesOfName } from "../src/plot/plot_names.ts";
+import { seriesOfName, seriesOfTyped } from "../src/plot/plot_names.ts";
 import { Topic } from "../src/store/topics.ts";
 
 const POINT = "float64 x\nfloat64 y\nfloat64 z";
@@ -11,8 +11,9 @@ const topics = new Map(
     {
       name: "/imu/pose",
       schemaName: "test/Pose",
-      schema: `geometry_msgs/Point at\n===\nMSG: geometry_msgs/Point\n${POINT}`,
+      schema: `geometry_msgs/Point at\n${"=".repeat(80)}\nMSG: geometry_msgs/Point\n${POINT}`,
     },
+    { name: "/scan", schemaName: "test/Scan", schema: "float32[] ranges" },
     { name: "/count", schemaName: "std_msgs/Int16", schema: "int16 data" },
   ].map(({ name, ...schema }, id) => [
     name,
@@ -32,4 +33,15 @@ test("a name waits for its topic", () => {
   assert.equal(seriesOfName("/later/data", topics), undefined);
   assert.equal(seriesOfName("", topics), undefined);
   assert.equal(seriesOfName("/imu", new Map()), undefined);
+});
+
+test("a typed name has slashes or dots, and may name an element of an array", () => {
+  assert.deepEqual(seriesOfTyped(" /imu/pose/at/x", topics), ["/imu/pose.at.x"]);
+  assert.deepEqual(seriesOfTyped("/scan.ranges[3]", topics), ["/scan.ranges[3]"]);
+  assert.deepEqual(seriesOfTyped("/count", topics), ["/count.data"]);
+});
+
+test("a typed name that is no number names nothing", () => {
+  for (const each of ["/imu/w", "/imu/pose/at", "/scan/ranges", "/scan/ranges[", "/later/x", "/", ""])
+    assert.deepEqual(seriesOfTyped(each, topics), []);
 });

@@ -1,6 +1,6 @@
 // Values as rqt_plot names them: `/imu/angular_velocity/x`, `/odom/pose/pose/position/x:y`, `/ultrasound`.
 import type { Topic } from "../store/topics.ts";
-import { numericPaths } from "../wire/path.ts";
+import { numericPaths, pathReader } from "../wire/path.ts";
 
 const MAX_FIELDS = 8;
 
@@ -23,6 +23,22 @@ export function seriesOfName(name: string, topics: ReadonlyMap<string, Topic>): 
     return [path, ...others.map((each) => start + each)].map((each) => `${topic.name}.${each}`);
   }
   return undefined;
+}
+
+/** The series of a typed name, also with dots, such as `/scan.ranges[3]`; empty unless its topic has these numbers. */
+export function seriesOfTyped(text: string, topics: ReadonlyMap<string, Topic>): string[] {
+  const series = seriesOfName(text.trim().replaceAll(".", "/"), topics) ?? [];
+  return series.every((each) => isNumber(each, topics)) ? series : [];
+}
+
+function isNumber(series: string, topics: ReadonlyMap<string, Topic>): boolean {
+  const end = series.indexOf(".");
+  try {
+    pathReader(topics.get(series.slice(0, end))!.type(), series.slice(end + 1));
+    return true;
+  } catch {
+    return false;
+  }
 }
 
 function numbersOf(topic: Topic): string[] {

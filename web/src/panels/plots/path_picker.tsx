@@ -1,6 +1,7 @@
 // The list of all numbers on the graph, to choose from.
 import { useComputed, useSignal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
+import { seriesOfTyped } from "../../plot/plot_names.ts";
 import { compareNames } from "../../shell/format.ts";
 import { Icon } from "../../shell/icons.tsx";
 import { EmptyState, IconButton, SearchField } from "../../shell/parts.tsx";
@@ -38,8 +39,10 @@ export function PathPicker({ context, chosen, onToggle, onClose }: Props) {
     }
     return found;
   }).value;
-  const words = search.value.toLowerCase().split(/\s+/).filter(Boolean);
-  const shown = ids.filter((id) => words.every((word) => id.toLowerCase().includes(word)));
+  const words = withSlashes(search.value).split(/\s+/).filter(Boolean);
+  const found = ids.filter((id) => words.every((word) => withSlashes(id).includes(word)));
+  const typed = seriesOfTyped(search.value, context.robot.topics.value);
+  const shown = [...new Set([...typed, ...found])];
   return (
     <aside
       class="plots-picker"
@@ -47,6 +50,9 @@ export function PathPicker({ context, chosen, onToggle, onClose }: Props) {
       aria-label={texts.plots.add}
       onKeyDown={(event) => {
         if (event.key === "Escape") onClose();
+        const next = shown.find((id) => !chosen.includes(id));
+        if (event.key === "Enter" && event.target instanceof HTMLInputElement && words.length > 0 && next)
+          onToggle(next);
       }}
     >
       <div class="plots-picker-head">
@@ -79,4 +85,9 @@ export function PathPicker({ context, chosen, onToggle, onClose }: Props) {
       </div>
     </aside>
   );
+}
+
+/** A name for comparison: rqt_plot has slashes where the list has dots. */
+function withSlashes(name: string): string {
+  return name.toLowerCase().replaceAll(".", "/");
 }
