@@ -3,16 +3,20 @@
 from __future__ import annotations
 
 import contextlib
+import struct
 import time
 from pathlib import Path
 from typing import Any
 
 import pytest
+from mcap.records import Chunk, MessageIndex
+from mcap.stream_reader import StreamReader
 from rosbags.highlevel import AnyReader
 from rosbags.typesys import Stores, get_typestore
 
 from rostether.cli.dashboard.view import read_view
 from rostether.msgdef.registry import Registry
+from rostether.recording.checking import check
 from rostether.recording.files import open_recording
 from rostether.serde.store import TypeStore
 from web.browser import TIMEOUT_S, Browser
@@ -43,6 +47,8 @@ async def _check(page: int, browser: Browser, file: Path) -> None:
     await browser.do(
         "download", page=page, selector="[aria-label='Save the shown data as MCAP']", path=str(file)
     )
+    assert check(file, Registry()).faults == ()
+    _check_index(file)
     codec = TypeStore(Registry()).codec("std_msgs/Float64")
     with contextlib.closing(open_recording(file)) as reader:
         messages = list(reader.messages())
@@ -51,3 +57,14 @@ async def _check(page: int, browser: Browser, file: Path) -> None:
     times_s = [message.time_ns / 1e9 for message in messages]
     assert times_s == sorted(times_s)
     assert abs(time.time() - times_s[-1]) < TIMEOUT_S
+
+
+def _check_index(file: Path) -> None:
+    with file.open("rb") as stream:
+        records = list(StreamReader(stream, emit_chunks=True).records)
+    [chunk] = [each for each in records if isinstance(each, Chunk)]
+    [index] = [each for each in records if isinstance(each, MessageIndex)]
+    assert index.records
+    for time_ns, start in index.records:
+        op, channel, log_time_ns = struct.unpack_from("<B8xH4xQ", chunk.data, start)
+        assert (op, channel, log_time_ns) == (5, 1, time_ns)
