@@ -15,7 +15,7 @@ from msgspec import Struct
 
 T = TypeVar("T")
 
-# As many characters as MAX_VALUES allow in long texts.
+# The characters of texts that count as MAX_VALUES values, see _CHARS_PER_VALUE.
 MAX_TEXT_CHARS: Final = 64 << 20
 
 # The values of one document, with aliases expanded; each takes 350 bytes. A color image of 640 x 480 has

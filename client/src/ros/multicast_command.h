@@ -53,7 +53,7 @@ class MulticastCommand {
   typedef void (*Drive)(const M&);
   typedef void (*Halt)();
 
-  // The key stays in program memory. The default key is all zeros: then tags detect damage, but no forgery.
+  // The key stays in program memory. The default key is all zeros: then tags detect damage, but not forgery.
   MulticastCommand(Drive drive, Halt halt, const FleetKey& key = FleetKey::none())
       : drive_(drive), halt_(halt), receiver_(key, KIND) {}
 

@@ -137,7 +137,7 @@ class ServiceClient(Declared, Generic[Response]):
                 self._in_flight.set_result(payload)
 
     def fail(self, reason: str) -> None:
-        """End the call in flight, because the line was lost."""
+        """End the call in flight, because the line was lost or closed."""
         if self._in_flight is not None and not self._in_flight.done():
             self._in_flight.set_exception(ServiceUnavailableError(f"service {self.service}: {reason}"))
 
