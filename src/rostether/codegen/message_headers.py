@@ -1,4 +1,4 @@
-"""Generates the headers of many types; one line per package reports the types that have no header."""
+"""Generates the headers of many types, and reports the types that have no header."""
 
 from __future__ import annotations
 
@@ -21,6 +21,9 @@ from rostether.errors import CodegenError, RostetherError
 from rostether.msgdef.md5sum import message_md5sum
 from rostether.msgdef.resolve_types import dependencies
 from rostether.msgdef.spec import ServiceSpec
+
+# A package that misses another one may fail in each of its types; the first few show the reason.
+MAX_FAILURES_SHOWN = 5
 
 
 class MessageHeaders(Struct):
@@ -54,7 +57,8 @@ def generate_headers(index: TypeIndex, names: Iterable[str], *, own_paths: Itera
         result.texts[include_path(name)] = text
         result.types.append(name)
         result.classes.add(class_name(name.partition("/")[2]))
-    result.skipped.extend(f"skipped {_summary(each)}" for each in failures.values() if each)
+    for failed in failures.values():
+        result.skipped.extend(f"skipped {each}" for each in _first(failed))
     result.warnings.extend(_differing_only_in_case([*own, *result.texts]))
     return result
 
@@ -84,9 +88,11 @@ def _check_place(index: TypeIndex, name: str, own: set[str]) -> None:
             raise CodegenError(f"there is also a message {part}; rename one, because C++ cannot have both")
 
 
-def _summary(failures: list[str]) -> str:
-    more = f" (and {len(failures) - 1} more of this package)" if len(failures) > 1 else ""
-    return failures[0] + more
+def _first(failures: list[str]) -> list[str]:
+    shown = failures[:MAX_FAILURES_SHOWN]
+    if hidden := len(failures) - len(shown):
+        shown[-1] += f" (and {hidden} more of this package)"
+    return shown
 
 
 def _differing_only_in_case(paths: Iterable[str]) -> Iterator[str]:

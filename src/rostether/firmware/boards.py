@@ -35,8 +35,13 @@ _OTHER_PLATFORMS = {
     "unor4minima": "arduino:renesas_uno:minima",
     "due": "arduino:sam:arduino_due_x",
     "esp32": "esp32:esp32:esp32",
+    "esp8266": "esp8266:esp8266:generic",
     "nodemcu": "esp8266:esp8266:nodemcuv2",
     "pico": "rp2040:rp2040:rpipico",
+    "picow": "rp2040:rp2040:rpipicow",
+    "zero": "arduino:samd:arduino_zero_native",
+    "teensy40": "teensy:avr:teensy40",
+    "teensy41": "teensy:avr:teensy41",
 }
 
 # The boards that an error lists: the most common ones, because all 26 do not fit in a line.
@@ -132,7 +137,7 @@ class BoardTable:
             return f"no board {name!r}; did you mean {' or '.join(near)}?"
         return (
             f"no board {name!r}; known: {', '.join([*shown, *_OTHER_PLATFORMS])}, those of boards.txt, and "
-            "with arduino-cli every FQBN, such as esp8266:esp8266:generic"
+            "with arduino-cli every FQBN, such as esp8266:esp8266:d1_mini"
         )
 
 

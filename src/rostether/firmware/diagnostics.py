@@ -30,6 +30,11 @@ _BASE_CLASS = re.compile(r"conver(?:t|sion).* to .(?:const )?ros::Msg\s*[*&]")
 _FLASH_TEXT = re.compile(r"cannot convert .const __FlashStringHelper\s*\*")
 # Packages of messages have such names, with types in camel case; folders of libraries rarely do.
 _TYPE_HEADER = re.compile(r"(?:\w+_(?:msgs|srvs)/\w+|[a-z][a-z0-9_]*/[A-Z]\w*)\.h")
+# Headers that no library contains.
+_OF_ANOTHER_CORE = {
+    "WProgram.h": "include <Arduino.h> instead, its name since Arduino 1.0",
+    "ESP8266WiFi.h": "it belongs to the core of the ESP8266; build with --board esp8266",
+}
 
 # More errors of this kind do not help: all of them come from the same pasted page.
 MAX_REPORTED = 8
@@ -98,6 +103,8 @@ def _joined_lines(text: str, path: str) -> list[str]:
 
 
 def _explain_header(header: str) -> str:
+    if advice := _OF_ANOTHER_CORE.get(header):
+        return f"note: this board has no {header}: {advice}"
     if _TYPE_HEADER.fullmatch(header):
         registry = Registry.from_environment()
         known = [f"{name}.h" for name in (*registry.messages(), *registry.services())]

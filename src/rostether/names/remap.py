@@ -54,7 +54,10 @@ def parse_arguments(argv: Iterable[str]) -> Arguments:
             arguments.private_params[key[1:]] = _yaml_value(argument, value)
         elif not is_legal_name(key) or not is_legal_name(value):
             wrong = value if is_legal_name(key) else key
-            raise ConfigError(f"{argument!r}: {wrong!r} is not a ROS name; a remapping is written from:=to")
+            raise ConfigError(
+                f"{argument!r}: {wrong!r} is not a ROS name; a remapping is written from:=to, a"
+                " private parameter _name:=value"
+            )
         else:
             arguments.remappings[key] = value
     return arguments

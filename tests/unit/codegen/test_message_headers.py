@@ -39,10 +39,18 @@ def test_a_broken_definition_affects_only_types_that_need_it(tmp_path: Path) -> 
     )
     assert made.types == ["bad/Fine", "good/Fine"]
     broken = f"{tmp_path}/bad/msg/Broken.msg:2:1: 'what is this' is not 'type name' or 'type NAME=value'"
-    assert made.skipped == [
-        f"skipped bad/Broken: {broken} (and 1 more of this package)",
-        f"skipped good/Needs: {broken} (and 1 more of this package)",
+    assert made.skipped[:3] == [
+        f"skipped bad/Broken: {broken}",
+        f"skipped bad/Needs: {broken}",
+        f"skipped good/Needs: {broken}",
     ]
+    assert made.skipped[3].startswith("skipped good/Unknown: good/Unknown, field 'b': ")
+
+
+def test_many_broken_definitions_of_a_package(tmp_path: Path) -> None:
+    made = headers(tmp_path, {f"pkg/msg/A{number}.msg": "nobody/Knows b\n" for number in range(9)})
+    assert [line.partition(":")[0] for line in made.skipped] == [f"skipped pkg/A{each}" for each in range(5)]
+    assert made.skipped[4].endswith("(and 4 more of this package)")
 
 
 def test_a_message_that_contains_itself(tmp_path: Path) -> None:
@@ -78,7 +86,8 @@ def test_a_service_and_a_message_of_one_name(tmp_path: Path) -> None:
     )
     assert made.types == ["pkg/A", "pkg/BRequest", "pkg/C"]
     assert made.skipped == [
-        "skipped the service pkg/A: a message has the same name; rename one (and 1 more of this package)"
+        "skipped the service pkg/A: a message has the same name; rename one",
+        "skipped pkg/B: there is also a message pkg/BRequest; rename one, because C++ cannot have both",
     ]
     made = headers(tmp_path, {}, names=["pkg/B"])
     assert "skipped pkg/B: there is also a message pkg/BRequest; rename one" in made.skipped[0]

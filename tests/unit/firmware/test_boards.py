@@ -77,6 +77,8 @@ def test_other_platforms_are_left_to_arduino_cli() -> None:
     assert other_platform_fqbn("esp32:esp32:esp32") == "esp32:esp32:esp32"
     assert other_platform_fqbn("OpenCR") == "OpenCR:OpenCR:OpenCR"
     assert other_platform_fqbn("Uno R4 WiFi") == "arduino:renesas_uno:unor4wifi"
+    assert other_platform_fqbn("ESP8266") == "esp8266:esp8266:generic"
+    assert other_platform_fqbn("Pico W") == "rp2040:rp2040:rpipicow"
     assert other_platform_fqbn("arduino:avr:uno") is None
     assert other_platform_fqbn("nano:atmega328old") is None
     assert not find_board("esp32:esp32:esp32").is_avr

@@ -162,6 +162,8 @@ async def test_typographic_quotes_are_explained(tmp_path: Path) -> None:
         ("Nowhere.h", "note: no library contains Nowhere.h; give the folder of the library with --library"),
         ("my_msgs/Thing.h", "note: no package contains my_msgs/Thing.h; give the folder of its package"),
         ("std_mgs/Empty.h", "note: no package contains std_mgs/Empty.h; did you mean std_msgs/Empty.h?"),
+        ("WProgram.h", "note: this board has no WProgram.h: include <Arduino.h> instead"),
+        ("ESP8266WiFi.h", "it belongs to the core of the ESP8266; build with --board esp8266"),
     ],
 )
 async def test_a_missing_header_is_reported_with_what_to_do(tmp_path: Path, header: str, note: str) -> None:

@@ -94,8 +94,11 @@ def serial_node(
     """
     wrong = next((each for each in arguments if each.startswith("--")), None)
     if wrong is not None:
-        advice = "; set the master with __master:=URI" if wrong.startswith("--master") else ""
-        raise click.UsageError(f"no such option {wrong}{advice}")
+        name = wrong.partition("=")[0].removeprefix("--")
+        argument = {"master": "__master:=URI", "name": "__name:=NAME", "ns": "__ns:=NAMESPACE"}.get(name)
+        if name.replace("-", "_") in PRIVATE_PARAMETERS:
+            argument = f"_{name.replace('-', '_')}:=VALUE"
+        raise click.UsageError(f"no such option {wrong}" + (f"; write {argument}" if argument else ""))
     host = HostRole(DEFAULT_NODE_NAME, "ROS Serial Python Node", PRIVATE_PARAMETERS, choose_link)
     run_host(host, parse_arguments(arguments), listen=listen, allowed=graph.allow, config=config)
 
@@ -120,6 +123,8 @@ def run_host(
     reporter = ConsoleReporter(show_node=False)
     for name in parsed.private_params.keys() - set(host.parameters):
         reporter.report(Level.WARN, f"unknown parameter _{name}; known: _{', _'.join(host.parameters)}")
+    for name in parsed.remappings.keys() & set(host.parameters):
+        reporter.report(Level.WARN, f"{name}:= remaps a topic; write _{name}:= to set the {name}")
     environment = read_environment(GraphOptions(arguments=parsed.special, allow=allowed), listen)
     devices = read_devices(config, ())
     hosts = environment.listen_hosts if listen is not None else (LOOPBACK,)

@@ -58,10 +58,20 @@ def test_too_many_arguments() -> None:
         _link("/dev/ttyACM0", "57600", "more")
 
 
-async def test_an_option_of_other_commands() -> None:
-    async with started("serial-node", "/dev/ttyACM0", "--master", "http://127.0.0.1:1") as command:
+@pytest.mark.parametrize(
+    ("option", "advice"),
+    [
+        ("--master=http://127.0.0.1:1", "; write __master:=URI"),
+        ("--baud", "; write _baud:=VALUE"),
+        ("--tcp-port", "; write _tcp_port:=VALUE"),
+        ("--name", "; write __name:=NAME"),
+        ("--speed", ""),
+    ],
+)
+async def test_an_option_of_other_commands(option: str, advice: str) -> None:
+    async with started("serial-node", "/dev/ttyACM0", option, "1") as command:
         text = await command.finish()
-    assert "no such option --master; set the master with __master:=URI" in text
+    assert text.strip().endswith(f"no such option {option}{advice}")
 
 
 async def test_well_known_lines_over_a_pseudo_terminal(tmp_path: Path) -> None:
@@ -178,6 +188,16 @@ async def test_parameters_of_the_server(tmp_path: Path) -> None:
         arguments = ("__name:=opencr", "__ns:=lab")
         async with started("serial-node", *arguments, ROS_MASTER_URI=master.uri) as node:
             await node.wait_for(f"{port} does not exist; waiting until it is")
+    finally:
+        await master.close()
+
+
+async def test_a_parameter_without_its_underscore_is_reported() -> None:
+    master = await MasterServer.start(port=0)
+    try:
+        arguments = ("tcp", "0", "port:=/dev/ttyACM0")
+        async with started("serial-node", *arguments, ROS_MASTER_URI=master.uri) as node:
+            await node.wait_for("port:= remaps a topic; write _port:= to set the port")
     finally:
         await master.close()
 

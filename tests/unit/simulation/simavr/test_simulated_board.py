@@ -95,6 +95,14 @@ async def test_a_killed_board_is_reported(start: Start) -> None:
     assert not board.has_ended_as_requested
 
 
+async def test_signals_to_the_process_group_do_not_end_it(start: Start) -> None:
+    board = await start(build("echo"))
+    for sign in (signal.SIGINT, signal.SIGTERM):
+        os.kill(await pid_of(board), sign)
+    await board.reset()
+    assert not board.has_ended
+
+
 async def test_quit_ends_it(start: Start) -> None:
     board = await start(build("echo"))
     events = [event async for event in board.events()] if await _quits(board) else []

@@ -42,7 +42,9 @@ static void end_with_parent(void) {
     pid_t parent = getppid();
     prctl(PR_SET_PDEATHSIG, SIGKILL);
     if (getppid() != parent) _exit(1);
-    signal(SIGINT, SIG_IGN); /* Ctrl-C signals all programs in the terminal; rostether ends this one */
+    /* Ctrl-C and a service manager signal all processes of a group; rostether ends this one. */
+    signal(SIGINT, SIG_IGN);
+    signal(SIGTERM, SIG_IGN);
     signal(SIGPIPE, SIG_IGN);
 }
 
