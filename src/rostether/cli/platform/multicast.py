@@ -31,11 +31,12 @@ _ADDRESS_NAMES = ("multicast_group_addr", "mulicast_group_addr", "multicating_gr
 async def multicast_topic_bridge(graph: TypedGraph, _: Arguments) -> None:
     """Send the newest message of a topic to a multicast group, one message per datagram.
 
-    Parameters: ~topic (multicast_topic), ~multicast_group_addr (224.0.1.1), ~sending_port (12345), ~frequency
-    (1000 Hz; 0 sends immediately), ~interface (names or addresses), ~ttl (1). With ~framed true, the group is
-    that of `rostether fleet` (239.255.82.83, port 11412), and robots check which sender commands them: ~robot
-    (an id) or ~groups (all), ~key_file, ~ttl_ms (300), ~input_timeout (0.5 s), ~unicast (addresses of robots
-    that multicast does not reach).
+    Parameters: ~topic (multicast_topic), ~multicast_group_addr (224.0.1.1; the reference's spellings
+    ~mulicast_group_addr and ~multicating_group_addr also work), ~sending_port (12345), ~frequency (1000 Hz; 0
+    sends immediately), ~interface (names or addresses), ~ttl (1). With ~framed true, the group is that of
+    `rostether fleet` (239.255.82.83, port 11412), and robots check which sender commands them: ~robot (an id)
+    or ~groups (all), ~key_file, ~ttl_ms (300), ~input_timeout (0.5 s), ~unicast (addresses of robots that
+    multicast does not reach).
     """
     from rostether.platform.command_frame import ALL_GROUPS, DEFAULT_TTL_MS, MAX_TTL_MS
     from rostether.platform.command_link import SenderSettings
@@ -47,7 +48,10 @@ async def multicast_topic_bridge(graph: TypedGraph, _: Arguments) -> None:
         robot = await parameters.integer(0, 0, MAX_ROBOT, "robot")
         groups = await _group_mask(parameters)
         if robot and groups:
-            raise ConfigError("give ~robot or ~groups, not both")
+            raise ConfigError(
+                "give ~robot or ~groups, not both; a ROS master keeps the parameters of earlier runs, and "
+                "`rostether param delete` deletes them"
+            )
         framed = SenderSettings(
             robot or groups or ALL_GROUPS,
             to_groups=not robot,
@@ -76,7 +80,8 @@ async def multicast_topic_bridge(graph: TypedGraph, _: Arguments) -> None:
 async def multicast_topic_receiver(graph: TypedGraph, _: Arguments) -> None:
     """Publish the messages that arrive from a multicast group.
 
-    Parameters: ~topic (multicast_topic), ~type, ~multicast_group_addr (224.0.1.1), ~receiving_port (12345),
+    Parameters: ~topic (multicast_topic), ~type, ~multicast_group_addr (224.0.1.1; the reference's spellings
+    ~mulicast_group_addr and ~multicating_group_addr also work), ~receiving_port or ~sending_port (12345),
     ~interface, ~sources (networks that may send; default: this machine). With ~framed true, the group is that
     of `rostether fleet` (239.255.82.83, port 11412); only commands for this robot are published, and zeros
     when they end: ~robot (1), ~groups (0), ~key_file.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import AsyncIterator, Awaitable, Callable, Sequence
 from contextlib import asynccontextmanager
 from typing import TYPE_CHECKING, TypeAlias
@@ -21,6 +22,7 @@ from rostether.cli.shell.verbs import Verb
 from rostether.graph.ports import Level
 from rostether.mechanisms.block_end import closed_at_end
 from rostether.mechanisms.run_until import run_until
+from rostether.mechanisms.text import did_you_mean
 from rostether.mechanisms.waiting import wait_for_master
 from rostether.names.remap import Arguments, parse_arguments
 from rostether.ros1.environment import RosEnvironment
@@ -105,16 +107,29 @@ def run_role(default_name: str, words: Sequence[str], main: Main, ros2: str | No
     from rostether.cli.shell.running import run
 
     arguments = node_arguments(words)
-    # Not an error: launch files may have arguments for another program with the same name.
-    for word in arguments.rest:
-        if word.startswith("--"):
-            warn(f"WARNING: ignored {word!r:.100}; a node's parameters are written _name:=value")
+    _warn_of_mistakes(arguments)
 
     async def until_ended() -> None:
         async with role_node(arguments, default_name, ros2) as graph:
             await run_until(main(graph, arguments), graph.raw.wait_closed())
 
     run(until_ended(), is_service=True)
+
+
+def _warn_of_mistakes(arguments: Arguments) -> None:
+    # Not errors: launch files may have arguments for another program with the same name.
+    for word in arguments.rest:
+        if word.startswith("--"):
+            warn(f"WARNING: ignored {word!r:.100}; a node's parameters are written _name:=value")
+    context = click.get_current_context(silent=True)
+    documented = re.findall(r"~(\w+)", (context and context.command.help) or "")
+    for name, value in arguments.remappings.items():
+        if name in documented:
+            given = f"{name}:={value}"
+            warn(f"WARNING: {given!r:.100} renames a topic; the parameter is written _{name}:=value")
+    for name in arguments.private_params.keys() - set(documented):
+        if hint := did_you_mean(name, documented, prefix="_"):
+            warn(f"WARNING: this node has no parameter _{name:.100}; {hint}")
 
 
 def role(

@@ -62,6 +62,17 @@ async def test_an_option_that_a_node_does_not_have(master: MasterServer) -> None
         await node.wait_for("~rate must be above 0")
 
 
+async def test_parameters_that_a_node_does_not_have(master: MasterServer) -> None:
+    words = ("topic:=/cmd_vel", "_frequnecy:=5", "_mulicast_group_addr:=239.255.82.83", "_interface:=lo")
+    async with started("role", "multicast-topic-bridge", *words, ROS_MASTER_URI=master.uri) as node:
+        await node.wait_for(
+            "WARNING: 'topic:=/cmd_vel' renames a topic; the parameter is written _topic:=value"
+        )
+        await node.wait_for("WARNING: this node has no parameter _frequnecy; did you mean _frequency?")
+        await node.wait_for("sending /multicast_topic to 239.255.82.83:12345")
+        assert "_mulicast_group_addr" not in node.text
+
+
 async def test_a_topic_over_multicast_and_back(
     master: MasterServer, graph: TypedGraph, tmp_path: Path
 ) -> None:
