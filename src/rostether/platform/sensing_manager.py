@@ -125,6 +125,8 @@ class SensingManager:
     def _record_publisher(self, sensor: Sensor, now_s: float) -> None:
         topic = self._snapshot.topics.get(self._graph.resolve(sensor.topic))
         self._registry.record_connection(sensor.id, topic is not None and bool(topic.publishers), now_s)
+        if topic is not None:
+            self._registry.record_type(sensor.id, _ros1_type(topic.type))
 
     def _adopt(self, snapshot: Snapshot, now_s: float) -> None:
         """Add the sensors that publish on topics of this manager, but are not in its saved state."""
@@ -135,7 +137,7 @@ class SensingManager:
                 # The list may be full.
                 with suppress(ServiceCallError):
                     self._is_unsaved |= self._registry.adopt(
-                        f"sensor_node{name.removeprefix(prefix)}", entry.type, platform, now_s
+                        f"sensor_node{name.removeprefix(prefix)}", _ros1_type(entry.type), platform, now_s
                     )
 
     async def _subscribe_to_new(self) -> None:
@@ -231,3 +233,8 @@ class SensingManager:
             "state_text": state_text,
             "state_since": Time.from_ns(max(0, self._graph.now().to_ns() - age_ns)),
         }
+
+
+def _ros1_type(name: str) -> str:
+    """Return a type's name as in ROS 1: snapshots of ROS 2 have `std_msgs/msg/Float64`."""
+    return name.replace("/msg/", "/")

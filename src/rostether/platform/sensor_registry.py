@@ -196,6 +196,13 @@ class SensorRegistry:
         """Record whether the sensor's topic has a publisher now."""
         self._conditions[sensor_id].record_connection(is_connected, now_s)
 
+    def record_type(self, sensor_id: str, published: str) -> None:
+        """Record the type of the sensor's topic, `*` if it is unknown."""
+        expected = self._sensors[sensor_id].message_type
+        is_right = not expected or published in (expected, "*")
+        fault = "" if is_right else f"publishes {published:.100}, not {expected}"
+        self._conditions[sensor_id].type_fault = fault
+
     def record_message(self, sensor_id: str, now_s: float) -> None:
         """Record a message of the sensor; ignores unknown sensors."""
         if (condition := self._conditions.get(sensor_id)) is not None:

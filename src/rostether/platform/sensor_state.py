@@ -3,7 +3,7 @@
 init          registered, has not published yet
 ready         publishes, or a camera that waits for a subscriber
 sleeping      connected, but silent
-alert         connected; the sensor reports a problem
+alert         connected; the sensor reports a problem, or its topic has a wrong type
 disconnected  its publisher has ended
 lost          not connected for `LOST_S`, or its lease has expired
 """
@@ -36,6 +36,8 @@ class Condition(Struct):
     text: str = ""
     is_connected: bool = False
     has_publisher: bool = False
+    # What is wrong with the type of a connected sensor without a lease, else empty.
+    type_fault: str = ""
     was_connected: bool = False
     left_s: float = 0.0
     last_message_s: float | None = None
@@ -66,6 +68,8 @@ class Condition(Struct):
             self.record_connection(False, now_s)
         self.state = self._next_state(is_camera, now_s)
         self.text = self.reported_text if self.state == self.reported else ""
+        if self.state == "alert" and self.lease_until_s is None:
+            self.text = self.type_fault
         if self.state != before[0]:
             self.since_s = now_s
         return (self.state, self.text) != before
@@ -79,6 +83,8 @@ class Condition(Struct):
             return "disconnected" if self.was_connected else "init"
         if self.lease_until_s is not None:
             return self.reported
+        if self.type_fault:
+            return "alert"
         # A camera publishes only while it has subscribers; the manager does not subscribe to pictures.
         if is_camera:
             return "ready"

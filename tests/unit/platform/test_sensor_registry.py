@@ -197,6 +197,23 @@ def test_what_cannot_be_registered_by_id(
     assert len(registry.sensors) == 1
 
 
+@pytest.mark.parametrize("sensor_type", ["CAMERA", "ANALOG"])
+def test_a_topic_with_another_type_is_an_alert(registry: SensorRegistry, sensor_type: str) -> None:
+    sensor = registry.register("Robot", sensor_type, 0.0)
+    registry.record_connection(sensor.id, True, 1.0)
+    registry.record_type(sensor.id, "std_msgs/Float32")
+    registry.record_message(sensor.id, 1.0)
+    assert state(registry, sensor.id, 1.0) == "alert"
+    assert registry.state(sensor.id)[1] == f"publishes std_msgs/Float32, not {sensor.message_type}"
+    for known in ("*", sensor.message_type):
+        registry.record_type(sensor.id, known)
+        assert state(registry, sensor.id, 1.0) == "ready"
+        assert registry.state(sensor.id)[1] == ""
+    registry.record_type(sensor.id, "std_msgs/Float32")
+    registry.record_connection(sensor.id, False, 1.0)
+    assert state(registry, sensor.id, 9.0) == "disconnected"
+
+
 def test_sensors_of_an_earlier_manager_are_adopted(registry: SensorRegistry) -> None:
     registry.adopt("sensor_node4", "sensor_msgs/CompressedImage", "pi_camera", 0.0)
     registry.adopt("sensor_nodes", "std_msgs/Float64", "x", 0.0)

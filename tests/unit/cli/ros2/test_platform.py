@@ -51,6 +51,14 @@ async def test_a_joystick_drives_a_robot_and_a_sensor_registers(world: ZenohWorl
         await tester.wait_for("registered for topic sensor_node0")
         value = await graph.wait_for_message("/sensor_node0", "std_msgs/msg/Float64", timeout_s=60)
         assert value.data in range(101)
+        # A camera that an earlier manager has registered.
+        await graph.publisher("/sensor_node7", "sensor_msgs/msg/CompressedImage")
+        found: dict[str, tuple[str, str]] = {}
+        async with asyncio.timeout(60):
+            async for sensors in graph.messages("/sensors", "sensing_platform/msg/Sensors"):
+                found = {each.id: (each.sensor_type, each.state) for each in sensors.sensors}
+                if found == {"sensor_node0": ("DIGITAL", "ready"), "sensor_node7": ("CAMERA", "ready")}:
+                    break
         async with started(
             "role", "camera", "--ros2", "zenoh", "_source:=test", "_platform_name:=R3"
         ) as camera:
