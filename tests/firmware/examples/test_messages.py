@@ -35,6 +35,8 @@ async def test_blinker_with_class(kind: str) -> None:
     async with running("BlinkerWithClass", kind) as stage:
         board = stage.board
         period = await stage.publisher("/set_blink_period", "std_msgs/UInt16")
+        # While the board announces its topics, which takes up to 33 ms, it does not blink.
+        await stage.wait_for_service("/activate_blinker")
         period.publish(data=50)
         for level in (True, False) * 4:
             await board.wait_for_pin("D13", level)
@@ -42,7 +44,6 @@ async def test_blinker_with_class(kind: str) -> None:
         gaps_ms = [1000 * (after - before) for before, after in itertools.pairwise(edges_s)]
         assert gaps_ms == pytest.approx([50] * 3, abs=4)
 
-        await stage.wait_for_service("/activate_blinker")
         answer = await stage.graph.call(
             "/activate_blinker", "std_srvs/SetBool", {"data": False}, timeout_s=60
         )
