@@ -61,9 +61,9 @@ def test_a_budget_has_a_limit() -> None:
 
 
 def test_a_file_has_a_limit(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("rostether.firmware.elf.MAX_FILE_BYTES", 100)
-    with pytest.raises(FirmwareError, match=r"sketch\.elf is larger than 100 bytes"):
-        ElfFile(bytes(101), "sketch.elf")
+    monkeypatch.setattr("rostether.firmware.elf.MAX_FILE_BYTES", 1 << 20)
+    with pytest.raises(FirmwareError, match=r"sketch\.elf is larger than 1 MiB"):
+        ElfFile(bytes((1 << 20) + 1), "sketch.elf")
 
 
 def test_the_header_of_a_line_program_has_a_limit(monkeypatch: pytest.MonkeyPatch) -> None:
