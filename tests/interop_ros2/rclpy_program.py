@@ -167,7 +167,7 @@ class Peer:
             self.node.destroy_client(client)
 
     def send_goal(self, action: str, type: str, goal: dict[str, Any], cancel: bool = False) -> Any:  # noqa: A002
-        """Send a goal, and with `cancel` cancel it after a feedback; return feedback, status and result."""
+        """Send a goal, and with `cancel` cancel it after its first feedback; return what was received."""
         client: Any = ActionClient(self.node, find(type), action)
         feedback: list[Any] = []
         try:

@@ -5,7 +5,7 @@
 
 namespace ros {
 
-// Decides when a hardware reconnects, and reports it to the node.
+// Decides when the hardware reconnects, and reports it to the node.
 class Reconnection {
  public:
   constexpr Reconnection() : tried_ms_(0), pause_ms_(0), connected_(false), changed_(false) {}

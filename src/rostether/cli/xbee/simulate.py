@@ -93,8 +93,9 @@ class SimulationOptions:
 def xbee_simulate(sketch: Path | None, options: SimulationOptions, msg_paths: tuple[Path, ...]) -> None:
     """Run a simulated XBee network: a radio for the host, and boards with a radio each.
 
-    Board 1 publishes board_1/count (std_msgs/UInt32) and listens on board_1/led (std_msgs/Bool); with SKETCH,
-    the boards are simulated Unos that run it. The radios answer AT commands and lose packets like real ones.
+    Board 1 publishes board_1/count (std_msgs/UInt32) and subscribes to board_1/led (std_msgs/Bool). With
+    SKETCH, the boards are simulated Unos that run it. The radios answer AT commands and lose packets like
+    real ones.
     """
     if options.link_path is None and options.fresh_path is None:
         raise click.UsageError("give --link, the serial port for `rostether serve`, or --fresh")

@@ -108,7 +108,7 @@ class Transformer:
     ) -> tuple[Vector, Vector]:
         """Return the linear and angular velocity of a frame, seen from `observation_frame`.
 
-        It is the mean of an interval, a Duration, around `time`.
+        It is the mean over an interval (a Duration) around `time`.
         """
         return self.lookupTwistFull(
             tracking_frame,

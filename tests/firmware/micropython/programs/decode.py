@@ -7,7 +7,7 @@ from ros.receive_window import ReceiveWindow
 
 
 class Line:
-    """A hardware that returns these bytes, in pieces of `piece_bytes`."""
+    """Hardware that returns these bytes, in pieces of `piece_bytes`."""
 
     def __init__(self, data, piece_bytes):
         self._data = memoryview(data)
