@@ -44,8 +44,14 @@ NEEDS_FIXED_PORTS = re.compile(r"\b1\d{4}\b|ros2|zenoh|demo\b")
 # Times and names of this machine, and their replacements in the pages.
 NEUTRAL = {
     r"\[\d{10}\.\d{6}\]": "[1700000000.123456]",
-    r"(?<![\d.(])1[789]\d{8}(?!\d)": "1700000000",
-    r"(?<![\d.])1[789]\d{17}(?!\d)": "1700000000123456789",
+@@@@
+@@ tests/docs/test_commands.py
+# The start or the end of a recording; in the pages, recordings start at NEUTRAL_START_S.
+====
+# The seconds of a time in s or ns; in the pages, the first time of an output has NEUTRAL_SECONDS.
+SECONDS = re.compile(r"(?<![\d.(\[])1[789]\d{8}(?=(?:\d{9})?(?!\d))")
+NEUTRAL_SECONDS = 1_700_000_000
+# The start or the end of a recording; in the pages, recordings start at NEUTRAL_START_S.
     r"/dev/pts/\d+": "/dev/pts/3",
     r"_(joint|relay)_[0-9a-f]+": r"_\1_18eac27b0d2102ce321ffdf5",
     r"\b[0-9a-f]{8}(?:-[0-9a-f]{4}){3}-[0-9a-f]{12}\b": "9b3ef592-375a-46ab-af4c-4d4a4fcfbf68",
@@ -172,7 +178,7 @@ class Terminal:
         text = text.replace(self._master.replace("localhost", "127.0.0.1"), "http://127.0.0.1:11311")
         for pattern, neutral in NEUTRAL.items():
             text = re.sub(pattern, neutral, text)
-        return _with_neutral_recording_times(text)
+        return _with_neutral_recording_times(_with_neutral_seconds(text))
 
     @staticmethod
     def _end(process: subprocess.Popen[bytes]) -> int:
@@ -193,6 +199,12 @@ class Terminal:
             for process in self._running:
                 if process.poll() is None:
                     ending.callback(self._end, process)
+
+
+def _with_neutral_seconds(text: str) -> str:
+    first = SECONDS.search(text)
+    shift_s = NEUTRAL_SECONDS - int(first[0]) if first else 0
+    return SECONDS.sub(lambda found: str(int(found[0]) + shift_s), text)
 
 
 def _with_neutral_recording_times(text: str) -> str:

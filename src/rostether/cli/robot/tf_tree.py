@@ -68,7 +68,7 @@ async def _tree(listening_s: float, dot: bool, as_json: bool, graph: GraphOption
     if not buffer.frames:
         warn(
             f"no transform was received within {listening_s:g} s; "
-            "robot_state_publisher or `rostether tf static` publish transforms"
+            "start robot_state_publisher or `rostether tf static`, which publish transforms"
         )
         return EXIT_FAILED
     if as_json:

@@ -40,7 +40,7 @@ class FoxgloveLimits(ConnectionLimits, frozen=True):
     # 50 ms of a fast network; further messages wait in queues where they can be dropped.
     unsent_bytes: int = 1 << 20
 
-    # For each slow client: about five camera images, or seconds of all other data.
+    # For each slow client: about five camera images, or several seconds of all other data.
     waiting_bytes: int = 32 << 20
 
     # Unread responses of a client; above this limit, the client is disconnected. Large responses are sent one

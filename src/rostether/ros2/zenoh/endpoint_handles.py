@@ -135,7 +135,7 @@ class ZenohEndpoints:
     def list_client(self, service: str, service_type: ServiceType) -> ListedClient:
         """List a client of a service until the handle closes, even if it never calls.
 
-        Raises UnknownTypeError.
+        Raises UnknownTypeError, TypeMismatchError.
         """
         support = self._node.session.types.service(service_type)
         self._client(service, support)
