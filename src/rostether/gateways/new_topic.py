@@ -10,10 +10,10 @@ from rostether.graph.ports import Graph, Publisher
 # The time for subscribers to connect to a new topic; a few round trips on a network.
 CONNECTING_S = 1.0
 
-# How long a slow subscriber may delay the client, as with boards; then it loses the oldest messages.
+# How long a slow subscriber may delay the client, as with boards; then that subscriber loses the oldest messages.
 DRAIN_S = 0.1
 
-# A graph does not report that a subscriber has connected.
+# Shorter than a person notices; a subscriber on the same machine connects within milliseconds.
 _POLL_S = 0.005
 
 
@@ -23,7 +23,7 @@ async def wait_for_subscribers(graph: Graph, publisher: Publisher) -> None:
         async with asyncio.timeout(CONNECTING_S):
             topic = (await graph.snapshot()).topics.get(publisher.topic)
             expected = len(topic.subscribers) if topic is not None else 0
-            # The graph port does not report connections; polling is cheap.
+            # A graph does not report that a subscriber has connected; polling is cheap.
             while publisher.subscriber_count < expected:  # noqa: ASYNC110
                 await asyncio.sleep(_POLL_S)
     except (RostetherError, TimeoutError):
