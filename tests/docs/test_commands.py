@@ -44,19 +44,14 @@ NEEDS_FIXED_PORTS = re.compile(r"\b1\d{4}\b|ros2|zenoh|demo\b")
 # Times and names of this machine, and their replacements in the pages.
 NEUTRAL = {
     r"\[\d{10}\.\d{6}\]": "[1700000000.123456]",
-@@@@
-@@ tests/docs/test_commands.py
-# The start or the end of a recording; in the pages, recordings start at NEUTRAL_START_S.
-====
-# The seconds of a time in s or ns; in the pages, the first time of an output has NEUTRAL_SECONDS.
-SECONDS = re.compile(r"(?<![\d.(\[])1[789]\d{8}(?=(?:\d{9})?(?!\d))")
-NEUTRAL_SECONDS = 1_700_000_000
-# The start or the end of a recording; in the pages, recordings start at NEUTRAL_START_S.
     r"/dev/pts/\d+": "/dev/pts/3",
     r"_(joint|relay)_[0-9a-f]+": r"_\1_18eac27b0d2102ce321ffdf5",
     r"\b[0-9a-f]{8}(?:-[0-9a-f]{4}){3}-[0-9a-f]{12}\b": "9b3ef592-375a-46ab-af4c-4d4a4fcfbf68",
     r"\b(?:the ports are|no serial port found)[^\n\"]*": "the ports are /dev/ttyS0 (serial port)",
 }
+# The seconds of a time in s or ns; in the pages, the first time of an output has NEUTRAL_SECONDS.
+SECONDS = re.compile(r"(?<![\d.(\[])1[789]\d{8}(?=(?:\d{9})?(?!\d))")
+NEUTRAL_SECONDS = 1_700_000_000
 # The start or the end of a recording; in the pages, recordings start at NEUTRAL_START_S.
 RECORDING_TIME = re.compile(r"[A-Z][a-z]{2} \d\d \d{4} \d\d:\d\d:\d\d(\.\d\d) \((\d{10})\.\d\d\)")
 NEUTRAL_START_S = int(datetime(2025, 1, 1, 12, tzinfo=UTC).timestamp())

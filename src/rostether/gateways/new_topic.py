@@ -10,7 +10,8 @@ from rostether.graph.ports import Graph, Publisher
 # The time for subscribers to connect to a new topic; a few round trips on a network.
 CONNECTING_S = 1.0
 
-# How long a slow subscriber may delay the client, as with boards; then that subscriber loses the oldest messages.
+# How long a slow subscriber may delay the client, as with boards. Then that subscriber loses the oldest
+# messages.
 DRAIN_S = 0.1
 
 # Shorter than a person notices; a subscriber on the same machine connects within milliseconds.
