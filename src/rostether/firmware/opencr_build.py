@@ -39,7 +39,8 @@ async def build_for_linux(sketch: Path, msg_paths: Sequence[Path] = ()) -> Path:
         raise FirmwareError("the simulated OpenCR runs on Linux only; use the real board here")
     if compiler is None:
         raise FirmwareError(
-            f"{_COMPILER} is not installed, and the simulated OpenCR needs it: apt install g++"
+            f"{_COMPILER} is not installed, and the simulated OpenCR needs it; on Debian and Ubuntu: "
+            "sudo apt install g++"
         )
     found = open_sketch(sketch)
     cache = BuildCache(cache_folder())

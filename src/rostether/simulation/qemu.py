@@ -78,7 +78,9 @@ class QemuBoard(BlockClosable):
         link = PtyLink(link_path)
         qemu = shutil.which(PROGRAM)
         if qemu is None:
-            raise BoardError(f"{PROGRAM} is not installed: apt install qemu-system-arm")
+            raise BoardError(
+                f"{PROGRAM} is not installed; on Debian and Ubuntu: sudo apt install qemu-system-arm"
+            )
         # The kernel ends qemu if this process is killed; without setpriv only `close` ends it.
         setpriv = shutil.which("setpriv")
         guard = [setpriv, "--pdeathsig", "KILL"] if setpriv else []
