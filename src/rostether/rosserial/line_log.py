@@ -106,7 +106,7 @@ class LineLog:
 
 
 def version_of(device_bytes: bytes) -> int:
-    """Return the protocol version with more frames in the beginning of a line; 2 for equal numbers."""
+    """Return the protocol version that reads more frames in a device's first bytes; 2 for equal numbers."""
 
     def count(version: int) -> int:
         decoder = FrameDecoder(version)

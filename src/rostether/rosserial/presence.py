@@ -53,8 +53,8 @@ OVERDUE_S = 3.0
 # One more second for the answers to several topic requests, in case some are lost.
 SILENT_AFTER_S = 4.0
 
-# A configured device that answers probes seems to be reset repeatedly. After each reset, no other one is
-# detected for some time, which doubles up to this limit.
+# If a configured device answers probes, each answer looks like a reset. Therefore, after each detected reset
+# no other is detected for some time, which doubles up to this limit.
 MAX_QUARANTINE_S = 60.0
 
 

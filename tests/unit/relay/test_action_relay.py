@@ -7,8 +7,10 @@ from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager, nullcontext
 from functools import partial
 
+import pytest
+
 from contract.graphs import Inbox
-from rostether.errors import UnknownTypeError
+from rostether.errors import SerializationError, UnknownTypeError
 from rostether.graph.memory_network import MemoryNetwork
 from rostether.graph.ports import Level
 from rostether.msgdef.interface import ServiceType
@@ -19,12 +21,22 @@ from rostether.relay.relay import Relay
 from rostether.relay.relay_filter import RelayFilter, ServiceFilter, TopicFilter
 from rostether.relay.side import RelaySide
 from rostether.ros2.actions.board_graph import BoardJoin, NativeSession
-from rostether.ros2.actions.ros1_form import ActionForms
+from rostether.ros2.actions.ros1_form import (
+    ActionForms,
+    GoalId,
+    Ros1Status,
+    after_header,
+    read_status,
+    read_statuses,
+    write_header,
+    write_statuses,
+)
 from rostether.ros2.actions.server import Ros2ActionServer
 from rostether.ros2.actions.types import GoalCall, GoalStatus
 from rostether.ros2.types.native_registry import NativeRegistry
 from rostether.ros2.types.native_types import NativeTypes
 from rostether.ros2.types.type_support import Ros2Types
+from rostether.rostime import Time
 from rostether.serde.store import TypeStore
 from unit.bridge.virtual_time import on_virtual_time
 
@@ -156,3 +168,17 @@ async def test_a_goal_is_aborted_when_its_server_ends() -> None:
             assert (await running)[0] is GoalStatus.ABORTED
         await asyncio.sleep(2 * CHECK_S)
         assert f"{ACTION}/goal" not in chain.networks[1].snapshot().topics
+
+
+def test_a_message_of_ros1_that_ends_early_is_refused() -> None:
+    status = GoalId((1, 2), "a").status(Ros1Status.ACTIVE, "")
+    feedback = write_header(Time(3, 4)) + status
+    assert read_status(feedback, after_header(feedback)) == ("a", Ros1Status.ACTIVE, len(feedback))
+    for size in range(len(feedback)):
+        with pytest.raises(SerializationError):
+            read_status(feedback[:size], after_header(feedback[:size]))
+    statuses = write_statuses(Time(3, 4), [status])
+    assert read_statuses(statuses) == {"a"}
+    for size in range(len(statuses)):
+        with pytest.raises(SerializationError):
+            read_statuses(statuses[:size])

@@ -16,7 +16,8 @@ from typing import Final
 import msgspec
 from msgspec.structs import replace
 
-from rostether.errors import DefinitionError
+from rostether.errors import DefinitionError, SerializationError
+from rostether.mechanisms.text import counted
 from rostether.msgdef.ros2.action_parts import action_parts
 from rostether.msgdef.ros2.from_ros1 import derive
 from rostether.msgdef.ros2.spec import Ros2Action, Ros2Message, Ros2Type
@@ -67,7 +68,7 @@ class GoalId(msgspec.Struct, frozen=True):
 
     @classmethod
     def read(cls, payload: bytes, position: int = 0) -> tuple[GoalId, int]:
-        """Read an id; return it and the position after it."""
+        """Read an id; return it and the position after it. Raises SerializationError."""
         text, end = _read_text(payload, position + _STAMP.size)
         return cls(_STAMP.unpack_from(payload, position), text), end
 
@@ -106,12 +107,12 @@ class ActionForms:
             self._pairs[part] = (form.converter, native_form.converter)
 
     def to_ros1(self, part: str, payload: bytes) -> bytes:
-        """Convert a `Goal`, `Result` or `Feedback` to ROS 1."""
+        """Convert a `Goal`, `Result` or `Feedback` to ROS 1. Raises SerializationError."""
         ros1, native = self._pairs[part]
         return ros1.from_cdr(native.to_cdr(payload))
 
     def to_native(self, part: str, payload: bytes) -> bytes:
-        """Convert a `Goal`, `Result` or `Feedback` to ROS 2."""
+        """Convert a `Goal`, `Result` or `Feedback` to ROS 2. Raises SerializationError."""
         ros1, native = self._pairs[part]
         return native.from_cdr(ros1.to_cdr(payload))
 
@@ -122,20 +123,24 @@ def write_header(now: Time) -> bytes:
 
 
 def after_header(payload: bytes) -> int:
-    """Return the position after a std_msgs/Header."""
+    """Return the position after a std_msgs/Header. Raises SerializationError."""
     return _read_text(payload, _HEADER.size)[1]
 
 
 def read_status(payload: bytes, position: int) -> tuple[str, int, int]:
-    """Read a GoalStatus: the goal's id, the status, and the position after it."""
+    """Read a GoalStatus: the goal's id, the status, and the position after it.
+
+    Raises SerializationError.
+    """
     goal_id, position = GoalId.read(payload, position)
-    return goal_id.text, payload[position], _read_text(payload, position + 1)[1]
+    _, end = _read_text(payload, position + 1)
+    return goal_id.text, payload[position], end
 
 
 def read_statuses(payload: bytes) -> set[str]:
-    """Return the ids of the goals in a GoalStatusArray."""
+    """Return the ids of the goals in a GoalStatusArray. Raises SerializationError."""
     position = after_header(payload)
-    (count,) = _COUNT.unpack_from(payload, position)
+    count = _read_count(payload, position)
     position += _COUNT.size
     listed = set()
     for _ in range(count):
@@ -178,6 +183,14 @@ def _layout(message: Ros2Message) -> list[tuple[str, Ros2Type]]:
 
 
 def _read_text(payload: bytes, position: int) -> tuple[str, int]:
-    (length,) = _COUNT.unpack_from(payload, position)
+    length = _read_count(payload, position)
     start = position + _COUNT.size
     return payload[start : start + length].decode("utf-8", "replace"), start + length
+
+
+def _read_count(payload: bytes, position: int) -> int:
+    if len(payload) < position + _COUNT.size:
+        size = counted(len(payload), "byte")
+        raise SerializationError(f"the message ends early, after {size}; make both ends use one definition")
+    count: int = _COUNT.unpack_from(payload, position)[0]
+    return count

@@ -94,7 +94,10 @@ class BufferInterface:
     def transform(
         self, object_stamped: Any, target_frame: str, timeout: Any = NO_TIME, new_type: Any = None
     ) -> Any:
-        """Return a stamped message in another frame; its type needs an import such as tf2_geometry_msgs."""
+        """Return a stamped message in another frame; its type needs an import such as tf2_geometry_msgs.
+
+        Raises TypeException, and the errors of `lookup_transform`.
+        """
         header = object_stamped.header
         found = self.lookup_transform(target_frame, header.frame_id, header.stamp, timeout)
         moved = self.registration.get(type(object_stamped))(object_stamped, found)
@@ -109,7 +112,10 @@ class BufferInterface:
         timeout: Any = NO_TIME,
         new_type: Any = None,
     ) -> Any:
-        """Return a stamped message in another frame at another time."""
+        """Return a stamped message in another frame at another time.
+
+        Raises TypeException, and the errors of `lookup_transform_full`.
+        """
         header = object_stamped.header
         found = self.lookup_transform_full(
             target_frame, target_time, header.frame_id, header.stamp, fixed_frame, timeout

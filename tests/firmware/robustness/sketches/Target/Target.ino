@@ -1,4 +1,4 @@
-// Has endpoints of many kinds, reads all that comes in, and sends back the numbers. BAUD is defined by who builds it.
+// Has endpoints of many kinds, reads everything that arrives, and sends back the numbers. The build defines BAUD.
 #include <diagnostic_msgs/DiagnosticArray.h>
 #include <ros.h>
 #include <sensor_msgs/JointState.h>
@@ -8,11 +8,11 @@
 #include <std_srvs/SetBool.h>
 #include <tf/tfMessage.h>
 
-// What lies right before and behind the node is not to change.
+// The bytes right before and after the node must not change.
 struct Guarded {
   volatile uint8_t before[8];
   ros::NodeHandle node;
-  volatile uint8_t behind[8];
+  volatile uint8_t after[8];
 } guarded;
 
 std_msgs::Int16 number;
@@ -73,7 +73,7 @@ void setup() {
   guarded.node.subscribe(diagnostics);
   guarded.node.advertiseService(server);
   guarded.node.advertise(numbers_out);
-  for (uint8_t i = 0; i < 8; ++i) guarded.before[i] = guarded.behind[i] = 0x5a;
+  for (uint8_t i = 0; i < 8; ++i) guarded.before[i] = guarded.after[i] = 0x5a;
 }
 
 void loop() { guarded.node.spinOnce(); }
