@@ -102,7 +102,7 @@ class BoardHealth:
 
 
 def _radio_loss(radio: LinkQuality | None) -> list[Finding]:
-    """Return the finding, if the board's radio does not acknowledge many packets."""
+    """Return the finding, if many packets to the board are not acknowledged."""
     loss = radio.recent_loss if radio is not None else None
     if radio is None or loss is None or loss < MUCH_RADIO_LOSS:
         return []
