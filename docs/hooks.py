@@ -18,7 +18,7 @@ One page for each command. `rostether COMMAND --help` shows the same text in a t
 Exit codes: 0 done, 1 failed, 2 wrong usage, 130 interrupted. With `--json` a command prints one object a
 line.
 `ROS_MASTER_URI`, `ROS_IP`, `ROS_HOSTNAME`, `ROS_NAMESPACE` and `ROS_PACKAGE_PATH` have the same meaning as
-in ROS 1.
+in ROS 1; [Environment variables and files](../environment.md) lists all variables.
 Every command accepts arguments such as `__name:=x` or `__ns:=/lab`.
 """
 _MARK = re.compile(r'^(```.*?) test="[^"]*"', re.MULTILINE)
