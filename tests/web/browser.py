@@ -77,7 +77,7 @@ class Browser:
             json.dumps({"id": number, "command": command, **arguments}).encode() + b"\n"
         )
         answer: dict[str, Any] = {}
-        # The answer to a cancelled command still arrives.
+        # The answer to a canceled command still arrives.
         while answer.get("id") != number:
             line = await asyncio.wait_for(self._process.stdout.readline(), TIMEOUT_S)
             assert line, "the browser's program has ended"

@@ -206,7 +206,7 @@ class Session:
         self.link.service_call_started()
 
     def call_finished(self) -> None:
-        """Record that the response was sent or cancelled."""
+        """Record that the response was sent or canceled."""
         self.link.service_call_finished(self._loop.time())
         self._after_link()
 

@@ -168,7 +168,7 @@ class _Source:
             return
         self._has_ended = True
         self._on_end(self)
-        # Let an unfinished subscription complete: it cannot be cancelled halfway.
+        # Let an unfinished subscription complete: it cannot be canceled halfway.
         await asyncio.wait([self._opening])
         if not self._opening.cancelled() and self._opening.exception() is None:
             await self._opening.result().close()

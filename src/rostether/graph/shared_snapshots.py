@@ -25,7 +25,7 @@ class SharedSnapshots:
         """Return a snapshot that was requested after this call. Raises the errors of the request."""
         if self._next is None:
             self._next = asyncio.ensure_future(self._take_after(self._running))
-            # All its callers may have been cancelled.
+            # All its callers may have been canceled.
             self._next.add_done_callback(lambda task: task.cancelled() or task.exception())
         return await asyncio.shield(self._next)
 

@@ -112,7 +112,7 @@ class NodeProcess:
         try:
             await asyncio.shield(creating)
         finally:
-            # Also when cancelled, so that `stop` finds the process.
+            # Also when canceled, so that `stop` finds the process.
             self._process = await creating
             self._group = self._process.pid
 

@@ -50,7 +50,7 @@ async def run_plan(
     report: Callable[[Level, str], None],
     options: RunOptions = RunOptions(),
 ) -> bool:
-    """Run a plan to its end, and end all its processes, even when cancelled.
+    """Run a plan to its end, and end all its processes, even when canceled.
 
     `locate` finds the programs of nodes, `report` gets each line with its level. Returns False if a required
     node failed, or if no node could be started. Raises GraphError, such as MasterUnreachableError, and

@@ -14,7 +14,7 @@ Result = TypeVar("Result")
 async def in_own_loop(work: Callable[[], Coroutine[Any, Any, Result]]) -> Result:
     """Await `work()` on an event loop in its own thread; return its result or raise its error.
 
-    When the caller is cancelled, so is the work, and the caller waits until it has ended.
+    When the caller is canceled, so is the work, and the caller waits until it has ended.
     """
     outer = asyncio.get_running_loop()
     started: asyncio.Future[Callable[[], object]] = outer.create_future()

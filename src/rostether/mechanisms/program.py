@@ -1,4 +1,4 @@
-"""Runs a program to its end; if the caller is cancelled, the program and its children end too."""
+"""Runs a program to its end; if the caller is canceled, the program and its children end too."""
 
 from __future__ import annotations
 

@@ -9,7 +9,7 @@ from collections.abc import Awaitable
 async def run_until(work: Awaitable[object], end: Awaitable[object]) -> None:
     """Run `work` until it is done, or cancel it when `end` is; then both have ended.
 
-    Raises the error of `work`, including one that it raises when cancelled.
+    Raises the error of `work`, including one that it raises when canceled.
     """
     working = asyncio.ensure_future(work)
     ending = asyncio.ensure_future(end)

@@ -18,7 +18,7 @@ def start_search(registry: Registry) -> Future[None]:
     search = _searches.get(registry)
     if search is None:
         search = _searches[registry] = Future()
-        # It cannot be cancelled, because several callers may wait for it.
+        # It cannot be canceled, because several callers may wait for it.
         search.set_running_or_notify_cancel()
         # A daemon thread: the end of the program must not wait for a search.
         threading.Thread(target=_run, args=(registry, search), name="definitions", daemon=True).start()

@@ -79,7 +79,7 @@ class ByteThrottle:
 async def forward(
     graph: Graph, source: str, target: str, select: Select = all_messages, *, lazy: bool = False
 ) -> None:
-    """Publish a topic's messages under another name until cancelled.
+    """Publish a topic's messages under another name until canceled.
 
     With `lazy`, it subscribes only while there is a subscriber, once the type is known. Raises ConfigError if
     input and output are the same topic, InvalidNameError, GraphError.

@@ -49,7 +49,7 @@ class JoySettings(Struct, frozen=True):
 async def publish_joystick(
     graph: TypedGraph, settings: JoySettings, report: Callable[[Level, str], None]
 ) -> None:
-    """Publish `joy` until cancelled. Raises ConfigError, GraphError."""
+    """Publish `joy` until canceled. Raises ConfigError, GraphError."""
     settings = settings.checked()
     publisher = await graph.publisher("joy", "sensor_msgs/Joy")
     is_reported = False

@@ -25,7 +25,7 @@ MAX_INPUTS = 1_000
 
 
 class Mux:
-    """The node mux; `run` serves until cancelled."""
+    """The node mux; `run` serves until canceled."""
 
     def __init__(
         self,
@@ -49,7 +49,7 @@ class Mux:
         self._first_name = first if known else NO_INPUT
 
     async def run(self) -> None:
-        """Serve until cancelled. Raises GraphError."""
+        """Serve until canceled. Raises GraphError."""
         self._selected_publisher = await self._graph.publisher("mux/selected", "std_msgs/String", latch=True)
         self._selected_publisher.publish(data=self._first_name)
         services: dict[str, tuple[str, Handler]] = {

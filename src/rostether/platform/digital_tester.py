@@ -19,7 +19,7 @@ _CALL_LIMIT_S = 10.0
 
 
 async def publish_test_values(graph: TypedGraph, platform: str, report: Callable[[Level, str], None]) -> None:
-    """Register a DIGITAL sensor and publish a whole number from 0 to 100 each second, until cancelled.
+    """Register a DIGITAL sensor and publish a whole number from 0 to 100 each second, until canceled.
 
     It waits for the sensing manager. Raises ServiceCallError if the manager refuses, GraphError.
     """

@@ -30,7 +30,7 @@ LOST_S = 3.0
 
 
 class FleetMonitor:
-    """The node fleet_monitor; `run` serves until cancelled. Its queries command nothing."""
+    """The node fleet_monitor; `run` serves until canceled. Its queries command nothing."""
 
     def __init__(
         self, graph: TypedGraph, settings: FleetSettings, report: Callable[[Level, str], None]
@@ -42,7 +42,7 @@ class FleetMonitor:
         self._stopping = asyncio.Lock()
 
     async def run(self) -> None:
-        """Publish until cancelled. Raises ConfigError, GraphError."""
+        """Publish until canceled. Raises ConfigError, GraphError."""
         graph, stop = self._graph, self._stop
         with closing(FleetSender(self._settings, self._report)) as queries:
             fleet = await graph.publisher("fleet", "sensing_platform/Fleet", latch=True)

@@ -49,7 +49,7 @@ class BridgeNodeSettings(Struct, frozen=True):
 async def send_topic(
     graph: Graph, settings: BridgeNodeSettings, report: Callable[[Level, str], None]
 ) -> None:
-    """Send the topic's messages until cancelled. Raises ConfigError, InvalidNameError, GraphError."""
+    """Send the topic's messages until canceled. Raises ConfigError, InvalidNameError, GraphError."""
     if not 0 <= settings.frequency_hz <= _MAX_FREQUENCY_HZ:
         raise ConfigError(
             f"~frequency must be from 0 (no limit) to {_MAX_FREQUENCY_HZ:g} Hz, not {settings.frequency_hz:g}"

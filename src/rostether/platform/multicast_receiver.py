@@ -69,7 +69,7 @@ async def receive_topic(
     report: Callable[[Level, str], None],
     read_host: Callable[[], HostState] = read_host,
 ) -> None:
-    """Publish received messages until cancelled. Raises ConfigError, DefinitionError, GraphError."""
+    """Publish received messages until canceled. Raises ConfigError, DefinitionError, GraphError."""
     address = settings.address.checked()
     sources = check_networks(settings.sources, "~sources")
     publisher = await graph.publisher(settings.topic, settings.type_name)
@@ -133,7 +133,7 @@ class _Receiver:
             asyncio.get_running_loop().add_reader(each, self._read, each)
 
     async def keep_joined(self) -> None:
-        """Join the group, and join again when necessary, until cancelled."""
+        """Join the group, and join again when necessary, until canceled."""
         if not self._address.is_multicast:
             await asyncio.Event().wait()
         has_failed = False

@@ -34,7 +34,7 @@ GATHER_S = 0.05
 
 
 class SensingManager:
-    """The node sensing_manager; `run` serves until cancelled.
+    """The node sensing_manager; `run` serves until canceled.
 
     Without `state_path`, the sensors are only in memory. `named` are the sensors of the user's file.
     """
@@ -60,7 +60,7 @@ class SensingManager:
         self._is_unsaved = False
 
     async def run(self) -> None:
-        """Serve until cancelled. Raises GraphError."""
+        """Serve until canceled. Raises GraphError."""
         now_s = time.monotonic()
         restored = read_state(self._state_path) if self._state_path is not None else []
         self._registry = SensorRegistry(restored, now_s)

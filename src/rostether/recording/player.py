@@ -135,7 +135,7 @@ class Player:
             await publisher.drained(END_DRAIN_S)
 
     async def keep_clock(self) -> None:
-        """Publish the clock until cancelled."""
+        """Publish the clock until canceled."""
         while True:
             self._tick_clock()
             await asyncio.sleep(LONGEST_SLEEP_S)

@@ -78,7 +78,7 @@ class Recorder:
         return len(self._subscribers)
 
     async def run(self, on_started: Callable[[], None] | None = None) -> None:
-        """Record until cancelled, or a limit is reached.
+        """Record until canceled, or a limit is reached.
 
         `on_started` is called once, after the first subscriptions or before the wait for simulated time.
         Files are always closed, and keep their messages. Raises RecordingError if a write fails, and

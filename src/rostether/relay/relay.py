@@ -81,7 +81,7 @@ class Relay:
         self._ending: dict[RelayItem, asyncio.Task[None]] = {}
 
     async def run(self) -> None:
-        """Relay until cancelled. Raises GraphError when a graph shuts down the relay's node."""
+        """Relay until canceled. Raises GraphError when a graph shuts down the relay's node."""
         marks: list[Publisher] = []
         tasks: list[asyncio.Future[None]] = []
         try:
@@ -248,7 +248,7 @@ class Relay:
     async def _relay_item(self, item: RelayItem) -> None:
         reported = ""
         while True:
-            # Older relays have priority; this task is cancelled if one of them relays the item.
+            # Older relays have priority; this task is canceled if one of them relays the item.
             await asyncio.sleep(
                 OLDER_RELAY_WAIT_S * sum(mark < self._mark for mark in self._marked.relays.values())
             )

@@ -32,7 +32,7 @@ class ServiceRelay:
         self._server = await self._target.graph.advertise_service(self._service, service_type, call)
 
     async def wait_for_new_type(self) -> None:
-        """Wait until cancelled: a service keeps its type."""
+        """Wait until canceled: a service keeps its type."""
         await asyncio.Event().wait()
 
     async def close(self) -> None:

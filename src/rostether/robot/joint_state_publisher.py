@@ -59,7 +59,7 @@ async def publish_joint_states(
     on_source: Callable[[], None] | None = None,
     more_sources: Sequence[str] = (),
 ) -> None:
-    """Publish until cancelled or until the node is shut down; `on_source` is called when a source publishes.
+    """Publish until canceled or until the node is shut down; `on_source` is called when a source publishes.
 
     `more_sources` are topics of positions besides those in the parameter source_list. Raises ConfigError for
     an invalid parameter.

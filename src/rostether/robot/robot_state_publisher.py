@@ -25,7 +25,7 @@ _QUEUE_MESSAGES = 100
 
 
 async def publish_robot_state(graph: TypedGraph, warn: Callable[[str], None]) -> None:
-    """Publish until cancelled or until the node is shut down; `warn` gets problems with joint states.
+    """Publish until canceled or until the node is shut down; `warn` gets problems with joint states.
 
     Raises ConfigError and RobotModelError if robot_description or a parameter is invalid.
     """

@@ -80,7 +80,7 @@ def static_transform_of(value: ParamValue, name: str) -> StaticTransform:
 
 
 async def publish_static_transform(graph: TypedGraph, static: StaticTransform) -> None:
-    """Publish until cancelled or the node is shut down."""
+    """Publish until canceled or the node is shut down."""
     await run_until(_publish(graph, static), graph.raw.wait_closed())
 
 

@@ -98,7 +98,7 @@ class _Request(Struct):
 
 
 async def republish_for_web(graph: TypedGraph, report: Callable[[str], None]) -> None:
-    """Serve pages until cancelled; `report` gets a line about each request that is refused."""
+    """Serve pages until canceled; `report` gets a line about each request that is refused."""
     async with (
         tf_listener(graph) as listener,
         closed_at_end(_Republisher(graph, listener.buffer, report)) as republisher,

@@ -79,7 +79,7 @@ class ServerConnection(asyncio.Protocol):
         return self._task is not None
 
     def close(self) -> None:
-        """Close the connection after the written data was sent; a running method is cancelled."""
+        """Close the connection after the written data was sent; a running method is canceled."""
         if self._task is not None:
             self._task.cancel()
         if self._transport is not None:

@@ -126,7 +126,7 @@ class VirtualBoard:
         return min(task.due_s for task in self._tasks)
 
     async def run(self) -> None:
-        """Run whenever a host is connected, until cancelled; each new connection gets a log message."""
+        """Run whenever a host is connected, until canceled; each new connection gets a log message."""
         while True:
             await self._device.wait_connected()
             async with task_beside(self._report_ready()):

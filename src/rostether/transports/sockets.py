@@ -86,7 +86,7 @@ async def start_server(
         server = await asyncio.get_running_loop().create_server(
             make_protocol, host, port, backlog=accepted_at_once, start_serving=False
         )
-        # `create_server` itself would leave the server open if it was cancelled while it starts to serve.
+        # `create_server` itself would leave the server open if it was canceled while it starts to serve.
         try:
             await server.start_serving()
         except BaseException:

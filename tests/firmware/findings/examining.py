@@ -76,7 +76,7 @@ class Stalls:
         self.longest_s = 0.0
 
     async def watch(self) -> None:
-        """Measure until cancelled."""
+        """Measure until canceled."""
         clock = asyncio.get_running_loop().time
         while True:
             began_s = clock()

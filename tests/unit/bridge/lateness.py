@@ -16,7 +16,7 @@ class Lateness:
         self.total_s = 0.0
 
     async def watch(self) -> None:
-        """Measure until cancelled."""
+        """Measure until canceled."""
         clock = asyncio.get_running_loop().time
         while True:
             began_s = clock()

@@ -22,7 +22,7 @@ pytestmark = pytest.mark.slow
 RECONNECTS = effort(150, 1000)
 # Until then caches fill.
 WARM_UP = 100
-# asyncio keeps up to a hundred cancelled timers.
+# asyncio keeps up to a hundred canceled timers.
 MAX_GROWTH_BYTES = (RECONNECTS + 100) * 512
 
 

@@ -34,7 +34,7 @@ class BoardLine(Protocol):
         """Record that the board waits for a response."""
 
     def call_finished(self) -> None:
-        """Record that the response was sent or cancelled."""
+        """Record that the response was sent or canceled."""
 
 
 def stop_receiving(line: BoardLine, topic_id: int, receive: Receive) -> None:

@@ -54,7 +54,7 @@ class Discovery:
         self._offered: set[str] = set()
 
     async def run(self) -> None:
-        """Watch the ports until cancelled."""
+        """Watch the ports until canceled."""
         self._reporter.report(Level.INFO, "Looking for boards on the serial ports")
         is_first = True
         async for ports in self._watch.changes():

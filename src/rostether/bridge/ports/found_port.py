@@ -50,7 +50,7 @@ RESETS_AT_CLOSE = sys.platform != "linux"
 
 
 class FoundPort:
-    """Handles one port, in a task that ends when the port has disappeared, or when it is cancelled.
+    """Handles one port, in a task that ends when the port has disappeared, or when it is canceled.
 
     `is_dismissed`: another node shut down the board's node, so the port is not opened.
     """

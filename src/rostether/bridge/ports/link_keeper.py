@@ -62,7 +62,7 @@ class LinkKeeper:
             self._finder = PortFinder(address.path, list_ports, asyncio.get_running_loop().time)
 
     async def run(self) -> None:
-        """Serve the link until cancelled."""
+        """Serve the link until canceled."""
         while True:
             address, identity, transport = await self._open()
             try:

@@ -31,7 +31,7 @@ class ProgressLine:
         self._is_shown = is_shown
 
     async def refresh(self, recorder: Recorder) -> None:
-        """Write the line every second until cancelled."""
+        """Write the line every second until canceled."""
         loop = asyncio.get_running_loop()
         began_s = before_s = loop.time()
         before = (0, 0)

@@ -104,7 +104,7 @@ async def _serve(environment: RosEnvironment, port: int) -> None:
 
 
 async def _serve_router(reach: ZenohReach) -> None:
-    """Run the router until cancelled. Raises ConfigError, MasterUnreachableError if another one runs."""
+    """Run the router until canceled. Raises ConfigError, MasterUnreachableError if another one runs."""
     async with ros2_access(Middleware.ZENOH, reach=replace(reach, router="always")) as access:
         from rostether.ros2.zenoh.reachability import is_local
 

@@ -136,7 +136,7 @@ async def relay_between(
     master_port: int | None = None,
     msg_paths: Sequence[Path] = (),
 ) -> None:
-    """Relay until cancelled. Raises GraphError, ConfigError, and UnknownTypeError for a service.
+    """Relay until canceled. Raises GraphError, ConfigError, and UnknownTypeError for a service.
 
     Args:
         environment: The ROS 1 environment.

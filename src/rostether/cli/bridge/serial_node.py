@@ -111,7 +111,7 @@ def run_host(
     allowed: tuple[str, ...] = (),
     config: Path | None = None,
 ) -> None:
-    """Serve the boards on a host's link until cancelled. Raises ConfigError, GraphError, TransportOpenError.
+    """Serve the boards on a host's link until canceled. Raises ConfigError, GraphError, TransportOpenError.
 
     Args:
         host: The host to replace.

@@ -15,7 +15,7 @@ from rostether.names.remap import Arguments
 if TYPE_CHECKING:
     from rostether.platform.multicast_socket import GroupAddress
 
-# The nodes of the reference spell this parameter in three ways.
+# The nodes of the reference platform spell this parameter in three ways.
 _ADDRESS_NAMES = ("multicast_group_addr", "mulicast_group_addr", "multicating_group_addr")
 
 
@@ -31,7 +31,7 @@ _ADDRESS_NAMES = ("multicast_group_addr", "mulicast_group_addr", "multicating_gr
 async def multicast_topic_bridge(graph: TypedGraph, _: Arguments) -> None:
     """Send the newest message of a topic to a multicast group, one message per datagram.
 
-    Parameters: ~topic (multicast_topic), ~multicast_group_addr (224.0.1.1; the reference's spellings
+    Parameters: ~topic (multicast_topic), ~multicast_group_addr (224.0.1.1; the spellings
     ~mulicast_group_addr and ~multicating_group_addr also work), ~sending_port (12345), ~frequency (1000 Hz; 0
     sends immediately), ~interface (names or addresses), ~ttl (1). With ~framed true, the group is that of
     `rostether fleet` (239.255.82.83, port 11412), and robots check which sender commands them: ~robot (an id)
@@ -80,7 +80,7 @@ async def multicast_topic_bridge(graph: TypedGraph, _: Arguments) -> None:
 async def multicast_topic_receiver(graph: TypedGraph, _: Arguments) -> None:
     """Publish the messages that arrive from a multicast group.
 
-    Parameters: ~topic (multicast_topic), ~type, ~multicast_group_addr (224.0.1.1; the reference's spellings
+    Parameters: ~topic (multicast_topic), ~type, ~multicast_group_addr (224.0.1.1; the spellings
     ~mulicast_group_addr and ~multicating_group_addr also work), ~receiving_port or ~sending_port (12345),
     ~interface, ~sources (networks that may send; default: this machine). With ~framed true, the group is that
     of `rostether fleet` (239.255.82.83, port 11412); only commands for this robot are published, and zeros

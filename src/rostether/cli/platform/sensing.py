@@ -57,7 +57,7 @@ async def digital_tester(graph: TypedGraph, _: Arguments) -> None:
     from rostether.platform.digital_tester import publish_test_values
 
     default = os.environ.get("PLATFORM_NAME") or "DigitalTesterStation"
-    # The reference's node reads the parameter node/platform_name.
+    # The node of the reference platform reads the parameter node/platform_name.
     fallback = await NodeParameters(graph, "node/").text(default, "platform_name")
     platform = await NodeParameters(graph, "digital_tester/").text(fallback, "platform_name")
     await publish_test_values(graph, platform, reporter(graph))

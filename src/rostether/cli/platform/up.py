@@ -96,7 +96,7 @@ class _Parts:
         self.wrong: set[str] = set()
 
     async def run(self) -> NoReturn:
-        """Run the parts until cancelled. Raises ConfigError if no part can run."""
+        """Run the parts until canceled. Raises ConfigError if no part can run."""
         self.wrong.clear()
         async with asyncio.TaskGroup() as group:
             for part in sorted(self._parts, key=_is_core, reverse=True):

@@ -153,7 +153,7 @@ class _Ending:
             loop.call_soon_threadsafe(self._answer)
             return
         self._has_loop_answered = True
-        # Tasks that are cancelled here have nothing to report.
+        # Tasks that are canceled here have nothing to report.
         loop.set_exception_handler(lambda loop, context: None)
         raise KeyboardInterrupt
 

@@ -44,7 +44,7 @@ class ClientTopic:
         """Publish a message; return what the client must await before its next message, None if nothing."""
         if not self._opening.done():
             self._keep(payload)
-            # The task is shared: only the wait for it may be cancelled.
+            # The task is shared: only the wait for it may be canceled.
             return asyncio.wait([self._opening]) if len(payload) > MAX_QUICK_JSON_BYTES else None
         publisher, encoder = self._publisher, self._encoder
         if publisher is None or encoder is None:

@@ -21,7 +21,7 @@ from rostether.ros2.types.native_registry import NativeRegistry
 
 Send = Callable[[dict[str, Any], Delivery], None]
 
-# If a page disconnects, its goals are cancelled, so that the robot stops. A server that hangs must not delay
+# If a page disconnects, its goals are canceled, so that the robot stops. A server that hangs must not delay
 # this for longer.
 _CANCEL_LIMIT_S = 2.0
 

@@ -73,7 +73,7 @@ class PlainAnswer:
             self._download.cancel()
 
     async def _send_download(self, site: Site, path: str) -> None:
-        # A cancelled download closes its file.
+        # A canceled download closes its file.
         async with aclosing(_download_chunks(site, path)) as chunks:
             async for chunk in chunks:
                 self._transport.write(chunk)

@@ -48,7 +48,7 @@ class PartProcess:
         self._last_notification_s: float | None = None
 
     async def run(self) -> None:
-        """Keep the part running until cancelled; then end it. Returns if its arguments are wrong."""
+        """Keep the part running until canceled; then end it. Returns if its arguments are wrong."""
         loop = asyncio.get_running_loop()
         while True:
             started_s = loop.time()

@@ -39,7 +39,7 @@ async def publish_pictures(
     report: Callable[[Level, str], None],
     detector: CascadeDetector | None = None,
 ) -> None:
-    """Publish the pictures of a source as a sensor until cancelled. Raises GraphError.
+    """Publish the pictures of a source as a sensor until canceled. Raises GraphError.
 
     With a detector, boxes are drawn around the detected objects, and published on `<topic>/detections`.
     """
@@ -71,7 +71,7 @@ class _Camera:
         self._count = 0
 
     async def run(self, report: Callable[[Level, str], None]) -> None:
-        """Publish until cancelled."""
+        """Publish until canceled."""
         await publish_readings(self._sensor, self._while_wanted, self._publish, report, hint=_HINT)
 
     def _publish(self, reading: tuple[list[Region], bytes] | None) -> None:

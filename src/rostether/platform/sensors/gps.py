@@ -27,7 +27,7 @@ _REPORT_S = 2.5
 async def publish_positions(
     graph: TypedGraph, description: SensorDescription, address: Address, report: Callable[[Level, str], None]
 ) -> None:
-    """Publish the positions of a receiver as a sensor until cancelled. Raises GraphError, ConfigError."""
+    """Publish the positions of a receiver as a sensor until canceled. Raises GraphError, ConfigError."""
     # A missing package is reported immediately.
     NmeaReader()
     async with registered_sensor(graph, description, report) as sensor:

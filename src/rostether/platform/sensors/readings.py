@@ -57,7 +57,7 @@ async def publish_readings(
     hint: str,
     silence: str = "",
 ) -> None:
-    """Publish each reading until cancelled; `publish` also sets the state. Raises the source's ConfigError.
+    """Publish each reading until canceled; `publish` also sets the state. Raises the source's ConfigError.
 
     If `open_source` raises OSError or RostetherError, the device is opened again each second; `hint` is the
     advice for the user, which follows the error. `silence` is the reason to show while no reading arrives.

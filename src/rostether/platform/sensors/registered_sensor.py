@@ -97,7 +97,7 @@ class RegisteredSensor:
             self._has_changed.set()
 
     async def keep_registered(self) -> None:
-        """Register, and renew the lease, until cancelled."""
+        """Register, and renew the lease, until canceled."""
         backoff = Backoff(first_s=RETRY_S, limit_s=RENEWAL_S)
         while True:
             self._has_changed.clear()

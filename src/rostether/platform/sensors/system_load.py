@@ -83,7 +83,7 @@ async def publish_system_load(
     files: SystemFiles,
     report: Callable[[Level, str], None],
 ) -> None:
-    """Publish CPU, memory and disk, and the temperature if it is measured, until cancelled.
+    """Publish CPU, memory and disk, and the temperature if it is measured, until canceled.
 
     `word` is the robot's name in the ids of the sensors. Raises GraphError.
     """

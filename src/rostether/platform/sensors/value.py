@@ -50,7 +50,7 @@ async def publish_values(
     hint: str = "choose another ~path, ~gpio or ~field",
     silence: str = "",
 ) -> None:
-    """Publish the numbers of a source as a sensor until cancelled. Raises GraphError, ConfigError.
+    """Publish the numbers of a source as a sensor until canceled. Raises GraphError, ConfigError.
 
     `hint` and `silence` are the texts for users if the source fails, and while it sends no number.
     """

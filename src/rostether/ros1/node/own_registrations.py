@@ -70,7 +70,7 @@ class OwnRegistrations:
         self._on_replaced = on_replaced
         # The type name of each registration; empty for services, whose types the master does not store.
         self._wanted: dict[tuple[OwnKind, str], str] = {}
-        # No longer wanted, but perhaps still in the master: a removal was cancelled, or is in progress.
+        # No longer wanted, but perhaps still in the master: a removal was canceled, or is in progress.
         self._left_over: set[tuple[OwnKind, str]] = set()
         self._locks: WeakValueDictionary[tuple[OwnKind, str], asyncio.Lock] = WeakValueDictionary()
         self._is_behind = False
@@ -91,7 +91,7 @@ class OwnRegistrations:
                 _log.warning("%s will register when the master is back: %s", self._master.caller_id, error)
 
     async def remove(self, kind: OwnKind, name: str) -> None:
-        """Unregister. If cancelled, `close` unregisters instead."""
+        """Unregister. If canceled, `close` unregisters instead."""
         if self._wanted.pop((kind, name), None) is not None:
             self._left_over.add((kind, name))
             await self._unregister(kind, name)

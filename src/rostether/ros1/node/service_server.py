@@ -132,7 +132,7 @@ class ServiceConnection(asyncio.Protocol):
             self._on_lost(self)
 
     async def close(self) -> None:
-        """End the connection; a running call is cancelled and its caller receives an error."""
+        """End the connection; a running call is canceled and its caller receives an error."""
         if self._task is not None:
             self._transport.write(encode_error("the service has been shut down"))
             self._task.cancel()

@@ -89,7 +89,7 @@ class ExecutorThread:
 
 
 def set_result(future: asyncio.Future[_Result], result: _Result) -> None:
-    """Set the result, unless the waiting task was cancelled."""
+    """Set the result, unless the waiting task was canceled."""
     if not future.done():
         future.set_result(result)
 

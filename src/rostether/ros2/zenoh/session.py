@@ -244,7 +244,7 @@ async def _open_session(configuration: zenoh.Config) -> zenoh.Session:
 
 
 async def _watch_router(session: zenoh.Session, named: Sequence[str], report: Callable[[str], None]) -> None:
-    """Report when no router is connected, and an empty text when one is connected again, until cancelled.
+    """Report when no router is connected, and an empty text when one is connected again, until canceled.
 
     Zenoh does not report it. `named` are the endpoints in the configuration. If none of them ever answered,
     that is also a problem, except while other peers are connected: a network of peers needs no router.

@@ -96,7 +96,7 @@ class ActionClient:
         self.pub_cancel.publish(GoalID())
 
     def cancel_goals_at_and_before_time(self, time: Any) -> None:
-        """Ask the server to cancel the goals that were sent until `time`."""
+        """Ask the server to cancel the goals that were sent at or before `time`."""
         self.pub_cancel.publish(GoalID(stamp=time))
 
     def wait_for_server(self, timeout: Any = 0.0) -> bool:

@@ -85,7 +85,7 @@ class ActionServer:
         self.goal_callback = cb
 
     def register_cancel_callback(self, cancel_cb: Callable[[ServerGoalHandle], object]) -> None:
-        """Set the function to call with goals that should be cancelled."""
+        """Set the function to call with goals that should be canceled."""
         self.cancel_callback = cancel_cb
 
     def start(self) -> None:

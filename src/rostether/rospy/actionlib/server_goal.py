@@ -92,7 +92,7 @@ class ServerGoalHandle:
         self._change(_ACCEPTED, "an active state, the goal must be in a pending or recalling state", text)
 
     def set_canceled(self, result: Any = None, text: str = "") -> None:
-        """End the goal as cancelled: RECALLED or PREEMPTED."""
+        """End the goal as canceled: RECALLED or PREEMPTED."""
         requirement = (
             "a cancelled state, the goal must be in a pending, recalling, active, or preempting state"
         )

@@ -122,7 +122,7 @@ class SimpleActionClient:
         self.action_client.cancel_all_goals()
 
     def cancel_goals_at_and_before_time(self, time: Any) -> None:
-        """Ask the server to cancel the goals that were sent until `time`."""
+        """Ask the server to cancel the goals that were sent at or before `time`."""
         self.action_client.cancel_goals_at_and_before_time(time)
 
     def cancel_goal(self) -> None:
@@ -131,7 +131,7 @@ class SimpleActionClient:
             self.gh.cancel()
 
     def stop_tracking_goal(self) -> None:
-        """Stop following the goal; it is not cancelled."""
+        """Stop following the goal; it is not canceled."""
         self.gh = None
 
     def _handle_transition(self, handle: ClientGoalHandle) -> None:

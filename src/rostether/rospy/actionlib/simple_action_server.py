@@ -77,7 +77,7 @@ class SimpleActionServer:
         return self.new_goal
 
     def is_preempt_requested(self) -> bool:
-        """Return whether the current goal should be cancelled."""
+        """Return whether the current goal should be canceled."""
         return self.preempt_request
 
     def is_active(self) -> bool:
@@ -97,7 +97,7 @@ class SimpleActionServer:
             self.current_goal.set_aborted(result, text)
 
     def set_preempted(self, result: Any = None, text: str = "") -> None:
-        """End the current goal as cancelled."""
+        """End the current goal as canceled."""
         with self.action_server.lock, self.lock:
             self.current_goal.set_canceled(result, text)
 
@@ -120,7 +120,7 @@ class SimpleActionServer:
             self.goal_callback = cb
 
     def register_preempt_callback(self, cb: Callable[[], object]) -> None:
-        """Set a function to call when the current goal should be cancelled."""
+        """Set a function to call when the current goal should be canceled."""
         self.preempt_callback = cb
 
     def internal_goal_callback(self, goal: ServerGoalHandle) -> None:

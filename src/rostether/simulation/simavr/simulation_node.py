@@ -89,7 +89,7 @@ class SimulationNode:
             self._record_command(line)
 
     async def run(self) -> None:
-        """Publish the state and execute commands until the board ends or the task is cancelled.
+        """Publish the state and execute commands until the board ends or the task is canceled.
 
         Raises GraphError.
         """

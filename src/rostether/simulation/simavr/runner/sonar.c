@@ -61,7 +61,7 @@ void sonar_wire(struct pin *new_trig, struct pin *new_echo) {
 
 void sonar_set_range(double meters) { range = meters; }
 
-/* The simulator's reset has already cancelled the echo's timers. */
+/* The simulator's reset has already canceled the echo's timers. */
 void sonar_reset(void) {
     if (echo) pin_drive(echo, false);
 }
