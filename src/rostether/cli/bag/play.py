@@ -52,12 +52,14 @@ class PlayOptions:
         "-r --rate", "Speed relative to the recording (default: 1).", type=POSITIVE, default=1.0
     )
     start_s: float = option(
-        "-s --start SEC", "Start SEC seconds after the beginning.", type=float, default=0.0
+        "-s --start --start-offset SEC", "Start SEC seconds after the beginning.", type=float, default=0.0
     )
-    duration_s: float | None = option("-u --duration SEC", "Play only SEC seconds.", type=NOT_NEGATIVE)
+    duration_s: float | None = option(
+        "-u --duration --playback-duration SEC", "Play only SEC seconds.", type=NOT_NEGATIVE
+    )
     is_looping: bool = flag("-l --loop", "Start again at the end.")
     immediate: bool = flag("-i --immediate", "Play as fast as possible.")
-    is_paused: bool = flag("--pause", "Start paused.")
+    is_paused: bool = flag("--pause --start-paused", "Start paused.")
     with_clock: bool = flag("--clock", "Publish the recorded time on /clock.")
     clock_hz: float = option(
         "--hz", "The rate of /clock, in Hz (default: 100).", type=POSITIVE, default=100.0
@@ -111,7 +113,7 @@ class PlayOptions:
 )
 @option_group("options", PlayOptions)
 @click.argument("files", nargs=-1, required=True, metavar="FILE... [FROM:=TO]...")
-@ignored_options(flags=["--try-future-version"])
+@ignored_options("--read-ahead-queue-size", flags=["--try-future-version", "-m --remap"])
 @graph_options(allow=True, zenoh=True)
 def bag_play(options: PlayOptions, files: tuple[str, ...], graph: GraphOptions) -> None:
     """Publish the messages of recordings at their recorded times. Space pauses, s steps, q quits.

@@ -148,7 +148,7 @@ class RecordOptions:
 )
 @option_group("options", RecordOptions)
 @click.argument("topics", nargs=-1, metavar="[TOPIC]...", shell_complete=complete_topics)
-@ignored_options(flags=["--tcpnodelay", "--udp"])
+@ignored_options(flags=["--tcpnodelay", "--udp", "--topics"])
 @graph_options(allow=True, zenoh=True)
 def bag_record(options: RecordOptions, topics: tuple[str, ...], graph: GraphOptions) -> None:
     """Record topics, as raw bytes, until Ctrl-C, a limit, or a full disk.

@@ -23,7 +23,7 @@ def test_recorded_as_ros2_and_played_again(world: ZenohWorld, shell: Shell, tmp_
     folder = tmp_path / "drive"
     for seconds in ("2", "20", "60"):
         recording = ("bag", "record", "-O", str(folder), "-l", "3", "--duration", seconds)
-        printed = shell.output(*recording, "/imu", "/name")
+        printed = shell.output(*recording, "--topics", "/imu", "/name")
         content = yaml.safe_load((folder / "metadata.yaml").read_text())["rosbag2_bagfile_information"]
         counts = [each["message_count"] for each in content["topics_with_message_count"]]
         if sum(counts) == 4:
@@ -56,10 +56,15 @@ def test_recorded_as_ros2_and_played_again(world: ZenohWorld, shell: Shell, tmp_
             "--wait-for-subscribers",
             "--topics",
             "/imu",
-            "--",
-            str(folder),
+            "--start-offset",
+            "0",
+            "--playback-duration",
+            "100",
+            "--remap",
             "/imu:=/again",
+            str(folder),
         ]
+        # The options have the spellings of ros2 bag.
         assert shell.output("bag", "play", *words) == "played 3 messages\n"
         world.wait_until(lambda: len(received) == 3 and bool(clocks))
     finally:
