@@ -182,10 +182,14 @@ def ignored_options(*names: str, flags: Sequence[str] = ()) -> Callable[[Functio
     def decorate(function: Function) -> Function:
         decorated: Any = function
         for spellings in (*names, *flags):
-            is_flag = spellings in flags
-            decorated = click.option(*spellings.split(), is_flag=is_flag, expose_value=False, hidden=True)(
-                decorated
-            )
+            decorated = click.option(
+                *spellings.split(),
+                # An argument may have the same name.
+                f"ignored_{spellings.split()[0].strip('-').replace('-', '_')}",
+                is_flag=spellings in flags,
+                expose_value=False,
+                hidden=True,
+            )(decorated)
         return decorated  # type: ignore[no-any-return]
 
     return decorate
