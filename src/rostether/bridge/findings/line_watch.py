@@ -189,6 +189,8 @@ class LineWatch:
         self._announcements.discarded(event)
         if self.was_alive and self._silence_s is None and (loses_datagrams or not was_text):
             self._damage.count_discarded(event, now_s, self._statistics.frames_received)
+            # The damaged frame may be a time request.
+            self.loop_speed.forget()
 
     @property
     def is_silent(self) -> bool:

@@ -80,7 +80,7 @@ class LoopSpeed:
             self._intervals_s.append(interval_s)
 
     def forget(self) -> None:
-        """Record a reset of the board, which changes when its next request is due."""
+        """Ignore the present interval: the board was reset, or a request may have been lost."""
         self._last_s = None
 
     def note_pause(self) -> None:

@@ -66,6 +66,7 @@ class Noise:
         self._line = bytearray()
         self._pieces = 0
         self._piece_s = float("-inf")
+        self._damaged_s = float("-inf")
         self._versions: dict[int, int] = {}
 
     @property
@@ -82,12 +83,18 @@ class Noise:
         del self._recent[:-KEPT_BYTES]
         if event.reason is DiscardReason.VERSION:
             self._note_version(data)
+        is_damage = event.reason is not DiscardReason.NOISE
+        if not is_damage and now_s - self._damaged_s <= PIECE_GAP_S:
+            # The rest of a damaged message may be text too.
+            return False
         # A sketch that prints character by character still prints a line.
         self._line += data[:KEPT_BYTES]
-        found = is_text(bytes(self._line))
+        # The length before each string of a message has zeros.
+        found = not is_damage and b"\0\0" not in self._line and is_text(bytes(self._line))
         if found and is_alive:
             self._note_text(len(data), now_s)
-        if not found and len(self._line) >= MIN_TEXT_BYTES:
+        if is_damage or (not found and len(self._line) >= MIN_TEXT_BYTES):
+            self._damaged_s = now_s
             self._line.clear()
         del self._line[:-KEPT_BYTES]
         return found

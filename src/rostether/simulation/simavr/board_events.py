@@ -49,11 +49,20 @@ def show_event(event: BoardEvent) -> str:
     """Format an event in one line: the board's time in seconds, the event, its values, the meaning."""
     values = dict(event.values)
     text = values.pop("text", "") or _MEANINGS.get(event.name, "")
+    if event.name == "serial":
+        values["data"] = _show_bytes(bytes.fromhex(values["data"]))
     pin = values.pop("pin", None)
     parts = [event.name.replace("_", " "), *([str(pin)] if pin is not None else [])]
     parts += [f"{key}={_show(value)}" for key, value in values.items() if value != ""]
     line = f"{event.time_s:12.6f}  {' '.join(parts)}"
     return f"{line}: {text}" if text else line
+
+
+def _show_bytes(data: bytes) -> str:
+    """Show what a sketch prints as text in quotes, and other bytes in hexadecimal."""
+    text = data.decode("latin-1")
+    is_text = data.isascii() and "".join(text.split()).isprintable()
+    return json.dumps(text) if is_text else data.hex()
 
 
 def _show(value: Any) -> str:

@@ -80,3 +80,16 @@ def test_the_advice_for_damaged_frames_is_that_of_the_line(medium: Medium, advic
         statistics.frames_received += 1
     (finding,) = watch.find(6.0)
     assert advice in finding.next_step
+
+
+@pytest.mark.parametrize("is_damaged", [False, True])
+def test_a_time_request_that_is_lost_in_noise_is_not_a_slow_loop(is_damaged: bool) -> None:
+    watch = LineWatch(57600, Resets(), LinkStatistics(), 0.0)
+    watch.handle_event(LED, 0.0)
+    watch.handle_event(ProtocolDetected(2), 0.0)
+    for number in range(6):
+        watch.handle_event(TimeRequested(), number * 5.0)
+        if is_damaged:
+            damage = FrameDiscarded(DiscardReason.PAYLOAD_CHECKSUM, b"\xff\xfe\x08\x00\xf7\x0a")
+            watch.handle_event(damage, number * 5.0 + 2.5)
+    assert (Code.SLOW_LOOP in {each.code for each in watch.find(26.0)}) is not is_damaged

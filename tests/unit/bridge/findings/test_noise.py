@@ -48,6 +48,22 @@ def test_the_rest_of_a_damaged_announcement_is_not_text_of_the_sketch() -> None:
     assert watched.text_count > 0
 
 
+def test_damaged_messages_with_text_are_not_text_of_the_sketch() -> None:
+    text = b"the battery has 12.1 V, the motors are off, and the arm is at its rest position\n"
+    frame = bytearray(encode_frame(125, bytes((len(text), 0, 0, 0)) + text))
+    watched = Noise()
+    for second in range(9):
+        # A damaged sync byte: the frame arrives as noise, in two reads or in one.
+        watched.handle_discarded(noise(b"\xf7" + frame[1:20]), second, is_alive=True)
+        watched.handle_discarded(noise(bytes(frame[20:])), second + 0.004, is_alive=True)
+        watched.handle_discarded(noise(b"\xf7" + frame[1:]), second + 0.5, is_alive=True)
+        checksum = noise(bytes(frame), DiscardReason.PAYLOAD_CHECKSUM)
+        watched.handle_discarded(checksum, second + 0.7, is_alive=True)
+    assert watched.text_count == 0
+    watched.handle_discarded(noise(b"distance 42 cm\r\n"), 10.0, is_alive=True)
+    assert watched.text == b"distance 42 cm\r\n"
+
+
 def test_before_the_first_frame_text_is_a_boot_message() -> None:
     watched = Noise()
     watched.handle_discarded(noise(b"ets Jun  8 2016 00:22:57"), 0.0, is_alive=False)

@@ -26,6 +26,9 @@ def test_other_lines_are_refused(line: bytes) -> None:
             "    0.020000  servo D9 angle_deg=90.07",
         ),
         (BoardEvent("power", 2.0, {"on": False}), "    2.000000  power on=no"),
+        (BoardEvent("serial", 1.0, {"data": "4869210d0a"}), '    1.000000  serial data="Hi!\\r\\n"'),
+        (BoardEvent("serial", 1.0, {"data": "fffe0800"}), "    1.000000  serial data=fffe0800"),
+        (BoardEvent("serial", 1.0, {"data": "0000"}), "    1.000000  serial data=0000"),
         (BoardEvent("asleep", 3.0, {"text": "it sleeps"}), "    3.000000  asleep: it sleeps"),
         (
             BoardEvent("stack_overflow", 3.0, {"free_bytes": 0}),
