@@ -1,8 +1,8 @@
 """Computes the stack use of a piece of AVR code, and its calls.
 
 It follows all paths through the code and keeps the deepest stack at each instruction.
-The frame of a function is what the compiler subtracts from the stack pointer through r28; it is known if r28
-was loaded from the stack pointer before.
+A function that needs a frame loads the stack pointer into r28, subtracts the size of the frame, and stores the
+result in the stack pointer. So the size is known if the walk has seen that r28 was loaded.
 """
 
 from __future__ import annotations
@@ -45,7 +45,7 @@ class Walk(Struct):
 class Code(Struct, frozen=True):
     """The flash of a program, the starts and sizes of its functions, and the length of a return address.
 
-    Old compilers offset tables of labels below `tables_end`.
+    Old compilers put the tables of labels of large `switch` statements below `tables_end`.
     """
 
     flash: bytes

@@ -69,7 +69,7 @@ class DatagramSender:
             except BlockingIOError:
                 return
             except OSError:
-                # No program listens on a unicast address.
+                # Systems may report here that no program listens at a unicast address.
                 continue
             on_datagram(datagram, address)
 
