@@ -1,8 +1,8 @@
 """Computes the stack use of a piece of AVR code, and its calls.
 
 It follows all paths through the code and keeps the deepest stack at each instruction.
-A function that needs a frame loads the stack pointer into r28, subtracts the size of the frame, and stores the
-result in the stack pointer. So the size is known if the walk has seen that r28 was loaded.
+A function that needs a frame loads the stack pointer into r28, subtracts the size of the frame, and stores
+the result in the stack pointer. So the size is known if the walk has seen that r28 was loaded.
 """
 
 from __future__ import annotations

@@ -150,7 +150,8 @@ class Bag:
     ) -> Iterator[Any]:
         """Yield (topic, message, time) in the order of time, from `start_time` to `end_time` inclusive.
 
-        A raw message is (type, bytes, md5sum, position, class); the position is always None.
+        A raw message is (type, bytes, md5sum, position, class); the position is always None. Raises ValueError
+        for a closed bag, ROSBagException, and DeserializationError for a message that does not fit its type.
         """
         reader = self._readable()
         names = _names(topics)
@@ -167,7 +168,10 @@ class Bag:
                 )
             )
 
-        found = reader.messages(is_wanted, start_ns=_nanoseconds(start_time), end_ns=_nanoseconds(end_time))
+        with _rosbag_errors():
+            found = reader.messages(
+                is_wanted, start_ns=_nanoseconds(start_time), end_ns=_nanoseconds(end_time)
+            )
         return self._converted(found, raw=raw, with_header=return_connection_header)
 
     def write(
@@ -193,36 +197,34 @@ class Bag:
         else:
             kind, payload = message_type_of(type(msg)), message_bytes(msg)
         connection = with_header(topic, kind, connection_header or {})
-        try:
+        with _rosbag_errors():
             self._writer.write(self._writer.add_connection(connection), time_ns, (bytes(payload),))
-        except RecordingError as error:
-            raise ROSBagException(str(error)) from None
 
     def flush(self) -> None:
-        """Pass all written data to the operating system."""
+        """Pass all written data to the operating system. Raises ROSBagException."""
         if self._writer is not None:
-            self._writer.flush()
+            with _rosbag_errors():
+                self._writer.flush()
 
     def close(self) -> None:
-        """Write the index and close the file. Idempotent."""
+        """Write the index and close the file. Idempotent. Raises ROSBagException."""
         writer, self._writer = self._writer, None
         reader, self._reader = self._reader, None
         if writer is not None:
-            try:
+            with _rosbag_errors():
                 writer.close()
-            except RecordingError as error:
-                raise ROSBagException(str(error)) from None
             if writer.path != self._path:
                 writer.path.replace(self._path)
         if reader is not None:
             reader.close()
 
     def reindex(self) -> Iterator[int]:
-        """Repair a bag that was not closed. Yields the progress in bytes."""
+        """Repair a bag that was not closed, and yield the progress in bytes. Raises ROSBagException."""
         yield 0
         if self._reader is not None:
             self._reader.close()
-            reindex(self._path, self._path)
+            with _rosbag_errors():
+                reindex(self._path, self._path)
             self._reader = self._open(self._path)
         yield self.size
 
@@ -242,7 +244,10 @@ class Bag:
         return self._span()[1] / NS_PER_S
 
     def get_type_and_topic_info(self, topic_filters: Any = None) -> TypesAndTopicsTuple:
-        """Return the types with their md5sums, and the topics with their types, counts and frequencies."""
+        """Return the types with their md5sums, and the topics with their types, counts and frequencies.
+
+        Raises ROSBagException.
+        """
         with self._reading() as reader:
             return types_and_topics(reader, _names(topic_filters))
 
@@ -273,9 +278,9 @@ class Bag:
         """Copy the bag to a new file; `close` replaces the bag with it."""
         reader = self._open(path)
         writer = self._create(path.with_name(f".{path.name}.unfinished"))
-        for message in reader.messages():
-            writer.write(writer.add_connection(message.connection), message.time_ns, (message.payload,))
-        reader.close()
+        with closing(reader), _rosbag_errors():
+            for message in reader.messages():
+                writer.write(writer.add_connection(message.connection), message.time_ns, (message.payload,))
         self._writer = writer
 
     def _readable(self) -> RecordingReader:
@@ -283,7 +288,7 @@ class Bag:
             if self._writer is None:
                 raise ValueError(_CLOSED)
             # After a flush, the file has only whole chunks, so it can be read like a bag that was not closed.
-            self._writer.flush()
+            self.flush()
             return self._open(self._writer.path)
         return self._reader
 
@@ -291,9 +296,11 @@ class Bag:
     def _reading(self) -> Iterator[RecordingReader]:
         """Provide a reader of the bag; as in rosbag, even of a closed bag."""
         if self._reader is not None:
-            yield self._reader
+            with _rosbag_errors():
+                yield self._reader
             return
-        with closing(self._readable() if self._writer is not None else self._open(self._path)) as reader:
+        own = self._readable() if self._writer is not None else self._open(self._path)
+        with closing(own) as reader, _rosbag_errors():
             yield reader
 
     def _span(self) -> tuple[int, int]:
@@ -304,7 +311,7 @@ class Bag:
         return span_ns
 
     def _converted(self, found: Iterator[RecordedMessage], *, raw: bool, with_header: bool) -> Iterator[Any]:
-        for connection, time_ns, payload in found:
+        for connection, time_ns, payload in _with_rosbag_errors(found):
             stamp = Time(*divmod(time_ns, NS_PER_S))
             made = self._types.class_of(connection.type)
             message: Any
@@ -319,6 +326,20 @@ class Bag:
 
 
 _CLOSED = "I/O operation on closed bag"
+
+
+@contextmanager
+def _rosbag_errors() -> Iterator[None]:
+    """Raise the errors of recordings in the block as rosbag's."""
+    try:
+        yield
+    except (RecordingError, ConfigError) as error:
+        raise ROSBagException(str(error)) from None
+
+
+def _with_rosbag_errors(found: Iterator[RecordedMessage]) -> Iterator[RecordedMessage]:
+    with _rosbag_errors():
+        yield from found
 
 
 def _names(topics: Any) -> frozenset[str] | None:

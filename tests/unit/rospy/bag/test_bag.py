@@ -30,6 +30,26 @@ with rosbag.Bag(sys.argv[1], allow_unindexed=True) as bag:
     print(bag.get_message_count(), len(list(bag.reindex())))
 print(rosbag.Bag(open(sys.argv[1], 'rb')).get_message_count())
 """
+BROKEN = """
+import sys, rosbag
+with rosbag.Bag(sys.argv[1]) as bag:
+    for use in (lambda: list(bag), bag.get_type_and_topic_info, lambda: rosbag.Bag(sys.argv[1], 'a')):
+        try:
+            use()
+        except rosbag.ROSBagException as error:
+            print(error)
+"""
+FULL = """
+import resource, sys, rosbag
+from std_msgs.msg import String
+bag = rosbag.Bag(sys.argv[1], 'w')
+bag.write('/a', String('x' * 100000))
+resource.setrlimit(resource.RLIMIT_FSIZE, (50000, 50000))
+try:
+    bag.flush()
+except rosbag.ROSBagException as error:
+    print(error)
+"""
 
 
 async def test_bags_and_those_of_ros2_are_read(tmp_path: Path) -> None:
@@ -50,6 +70,21 @@ async def test_a_bag_that_was_not_closed(tmp_path: Path) -> None:
     bag = tmp_path / "a.bag"
     write_bag(bag, closes=False)
     assert await printed(UNINDEXED, str(bag)) == ["Unindexed bag", "30 2", "30"]
+
+
+async def test_a_broken_chunk_raises_the_error_of_rosbag(tmp_path: Path) -> None:
+    bag = tmp_path / "a.bag"
+    write_bag(bag, compression="bz2")
+    data = bag.read_bytes()
+    bag.write_bytes(data.replace(b"BZh9", b"BZh0", 1))
+    errors = await printed(BROKEN, str(bag))
+    assert len(errors) == 3
+    assert all("bz2" in each for each in errors)
+
+
+async def test_a_full_disk_raises_the_error_of_rosbag(tmp_path: Path) -> None:
+    (error,) = await printed(FULL, str(tmp_path / "a.bag"))
+    assert "cannot write" in error
 
 
 async def test_a_bag_needs_a_path() -> None:
