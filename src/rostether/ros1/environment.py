@@ -71,8 +71,8 @@ class RosEnvironment(Struct, frozen=True):
 
     `master_uri_is_set` is whether the user chose the master, `advertised_host` the host in registered URIs.
     `listen_hosts` are the addresses of servers, `admission` decides which machines may connect to them, and
-    `limits` limits their data. `own_names` are further names of this machine, from the user. `namespace` is
-    global.
+    `limits` limits their data. `own_names` are further names of this machine, from the user. `namespace`
+    begins with a slash.
     """
 
     master_uri: str = DEFAULT_MASTER_URI

@@ -150,8 +150,9 @@ class Bag:
     ) -> Iterator[Any]:
         """Yield (topic, message, time) in the order of time, from `start_time` to `end_time` inclusive.
 
-        A raw message is (type, bytes, md5sum, position, class); the position is always None. Raises ValueError
-        for a closed bag, ROSBagException, and DeserializationError for a message that does not fit its type.
+        A raw message is (type, bytes, md5sum, position, class); the position is always None.
+        Raises ValueError for a closed bag, ROSBagException, and DeserializationError for a message that does
+        not fit its type.
         """
         reader = self._readable()
         names = _names(topics)
