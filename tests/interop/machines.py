@@ -1,5 +1,4 @@
-"""Several machines in a network, on one machine: each is a network namespace with its own loopback and
-address.
+"""Simulates several machines on one: each is a network namespace with its own loopback and address.
 
 They need no root if the system permits users to create namespaces.
 """

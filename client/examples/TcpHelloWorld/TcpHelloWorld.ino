@@ -10,7 +10,7 @@
 #include <ros.h>
 #include <std_msgs/String.h>
 
-// Each board in a network needs its own values. Ask the network's administrator for a free address.
+// Each board on a network needs its own values. Ask the network's administrator for a free address.
 byte mac[] = {0xDE, 0xAD, 0xBE, 0xEF, 0xFE, 0xED};
 IPAddress ip(192, 168, 0, 177);
 

@@ -7,7 +7,7 @@
 //   ...
 //   commands.spinOnce();
 //
-// Every machine in the network can send such datagrams. Use ros::MulticastCommand where you can.
+// Every machine on the network can send such datagrams. Use ros::MulticastCommand where you can.
 #ifndef ROS_MULTICAST_TOPIC_H_
 #define ROS_MULTICAST_TOPIC_H_
 

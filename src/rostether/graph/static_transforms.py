@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import struct
 
-# Also in a namespace.
+# Even in a namespace.
 STATIC_TOPIC = "/tf_static"
 
 TRANSFORM_TYPES = frozenset({"tf2_msgs/TFMessage", "tf/tfMessage"})

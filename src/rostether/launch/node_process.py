@@ -112,7 +112,7 @@ class NodeProcess:
         try:
             await asyncio.shield(creating)
         finally:
-            # Also when canceled, so that `stop` finds the process.
+            # Even when canceled, so that `stop` finds the process.
             self._process = await creating
             self._group = self._process.pid
 
@@ -151,7 +151,7 @@ class NodeProcess:
             try:
                 await asyncio.wait_for(process.wait(), _KILL_LIMIT_S)
             except TimeoutError:
-                # Another user's process cannot be ended, such as with launch-prefix="sudo".
+                # Another user's process, as with launch-prefix="sudo", cannot be ended.
                 self._report(Level.ERROR, f"[{self.name}] does not end; run: kill -9 {process.pid}")
         await self._end_group()
 

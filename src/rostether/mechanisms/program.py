@@ -9,7 +9,7 @@ from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from typing import NamedTuple
 
-# How long a program may take to end after SIGTERM, such as to remove its temporary files.
+# How long a program may take to end after SIGTERM, for example to remove its temporary files.
 END_LIMIT_S = 5.0
 
 

@@ -71,7 +71,8 @@ def reindex(path: Path, output: Path, *, keep_original: Path | None = None) -> R
 def repack(path: Path, output: Path, compression: str, *, keep_original: Path | None = None) -> int:
     """Write `path` to `output`, which may be the same file, with another compression.
 
-    Returns the number of messages. Raises RecordingError, also if the recording is damaged, and ConfigError.
+    Returns the number of messages. Raises RecordingError, even for damage that `open_recording` accepts, and
+    ConfigError.
     """
     with closing(open_recording(path, is_native=True)) as reader:
         if reader.damage:

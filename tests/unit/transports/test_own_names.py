@@ -14,7 +14,7 @@ from rostether.transports.own_names import OwnNames, is_own_address
 
 @pytest.fixture(autouse=True)
 def machine(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
-    """A machine named robot in the network lab.example."""
+    """A machine named robot on the network lab.example."""
     (tmp_path / "hosts").write_text(
         "127.0.0.1 localhost gate  # comment\n10.0.0.5 robot.fleet.example robot arm\n"
         "10.0.0.9 other.example\n"

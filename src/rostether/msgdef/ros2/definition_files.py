@@ -46,7 +46,7 @@ class Declared(Enum):
 
 
 def named_distro(environ: Mapping[str, str]) -> str:
-    """Return the ROS 2 distribution of the variables; empty if none, such as with the setup file of ROS 1."""
+    """Return the ROS 2 distribution of the variables; empty if none, as with the setup file of ROS 1."""
     name = environ.get("ROS_DISTRO", "").strip() if environ.get("ROS_VERSION", "2") == "2" else ""
     return "" if name in _ROS1_DISTROS else name
 

@@ -193,7 +193,7 @@ def _wait(can: Callable[[], tuple[bool, str]], timeout: Any) -> tuple[bool, str]
     result = can()
     if not result[0] and timeout.to_nsec() > 0:
         start = get_rostime()
-        # After a large jump back in time, such as when a bag starts again, the wait ends.
+        # After a large jump back in time, as when a bag starts again, the wait ends.
         while not result[0] and start - Duration(3) <= get_rostime() < start + timeout:
             sleep(timeout * POLLING_SCALE)
             result = can()
