@@ -177,7 +177,7 @@ class Watch(Protocol):
 
 
 class Graph(Protocol):
-    """One node's membership of a ROS graph.
+    """One node's membership in a ROS graph.
 
     Every method that takes a name raises InvalidNameError if the name is invalid. Every method that asks the
     graph raises GraphError if the graph cannot be reached or refuses. On ROS 2, methods also raise
