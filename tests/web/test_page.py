@@ -133,7 +133,7 @@ async def test_the_picker_of_plots_searches_at_once(robot: Robot, browser: Brows
         script = f"void document.activeElement.dispatchEvent({event})"
         await browser.do("evaluate", page=page, script=script)
 
-    # As for rqt_plot. The list does not have elements of arrays.
+    # A field in rqt_plot's notation. The list does not contain elements of arrays, but they can be typed.
     await browser.do("fill", page=page, selector=":focus", text="/imu_data/angular_velocity_covariance[4]")
     await browser.wait_for(page, f"{choices}.join() === '/imu_data.angular_velocity_covariance[4]'")
     await press("Enter")

@@ -1,6 +1,6 @@
 """The graph port: the interface of a bridge, a tool or a page to any ROS graph, ROS 1, ROS 2 or in memory.
 
-A `Graph` is one node's membership of a ROS graph. Payloads are ROS 1 serialization without a length
+A `Graph` is one node's membership in a ROS graph. Payloads are ROS 1 serialization without a length
 prefix and are never decoded here. Names are resolved by the implementation: relative names against the
 node's namespace, `~name` against the node, and through its remappings.
 

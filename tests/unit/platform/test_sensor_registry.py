@@ -121,7 +121,7 @@ def test_the_number_of_sensors_is_limited(registry: SensorRegistry, monkeypatch:
     registry.update_states(60.0)
     assert registry.register("C", "ANALOG", 60.0).topic == "sensor_node2"
     assert [each.platform for each in registry.sensors] == ["B", "C"]
-    # A message of the one that was replaced.
+    # A late message of the sensor that was replaced.
     registry.record_message("sensor_node0", 61.0)
     assert not registry.is_ready("sensor_node0")
 

@@ -85,7 +85,7 @@ class ZenohServiceClient:
         graph.listen(TokenKind.SERVER, self.service, watch_server)
         try:
             async with asyncio.timeout(timeout_s):
-                # A request waits until its link has room, 5 s for a server that hangs.
+                # In a thread, because zenoh blocks until the link has room, for 5 s if the server hangs.
                 await loop.run_in_executor(self._node.session.call_threads, ask)
                 reply = await answer
         except TimeoutError:
