@@ -115,7 +115,7 @@ int main(int count, char **arguments) {
     if (!make_chip()) return fail("this libsimavr does not know the board's chip");
     if (!firmware_load(settings.firmware, error, sizeof error)) return fail(error);
     char uart = settings.uart ? settings.uart : board.kind->link_uart;
-    if (!uart_start(uart)) return fail("the board has no such UART");
+    if (!uart_start(uart)) return fail("the board has no such UART; choose another --uart");
     if (!open_link(settings.link)) return fail("the link cannot be opened; choose pty, none, or tcp: with another port");
     instructions_decode();
     timers_start();
