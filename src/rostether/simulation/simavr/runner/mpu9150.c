@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * An MPU-9150 at 0x68: accelerometer, gyroscope and thermometer, with the registers of the MPU-6050. Not modelled: the
+ * An MPU-9150 at 0x68: accelerometer, gyroscope and thermometer, with the registers of the MPU-6050. Not modeled: the
  * DMP, the FIFO, its I2C master (the magnetometer needs bypass mode), self test, noise and offsets.
  */
 #include <math.h>

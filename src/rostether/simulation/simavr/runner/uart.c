@@ -6,7 +6,7 @@
  *     receive:  line -> shift register -> 2 bytes -> UDR      a frame that finds all three full is lost (DOR)
  *     transmit: UDR -> 1 byte -> shift register -> line       UDRE while that byte is free
  *
- * Bytes arrive no faster than at the bit rate that the sketch has set. Not modelled: a host at another bit rate, frame
+ * Bytes arrive no faster than at the bit rate that the sketch has set. Not modeled: a host at another bit rate, frame
  * and parity errors, the ninth bit, synchronous mode.
  */
 #include <string.h>

@@ -4,7 +4,7 @@
  * network is w5100_network.c.
  *
  * As on the chip, a multicast socket keeps the group's address from its opening, and sends only to this address.
- * Not modelled: TCP, IP and MAC raw sockets, PPPoE, interrupts, other sizes of memory.
+ * Not modeled: TCP, IP and MAC raw sockets, PPPoE, interrupts, other sizes of memory.
  */
 #include <stdio.h>
 #include <string.h>
