@@ -168,8 +168,8 @@ async def test_rosbag_reads_bags_of_twenty_types(stage: Stage, tmp_path: Path, c
     text = await stage.peers.run("rosbag", "info", str(path))
     assert "messages:    400" in text or "messages:     400" in text
     if debian_python_version() < (3, 13):
-        # The recorded definitions lack the comments of Debian's, so rosbag needs a migration rule for each type.
-        # On Python 3.13, it does not find these rules.
+        # The recorded definitions lack the comments of Debian's, so rosbag needs a rule for each type. On
+        # Python 3.13, it does not find these rules.
         assert "All rules defined" in await stage.peers.run("rosbag", "check", str(path))
     # One compression is enough.
     option_sets = (
