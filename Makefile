@@ -6,20 +6,21 @@ BIN := $(VENV)/bin
 .PHONY: help demo test test-fast coverage test-pythons test-fresh test-boot check check-python check-web web bench fuzz soak soak-page docs clean
 
 help:
-	@echo "make demo   watch a simulated board become a ROS node (no hardware, no ROS, no root)"
-	@echo "make test   install what the tests need and run them all"
-	@echo "make test-fast  the tests that need no other program: no compiler, simulator or ROS"
-	@echo "make coverage  check that tests cover every branch of the protocols without I/O"
-	@echo "make test-pythons  the unit, property and contract tests under every Python here, from 3.11 on"
-	@echo "make test-boot   install, boot, hang and uninstall of the service on a Debian 12 that systemd boots (root)"
-	@echo "make test-fresh  what CI does, in a new Debian 12 made by mmdebstrap (root, 20 minutes)"
-	@echo "make check  ruff, mypy, import-linter, reuse, the words of our texts and the dashboard's page"
-	@echo "make web    build the dashboard's page into src/rostether/dashboard/page"
-	@echo "make bench  measure the data path, beside a bare relay"
-	@echo "make fuzz   look for inputs that break a promise, ten minutes a target (SECONDS=600)"
-	@echo "make soak   serve boards on lines that fail all the time, for MINUTES=10"
-	@echo "make soak-page  keep the dashboard's page open under load, for MINUTES=30"
-	@echo "make docs   build the documentation into site/"
+	@echo "make demo          run a simulated board, a ROS master, the bridge and the dashboard (no hardware, no ROS)"
+	@echo "make test          install what the tests need, and run all tests"
+	@echo "make test-fast     run the tests that need no compiler, simulator or ROS"
+	@echo "make coverage      check that the unit tests cover every branch of the protocols without I/O"
+	@echo "make test-pythons  run the unit, property and contract tests on each installed Python, from 3.11 on"
+	@echo "make test-fresh    run what CI runs, in a new Debian 12 made by mmdebstrap (root, 20 minutes)"
+	@echo "make test-boot     test the service that starts at boot, on a new Debian 12 (root)"
+	@echo "make check         run ruff, mypy, import-linter, reuse, check-words, and the checks of the dashboard's page"
+	@echo "make web           build the dashboard's page into src/rostether/dashboard/page"
+	@echo "make bench         measure the data path, and compare it with a bare relay"
+	@echo "make fuzz          search for inputs that cause errors, ten minutes for each harness (SECONDS=600)"
+	@echo "make soak          serve boards on faulty lines (MINUTES=10)"
+	@echo "make soak-page     run the dashboard's page under load (MINUTES=30)"
+	@echo "make docs          build the documentation into site/"
+	@echo "make clean         remove .venv, caches and built files"
 
 demo: $(VENV)/.installed
 	@# Ctrl-C ends the demo with 130, which is no error of make. The trap keeps the shell until the demo has ended.
