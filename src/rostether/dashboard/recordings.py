@@ -179,10 +179,10 @@ class Recordings:
         except OSError as error:
             raise ConfigError(write_failure(self._folder, error)) from None
         if free_bytes < MIN_FREE_BYTES + MAX_FILE_BYTES:
-            raise ConfigError(f"only {free_bytes >> 20} MB are free in {self._folder}; delete some files")
+            raise ConfigError(f"only {free_bytes >> 20} MiB are free in {self._folder}; delete some files")
         if used_bytes > MAX_FOLDER_BYTES:
             raise ConfigError(
-                f"the recordings in {self._folder} take up {used_bytes >> 30} GB; delete or move some of them"
+                f"the recordings in {self._folder} take up {used_bytes >> 30} GiB; delete or move some"
             )
 
     def _finished(self) -> list[Path]:

@@ -118,11 +118,11 @@ async def test_requests_that_make_no_sense(robot: Robot) -> None:
 
 async def test_the_disk_is_not_filled(robot: Robot, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(shutil, "disk_usage", lambda _: Usage(1 << 40, 0, 1 << 30))
-    with pytest.raises(ConfigError, match="only 1024 MB are free"):
+    with pytest.raises(ConfigError, match="only 1024 MiB are free"):
         await robot.recordings.start((), "bag")
     monkeypatch.setattr(shutil, "disk_usage", lambda _: Usage(1 << 40, 0, 1 << 39))
     monkeypatch.setattr(module, "MAX_FOLDER_BYTES", -1)
-    with pytest.raises(ConfigError, match="delete or move some of them"):
+    with pytest.raises(ConfigError, match="delete or move some"):
         await robot.recordings.start((), "bag")
 
 

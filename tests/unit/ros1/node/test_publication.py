@@ -156,7 +156,7 @@ async def test_a_peer_that_hangs_gets_whole_messages_and_loses_the_oldest(per_ba
         assert len(stage.reports) == 1
         assert "/raw is too slow for /chat; dropping" in stage.reports[0][1]
         assert re.search(r", [1-9]\d* messages? dropped so far\)$", stage.reports[0][1])
-        # Another episode is another report, but for those that follow at once.
+        # A new loss within the report interval adds no report; a later one does.
         for is_soon in (True, False):
             await until(lambda: connection._accepts_more)
             if not is_soon:

@@ -12,7 +12,7 @@
 #define CHANNELS 16
 #define SUPPLY_VOLTS 5.0
 #define FULL_SCALE 1023
-#define TEMPERATURE_VOLTS 0.314 /* at 25 degrees, from the data sheet */
+#define TEMPERATURE_VOLTS 0.314 /* at 25 °C, from the data sheet */
 
 static double volts[CHANNELS];
 static double reference_pin_volts = SUPPLY_VOLTS;

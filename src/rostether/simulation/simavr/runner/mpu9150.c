@@ -25,7 +25,7 @@
 
 #define ACCEL_LSB_PER_G 16384.0
 #define GYRO_LSB_PER_DPS 131.0
-/* 25 degrees: (25 - 35) * 340 */
+/* 25 °C: (25 - 35) * 340 */
 #define TEMPERATURE_LSB (-3400)
 
 static uint8_t registers[REGISTERS];
