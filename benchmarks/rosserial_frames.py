@@ -1,4 +1,4 @@
-"""The frames a second that the decoder, the encoder and the whole host link process, in chunks of 64 KiB.
+"""The frames per second that the decoder, the encoder and the whole host link process, in chunks of 64 KiB.
 
 `measure()` returns the rows; python -m benchmarks.rosserial_frames prints them.
 """

@@ -1,4 +1,4 @@
-// The message types that the 3D view draws; apart from the code that draws them, so that it is loaded on first use.
+// The message types that the 3D view draws. They are not beside the drawing code, so that this code loads only on first use.
 export const DISPLAY_TYPES = [
   "geometry_msgs/PointStamped",
   "geometry_msgs/PoseArray",
