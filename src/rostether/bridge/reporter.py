@@ -82,7 +82,7 @@ class Notices:
         self._reporter.report(level, shown_line(text), node=self.node)
 
     def report_episode(self, kind: str, level: Level, text: LineText, *, count: int = 1) -> None:
-        """Report the first line of a `kind`; drop more of them until there was none for 10 s."""
+        """Report the first line of a `kind`; drop further ones until none has come for 10 s."""
         suppressed = self._episodes.admit(kind, self._clock(), count=count)
         if suppressed is None:
             return

@@ -172,7 +172,7 @@ class _Republisher:
 
     async def _follow_cancels(self) -> None:
         async for goal_id in self._graph.messages(f"{NODE_NAME}/cancel", "actionlib_msgs/GoalID"):
-            # In actionlib, an empty id with a time cancels the goals until then; pages never send a time.
+            # In actionlib, an empty id with a time cancels the goals up to it; pages never send a time.
             for name in [goal_id.id] if goal_id.id else list(self._goals):
                 self._cancel(name)
 
