@@ -30,7 +30,7 @@ _MESSAGE = re.compile(r"\bm\b")
     """
     rostether bag filter drive.bag arm.bag "topic.startswith('/arm/')"
     rostether bag filter drive.bag near.bag "topic == '/ultrasound' and m.range < 0.5"
-    rostether bag filter drive.bag start.bag "t.to_s() < 1700000060"
+    rostether bag filter drive.bag start.bag "t.to_sec() < 1700000060"
     """,
 )
 @click.argument("source", type=PATH)
