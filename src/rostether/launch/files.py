@@ -33,10 +33,9 @@ def parse_launch_xml(data: bytes, *, file: str) -> XmlElement:
     Raises LaunchError with file and line if the text is too large, is not XML, has a DTD or an entity, or
     has another root element.
     """
-    if file.endswith(".launch.py"):
+    if file.endswith((".launch.py", ".launch.yaml", ".launch.yml")):
         raise LaunchError(
-            "this is a ROS 2 launch file in Python, not one of ROS 1 in XML; start it with `ros2 launch`",
-            file=file,
+            "this is a launch file of ROS 2, not one of ROS 1 in XML; start it with `ros2 launch`", file=file
         )
     root = parse_xml(
         data,

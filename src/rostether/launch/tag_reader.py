@@ -51,6 +51,10 @@ class TagReader:
     def required(self, element: XmlElement, scope: Scope, name: str) -> str:
         """Return the value of a required attribute."""
         text = self.optional(element, scope, name)
+        if text is None and name == "type" and "exec" in element.attributes:
+            raise LaunchError(
+                "exec= is of ROS 2; in a ROS 1 launch file write type=, or start the file with `ros2 launch`"
+            )
         if text is None:
             raise LaunchError(f"<{element.tag}> needs the attribute {name}=; add it")
         return text

@@ -247,7 +247,10 @@ def _check_form(form: XmlElement, what: str) -> None:
 def _check_color(material: XmlElement) -> None:
     color = material.first("color")
     if color is not None:
-        numbers(color, color.get("rgba") or "", f"the rgba of material {material.get('name')!r}", 4)
+        what = f"the rgba of material {material.get('name')!r}"
+        rgba = numbers(color, color.get("rgba") or "", what, 4)
+        if not all(0 <= each <= 1 for each in rgba):
+            raise color.error(f"{what} is not from 0 to 1; divide by 255")
 
 
 def _check_inertial(element: XmlElement, what: str) -> None:

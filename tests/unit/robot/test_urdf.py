@@ -135,6 +135,11 @@ def test_valid_shapes_and_masses_are_accepted() -> None:
         ("<visual><geometry><cone/></geometry></visual>", "known: box"),
         ('<visual><geometry><box size="1 1"/></geometry></visual>', "2 numbers"),
         ("<visual><geometry><mesh/></geometry></visual>", "no filename"),
+        (
+            '<visual><geometry><sphere radius="1"/></geometry>'
+            '<material name="m"><color rgba="255 0 0 1"/></material></visual>',
+            "the rgba of material 'm' is not from 0 to 1",
+        ),
         ('<collision><geometry><sphere radius="${r}"/></geometry></collision>', "not a number"),
         ('<inertial><mass value="1"/></inertial>', "needs <mass> and <inertia>"),
     ],

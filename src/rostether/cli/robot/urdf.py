@@ -61,6 +61,9 @@ def check(file: Path, mappings: tuple[str, ...]) -> None:
         waiting += [(depth + 1, below, each) for below, each in _numbered_backward(model, joint.child)]
     for problem in model.problems:
         warn(f"skipped: {escape_line(problem)}")
+    for joint in model.joints.values():
+        for doubt in _doubts(model, joint):
+            warn(f"WARNING: joint {escape_line(joint.name)}: {escape_line(doubt)}")
 
 
 @verb("tree", "rostether urdf tree robot.urdf")
@@ -90,6 +93,15 @@ def _load(file: Path, mappings: tuple[str, ...]) -> RobotModel:
         text = expand_xacro(file, parse_mappings(mappings), packages=packages)
         return parse_urdf(text, file=str(file))
     return parse_urdf(data, file=str(file))
+
+
+def _doubts(model: RobotModel, joint: Joint) -> Iterator[str]:
+    """Yield the probable mistakes in a joint, which check_urdf accepts."""
+    limits = joint.limits
+    if limits is not None and limits.lower > limits.upper:
+        yield f"its lower limit {limits.lower:g} is above its upper limit {limits.upper:g}; exchange them"
+    if joint.mimic is not None and joint.mimic.joint not in model.joints:
+        yield f"it mimics {joint.mimic.joint!r}, which does not exist; correct the name"
 
 
 def _numbered_backward(model: RobotModel, link: str) -> list[tuple[int, Joint]]:

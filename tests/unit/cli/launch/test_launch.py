@@ -186,7 +186,11 @@ def test_packages_and_their_launch_files_complete(
 
 def test_launch_file_of_ros2_is_refused_by_name(arm: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (arm / "x.launch.py").write_text("def generate_launch_description(): pass")
-    assert "a ROS 2 launch file" in refused(capsys, "arm", "x.launch.py")
+    (arm / "x.launch.yaml").write_text("launch: []")
+    for name in ("x.launch.py", "x.launch.yaml"):
+        assert "a launch file of ROS 2" in refused(capsys, "arm", name)
+    (arm / "x.launch.xml").write_text('<launch><node pkg="arm" exec="talker" name="talker"/></launch>')
+    assert "exec= is of ROS 2; in a ROS 1 launch file write type=" in refused(capsys, "arm", "x.launch.xml")
 
 
 @contextmanager

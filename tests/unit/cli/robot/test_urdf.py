@@ -47,6 +47,20 @@ def test_check_reports_errors(tmp_path: Path, shell: Shell) -> None:
     assert f"skipped: {file}:1: visual of link 'a' has no geometry" in shell("urdf", "check", str(file)).err
 
 
+def test_check_warns_of_probable_mistakes(tmp_path: Path, shell: Shell) -> None:
+    file = tmp_path / "doubtful.urdf"
+    file.write_text(
+        '<robot name="x"><link name="a"/><link name="b"/><joint name="j" type="prismatic"><parent link="a"/>'
+        '<child link="b"/><limit lower="2" upper="1" effort="1" velocity="1"/><mimic joint="k"/></joint></robot>'
+    )
+    result = shell("urdf", "check", str(file))
+    assert result.code == 0
+    assert result.err == (
+        "WARNING: joint j: its lower limit 2 is above its upper limit 1; exchange them\n"
+        "WARNING: joint j: it mimics 'k', which does not exist; correct the name\n"
+    )
+
+
 def test_a_chain_of_thousands_of_links_fills_no_disk(tmp_path: Path, shell: Shell) -> None:
     file = tmp_path / "chain.urdf"
     links = "".join(f'<link name="l{place}"/>' for place in range(2001))
