@@ -51,7 +51,8 @@ def test_check_warns_of_probable_mistakes(tmp_path: Path, shell: Shell) -> None:
     file = tmp_path / "doubtful.urdf"
     file.write_text(
         '<robot name="x"><link name="a"/><link name="b"/><joint name="j" type="prismatic"><parent link="a"/>'
-        '<child link="b"/><limit lower="2" upper="1" effort="1" velocity="1"/><mimic joint="k"/></joint></robot>'
+        '<child link="b"/><limit lower="2" upper="1" effort="1" velocity="1"/><mimic joint="k"/></joint>'
+        "</robot>"
     )
     result = shell("urdf", "check", str(file))
     assert result.code == 0
