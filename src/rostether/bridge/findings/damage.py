@@ -6,6 +6,7 @@ from collections import deque
 
 from rostether.bridge.findings.finding import Code, Finding, warning
 from rostether.bridge.findings.medium import Medium
+from rostether.bridge.findings.noise import PIECE_GAP_S
 from rostether.rosserial.events import DAMAGE, DiscardReason, FrameDiscarded
 
 # Long enough for a percentage on a board that sends once a second, short enough to show the effect of a new
@@ -56,13 +57,16 @@ class Damage:
     def count_discarded(self, event: FrameDiscarded, now_s: float, frame_count: int) -> None:
         """Count a damaged frame after `frame_count` valid ones.
 
-        Discarded bytes at the same moment are the rest of it.
+        Discarded bytes that follow it without a valid frame are the rest of it.
         """
+        is_rest = frame_count == self._frame_count and now_s - self._last_s <= PIECE_GAP_S
         is_remains = event.reason in _REMAINS and len(event.data) >= _MIN_REMAINS_BYTES
-        if event.reason in DAMAGE or (is_remains and now_s > self._last_s):
+        if event.reason in DAMAGE or (is_remains and not is_rest):
             self._count += 1
             self._unconfirmed = self._unconfirmed + 1 if frame_count == self._frame_count else 1
             self._frame_count = frame_count
+            self._last_s = now_s
+        elif is_rest:
             self._last_s = now_s
 
     def forget_unconfirmed(self) -> None:

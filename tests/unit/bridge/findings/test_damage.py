@@ -30,6 +30,20 @@ def test_the_rest_of_a_damaged_frame_is_not_a_second_one() -> None:
     assert "(5 of the last 10" in finding.seen
 
 
+def test_the_rest_of_a_long_frame_in_pieces_is_one_damaged_frame() -> None:
+    damage = Damage()
+    damage.find(0, 0.0)
+    # The port was opened in the middle of a message of 720 bytes.
+    for number in range(40):
+        damage.count_discarded(REST, number / 100, 1)
+    assert damage.find(60, 1.0) is None
+    for number in range(1, 3):
+        damage.count_discarded(REST, float(number), 60 + number)
+    finding = damage.find(90, 4.0)
+    assert finding is not None
+    assert "(3 of the last 93" in finding.seen
+
+
 def test_a_frame_whose_first_byte_was_damaged_counts() -> None:
     damage = Damage()
     damage.find(0, 0.0)
