@@ -20,4 +20,5 @@ def test_each_command_has_a_page(tmp_path: Path) -> None:
     assert "\\fB\\-\\-dashboard" in pages["rostether-serve"]
     for name, text in pages.items():
         assert text.startswith(f".TH {name.upper()} 1 "), name
+        assert "\\fB\\-h, \\-\\-help\\fR" in text, name
         assert set(re.findall(r"^\.\w*", text, re.MULTILINE)) <= {".TH", ".SH", ".PP", ".TP", ".nf", ".fi"}
