@@ -57,6 +57,24 @@ async def test_the_functions_of_rosparam_without_a_master() -> None:
     assert lines == ["Unable to communicate with master!"] * 6
 
 
+async def test_a_value_that_no_parameter_can_have_is_refused(master: str) -> None:
+    script = (
+        "import rosparam, rosgraph, rospy\n"
+        "for call in (\n"
+        "    lambda: rosparam.set_param('/a', 'null'), lambda: rosparam.upload_params('/a', {'b': 2 ** 40}),\n"
+        "    lambda: rospy.set_param('/a', None), lambda: rosgraph.Master('/me').setParam('/a', None),\n"
+        "):\n"
+        "    try:\n"
+        "        call()\n"
+        "    except (rosparam.RosParamException, ValueError) as error:\n"
+        "        print(isinstance(error, rosparam.RosParamException), error)\n"
+    )
+    no_value, large, none, master_none = await printed(script, master_uri=master)
+    assert no_value.startswith("True /a: XML-RPC cannot carry None")
+    assert large.startswith("True /a/b: 1099511627776 does not fit in")
+    assert none == master_none == no_value.replace("True /a:", "False")
+
+
 async def test_lookups_of_the_graph(master: str) -> None:
     lines = await printed(SCRIPTS / "lookups.py", master_uri=master)
     assert "/look/poses/pose/position/x geometry_msgs/PoseStamped /look/poses True" in lines

@@ -38,7 +38,10 @@ def get_param_names() -> list[str]:
 
 
 def set_param(param_name: str, param_value: Any) -> None:
-    """Set a parameter; a dict replaces all parameters below the name. Raises ROSException."""
+    """Set a parameter; a dict replaces all parameters below the name.
+
+    Raises ROSException, and ValueError for a value that no parameter can have, such as None.
+    """
     try:
         node.call(node.master().set_param(names.resolve(param_name), _for_master(param_value)))
     except GraphError as error:
@@ -87,7 +90,10 @@ _RESOLVED = frozenset(
 
 
 class MasterProxy:
-    """The master's API as methods that return `[code, text, value]`, and the parameters as a mapping."""
+    """The master's API as methods that return `[code, text, value]`, and the parameters as a mapping.
+
+    The methods raise ROSException, and ValueError for an argument that XML-RPC cannot carry.
+    """
 
     def __init__(self, uri: str, caller_id: str | None = None) -> None:
         self._caller_id = caller_id

@@ -49,7 +49,8 @@ def master_required(kind: type[Exception]) -> Iterator[None]:
 class Master:
     """The master's API as methods that return values, with the caller id `caller_id`.
 
-    The methods raise MasterError, MasterFailure, ROSException.
+    The methods raise MasterError, MasterFailure, ROSException, and ValueError for an argument that XML-RPC
+    cannot carry.
     """
 
     def __init__(self, caller_id: str, master_uri: str | None = None) -> None:
@@ -136,7 +137,10 @@ def set_param_raw(param: str, value: Any, verbose: bool = False) -> None:
     """Set a parameter, or those of a tree, and keep all others. Raises RosParamException."""
     if not isinstance(value, dict):
         with master_required(RosParamIOException):
-            parameters.set_param(param, value)
+            try:
+                parameters.set_param(param, value)
+            except ValueError as error:
+                raise RosParamException(f"{param}: {error}") from None
         return
     for name, each in value.items():
         if not isinstance(name, str):
