@@ -169,7 +169,9 @@ def read_definition(file: Path) -> str:
     except OSError as error:
         raise DefinitionError(f"cannot be read: {error.strerror}", file=str(file)) from error
     if len(data) > MAX_TEXT_CHARACTERS:
-        raise DefinitionError(f"the definition is longer than {MAX_TEXT_CHARACTERS} bytes; split it", file=str(file))
+        raise DefinitionError(
+            f"the definition is longer than {MAX_TEXT_CHARACTERS} bytes; split it", file=str(file)
+        )
     text = data.decode("utf-8-sig", errors="replace")
     return text.replace("\r\n", "\n").replace("\r", "\n")
 

@@ -43,7 +43,9 @@ def parse_message(text: str, *, package: str, name: str, file: str = "", first_l
     """
     file = file or f"{package}/{name}"
     if len(text) > MAX_TEXT_CHARACTERS:
-        raise DefinitionError(f"the definition is longer than {MAX_TEXT_CHARACTERS} characters; split it", file=file)
+        raise DefinitionError(
+            f"the definition is longer than {MAX_TEXT_CHARACTERS} characters; split it", file=file
+        )
     fields: list[Field] = []
     constants: list[Constant] = []
     names: set[str] = set()

@@ -62,7 +62,9 @@ def parse_message(
     """
     file = file or f"{package}/{kind}/{name}"
     if len(text) > MAX_TEXT_CHARACTERS:
-        raise DefinitionError(f"the definition is longer than {MAX_TEXT_CHARACTERS} characters; split it", file=file)
+        raise DefinitionError(
+            f"the definition is longer than {MAX_TEXT_CHARACTERS} characters; split it", file=file
+        )
     fields: list[Ros2Field] = []
     constants: list[Ros2Constant] = []
     names: set[str] = set()
