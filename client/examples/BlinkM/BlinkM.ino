@@ -1,6 +1,6 @@
 // BlinkM: sets the color of a BlinkM, an RGB light on I2C, from texts on the topic "blinkm":
 //   r, g, b, y (yellow), c (cyan), m (magenta), w (white), o (off)     fades to that color
-//   S before it, as in "Sr"                                            changes at once
+//   S before it, as in "Sr"                                            changes immediately
 //
 // Wiring:  BlinkM + - 5V, - - GND, d (SDA) - A4, c (SCL) - A5; on a Mega SDA - 20, SCL - 21.
 // Try it:  rostether serve /dev/ttyACM0          rostether topic pub -1 /blinkm std_msgs/String "Sm"

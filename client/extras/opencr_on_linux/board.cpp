@@ -165,7 +165,7 @@ int main() {
     struct pollfd waited[] = {{Serial.descriptor(), POLLIN, 0}, {pins.descriptor(), POLLIN, 0}};
     if (Serial.available() > 0) continue;
     poll(waited, 2, 1);
-    // A terminal without a program at its other end ends each wait at once.
+    // A terminal without a program at its other end ends each wait immediately.
     if (waited[0].revents & POLLHUP) delay(1);
   }
 }

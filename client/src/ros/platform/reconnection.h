@@ -30,7 +30,7 @@ class Reconnection {
     pause_ms_ = 0;
   }
   // Records that the link was lost at `now_ms`. The first attempt to reconnect follows after the shortest pause: a host
-  // that closes the link is rarely back at once.
+  // that closes the link is rarely back immediately.
   void lost(uint32_t now_ms) {
     connected_ = false;
     changed_ = true;

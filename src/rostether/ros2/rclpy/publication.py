@@ -118,7 +118,7 @@ class RclpyPublication:
             await asyncio.sleep(ACKNOWLEDGE_POLL_S)
 
     def send_rest(self) -> None:
-        """Send the waiting messages at once, before the publisher closes; call it in the event loop."""
+        """Send the waiting messages immediately, before the publisher closes; call it in the event loop."""
         while self._backlog:
             self._send(self._backlog.popleft())
 

@@ -26,7 +26,7 @@ class Shutdown:
         self._previous: dict[int, Any] = {}
 
     def on_client(self, hook: Callable[[], object]) -> None:
-        """Add a hook of the program, which can still publish; during a shutdown, call it at once.
+        """Add a hook of the program, which can still publish; during a shutdown, call it immediately.
 
         Raises TypeError for a hook that cannot be called.
         """
