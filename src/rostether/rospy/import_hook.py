@@ -73,6 +73,9 @@ _IMPLEMENTATIONS = {
     "tf2_ros.transform_listener": "tf.listener_and_broadcasters",
 }
 
+# Modules that scripts for rospy often import, and that only a real ROS has.
+_ONLY_IN_ROS = frozenset({"cv_bridge", "dynamic_reconfigure", "roslaunch"})
+
 # Modules of ROS 1 that the ROS 2 packages of the same names lack; Python may find these packages first.
 _BESIDE_MESSAGES = frozenset({"sensor_msgs.point_cloud2"})
 
@@ -120,7 +123,10 @@ class PackageFinder(MetaPathFinder):
     def find_spec(
         self, fullname: str, path: Sequence[str] | None = None, target: ModuleType | None = None
     ) -> ModuleSpec | None:
-        """Return a spec for a module or package that Python itself does not find; None if there is none."""
+        """Return a spec for a module or package that Python itself does not find; None if there is none.
+
+        Raises ModuleNotFoundError with the next step for a module that seems to belong to ROS.
+        """
         if names := _IMPLEMENTATIONS.get(fullname):
             return ModuleSpec(fullname, _FacadeLoader(names.split()))
         if "." in fullname or fullname.startswith("_"):
@@ -135,6 +141,17 @@ class PackageFinder(MetaPathFinder):
                 return spec
         if fullname in all_types().packages:
             return ModuleSpec(fullname, _EmptyLoader(), is_package=True)
+        if fullname in _ONLY_IN_ROS:
+            raise ModuleNotFoundError(
+                f"No module named {fullname!r}: rostether does not include it; install ROS to use it",
+                name=fullname,
+            )
+        if fullname.endswith("_msgs"):
+            raise ModuleNotFoundError(
+                f"No module named {fullname!r}: put the package with its .msg files into your workspace, or "
+                "into a folder of ROS_PACKAGE_PATH",
+                name=fullname,
+            )
         return None
 
 

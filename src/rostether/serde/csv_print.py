@@ -27,7 +27,7 @@ def csv_row(value: Any, now: Time, style: EchoStyle | None = None, *, uses_stamp
     """Return one row. Its first column, in ns, is the stamp of the message's header, or else `now`."""
     style = style or EchoStyle()
     offset_ns = style.time_offset.to_ns() if style.time_offset is not None else 0
-    stamp = value.header.stamp if uses_stamp and isinstance(value, Message) and _has_header(value) else now
+    stamp = value.header.stamp if uses_stamp and isinstance(value, Message) and has_header(value) else now
     return f"{stamp.to_ns() - offset_ns}," + ",".join(_cells(value, style))
 
 
@@ -69,7 +69,7 @@ def _shown_fields(message: Message, style: EchoStyle) -> Iterator[tuple[str, Any
             yield name, getattr(message, name)
 
 
-def _has_header(message: Message) -> bool:
+def has_header(message: Message) -> bool:
     """Return whether the first std_msgs/Header field is named `header`, as `has_header` in genmsg."""
     names = [name for name, field_type in message._fields if field_type == _HEADER_TYPE]
     return names[:1] == ["header"]

@@ -88,6 +88,21 @@ except AttributeError as error:
     assert lines[3] == "module 'arm.msg' has no 'Nothing': package arm has no file Nothing.msg"
 
 
+async def test_missing_modules_of_ros_name_the_next_step() -> None:
+    script = """
+for name in ("leg_msgs.msg", "cv_bridge"):
+    try:
+        __import__(name)
+    except ModuleNotFoundError as error:
+        print(error.name, error)
+"""
+    messages, bridge = await printed(script)
+    assert messages.startswith(
+        "leg_msgs No module named 'leg_msgs': put the package with its .msg files into"
+    )
+    assert bridge.startswith("cv_bridge No module named 'cv_bridge': rostether does not include it")
+
+
 async def test_a_broken_definition_is_an_import_error(package: Path) -> None:
     (package / "msg" / "Broken.msg").write_text("int16 a b c\n")
     script = """

@@ -148,13 +148,14 @@ class _Output:
         self._publisher = publisher
         self._leaving = leaving
         self._options = options
+        self._sequence = 0
 
     async def publish_latched(self, message: Message) -> None:
         """Publish one latched message, for 3 seconds with -1, else until the node is shut down."""
         what = f"message [{_shown(message)}]" if self._options.verbose else "message"
         end = f" for {ONCE_S} seconds" if self._options.once else ". Press ctrl-C to terminate"
         write_line(f"publishing and latching {what}{end}")
-        self._publisher.publish(message)
+        self._send(message)
         await self._sleep(ONCE_S if self._options.once else None)
 
     async def repeat(self, make: Callable[[], Message], rate_hz: float) -> None:
@@ -203,6 +204,15 @@ class _Output:
     def _publish(self, message: Message) -> None:
         if self._options.verbose:
             write_line(f"publishing {_shown(message)}")
+        self._send(message)
+
+    def _send(self, message: Message) -> None:
+        """Publish a message with the topic's own count as Header.seq, as in rostopic."""
+        from rostether.serde.csv_print import has_header
+
+        self._sequence += 1
+        if has_header(message):
+            message.header.seq = self._sequence & 0xFFFFFFFF
         self._publisher.publish(message)
 
     async def _sleep(self, duration_s: float | None) -> None:

@@ -122,6 +122,8 @@ def test_without_substitution_the_first_stamp_stays(graph: LiveGraph, shell: She
     listener = Listener(graph, "/point", "geometry_msgs/PointStamped", enough=3)
     shell.output(*STAMPED)
     assert len({message.header.stamp for message in listener.messages}) == 1
+    first, *later = [message.header.seq for message in listener.messages]
+    assert later == [first + number for number in range(1, len(later) + 1)]
 
 
 def test_from_a_pipe(graph: LiveGraph, shell: Shell) -> None:
