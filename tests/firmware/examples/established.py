@@ -21,7 +21,7 @@ from rostether.firmware.elf import ElfFile
 from rostether.rosserial import topic_id
 
 # Flash and static RAM in bytes: avr-gcc 5.4, -Os -flto. The sketches on Ethernet were measured with the
-# first version of the simulated Ethernet library; 41 bytes that it needs since then are in their RAM.
+# first version of the simulated Ethernet library; their RAM includes 41 bytes that later versions need.
 ESTABLISHED: Mapping[str, Mapping[str, tuple[int, int]]] = {
     "uno": {
         "HelloWorld": (9278, 1362),
