@@ -10,7 +10,7 @@ from typing import Generic, TypeVar
 
 _Item = TypeVar("_Item")
 
-# The items passed on in one turn of the event loop: with 10 us each, a flood blocks it for 10 ms.
+# The items passed on in one turn of the event loop: with 10 µs each, a flood blocks it for 10 ms.
 MAX_BATCH = 1000
 # Several images or maps in one turn would block it for 100 ms.
 MAX_BATCH_BYTES = 1 << 20

@@ -212,7 +212,7 @@ class ZenohPublication:
         self._is_matched = status.matching
 
     def _has_route(self) -> bool:
-        """Return whether messages reach a subscriber or are stored. A query of zenoh takes 1 us."""
+        """Return whether messages reach a subscriber or are stored. A query of zenoh takes 1 µs."""
         if self._is_matched or not isinstance(self._publisher, zenoh.Publisher):
             return True
         # The type stubs declare the status as bool.

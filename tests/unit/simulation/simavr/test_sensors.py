@@ -162,7 +162,7 @@ async def test_the_imus_ranges(start: Start, tmp_path: Path, setting: int) -> No
 async def test_the_magnetometer_points_north(start: Start, tmp_path: Path, yaw: int) -> None:
     board = await start(await build_text(tmp_path, IMU), f"attitude 0 0 {yaw}")
     await board.run("60ms")
-    # Its axes differ: x is the board's y, y the board's x, z down; 0.3 uT a step.
+    # Its axes differ: x is the board's y, y the board's x, z down; 0.3 µT a step.
     y, x, down = (value * 0.3 for value in await words16(board, "field"))
     assert (x, y) == pytest.approx((20 * cos(radians(yaw)), -20 * sin(radians(yaw))), abs=0.3)
     assert down == pytest.approx(44, abs=0.3)

@@ -8,7 +8,7 @@
 #include "board.h"
 
 #define DEGREE (M_PI / 180)
-/* The Earth's field in central Europe: 20 uT to the north, 44 uT down. */
+/* The Earth's field in central Europe: 20 µT to the north, 44 µT down. */
 #define FIELD_NORTH_UT 20.0
 #define FIELD_DOWN_UT 44.0
 

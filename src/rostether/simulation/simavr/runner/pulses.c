@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
  * Pulses: PWM from the settings of the timers, and servo pulses by software or by a timer, on any pin.
- * The angle of a servo is that of Arduino's library: 544 us is 0 degrees, 2400 us is 180.
+ * The angle of a servo is that of Arduino's library: 544 µs is 0 degrees, 2400 µs is 180.
  */
 #include <math.h>
 
@@ -10,7 +10,7 @@
 #define MAX_WATCHED 16
 #define LONGEST_SERVO_PULSE_US 3000.0
 #define SHORTEST_SERVO_PULSE_US 300.0
-/* Nearly the difference of one degree (10 or 11 us). Interrupts delay the edges of software pulses by about half of
+/* Nearly the difference of one degree (10 or 11 µs). Interrupts delay the edges of software pulses by about half of
    that, which is not a new angle. */
 #define NEW_ANGLE_US 9.5
 #define ZERO_DEGREES_US 544.0

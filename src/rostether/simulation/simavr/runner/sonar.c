@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * An HC-SR04: after a trigger pulse of at least 10 us, it sends an echo pulse for as long as sound travels to the
+ * An HC-SR04: after a trigger pulse of at least 10 µs, it sends an echo pulse for as long as sound travels to the
  * obstacle and back. It sends no echo if the obstacle is nearer than 2 cm, farther than 4 m, or missing.
  *
- * The speed of sound is 342 m/s here, as in air of 18 °C. Sketches that calculate with 343 m/s (58.3 us a
+ * The speed of sound is 342 m/s here, as in air of 18 °C. Sketches that calculate with 343 m/s (58.3 µs a
  * centimeter) are then accurate to a centimeter up to 3.4 m, with micros() and with pulseIn(). pulseIn() loses half
  * a percent to the timer's interrupts, as on a real board.
  */

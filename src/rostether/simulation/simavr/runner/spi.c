@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
  * The SPI master: exchanges a byte with the selected chip, in as many cycles as the sketch's SPI clock needs. The
- * simulator's own SPI would need 100 us for each byte.
+ * simulator's own SPI would need 100 µs for each byte.
  */
 #include <string.h>
 

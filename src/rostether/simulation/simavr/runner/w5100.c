@@ -138,7 +138,7 @@ static void send_datagram(int s) {
         *of_socket(s, FLAGS) |= FLAG_SENT;
         return;
     }
-    /* The register has units of 100 us; the first attempt and each retry take that long. */
+    /* The register has units of 100 µs; the first attempt and each retry take that long. */
     sockets[s].gives_up =
         board.avr->cycle + get16(memory + RETRY_TIME) * (memory[RETRY_COUNT] + 1ull) * 100 * CYCLES_PER_US;
 }
