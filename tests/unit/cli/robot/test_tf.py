@@ -75,7 +75,7 @@ def test_tree_for_programs(laser: None, shell: Shell) -> None:
 def test_an_empty_tree_names_possible_publishers(graph: LiveGraph, shell: Shell) -> None:
     result = shell("tf", "tree", "--time", "0.1")
     assert result.code == 1
-    assert "robot_state_publisher or `rostether tf static` publish transforms" in result.err
+    assert "start robot_state_publisher or `rostether tf static`, which publish transforms" in result.err
 
 
 def monitored(shell: Shell, pattern: str, *words: str) -> str:
