@@ -62,7 +62,7 @@ _IMPLEMENTATIONS = {
     "rospy.topics": "client.publisher client.subscriber",
     "rosserial_python": "client.serial_client",
     "rosservice": "tools.service_lookup",
-    "tf.broadcaster": "tf.transformer",
+    "tf.broadcaster": "tf.broadcaster",
     "tf.listener": "tf.transformer",
     "tf.transformations": "tf.transformations",
     "tf2_ros.buffer": "tf.buffer",
