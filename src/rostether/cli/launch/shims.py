@@ -1,6 +1,6 @@
 """The commands of ROS under their own names: small scripts in a folder that `rostether env` puts on PATH.
 
-A script uses the Python that wrote it. Unless requested, the folder comes after a real ROS on PATH.
+A script uses the Python that wrote it. Without `--first`, the folder comes after a real ROS on PATH.
 """
 
 from __future__ import annotations
