@@ -1,4 +1,4 @@
-"""Marks the nodes of programs that are in two graphs at once with a topic, so that they recognize each other.
+"""Topics that mark the nodes of programs in two graphs, so that these programs recognize each other.
 
     /rostether/_relay_<since><id>    a relay: its messages come from its other graph
     /rostether/_joint_<since><id>    a board in both graphs: it publishes all its messages in both

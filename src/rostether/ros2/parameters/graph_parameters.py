@@ -15,7 +15,10 @@ from rostether.ros2.parameters.watches import Ros2ParameterWatch, Ros2ParameterW
 
 
 class GraphParameters:
-    """Implements the parameter methods of `graph.ports.Graph`; names are fully resolved."""
+    """Implements the parameter methods of `graph.ports.Graph`; names are fully resolved.
+
+    A method that needs another node raises the errors of `ParameterClient`.
+    """
 
     def __init__(self, own: OwnParameters, graph: Graph) -> None:
         self._own = own
@@ -25,10 +28,7 @@ class GraphParameters:
         self._watches = Ros2ParameterWatches(own, graph, self._value_or_none)
 
     async def get(self, name: str) -> ParamValue:
-        """Return a value or tree; an unset parameter of this node is declared.
-
-        Raises UnknownNameError, and the errors of `ParameterClient`.
-        """
+        """Return a value or tree; an unset parameter of this node is declared. Raises UnknownNameError."""
         parameter = await self._locate(name)
         values = await self._values(parameter)
         if not values:
@@ -84,7 +84,7 @@ class GraphParameters:
         return sorted([*own, *(name for names in found for name in names)])
 
     async def watch(self, name: str, on_change: Callable[[ParamValue], None]) -> Ros2ParameterWatch:
-        """Call back with the value now and after every change; None means it is unset."""
+        """Call back with the value now and after every change; None means it is unset. Raises GraphError."""
         return await self._watches.add(name, on_change)
 
     async def close(self) -> None:
