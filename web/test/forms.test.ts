@@ -163,6 +163,9 @@ test("parameters form a tree and keep their type", () => {
   assert.equal(readValue("2.5", 1), 2.5);
   assert.equal(readValue("text", "before"), "text");
   assert.deepEqual(readValue("[1, 2]", [0]), [1, 2]);
+  // JSON has no infinity: the parameter would be deleted.
+  assert.throws(() => readValue("1e400", 1), /too large/);
+  assert.throws(() => readValue('[{"x": -1e400}]', [0]), /too large/);
   for (const [text, before] of [
     ["x", 1],
     ["true", 1],

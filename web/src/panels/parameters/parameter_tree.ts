@@ -54,7 +54,14 @@ export function readValue(text: string, before: unknown): unknown {
   }
   if (before !== undefined && before !== null && kindOf(value) !== kindOf(before))
     throw new Error(`This parameter is ${kindOf(before)}; ${text.slice(0, 40)} is ${kindOf(value)}.`);
+  if (hasInfinity(value)) throw new Error("A number is too large.");
   return value;
+}
+
+/** Whether a value has a number such as 1e400, which JSON would turn into null: the parameter would be deleted. */
+function hasInfinity(value: unknown): boolean {
+  if (typeof value === "object" && value !== null) return Object.values(value).some(hasInfinity);
+  return value === Number.POSITIVE_INFINITY || value === Number.NEGATIVE_INFINITY;
 }
 
 function kindOf(value: unknown): string {
