@@ -109,6 +109,26 @@ async def test_a_plot_continues_while_another_panel_is_shown(robot: Robot, brows
     await browser.wait_for(page, "rostether.subscriptionCount === 0")
 
 
+async def test_the_plot_without_a_choice_stays_when_its_board_is_unplugged(
+    robot: Robot, browser: Browser
+) -> None:
+    page = await browser.do("open", url=f"{robot.url}#/plots")
+    await browser.wait_for(page, "rostether.feed('/imu_data').last !== undefined")
+    # The graph's next update restores the topic.
+    script = """(async () => {
+        rostether.topics.value = new Map([...rostether.topics.value].filter(([name]) => name !== "/imu_data"
+        ));
+        const shown = [];
+        for (let count = 0; count < 20; count++) {
+            await new Promise((go_on) => setTimeout(go_on, 10));
+            shown.push(document.querySelector(".plots-legend").innerText);
+        }
+        return shown;
+    })()"""
+    shown = await browser.do("evaluate", page=page, script=script)
+    assert all("/imu_data" in each for each in shown), shown
+
+
 async def test_a_recording_has_the_format_that_suits_the_graph(robot: Robot, browser: Browser) -> None:
     page = await browser.do("open", url=robot.url + "#/recording")
     select = "document.querySelector('.recording select')"

@@ -39,6 +39,13 @@ test("a topic that only the page publishes has a control and no plot", () => {
     found.map((each) => each.key),
     ["/count"],
   );
+  // Its board was unplugged.
+  assert.deepEqual(plotSuggestions(graph([servo], [["/servo", ["/page"]]], [])), []);
+});
+
+test("the number of rosbridge's clients has no plot", () => {
+  const count = new Topic("/client_count", "std_msgs/Int32", "int32 data", 1);
+  assert.deepEqual(plotSuggestions(graph([count], [["/client_count", ["/rosbridge_websocket"]]], [])), []);
 });
 
 test("a plot of one field of several names it", () => {

@@ -1,6 +1,6 @@
 // Numbers over time: any path of any message, with several axes, pause, zoom, and five minutes of history.
 import { useComputed, useSignal } from "@preact/signals";
-import { useEffect } from "preact/hooks";
+import { useEffect, useRef } from "preact/hooks";
 import { seriesOfName } from "../../plot/plot_names.ts";
 import { type Series, seriesStore } from "../../plot/series.ts";
 import { KEPT_S } from "../../plot/series_buffer.ts";
@@ -45,8 +45,14 @@ function PlotsPage({ context }: { context: PanelContext }) {
   const change = (changes: object) => {
     settings.value = { ...settings.peek(), ...changes };
   };
-  // Without a choice, the panel plots the first suggestion.
-  const suggested = useComputed(() => strings(plotSuggestions(graphOf(robot))[0]?.settings.series));
+  // Without a choice, the panel plots the first suggestion, and keeps it from its first value on: the graph
+  // changes when a board is unplugged.
+  const kept = useRef<string[]>([]);
+  const suggested = useComputed(() => {
+    const hasValues = kept.current.some((id) => robot.feed(id.slice(0, id.indexOf("."))).last !== undefined);
+    if (!hasValues) kept.current = strings(plotSuggestions(graphOf(robot))[0]?.settings.series);
+    return kept.current;
+  });
   const isNamed = settings.value.series !== undefined || settings.value.names !== undefined;
   const ids = !isNamed ? suggested.value : strings(settings.value.series);
   const added = settings.value.add;

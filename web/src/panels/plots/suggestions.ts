@@ -2,13 +2,14 @@
 import { compareNames } from "../../shell/format.ts";
 import type { Topic } from "../../store/topics.ts";
 import { numericPaths } from "../../wire/path.ts";
-import { controllableTopics } from "../controls/controllable.ts";
 import { MAIN_FIELDS } from "../main_fields.ts";
 import type { Graph, Suggestion } from "../panel.ts";
 
 /** Packages whose other messages cannot be plotted usefully, or are shown by other panels. */
 const OTHER =
   /^(sensor_msgs|geometry_msgs|nav_msgs|visualization_msgs|tf2?_msgs|tf|actionlib_msgs|diagnostic_msgs|rosgraph_msgs|rcl_interfaces|action_msgs|lifecycle_msgs|service_msgs|type_description_interfaces|std_srvs|shape_msgs|stereo_msgs|trajectory_msgs|bond|dynamic_reconfigure)\//;
+/** The number of rosbridge's clients. */
+const NO_SENSORS = new Set(["/client_count"]);
 // The values of more lines do not fit on a card.
 const MAX_PATHS = 3;
 // More cards would hide those of other panels.
@@ -35,12 +36,16 @@ function titleOf(topic: Topic, paths: readonly string[]): string {
   return isPlain ? topic.name : `${topic.name}/${path.replaceAll(".", "/")}`;
 }
 
+/** Whether only this page publishes a topic: it has a control instead. */
+function isOwn(topic: string, { publishers, ownNodes }: Graph): boolean {
+  const nodes = publishers.get(topic) ?? [];
+  return nodes.length > 0 && nodes.every((node) => ownNodes.includes(node));
+}
+
 export function plotSuggestions(graph: Graph): Suggestion[] {
   const found: Suggestion[] = [];
-  // Topics that only this page publishes are in its controls.
-  const controlled = new Set(controllableTopics(graph));
   for (const topic of graph.topics.values()) {
-    if (!topic.isPublished || controlled.has(topic.name)) continue;
+    if (!topic.isPublished || NO_SENSORS.has(topic.name) || isOwn(topic.name, graph)) continue;
     const paths = mainPaths(topic);
     if (paths.length === 0) continue;
     const series = paths.map((path) => `${topic.name}.${path}`);
