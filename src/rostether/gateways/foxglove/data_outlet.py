@@ -27,6 +27,9 @@ GATHER_S = 0.01
 # Above this size, collected data is written before `GATHER_S`: a socket accepts this much at once.
 _GATHERED_BYTES = 256 << 10
 
+# Viewers show the current state: camera images and other large data that have waited longer are dropped.
+_MAX_AGE_S = 1.0
+
 # The amount of waiting data per write: enough for one system call.
 _DRAIN_BYTES = 64 << 10
 
@@ -49,7 +52,9 @@ class DataOutlet:
         self._is_flush_due = False
         self._flushed_s = 0.0
         self._is_paused = False
-        self._waiting: TopicQueues[int, int] = TopicQueues(waiting_bytes, self._count_drop)
+        self._waiting: TopicQueues[int, int] = TopicQueues(
+            waiting_bytes, self._count_drop, max_age_s=_MAX_AGE_S
+        )
         self._dropped_count = 0
 
     def end(self) -> None:
@@ -72,7 +77,7 @@ class DataOutlet:
         if not self._is_open:
             return
         if self._is_paused or self._waiting:
-            self._waiting.add(subscription_id, time_ns, payloads)
+            self._waiting.add(subscription_id, time_ns, payloads, self._loop.time())
             if self._dropped_count:
                 self._dropped(self._dropped_count)
                 self._dropped_count = 0

@@ -37,8 +37,8 @@ class FoxgloveLimits(ConnectionLimits, frozen=True):
     # The largest message of a client: an image or map that it publishes.
     message_bytes: int = 16 << 20
 
-    # 50 ms of a fast network; further messages wait in queues where they can be dropped.
-    unsent_bytes: int = 1 << 20
+    # A tenth of a second of weak Wi-Fi; further messages wait in queues where they can be dropped.
+    unsent_bytes: int = 64 << 10
 
     # For each slow client: about five camera images, or several seconds of all other data.
     waiting_bytes: int = 32 << 20

@@ -6,6 +6,8 @@ The library websockets implements the protocol, without I/O.
 from __future__ import annotations
 
 import asyncio
+import contextlib
+import socket
 import time
 from collections.abc import Callable, Sequence
 from http import HTTPStatus
@@ -176,7 +178,7 @@ class Connection(asyncio.BufferedProtocol):
         peer, own = transport.get_extra_info("peername"), transport.get_extra_info("sockname")
         if peer and own:
             self.host, self.is_local = peer[0], peer[0] == own[0]
-        transport.set_write_buffer_limits(high=self._limits.unsent_bytes)
+        self._limit_unsent(transport)
         if not self._server.admit(self, transport):
             self.abort()
             return
@@ -299,6 +301,16 @@ class Connection(asyncio.BufferedProtocol):
             self._transport.abort()
 
     # Internal methods.
+
+    def _limit_unsent(self, transport: asyncio.Transport) -> None:
+        """Keep the messages for a slow client in its user's queues, where they can be dropped."""
+        limit = self._limits.unsent_bytes
+        transport.set_write_buffer_limits(high=limit)
+        # Without this option, the kernel keeps megabytes.
+        opened, option = transport.get_extra_info("socket"), getattr(socket, "TCP_NOTSENT_LOWAT", None)
+        if opened is not None and option is not None:
+            with contextlib.suppress(OSError):
+                opened.setsockopt(socket.IPPROTO_TCP, option, limit)
 
     async def _encrypt(self, transport: asyncio.Transport, early: bytearray, context: ssl.SSLContext) -> None:
         wire = await encrypted(transport, self, early, context, self._limits.handshake_s)

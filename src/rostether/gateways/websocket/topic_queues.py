@@ -9,6 +9,9 @@ from typing import Generic, TypeVar
 # The overhead of a waiting message, so that the limit also applies to many empty messages.
 MESSAGE_COST_BYTES = 100
 
+# How much one topic may send before the next one: small messages do not wait for one image each.
+TURN_BYTES = 64 << 10
+
 # Full queues shrink to this share, so that not every message causes a search for the fullest topic.
 _SHRUNK_TO = 0.9
 
@@ -20,22 +23,34 @@ class TopicQueues(Generic[TopicT, TagT]):
     """One queue for each topic; when all together exceed `max_bytes`, the fullest loses its oldest messages.
 
     A topic is any hashable key, and every message has a tag and a payload. `on_drop` is called with the
-    topic for each message that is lost.
+    topic for each message that is lost. A topic with more than `TURN_BYTES` also loses messages that have
+    waited longer than `max_age_s`, but not its newest.
     """
 
-    def __init__(self, max_bytes: int, on_drop: Callable[[TopicT], None]) -> None:
+    def __init__(
+        self, max_bytes: int, on_drop: Callable[[TopicT], None], *, max_age_s: float | None = None
+    ) -> None:
         self._max_bytes = max_bytes
         self._on_drop = on_drop
+        self._max_age_s = max_age_s
         self._bytes = 0
-        # Dictionaries keep their order: the first topic is served next.
-        self._queues: dict[TopicT, deque[tuple[TagT, bytes]]] = {}
+        # Dictionaries keep their order: the first topic is served next. Each message has its time.
+        self._queues: dict[TopicT, deque[tuple[TagT, bytes, float]]] = {}
         self._sizes: dict[TopicT, int] = {}
+        # The data that the first topic has sent in its turn.
+        self._turn_bytes = 0
 
     def __bool__(self) -> bool:
         return bool(self._queues)
 
     def add(
-        self, topic: TopicT, tag: TagT, payloads: Sequence[bytes], *, max_messages: int | None = None
+        self,
+        topic: TopicT,
+        tag: TagT,
+        payloads: Sequence[bytes],
+        now_s: float = 0.0,
+        *,
+        max_messages: int | None = None,
     ) -> None:
         """Queue messages; beyond `max_messages` of the topic, its oldest are dropped."""
         queue = self._queues.get(topic)
@@ -43,11 +58,15 @@ class TopicQueues(Generic[TopicT, TagT]):
             queue = self._queues[topic] = deque()
             self._sizes[topic] = 0
         size = sum(map(len, payloads)) + MESSAGE_COST_BYTES * len(payloads)
-        queue.extend([(tag, payload) for payload in payloads])
+        queue.extend([(tag, payload, now_s) for payload in payloads])
         self._sizes[topic] += size
         self._bytes += size
         while max_messages is not None and len(queue) > max_messages:
             self._drop_oldest(topic)
+        if self._max_age_s is not None:
+            oldest_s = now_s - self._max_age_s
+            while len(queue) > 1 and self._sizes[topic] > TURN_BYTES and queue[0][2] < oldest_s:
+                self._drop_oldest(topic)
         if self._bytes > self._max_bytes:
             self._shrink()
 
@@ -58,16 +77,19 @@ class TopicQueues(Generic[TopicT, TagT]):
 
     def pop(self) -> tuple[TopicT, TagT, bytes]:
         """Return the next topic, tag and payload; topics take turns."""
-        topic = next(iter(self._queues))
-        queue = self._queues.pop(topic)
-        tag, payload = queue.popleft()
+        topic, queue = next(iter(self._queues.items()))
+        tag, payload, _ = queue.popleft()
         cost = len(payload) + MESSAGE_COST_BYTES
         self._bytes -= cost
-        if queue:
-            self._queues[topic] = queue
-            self._sizes[topic] -= cost
-        else:
-            del self._sizes[topic]
+        self._sizes[topic] -= cost
+        self._turn_bytes += cost
+        if not queue or self._turn_bytes >= TURN_BYTES:
+            self._turn_bytes = 0
+            del self._queues[topic]
+            if queue:
+                self._queues[topic] = queue
+            else:
+                del self._sizes[topic]
         return topic, tag, payload
 
     def _shrink(self) -> None:

@@ -5,7 +5,7 @@ from typing import cast
 
 from rostether.gateways.rosbridge.outbox import MAX_STATUSES, Due, Outbox
 from rostether.gateways.shared_subscriptions import Batch, PublisherConnection
-from rostether.gateways.websocket.topic_queues import MESSAGE_COST_BYTES
+from rostether.gateways.websocket.topic_queues import MESSAGE_COST_BYTES, TURN_BYTES
 
 CONNECTION = cast("PublisherConnection", None)
 
@@ -30,12 +30,13 @@ def drain(outbox: Outbox[Topic]) -> list[str | bytes]:
 
 
 def test_answers_leave_in_their_order_before_messages_and_topics_in_turn() -> None:
-    outbox, first, second = Outbox[Topic](1000, 1000), Topic(), Topic()
-    put(outbox, first, b"1", b"3")
+    outbox, first, second = Outbox[Topic](1_000_000, 1000), Topic(), Topic()
+    image = bytes(TURN_BYTES)
+    put(outbox, first, image, b"2")
     outbox.answer("a")
-    put(outbox, second, b"2")
+    put(outbox, second, b"1")
     outbox.answer("b")
-    assert drain(outbox) == ["a", "b", b"1", b"2", b"3"]
+    assert drain(outbox) == ["a", "b", image, b"1", b"2"]
 
 
 def test_a_full_topic_loses_its_oldest_and_no_other_topic_does() -> None:
@@ -43,7 +44,7 @@ def test_a_full_topic_loses_its_oldest_and_no_other_topic_does() -> None:
     put(outbox, slow, b"s")
     put(outbox, fast, b"1", b"2", b"3", b"4", max_messages=2)
     put(outbox, slow, b"t")
-    assert drain(outbox) == [b"s", b"3", b"t", b"4"]
+    assert drain(outbox) == [b"s", b"t", b"3", b"4"]
     assert (fast.dropped_count, slow.dropped_count) == (2, 0)
 
 

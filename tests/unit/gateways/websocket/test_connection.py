@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import os
+import socket
 import ssl
 import struct
 import subprocess
@@ -283,6 +284,18 @@ def _certificate(folder: Path) -> tuple[str, str]:
         capture_output=True,
     )
     return certificate, key
+
+
+@pytest.mark.skipif(not hasattr(socket, "TCP_NOTSENT_LOWAT"), reason="this system lacks the option")
+async def test_messages_for_a_slow_client_do_not_wait_in_the_kernel() -> None:
+    async with stage() as there:
+        _, writer = await shaken(there.gateway.port)
+        (connection,) = there.gateway._server._connections
+        assert connection._transport is not None
+        opened = connection._transport.get_extra_info("socket")
+        limit = opened.getsockopt(socket.IPPROTO_TCP, socket.TCP_NOTSENT_LOWAT)
+        assert limit == connection._limits.unsent_bytes
+        writer.close()
 
 
 async def test_pongs_do_not_fill_memory_when_the_client_does_not_read() -> None:

@@ -1,11 +1,11 @@
 from __future__ import annotations
 
-from rostether.gateways.websocket.topic_queues import MESSAGE_COST_BYTES, TopicQueues
+from rostether.gateways.websocket.topic_queues import MESSAGE_COST_BYTES, TURN_BYTES, TopicQueues
 
 
 class Waiting(TopicQueues[int, int]):
-    def __init__(self, max_bytes: int) -> None:
-        super().__init__(max_bytes, self.count)
+    def __init__(self, max_bytes: int, *, max_age_s: float | None = None) -> None:
+        super().__init__(max_bytes, self.count, max_age_s=max_age_s)
         self.dropped: list[int] = []
 
     def count(self, topic: int) -> None:
@@ -20,10 +20,27 @@ def drain(waiting: Waiting) -> list[tuple[int, int, bytes]]:
 
 
 def test_topics_take_turns_and_keep_their_order() -> None:
-    waiting = Waiting(10_000)
-    waiting.add(1, 5, [b"a", b"b", b"c"])
-    waiting.add(2, 6, [b"x"])
-    assert drain(waiting) == [(1, 5, b"a"), (2, 6, b"x"), (1, 5, b"b"), (1, 5, b"c")]
+    waiting = Waiting(1_000_000)
+    image = bytes(TURN_BYTES)
+    waiting.add(1, 5, [image, image, image])
+    waiting.add(2, 6, [b"x", b"y"])
+    assert waiting.pop() == (1, 5, image)
+    waiting.add(2, 7, [b"z"])
+    # Small messages do not wait for one image each.
+    found = [(topic, tag, payload[:1]) for topic, tag, payload in drain(waiting)]
+    assert found == [(2, 6, b"x"), (2, 6, b"y"), (2, 7, b"z"), (1, 5, b"\0"), (1, 5, b"\0")]
+
+
+def test_old_images_are_dropped_and_small_messages_and_the_newest_image_are_not() -> None:
+    waiting = Waiting(10_000_000, max_age_s=1.0)
+    image = bytes(TURN_BYTES)
+    for now_s in (0.0, 0.5, 1.4, 5.0):
+        waiting.add(1, int(now_s * 10), [image], now_s)
+        waiting.add(2, int(now_s * 10), [b"x"], now_s)
+        if now_s == 1.4:
+            assert waiting.dropped == [1]
+    assert [(topic, tag) for topic, tag, _ in drain(waiting)] == [(1, 50), (2, 0), (2, 5), (2, 14), (2, 50)]
+    assert waiting.dropped == [1, 1, 1]
 
 
 def test_the_fullest_topic_loses_its_oldest() -> None:
@@ -63,5 +80,5 @@ def test_a_topic_keeps_no_more_messages_than_it_wants() -> None:
     waiting.add(1, 5, [b"a", b"b"], max_messages=3)
     waiting.add(1, 6, [b"c", b"d"], max_messages=3)
     waiting.add(2, 7, [b"x"])
-    assert drain(waiting) == [(1, 5, b"b"), (2, 7, b"x"), (1, 6, b"c"), (1, 6, b"d")]
+    assert drain(waiting) == [(1, 5, b"b"), (1, 6, b"c"), (1, 6, b"d"), (2, 7, b"x")]
     assert waiting.dropped == [1]
