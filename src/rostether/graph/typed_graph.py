@@ -33,10 +33,9 @@ Handler: TypeAlias = Callable[[Message], ResponseLike[Message]]
 class TypedGraph(LogMethods):
     """A node in a ROS graph. Messages are values; `raw` sends and receives them as bytes.
 
-    With `reports_silence`, a loop over a topic without publishers is logged. Every method that takes a name
-    raises InvalidNameError if the name is invalid. Every method that asks the graph raises GraphError if the
-    graph cannot be reached or refuses. Every method that takes a type raises DefinitionError if its
-    definition is invalid, and the subclass UnknownTypeError if there is none.
+    With `reports_silence`, a loop over a topic without publishers is logged. Methods that take a name raise
+    InvalidNameError, those that take a type raise DefinitionError or its subclass UnknownTypeError, and those
+    that ask the graph raise GraphError if it cannot be reached or refuses.
     """
 
     def __init__(self, graph: Graph, store: TypeStore, *, reports_silence: bool = False) -> None:
@@ -183,9 +182,8 @@ class TypedGraph(LogMethods):
     ) -> Message:
         """Call a service of a type, given by name or as a class of `rostether.srv`; return its response.
 
-        Pass the whole request, or its fields.
-        Raises UnknownTypeError, ServiceUnavailableError, ServiceTimeoutError, ServiceCallError,
-        TypeMismatchError, InvalidNameError, SerializationError.
+        Pass the whole request, or its fields. Raises ServiceUnavailableError, ServiceTimeoutError,
+        ServiceCallError, TypeMismatchError, SerializationError.
         """
         client = await self.service_client(service, name_of_type(type_name))
         return await client.call(request, timeout_s=timeout_s, **fields)

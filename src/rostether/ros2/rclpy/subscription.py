@@ -263,19 +263,14 @@ class RclpySubscriber:
         for table in (self._known, self._latest, self._seen):
             for gid in table.keys() - gids.keys():
                 del table[gid]
-        self._unnamed &= gids.keys()
-        for gid in (gids.keys() - self._known.keys()) | self._unnamed:
+        for gid in (gids.keys() - self._known.keys()) | (self._unnamed & gids.keys()):
             publisher = gids[gid]
             is_new = gid not in self._known
-            node_name = node_name_of(publisher)
-            if node_name:
-                self._unnamed.discard(gid)
-            else:
-                self._unnamed.add(gid)
-            self._known[gid] = node_name
+            self._known[gid] = node_name_of(publisher)
             if is_new and self._on_connection is not None:
                 fields = publisher_fields(publisher, self.topic, self._support.ros1_type)
                 self._own.thread.call_in_loop(self._report_connection, fields)
+        self._unnamed = {gid for gid, node_name in self._known.items() if not node_name}
 
     def _report_connection(self, fields: Mapping[str, str]) -> None:
         if not self._is_closed and self._on_connection is not None:
