@@ -96,7 +96,7 @@ class Flow:
         self._talkers: list[Publisher] = []
 
     async def open(self, *publishing: int) -> None:
-        """Subscribe in both graphs, and advertise in the graphs of `talking`."""
+        """Subscribe in both graphs, and advertise in the graphs with the numbers `publishing`."""
         graphs = self._world.graphs
         for graph, inbox in zip(graphs, self.inboxes, strict=True):
             await graph.subscribe(self._topic, STRING, inbox.store)

@@ -86,7 +86,7 @@ class ManualLoop:
 
 
 class FakeTransport:
-    """Collects written bytes; `unsent` is the number of bytes that it reports as unsent."""
+    """Collects written bytes; `write_buffer_bytes` is the number of bytes that it reports as unsent."""
 
     def __init__(self, *, can_pause: bool = True) -> None:
         self.can_pause = can_pause

@@ -6,7 +6,7 @@ from itertools import pairwise
 
 
 def garbled(data: bytes, sent_at: int, received_at: int, *, gap_bits: int = 0) -> bytes:
-    """Return what a receiver at `heard_at` baud reads of 8N1 bytes sent at `sent_at`, `gap_bits` apart.
+    """Return what a receiver at `received_at` baud reads of 8N1 bytes sent at `sent_at`, `gap_bits` apart.
 
     The receiver starts at a falling edge, samples the middle of each bit, and takes bytes with a framing
     error as they are, like the drivers in use.

@@ -16,7 +16,7 @@ from waiting import until
 
 
 class Shown:
-    """What the manager shows: `states` as "state text" by id."""
+    """What the manager shows: `sensors` by id; `state` returns the state and its text."""
 
     def __init__(self, network: MemoryNetwork, robot: TypedGraph, viewer: TypedGraph) -> None:
         self.network = network
