@@ -103,6 +103,6 @@ def board_of(vendor_id: int | None, product_id: int | None) -> str:
     if vendor_id is None or product_id is None:
         return ""
     if vendor_id in (_ARDUINO, _ARDUINO_ORG):
-        # The second hexadecimal digit is the version of the board (0x0243 is a Uno R3).
+        # The second hexadecimal digit is the version of the board (0x0243 is an Uno R3).
         return _BOARDS.get(product_id) or _BOARDS.get(product_id & 0xFCFF, "Arduino")
     return _OTHERS.get((vendor_id, product_id), "")

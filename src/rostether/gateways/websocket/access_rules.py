@@ -166,11 +166,11 @@ class AccessRules:
         return self._refusal(path, headers, self._pages)
 
     def own_refusal(self, path: str, headers: Headers) -> tuple[HTTPStatus, str] | None:
-        """Like `refusal`, for a WebSocket that needs the full token and is not for a viewer's pages."""
+        """Return the same as `refusal`, but also refuse the viewer's site and clients without the full token."""
         if (refused := self._refusal(path, headers, self._own_pages)) is not None:
             return refused
         if self.token.is_required and not self.has_token(path, headers):
-            return HTTPStatus.FORBIDDEN, "this requires the full token, not the view token"
+            return HTTPStatus.FORBIDDEN, "this needs the full token; open the page with it, not the view token"
         return None
 
     def _refusal(self, path: str, headers: Headers, pages: PageRule) -> tuple[HTTPStatus, str] | None:
