@@ -166,11 +166,15 @@ class AccessRules:
         return self._refusal(path, headers, self._pages)
 
     def own_refusal(self, path: str, headers: Headers) -> tuple[HTTPStatus, str] | None:
-        """Return the same as `refusal`, but also refuse the viewer's site and clients without the full token."""
+        """Return why a WebSocket is refused, None if it is admitted.
+
+        Unlike `refusal`, this refuses pages of the viewer's site, and clients without the full token.
+        """
         if (refused := self._refusal(path, headers, self._own_pages)) is not None:
             return refused
         if self.token.is_required and not self.has_token(path, headers):
-            return HTTPStatus.FORBIDDEN, "this needs the full token; open the page with it, not the view token"
+            reason = "this needs the full token, not the view token; open the page with the full token"
+            return HTTPStatus.FORBIDDEN, reason
         return None
 
     def _refusal(self, path: str, headers: Headers, pages: PageRule) -> tuple[HTTPStatus, str] | None:

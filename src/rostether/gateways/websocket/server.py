@@ -55,7 +55,7 @@ class WebSocketServer:
         report_refused: Gets a line, at a limited rate, when a connection is refused.
         site: Files that are served by plain GET.
         routes: For each other path, the function that creates the user of a WebSocket there; None if the path
-            is refused. Programs, this server's pages and the user's `origins` may use these paths, all with the
+            is refused. Programs, this server's pages and pages of `origins` may use these paths, all with the
             full token.
     """
 
