@@ -4,9 +4,9 @@
 //       | frames in callbacks | candidate | backlog |  room to read  | arrays of the frames
 //                             |                                      | in callbacks
 //
-// Bytes are appended at `end`. A frame is only accepted as a whole: if its length, its checksum or its duration is
+// Bytes are appended at `end_`. A frame is only accepted as a whole: if its length, its checksum or its duration is
 // wrong, one byte is dropped and the rest is examined again, so that a valid frame after or inside an invalid one is
-// found. While a callback runs, its frame stays below `base`; a spinOnce inside the callback (a parameter or service
+// found. While a callback runs, its frame stays below `base_`; a spinOnce inside the callback (a parameter or service
 // call) reads above it.
 #ifndef ROS_RECEIVE_WINDOW_H_
 #define ROS_RECEIVE_WINDOW_H_
