@@ -1,4 +1,5 @@
 #include <math.h>
+#include <ros/arrays.h>
 #include <ros/float64.h>
 
 #include "expect.h"
