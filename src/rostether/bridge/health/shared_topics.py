@@ -1,4 +1,4 @@
-"""Reports topics that several boards have: each of several equal boards needs a namespace."""
+"""Reports topics and services that several boards have: each of several equal boards needs a namespace."""
 
 from __future__ import annotations
 
@@ -7,10 +7,10 @@ from collections.abc import Iterable
 from typing import Final
 
 from rostether.bridge.board_registry import Board
-from rostether.bridge.endpoint.openings import name_of
+from rostether.bridge.endpoint.openings import Role, name_of
 from rostether.bridge.reporter import Reporter
 from rostether.graph.ports import Level
-from rostether.rosserial.events import TopicRole
+from rostether.rosserial.events import ServiceRole, TopicRole
 
 # Topics on which many nodes publish by convention.
 _COMMON: Final = frozenset({"/tf", "/tf_static", "/rosout", "/diagnostics", "/joint_states"})
@@ -22,34 +22,41 @@ _SHOWN: Final = 4
 _MAX_REPORTED: Final = 1000
 
 
+# The roles in which boards disturb each other; several may call one service.
+_VERBS: Final[dict[Role, str]] = {
+    TopicRole.PUBLISHER: "publish",
+    TopicRole.SUBSCRIBER: "subscribe to",
+    ServiceRole.SERVER: "offer",
+}
+
+
 class SharedTopics:
-    """Remembers which topics were reported."""
+    """Remembers which topics and services were reported."""
 
     def __init__(self, reporter: Reporter) -> None:
         self._reporter = reporter
         self._seen: list[tuple[str, int]] = []
-        self._reported: set[tuple[TopicRole, str]] = set()
+        self._reported: set[tuple[Role, str]] = set()
 
     def check(self, boards: Iterable[Board]) -> None:
-        """Report topics that several connected boards publish, or to which several subscribe."""
+        """Report topics and services that several connected boards have in the same role."""
         nodes = [
             board.node
             for board in boards
             if board.node is not None and board.session is not None and board.session.is_connected
         ]
-        seen = [(node.graph.node_name, len(node.endpoints.announced_topics())) for node in nodes]
+        seen = [(node.graph.node_name, len(list(node.endpoints))) for node in nodes]
         if seen == self._seen:
             return
         self._seen = seen
-        users: defaultdict[tuple[TopicRole, str], list[str]] = defaultdict(list)
+        users: defaultdict[tuple[Role, str], list[str]] = defaultdict(list)
         for node in nodes:
             for role, endpoint in node.endpoints:
-                if isinstance(role, TopicRole):
-                    users[role, node.graph.resolve(name_of(endpoint))].append(node.graph.node_name)
-        for role, verb in ((TopicRole.PUBLISHER, "publish"), (TopicRole.SUBSCRIBER, "subscribe to")):
-            self._report(verb, {key: names for key, names in users.items() if key[0] is role})
+                users[role, node.graph.resolve(name_of(endpoint))].append(node.graph.node_name)
+        for role in _VERBS:
+            self._report(role, {key: names for key, names in users.items() if key[0] is role})
 
-    def _report(self, verb: str, users: dict[tuple[TopicRole, str], list[str]]) -> None:
+    def _report(self, role: Role, users: dict[tuple[Role, str], list[str]]) -> None:
         new = [
             key
             for key, names in users.items()
@@ -58,10 +65,12 @@ class SharedTopics:
         if not new or len(self._reported) >= _MAX_REPORTED:
             return
         self._reported.update(new)
-        topics = _shown([name for _, name in new])
+        shown = _shown([name for _, name in new])
+        # Subscribers get the messages of all boards, but a caller gets the answer of one.
+        level, noun = (Level.WARN, "services") if role is ServiceRole.SERVER else (Level.INFO, "topics")
         self._reporter.report(
-            Level.INFO,
-            f"{_shown(users[new[0]])} {verb} {topics}; --ns-per-board gives each board its own topics",
+            level,
+            f"{_shown(users[new[0]])} {_VERBS[role]} {shown}; --ns-per-board gives each board its own {noun}",
         )
 
 

@@ -15,8 +15,8 @@ from unit.bridge.virtual_time import on_virtual_time
 
 
 async def connected(network: MemoryNetwork, name: str, namespace: str = "/") -> Board:
-    """Return a board with two topics that only this kind of board publishes, and one that many nodes
-    publish.
+    """Return a board with two topics and a service that only this kind of board has, and one topic that many
+    nodes publish.
     """
     graph = await network.join(name, namespace=namespace)
     node = BoardNode(graph, STORE, RecordingReporter(), asyncio.get_running_loop().time)
@@ -25,9 +25,11 @@ async def connected(network: MemoryNetwork, name: str, namespace: str = "/") -> 
     assert board.session is not None
     board.session.start()
     sketch = SketchBoard(theirs).publisher("range", "sensor_msgs/Range").publisher("tf", "tf/tfMessage")
+    empty = STORE.registry.service_type("std_srvs/Empty")
+    sketch.link.add_service_server("calibrate", "std_srvs/Empty", empty.request.md5sum, empty.response.md5sum)
     sketch.subscriber("led").plug_in()
     async with asyncio.timeout(60):
-        while len(node.endpoints.announced_topics()) < 3:
+        while len(list(node.endpoints)) < 4:
             await asyncio.sleep(0.01)
     return board
 
@@ -46,6 +48,7 @@ async def test_topics_of_several_boards_are_reported_once() -> None:
     assert reporter.texts == [
         f"/uno_1 and /uno_2 publish /range; {hint}",
         f"/uno_1 and /uno_2 subscribe to /led; {hint}",
+        "/uno_1 and /uno_2 offer /calibrate; --ns-per-board gives each board its own services",
     ]
     for board in boards:
         assert board.session is not None
