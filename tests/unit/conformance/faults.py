@@ -48,7 +48,7 @@ def sent(change: Change) -> Callable[[], Manipulator]:
 
 
 def received(change: Callable[[bytes], bytes]) -> Callable[[], Manipulator]:
-    """Plant a mistake in the bytes that the client receives."""
+    """Add a fault to the bytes that the client receives."""
 
     def manipulate(data: bytes, direction: Direction) -> bytes:
         return change(data) if direction is Direction.FIRST_TO_SECOND else data
@@ -57,7 +57,7 @@ def received(change: Callable[[bytes], bytes]) -> Callable[[], Manipulator]:
 
 
 def received_frames(change: Change) -> Callable[[], Manipulator]:
-    """Plant a mistake in a frame that the client receives alone."""
+    """Add a fault to a frame that the client receives alone."""
 
     def take(data: bytes) -> bytes:
         if len(data) < 8 or data[:2] != b"\xff\xfe" or len(data) != 8 + int.from_bytes(data[2:4], "little"):
