@@ -9,7 +9,7 @@ from typing import Generic, TypeVar
 # The overhead of a waiting message, so that the limit also applies to many empty messages.
 MESSAGE_COST_BYTES = 100
 
-# How much one topic may send before the next one: small messages do not wait for one image each.
+# How much one topic may send in its turn: many small messages pass between two images, not only one.
 TURN_BYTES = 64 << 10
 
 # Full queues shrink to this share, so that not every message causes a search for the fullest topic.
