@@ -137,6 +137,8 @@ def _translated(read: Callable[[], T]) -> T:
             raise _too_large(
                 "levels", MAX_NESTING, "flatten it", getattr(error, "problem_mark", None)
             ) from None
+        if problem == "found character that cannot start any token":
+            problem += "; indent with spaces, not tabs, and quote texts that begin with @, % or `"
         raise YamlError(f"not YAML: {problem}", getattr(error, "problem_mark", None)) from None
     except RecursionError:
         raise YamlError("too large as YAML: it is nested too deeply") from None

@@ -22,6 +22,7 @@ from rostether.cli.shell.option_group import (
     ignored_options,
     option_group,
 )
+from rostether.errors import ConfigError
 
 ROS2_OPTION = "--ros2"
 # The value of `--ros2` alone: the middleware in the environment, else the installed one.
@@ -131,6 +132,16 @@ class GraphOptions:
     def is_ros2_alone(self) -> bool:
         """Whether only the ROS 2 graph is selected."""
         return not self.uses_ros1
+
+    def refuse_unused(self) -> None:
+        """Refuse options for a ROS 2 graph that is not selected. Raises ConfigError."""
+        zenoh = self.zenoh
+        if self.ros2 is not Middleware.ZENOH and zenoh != ZenohReach():
+            options = {"--zenoh-connect": zenoh.connect, "--zenoh-listen": zenoh.listen}
+            option = next((name for name, value in options.items() if value), "--zenoh-router")
+            raise ConfigError(f"{option} has an effect only with --ros2 zenoh; add that, or omit {option}")
+        if self.ros2 is None and self.params_files:
+            raise ConfigError("--params-file has an effect only with --ros2; add that, or omit the file")
 
     def node_name(self, purpose: str) -> str:
         """Return the name of the command's node: `__name:=`, else a unique one that begins with `purpose`."""

@@ -62,6 +62,7 @@ async def served_graphs(
         master_port: The port of a new ROS 1 master, None for that of the environment's URI.
         msg_paths: Folders with definitions.
     """
+    graph.refuse_unused()
     joins: list[JoinGraph] = []
     lines: list[str] = []
     used_environment = None

@@ -204,6 +204,7 @@ async def recording_graph(
     If `is_native`, messages on ROS 2 alone have ROS 2's own fields. `origins` are the types in recordings,
     whose definitions need not be installed.
     """
+    graph.refuse_unused()
     if graph.ros2 is None:
         async with joined(graph, purpose=purpose) as node:
             yield RecordingGraph(node.raw, None)

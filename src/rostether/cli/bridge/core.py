@@ -78,6 +78,7 @@ def core(
             raise click.UsageError("with --ros2, the router accepts only --zenoh-connect and --zenoh-listen")
         run(_serve_router(graph.zenoh), is_service=True)
         return
+    graph.refuse_unused()
     environment = read_environment(graph, listen)
     environment = environment.limited(read_graph_limits(limits))
     run(_serve(environment, environment.master.port if port is None else port), is_service=True)

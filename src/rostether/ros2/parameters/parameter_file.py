@@ -102,6 +102,10 @@ def _collect(node: str, content: Any, entries: list[_Entry]) -> None:
             f"{what}; write node names, `{PARAMETERS_KEY}:` below each, and the parameters below that"
         )
     for key, value in content.items():
+        if key == PARAMETERS_KEY and not node:
+            raise SerializationError(
+                f"write the name of a node above `{PARAMETERS_KEY}:`, or /** for all nodes"
+            )
         if key == PARAMETERS_KEY:
             entries.append(_Entry(_pattern(node), _values(node, value)))
         else:

@@ -97,3 +97,23 @@ def test_ros2_without_a_middleware_uses_the_installed_one(monkeypatch: pytest.Mo
     assert chosen_middleware() is Middleware.ZENOH
     monkeypatch.setattr("rostether.cli.access.graph_options.find_spec", lambda name: object())
     assert chosen_middleware() is Middleware.RCLPY
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("core", "--zenoh-listen", "tcp/0.0.0.0:7447"),
+        ("serve", "--zenoh-router", "never", "pty:/tmp/x"),
+        ("serve", "--ros2", "rclpy", "--zenoh-connect", "tcp/robot1:7447", "pty:/tmp/x"),
+        ("serve", "--params-file", __file__, "pty:/tmp/x"),
+        ("bag", "record", "-a", "--zenoh-connect", "tcp/robot1:7447"),
+    ],
+)
+def test_options_of_a_graph_that_is_not_selected_are_refused(
+    words: tuple[str, ...], monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    for name in ("ROS_VERSION", "RMW_IMPLEMENTATION"):
+        monkeypatch.delenv(name, raising=False)
+    assert main(words) == 1
+    option = next(each for each in words if each.startswith(("--zenoh", "--params")))
+    assert f"{option} has an effect only with --ros2" in capsys.readouterr().err

@@ -93,6 +93,8 @@ def test_values(text: str, value: object) -> None:
         ("/board: {ros__parameters: {a: 99999999999999999999}}", "64-bit"),
         ("a: !!python/object:os.system {}", "is not YAML"),
         ("{a: &a {b: *a}}", "has an alias"),
+        ("board:\n\tros__parameters:\n", "indent with spaces, not tabs"),
+        ("ros__parameters: {a: 1}", "write the name of a node above `ros__parameters:`"),
         ("{a: " * 900 + "}" * 900, "nested too deeply|holds"),
         ("[" * 20000, "is too large as YAML"),
     ],
