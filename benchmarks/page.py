@@ -21,7 +21,7 @@ from web.browser import Browser, page_packages
 
 SECONDS = 8.0
 SETTLE_S = 4.0
-# A plot keeps five minutes of data; the page's memory grows until then.
+# A plot keeps five minutes of data, so the page's memory grows during this time.
 FILLED_MINUTES = 6
 MAX_GROWTH = 0.10
 

@@ -43,8 +43,8 @@ DISCOVERY_S = 2.0
 # How long a relay waits for each older one: until the graphs show the items that the older one relays.
 OLDER_RELAY_WAIT_S = 1.5
 
-# How often the relay checks whether other relays still run. Until then, the copies of a killed relay are
-# missing.
+# How often the relay checks whether other relays still run. The copies of a killed relay are missing until
+# the next check.
 CHECK_S = 3.0
 
 # How often a new relay checks for its first snapshot of a graph.

@@ -98,7 +98,8 @@ def serial_node(
         argument = {"master": "__master:=URI", "name": "__name:=NAME", "ns": "__ns:=NAMESPACE"}.get(name)
         if name.replace("-", "_") in PRIVATE_PARAMETERS:
             argument = f"_{name.replace('-', '_')}:=VALUE"
-        raise click.UsageError(f"no such option {wrong}" + (f"; write {argument}" if argument else ""))
+        step = f"write {argument}" if argument else "see `rostether serial-node --help`"
+        raise click.UsageError(f"no such option {wrong}; {step}")
     host = HostRole(DEFAULT_NODE_NAME, "ROS Serial Python Node", PRIVATE_PARAMETERS, choose_link)
     run_host(host, parse_arguments(arguments), listen=listen, allowed=graph.allow, config=config)
 

@@ -101,7 +101,10 @@ def _registry(msg_paths: tuple[Path, ...], graph: GraphOptions) -> Registry:
 
 
 def format_spec(registry: Registry, spec: MessageSpec, indent: str = "") -> Iterator[str]:
-    """Yield a message's lines: constants, then fields; those of nested messages are indented."""
+    """Yield a message's lines: constants, then fields; those of nested messages are indented.
+
+    Raises UnknownTypeError and DefinitionError for a nested message.
+    """
     from rostether.msgdef.primitives import PRIMITIVE_TYPES
 
     for constant in spec.constants:

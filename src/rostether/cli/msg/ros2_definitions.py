@@ -38,7 +38,7 @@ def shown(
 ) -> str:
     """Return the text of a message, service or action, with each field's type below the field.
 
-    With `raw`, return the original text.
+    With `raw`, return the original text. Raises UnknownTypeError, DefinitionError.
     """
     native = _native(registry)
     is_action = group == "action"
@@ -55,7 +55,10 @@ def shown(
 
 
 def type_hash(registry: Registry, group: str, name: str) -> str:
-    """Return the type hash, which both ends of a topic or service must have."""
+    """Return the type hash, which both ends of a topic or service must have.
+
+    Raises UnknownTypeError, DefinitionError.
+    """
     found = _found(registry, group, name)
     source = _native(registry).source
     if isinstance(found, Ros2Message):
@@ -64,7 +67,7 @@ def type_hash(registry: Registry, group: str, name: str) -> str:
 
 
 def record(registry: Registry, group: str, name: str) -> dict[str, Any]:
-    """Return a definition for `--json`."""
+    """Return a definition for `--json`. Raises UnknownTypeError, DefinitionError."""
     found = _found(registry, group, name)
     base = {"type": found.full_name, "type_hash": type_hash(registry, group, name)}
     if isinstance(found, Ros2Message):

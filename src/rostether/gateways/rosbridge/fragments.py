@@ -24,7 +24,7 @@ MAX_UNFINISHED_PIECES: Final = 2 * MAX_FRAGMENTS
 
 
 def split_fragments(text: str, size: int, message_id: str) -> Iterator[str]:
-    """Yield a message's fragments of `size` characters each, as JSON."""
+    """Yield a message's fragments as JSON: of `size` characters, or more if there would be too many."""
     size = max(size, -(-len(text) // MAX_FRAGMENTS))
     total = -(-len(text) // size)
     for number in range(total):

@@ -12,7 +12,8 @@ from rostether.graph.ports import Graph
 from rostether.msgdef.interface import ANY_TYPE, ServiceType
 from rostether.serde.store import TypeStore
 
-# Asks the server of a service, given by name, for the name of its type or its host. Raises RostetherError.
+# Takes a service's name, asks its server, and returns the service's type or the server's host. Raises
+# RostetherError.
 AskServer: TypeAlias = Callable[[str], Awaitable[str]]
 
 # A page that calls often asks the server once; a new type after a restart is seen soon.

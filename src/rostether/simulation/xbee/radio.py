@@ -94,7 +94,7 @@ class SimulatedRadio:
         return data
 
     def get_timer(self) -> float | None:
-        """Return when `handle_timer` is due, None if it is not."""
+        """Return when to call `handle_timer`; None if nothing is scheduled."""
         return self._due_s
 
     def serial_received(self, data: bytes, now_s: float) -> None:

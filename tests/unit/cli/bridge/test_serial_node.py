@@ -65,7 +65,7 @@ def test_too_many_arguments() -> None:
         ("--baud", "; write _baud:=VALUE"),
         ("--tcp-port", "; write _tcp_port:=VALUE"),
         ("--name", "; write __name:=NAME"),
-        ("--speed", ""),
+        ("--speed", "; see `rostether serial-node --help`"),
     ],
 )
 async def test_an_option_of_other_commands(option: str, advice: str) -> None:
