@@ -163,9 +163,11 @@ def _split_scheme(address: str) -> tuple[str, str]:
     if not address:
         raise ConfigError("empty link address; write for instance /dev/ttyACM0 or tcp://:11411")
     if address.lower() in _KNOWN_OPTIONS:
-        raise ConfigError(
-            f"not a link address: {address!r}; see `rostether serve --help` for {address.lower()}:"
-        )
+        scheme = address.lower()
+        help_text = f"see `rostether serve --help` for {scheme}:"
+        if scheme in ("tcp", "tls", "udp"):
+            help_text = f"write {scheme}://:{DEFAULT_PORT} to listen for boards"
+        raise ConfigError(f"not a link address: {address!r}; {help_text}")
     if (advice := address_advice(address)) is not None:
         raise ConfigError(f"not a link address: {address!r}; {advice}")
     kind = match[1] if match else address
@@ -209,6 +211,9 @@ def _parse_endpoint(text: str, rest: str) -> tuple[str, int]:
         port_text = after[1:]
     else:
         host, _, port_text = endpoint.partition(":")
+        if is_number(host) and not port_text:
+            meant = f"{text.partition(':')[0]}://:{host}"
+            raise ConfigError(f"link address {text!r} has no host; write {meant} to listen on that port")
     if not port_text:
         port_text = str(DEFAULT_PORT)
     if not (is_number(port_text) and int(port_text) <= MAX_PORT):

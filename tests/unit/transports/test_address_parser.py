@@ -86,6 +86,7 @@ def test_read_as_typed(text: str, address: Address) -> None:
         ("tcp://:1?allow=everybody", "'everybody' is not a network"),
         ("udp://h?connect=yes&bind=70000", "write a number from 0 to 65535"),
         ("pty:", "has no path"),
+        ("tcp:11411", "has no host; write tcp://:11411 to listen on that port"),
         ("serial:", "has no path"),
         ("xbee:/dev/x?peers=one", "with its 16-bit address or the address on its label"),
         ("xbee:/dev/x?peers=0xffff", "with its 16-bit address or the address on its label"),

@@ -92,5 +92,5 @@ def test_what_is_not_an_address_is_explained(typed: str, advice: str) -> None:
 def test_a_host_and_a_kind_of_link_are_explained() -> None:
     with pytest.raises(ConfigError, match=re.escape("tcp://192.168.1.7:PORT?connect=yes")):
         parse_address("192.168.1.7")
-    with pytest.raises(ConfigError, match=re.escape("see `rostether serve --help` for udp:")):
+    with pytest.raises(ConfigError, match="write udp://:11411 to listen for boards"):
         parse_address("udp")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 from collections.abc import AsyncIterator, Awaitable, Callable
 from contextlib import asynccontextmanager
 from pathlib import Path
@@ -14,6 +15,10 @@ from rostether.mechanisms.block_end import task_beside
 
 if TYPE_CHECKING:
     from rostether.simulation.simavr.board_events import BoardEvent
+
+# A sketch's line arrives in pieces. At 300 baud, the next character follows within this time.
+LINE_GAP_S = 0.1
+MAX_LINE_BYTES = 200
 
 
 @asynccontextmanager
@@ -52,3 +57,50 @@ def show_event(event: BoardEvent, *, as_json: bool) -> None:
         board_events.show_event(event),
         as_json=as_json,
     )
+
+
+class EventPrinter:
+    """Prints the events of a board, and the text that its sketch prints by line."""
+
+    def __init__(self, *, as_json: bool) -> None:
+        self._as_json = as_json
+        self._line = b""
+        self._line_s = 0.0
+        self._timer: asyncio.TimerHandle | None = None
+
+    def show(self, event: BoardEvent) -> None:
+        """Print an event; an incomplete line of text is printed when the sketch pauses."""
+        from rostether.simulation.simavr.board_events import is_text
+
+        if event.name == "serial" and not self._as_json:
+            data = bytes.fromhex(event["data"])
+            if is_text(data):
+                self._add(data, event.time_s)
+                return
+        self.flush()
+        show_event(event, as_json=self._as_json)
+
+    def flush(self) -> None:
+        """Print an incomplete line of text."""
+        if self._timer is not None:
+            self._timer.cancel()
+            self._timer = None
+        self._print(len(self._line))
+
+    def _add(self, text: bytes, time_s: float) -> None:
+        if not self._line:
+            self._line_s = time_s
+        self._line += text
+        self._print(self._line.rfind(b"\n") + 1)
+        if len(self._line) >= MAX_LINE_BYTES:
+            self._print(len(self._line))
+        if self._timer is not None:
+            self._timer.cancel()
+        self._timer = asyncio.get_running_loop().call_later(LINE_GAP_S, self.flush)
+
+    def _print(self, count: int) -> None:
+        from rostether.simulation.simavr.board_events import BoardEvent
+
+        if count:
+            data, self._line = self._line[:count], self._line[count:]
+            show_event(BoardEvent("serial", self._line_s, {"data": data.hex()}), as_json=False)

@@ -10,7 +10,7 @@ from typing import Literal
 import click
 
 from rostether.cli.access.options import msg_path_option
-from rostether.cli.board.console import handling_commands, show_event, show_start
+from rostether.cli.board.console import EventPrinter, handling_commands, show_start
 from rostether.cli.board.opencr import OPENCR, run_opencr
 from rostether.cli.board.qemu import run_in_qemu
 from rostether.cli.shell.option_group import PATH, flag, option, option_group
@@ -85,7 +85,7 @@ class BoardOptions:
     )
     is_fast: bool = flag("--fast", "Run as fast as possible instead of in real time.")
     duration: str | None = option(
-        "--duration TIME", "Stop after this simulated time, e.g. 2s, 20ms or 160000 cycles."
+        "--duration TIME", 'Stop after this simulated time, e.g. 2, 2s, 20ms or "160000 cycles".'
     )
 
     @property
@@ -122,6 +122,13 @@ def board_run(program: Path, options: BoardOptions, msg_paths: tuple[Path, ...],
     run(_run(program, options, msg_paths, as_json), is_service=True)
 
 
+def _simulator_time(text: str) -> str:
+    """Return a duration as the simulator reads it, where a number without a unit is in cycles."""
+    if text.endswith(" cycles"):
+        return text.removesuffix(" cycles")
+    return f"{text}s" if text.replace(".", "", 1).isdecimal() else text
+
+
 async def _run(program: Path, start: BoardOptions, msg_paths: Sequence[Path], as_json: bool) -> None:
     from rostether.cli.board.qemu import find_program
     from rostether.cli.shell.slow_notice import reported_when_long
@@ -142,6 +149,7 @@ async def _run(program: Path, start: BoardOptions, msg_paths: Sequence[Path], as
         return
     kind_of(start.board)
     link: Literal["pty", "tcp"] = "pty" if start.tcp_port is None else "tcp"
+    ending = [f"for {_simulator_time(start.duration)}"] if start.duration else []
     preparing = f"preparing a simulated {start.board} for {program}; this takes longer the first time"
     with reported_when_long(warn, preparing):
         found = await find_program(program, start.board, msg_paths)
@@ -154,7 +162,7 @@ async def _run(program: Path, start: BoardOptions, msg_paths: Sequence[Path], as
             uart=start.uart,
             realtime=not start.is_fast,
             seed=start.seed,
-            commands=[*start.commands, *([f"for {start.duration}"] if start.duration else [])],
+            commands=[*start.commands, *ending],
         )
 
     async def execute(line: str) -> None:
@@ -170,9 +178,11 @@ async def _run(program: Path, start: BoardOptions, msg_paths: Sequence[Path], as
             title = f"{board.kind} ({board.mcu})"
             show_start(title, board.kind, program, board.address, start.link_path, note)
         async with handling_commands(execute):
+            printer = EventPrinter(as_json=as_json)
             for event in list(board.recent)[0 if as_json else 1 :]:
-                show_event(event, as_json=as_json)
+                printer.show(event)
             async for event in board.events():
-                show_event(event, as_json=as_json)
+                printer.show(event)
+            printer.flush()
         if not board.has_ended_as_requested:
             raise BoardError("the simulated board ended unexpectedly; please report it")

@@ -50,7 +50,9 @@ def show_event(event: BoardEvent) -> str:
     values = dict(event.values)
     text = values.pop("text", "") or _MEANINGS.get(event.name, "")
     if event.name == "serial":
-        values["data"] = _show_bytes(bytes.fromhex(values["data"]))
+        data = bytes.fromhex(values["data"])
+        if is_text(data):
+            values["data"] = json.dumps(data.decode("ascii"))
     pin = values.pop("pin", None)
     parts = [event.name.replace("_", " "), *([str(pin)] if pin is not None else [])]
     parts += [f"{key}={_show(value)}" for key, value in values.items() if value != ""]
@@ -58,11 +60,9 @@ def show_event(event: BoardEvent) -> str:
     return f"{line}: {text}" if text else line
 
 
-def _show_bytes(data: bytes) -> str:
-    """Show what a sketch prints as text in quotes, and other bytes in hexadecimal."""
-    text = data.decode("latin-1")
-    is_text = data.isascii() and "".join(text.split()).isprintable()
-    return json.dumps(text) if is_text else data.hex()
+def is_text(data: bytes) -> bool:
+    """Return whether a sketch printed these bytes as ASCII text."""
+    return data.isascii() and "".join(data.decode("ascii").split()).isprintable()
 
 
 def _show(value: Any) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from rostether.errors import ConfigError
+from rostether.simulation.qemu import MACHINES
 
 KINDS = {
     "uno": "uno",
@@ -19,4 +20,5 @@ def kind_of(board: str) -> str:
     try:
         return KINDS[board]
     except KeyError:
-        raise ConfigError(f"no simulated board {board!r}; known: {', '.join(KINDS)}") from None
+        known = ", ".join((*KINDS, "opencr", *MACHINES))
+        raise ConfigError(f"no simulated board {board!r}; known: {known}") from None

@@ -129,7 +129,7 @@ def test_options_are_words_for_the_board() -> None:
     [
         (["missing.elf"], 1, "missing.elf does not exist; give a sketch"),
         (["missing.ino"], 1, "missing.ino does not exist; give a sketch"),
-        (["ELF", "--board", "due"], 1, "no simulated board 'due'; known: uno, nano"),
+        (["ELF", "--board", "due"], 1, "micro, opencr, lm3s6965evb, netduinoplus2"),
         (["ELF", "--board", "mega"], 1, "built for another chip"),
         (["ELF", "--watch", "D77"], 1, "watch D77: this board has no such pin"),
         (["ELF", "--for", "soon"], 1, "for soon: write how long to run"),
@@ -154,6 +154,25 @@ def test_a_sketch_is_built_first(tmp_path: Path) -> None:
     result = run_to_end(str(sketch), "--fast", "--for", "50ms", "--json", "--watch", "serial")
     sent = [json.loads(line).get("data", "") for line in result.stdout.splitlines()]
     assert bytes.fromhex("".join(sent)) == b"hi"
+
+
+def test_text_is_shown_by_line(tmp_path: Path) -> None:
+    sketch = tmp_path / "Hello.ino"
+    sketch.write_text(
+        'void setup() { Serial.begin(9600); Serial.print("t=21\\n\\nready> "); Serial.flush(); delay(300); '
+        'Serial.print("on"); Serial.write(255); }\nvoid loop() {}\n'
+    )
+    result = run_to_end(str(sketch), "--duration", "0.5", "--watch", "serial")
+    shown = [line.partition("serial ")[2] for line in result.stdout.splitlines() if "  serial " in line]
+    assert shown == [r'data="t=21\n"', r'data="\n"', 'data="ready> "', 'data="on"', "data=ff"]
+
+
+@pytest.mark.parametrize(
+    ("duration", "cycles"), [("0.001", 16000), ("1ms", 16000), ("16000 cycles", 16000), ("1", 16000000)]
+)
+def test_units_of_the_duration(duration: str, cycles: int) -> None:
+    result = run_to_end(str(build("tick")), "--fast", "--duration", duration, "--json")
+    assert json.loads(result.stdout.splitlines()[-1])["cycles"] == pytest.approx(cycles, abs=10)
 
 
 def test_a_sketch_that_does_not_compile_shows_why(tmp_path: Path) -> None:
