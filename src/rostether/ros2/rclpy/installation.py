@@ -7,8 +7,11 @@ can be used if its package is installed.
 from __future__ import annotations
 
 import functools
+import os
+import sys
 import warnings
 from importlib import import_module, metadata
+from pathlib import Path
 from typing import Any, NamedTuple
 
 from rostether.errors import ConfigError, UnknownTypeError
@@ -19,6 +22,9 @@ from rostether.msgdef.ros2.action_parts import action_of_part
 # The distribution for each major version of rclpy; newer versions belong to `_NEWEST_DISTRIBUTION`.
 _DISTRIBUTIONS = {"3": "humble", "4": "iron", "7": "jazzy", "9": "kilted"}
 _NEWEST_DISTRIBUTION = "rolling"
+
+# The folder of a ROS 2 installation with a file for each middleware.
+_MIDDLEWARES = "share/ament_index/resource_index/rmw_typesupport"
 
 # Parts of actions that are attributes of the action's `Impl`.
 _ACTION_PARTS = {
@@ -46,6 +52,7 @@ class Rclpy(NamedTuple):
 @functools.cache
 def load_rclpy() -> Rclpy:
     """Import rclpy. Raises ConfigError with the command that installs it."""
+    _check_middleware()
     try:
         with warnings.catch_warnings():
             # Users cannot act on these warnings: rosidl's parser uses modules that Python will remove.
@@ -58,6 +65,21 @@ def load_rclpy() -> Rclpy:
             f"rclpy cannot be used ({fold_line(str(error))}); run: {install_command('rclpy')}; or source "
             "the setup file of ROS 2, or use zenoh, which needs neither"
         ) from error
+
+
+def _check_middleware() -> None:
+    """Raise ConfigError if RMW_IMPLEMENTATION is not installed: rcl would end the process at the import."""
+    wanted = os.environ.get("RMW_IMPLEMENTATION")
+    prefixes = [sys.prefix, *os.environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep)]
+    installed = {
+        each.name for prefix in prefixes if prefix for each in Path(prefix, _MIDDLEWARES).glob("rmw_*")
+    }
+    installed.discard("rmw_implementation")
+    if wanted and installed and wanted not in installed:
+        raise ConfigError(
+            f"RMW_IMPLEMENTATION={wanted} is not installed for this rclpy; unset the variable, or set it to "
+            f"{' or '.join(sorted(installed))}"
+        )
 
 
 @functools.cache

@@ -27,6 +27,28 @@ def test_the_error_about_a_missing_rclpy_has_the_command_that_installs_it(
     assert "\n" not in str(caught.value)
 
 
+def test_a_middleware_that_is_not_installed_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    for prefix, name in (
+        ("python", "rmw_fastrtps_cpp"),
+        ("ros", "rmw_zenoh_cpp"),
+        ("ros", "rmw_implementation"),
+    ):
+        file = tmp_path / prefix / "share/ament_index/resource_index/rmw_typesupport" / name
+        file.parent.mkdir(parents=True, exist_ok=True)
+        file.touch()
+    monkeypatch.setattr(sys, "prefix", str(tmp_path / "python"))
+    monkeypatch.setenv("AMENT_PREFIX_PATH", str(tmp_path / "ros"))
+    monkeypatch.setenv("RMW_IMPLEMENTATION", "rmw_cyclonedds_cpp")
+    with pytest.raises(
+        ConfigError, match=r"rmw_cyclonedds_cpp is not installed .* rmw_fastrtps_cpp or rmw_zenoh_cpp"
+    ):
+        load_rclpy()
+    monkeypatch.setenv("RMW_IMPLEMENTATION", "rmw_zenoh_cpp")
+    monkeypatch.setitem(sys.modules, "rosidl_generator_py", None)
+    with pytest.raises(ConfigError, match="rclpy cannot be used"):
+        load_rclpy()
+
+
 @pytest.mark.parametrize("name", ["no_pkg/msg/A", "no_pkg/srv/A"])
 def test_a_package_that_is_missing_is_named(name: str) -> None:
     with pytest.raises(UnknownTypeError, match="package no_pkg is not installed"):
