@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import os
 import re
 import sys
@@ -15,6 +16,9 @@ from rostether.cli.shell.verbs import LazyGroup
 from rostether.cli.verb_table import VERBS, suggest
 
 _SPECIAL = re.compile(r"(__(?:name|ns|log|master|ip|hostname)):=(.*)", re.DOTALL)
+
+# Begins the arguments of a node in the form of ROS 2.
+_ROS_ARGS = "--ros-args"
 
 # The commands that read their ROS arguments themselves.
 _WITH_OWN_ROS_ARGUMENTS = ("serial-node", "run")
@@ -56,8 +60,30 @@ def split_special(arguments: Sequence[str]) -> tuple[list[str], dict[str, str]]:
     """
     if arguments and arguments[0] in _WITH_OWN_ROS_ARGUMENTS:
         return list(arguments), {}
+    if _ROS_ARGS in arguments:
+        arguments = _in_ros1_form(arguments)
     specials = {match[1]: match[2] for each in arguments if (match := _SPECIAL.fullmatch(each))}
     return [each for each in arguments if not _SPECIAL.fullmatch(each)], specials
+
+
+def _in_ros1_form(arguments: Sequence[str]) -> list[str]:
+    """Return a command line whose arguments from `--ros-args` to `--` have the form of ROS 1.
+
+    `-r a:=b` is `a:=b`, and `-p a:=1` is `_a:=1`. Others, such as --log-level, have no meaning here.
+    """
+    begin = arguments.index(_ROS_ARGS)
+    rest = list(arguments[begin + 1 :])
+    end = rest.index("--") if "--" in rest else len(rest)
+    words, following = rest[:end], rest[end + 1 :]
+    found = []
+    for option, value in itertools.pairwise([*words, ""]):
+        if option in ("-r", "--remap"):
+            found.append(value.replace("__node:=", "__name:="))
+        elif option in ("-p", "--param"):
+            found.append(f"_{value}")
+        elif option == "--params-file":
+            found += [option, value]
+    return [*arguments[:begin], *found, *following]
 
 
 def _flush_output(code: int) -> int:

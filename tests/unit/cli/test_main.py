@@ -10,7 +10,7 @@ from pathlib import Path
 import click
 import pytest
 
-from rostether.cli.main import rostether
+from rostether.cli.main import rostether, split_special
 from rostether.cli.shell import failures
 from rostether.cli.shell.failures import error_text, exit_code_of
 from rostether.cli.shell.verbs import LazyGroup, Verb
@@ -203,3 +203,18 @@ def test_a_full_disk_is_one_line() -> None:
             check=False,
         )
     assert (ended.returncode, ended.stderr) == (1, "rostether: error: No space left on device\n")
+
+
+def test_the_arguments_of_a_node_of_ros2_are_accepted() -> None:
+    typed = "role camera --ros2 --ros-args -r __ns:=/r1 -r __node:=front -p rate:=5 --log-level debug -r a:=b"
+    assert split_special(typed.split()) == (
+        ["role", "camera", "--ros2", "_rate:=5", "a:=b"],
+        {"__ns": "/r1", "__name": "front"},
+    )
+    typed = "serve --ros-args --params-file arm.yaml --remap __ns:=/r1 -- /dev/ttyACM0"
+    assert split_special(typed.split()) == (
+        ["serve", "--params-file", "arm.yaml", "/dev/ttyACM0"],
+        {"__ns": "/r1"},
+    )
+    own = ["run", "arm", "driver.py", "--ros-args", "-r", "__ns:=/r1"]
+    assert split_special(own) == (own, {})
