@@ -15,8 +15,9 @@ from msgspec import Struct, field
 from rostether.errors import RecordingError
 from rostether.graph.ports import Graph, Publisher
 from rostether.graph.ros_clock import CLOCK_TOPIC, CLOCK_TYPE, encode_clock
+from rostether.graph.static_transforms import StaticTransforms
 from rostether.msgdef.interface import ANY_MESSAGE, MessageType
-from rostether.recording.recorded import Connection, RecordingReader, merged
+from rostether.recording.recorded import Connection, RecordedMessage, RecordingReader, merged
 from rostether.rostime import NS_PER_S, Time
 
 # How long a slow subscriber may delay the others; then it loses its oldest messages.
@@ -43,6 +44,9 @@ QUEUED_BYTES = 64
 
 # The maximum delay before a key takes effect.
 LONGEST_SLEEP_S = 0.05
+
+# Of tf2_msgs/TFMessage and tf/tfMessage with the fields of ROS 1.
+_TRANSFORMS_MD5SUM = "94810edda583a504dfda3829e70d7eec"
 
 
 class PlaySettings(Struct, frozen=True):
@@ -92,6 +96,8 @@ class Player:
         self._readers = readers
         self._settings = settings
         self._publishers: dict[str, Publisher] = {}
+        # A latched topic keeps the last message of this node, which played several recorded publishers.
+        self._static_transforms: dict[str, StaticTransforms] = {}
         self._clock: Publisher | None = None
         self._steps = 0
         # Whether playback waits for a message on the topic that controls the rate.
@@ -127,6 +133,8 @@ class Player:
         await self._advertise()
         if on_started is not None:
             on_started()
+        if 0 < self._settings.start_s <= self.length_s:
+            await self._publish_latched()
         while True:
             await self._play_once()
             if not self._settings.is_looping or not self.played_count:
@@ -154,6 +162,8 @@ class Player:
             self._publishers[topic] = await self._graph.advertise(
                 topic, message_type, latch=is_latching, queue_bytes=queue_bytes
             )
+            if is_latching and message_type.md5sum == _TRANSFORMS_MD5SUM:
+                self._static_transforms[topic] = StaticTransforms()
         if self._settings.clock_hz is not None:
             self._clock = await self._graph.advertise(CLOCK_TOPIC, CLOCK_TYPE)
         if control := self._settings.rate_control_topic:
@@ -181,6 +191,27 @@ class Player:
         topics = self._settings.topics
         return not topics or connection.topic in topics
 
+    async def _publish_latched(self) -> None:
+        """Publish the last message before the start of each latched publisher, such as a map."""
+        latest: dict[tuple[str, str], RecordedMessage] = {}
+        found = merged(
+            self._readers, lambda each: each.is_latching and self._wants(each), end_ns=self.start_ns - 1
+        )
+        for number, message in enumerate(found):
+            latest[message.connection.topic, message.connection.caller_id] = message
+            if not number % BATCH_MESSAGES:
+                await asyncio.sleep(0)
+        waiting: dict[Publisher, list[bytes]] = {}
+        for message in sorted(latest.values(), key=lambda each: each.time_ns):
+            self._queue(message, waiting)
+        await self._send(waiting)
+
+    def _queue(self, message: RecordedMessage, waiting: dict[Publisher, list[bytes]]) -> None:
+        topic, payload = self._settings.topic_of(message.connection), message.payload
+        if transforms := self._static_transforms.get(topic):
+            payload = transforms.merge(payload)
+        waiting.setdefault(self._publishers[topic], []).append(payload)
+
     async def _play_once(self) -> None:
         self._set_origin(self.start_ns)
         waiting: dict[Publisher, list[bytes]] = {}
@@ -199,8 +230,7 @@ class Player:
             self.time_ns = message.time_ns
             if message.connection.topic in self._settings.pause_topics and not self.is_paused:
                 self._set_paused(True)
-            publisher = self._publishers[self._settings.topic_of(message.connection)]
-            waiting.setdefault(publisher, []).append(message.payload)
+            self._queue(message, waiting)
             count += 1
             size_bytes += len(message.payload)
             if count >= BATCH_MESSAGES or size_bytes >= BATCH_BYTES:

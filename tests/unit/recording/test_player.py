@@ -12,9 +12,13 @@ from rostether.errors import RecordingError
 from rostether.graph.memory_graph import MemoryGraph
 from rostether.graph.memory_network import MemoryNetwork
 from rostether.msgdef.interface import ANY_MESSAGE
+from rostether.msgdef.registry import Registry
 from rostether.recording.bag.reader import BagReader
 from rostether.recording.bag.writer import BagWriter
 from rostether.recording.player import BATCH_BYTES, Player, PlaySettings
+from rostether.recording.recorded import Connection
+from rostether.rostime import NS_PER_S
+from rostether.serde.store import TypeStore
 from unit.recording.bags import START_NS, STRING, connection, text, write_bag
 
 
@@ -153,6 +157,45 @@ async def test_two_bags_are_merged(stage: Stage, tmp_path: Path) -> None:
     await Player(stage.graph, readers, PlaySettings(is_immediate=True, delay_s=0)).play()
     await stage.until_received(60)
     assert stage.payloads("/a")[:2] == [text("message 0")] * 2
+
+
+async def test_latched_messages_from_before_the_start_are_played_first(stage: Stage, tmp_path: Path) -> None:
+    path = tmp_path / "latched.bag"
+    writer = BagWriter(path)
+    for caller, topic, is_latching, value in (
+        ("/a", "/map", True, "old"),
+        ("/b", "/map", True, "of b"),
+        ("/a", "/map", True, "new"),
+        ("/a", "/other", True, "not wanted"),
+        ("/a", "/plain", False, "not latched"),
+        ("/a", "/plain", False, "the end"),
+    ):
+        number = writer.add_connection(Connection(topic, STRING, caller, is_latching))
+        writer.write(number, START_NS + writer.message_count * NS_PER_S, [text(value)])
+    writer.close()
+    await stage.listen("/map", "/other", "/plain")
+    settings = PlaySettings(is_immediate=True, delay_s=0, start_s=4.5, topics=frozenset({"/map", "/plain"}))
+    await Player(stage.graph, [BagReader(path)], settings).play()
+    await stage.until_received(3)
+    assert stage.payloads() == [text("of b"), text("new"), text("the end")]
+
+
+async def test_a_late_subscriber_receives_all_static_transforms(stage: Stage, tmp_path: Path) -> None:
+    store = TypeStore(Registry())
+    codec = store.codec("tf2_msgs/TFMessage")
+    message_type = store.registry.message_type("tf2_msgs/TFMessage")
+    path = tmp_path / "frames.bag"
+    writer = BagWriter(path)
+    for frame in ("lidar", "camera"):
+        transform = {"header": {"frame_id": "base"}, "child_frame_id": frame}
+        number = writer.add_connection(Connection("/tf_static", message_type, f"/{frame}", is_latching=True))
+        writer.write(number, START_NS, [codec.encode({"transforms": [transform]})])
+    writer.close()
+    await Player(stage.graph, [BagReader(path)], PlaySettings(is_immediate=True, delay_s=0)).play()
+    await stage.listen("/tf_static")
+    await stage.until_received(1)
+    frames = [each.child_frame_id for each in codec.decode(stage.payloads()[0]).transforms]
+    assert frames == ["lidar", "camera"]
 
 
 async def test_a_recording_without_messages_is_reported(stage: Stage) -> None:

@@ -112,7 +112,7 @@ class PlayOptions:
     """,
 )
 @option_group("options", PlayOptions)
-@click.argument("files", nargs=-1, required=True, metavar="FILE... [FROM:=TO]...")
+@click.argument("files", nargs=-1, metavar="FILE... [FROM:=TO]...")
 @ignored_options("--read-ahead-queue-size", flags=["--try-future-version", "-m --remap"])
 @graph_options(allow=True, zenoh=True)
 def bag_play(options: PlayOptions, files: tuple[str, ...], graph: GraphOptions) -> None:

@@ -210,6 +210,13 @@ def test_recorded_until_interrupted_and_played_again(graph: LiveGraph, tmp_path:
     assert received == payloads
 
 
+def test_files_may_follow_the_topics(graph: LiveGraph, bag: Path, shell: Shell) -> None:
+    player = _started(graph, "play", "-d", "0", "-i", "--topics", "/a", "--bags", str(bag))
+    printed, _ = player.communicate(timeout=60)
+    assert (player.returncode, printed) == (0, "played 15 messages\n")
+    assert "name a file to play" in shell.failure("bag", "play", "--topics", "/a", code=2)
+
+
 def test_keys_step_and_end_it(graph: LiveGraph, bag: Path) -> None:
     received: list[bytes] = []
     node = graph.node("/node")
