@@ -21,7 +21,10 @@ INTERVAL_S = 1.0
 
 
 async def ping(environment: RosEnvironment, name: str, count: int | None, *, as_json: bool) -> bool:
-    """Ping a node once a second, `count` times or until it fails; return whether it always answered."""
+    """Ping a node once a second, `count` times or until it fails; return whether it always answered.
+
+    Raises InvalidNameError, UnknownNameError, MasterUnreachableError.
+    """
     async with master_client(environment) as client:
         pinger = _Pinger(client, resolve(name, environment), as_json)
         if not as_json:
@@ -40,7 +43,7 @@ async def ping(environment: RosEnvironment, name: str, count: int | None, *, as_
 
 
 async def ping_all(environment: RosEnvironment, *, as_json: bool) -> bool:
-    """Ping each node once; return whether all answered."""
+    """Ping each node once; return whether all answered. Raises MasterUnreachableError."""
     async with master_client(environment) as client:
         names = await node_names(client)
         if not as_json:

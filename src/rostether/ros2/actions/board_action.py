@@ -60,7 +60,10 @@ class BoardAction:
         self._canceled: set[str] = set()
 
     async def open(self, graph: Graph, types: NativeTypes, registry: NativeRegistry) -> None:
-        """Offer the action on a node with native ROS 2 types. Raises GraphError, DefinitionError."""
+        """Offer the action on a node with native ROS 2 types.
+
+        Raises InvalidNameError, GraphError, DefinitionError.
+        """
         self._graph = graph
         self._forms = forms = ActionForms(self.action_type, self._types, types, registry)
         server = Ros2ActionServer(

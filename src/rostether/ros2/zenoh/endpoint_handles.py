@@ -112,7 +112,10 @@ class ZenohEndpoints:
     def advertise_service(
         self, service: str, service_type: ServiceType, handler: ServiceHandler
     ) -> ZenohServiceServer:
-        """Offer a service. Raises GraphError if this node already offers it."""
+        """Offer a service.
+
+        Raises GraphError if this node already offers it, TypeMismatchError, UnknownTypeError.
+        """
         if service in self._servers:
             raise GraphError(f"this node already offers the service {service}; choose another name")
         support = self._node.session.types.service(service_type)
