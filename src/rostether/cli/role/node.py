@@ -62,7 +62,7 @@ async def role_node(
     """Join as a node named `default_name` or by `__name:=`; its private parameters are set first.
 
     `ros2` is the value of `--ros2`, None for ROS 1. Waits for the master, as rospy's nodes do. Raises
-    InvalidNameError, ConfigError.
+    InvalidNameError, ConfigError, GraphError.
     """
     from rostether.graph.typed_graph import TypedGraph
 

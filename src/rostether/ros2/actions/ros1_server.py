@@ -94,7 +94,10 @@ class Ros1ActionServer:
         self._stack = AsyncExitStack()
 
     async def open(self) -> None:
-        """Offer the action. Raises InvalidNameError, GraphError, DefinitionError; then nothing remains open."""
+        """Offer the action.
+
+        Raises InvalidNameError, GraphError, DefinitionError; then nothing remains open.
+        """
         try:
             self._feedback = await self._advertise(FEEDBACK)
             self._result = await self._advertise(RESULT)

@@ -72,7 +72,10 @@ class Ros2ActionServer:
         self._status: Publisher | None = None
 
     async def open(self, graph: Graph) -> None:
-        """Offer the action. Raises InvalidNameError, GraphError, UnknownTypeError; then nothing remains open."""
+        """Offer the action.
+
+        Raises InvalidNameError, GraphError, UnknownTypeError; then nothing remains open.
+        """
         self._graph = graph
         types = self._types
         try:
