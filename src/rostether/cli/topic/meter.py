@@ -97,7 +97,10 @@ class TopicMeter:
 async def ros1_meter(
     graph: GraphOptions, topics: Iterable[str], msg_paths: Iterable[Path], *, quiet: bool
 ) -> AsyncIterator[TopicMeter]:
-    """Join a ROS 1 graph and wait for the topics; `quiet` omits the progress lines."""
+    """Join a ROS 1 graph and wait for the topics; `quiet` omits the progress lines.
+
+    Raises ConfigError, InvalidNameError, GraphError.
+    """
     environment = read_environment(graph)
     async with joined(graph, msg_paths, purpose="rostopic") as node:
         names = []
@@ -119,7 +122,10 @@ async def ros2_meter(
     quiet: bool,
     needs_definitions: bool,
 ) -> AsyncIterator[TopicMeter]:
-    """Join a ROS 2 graph and wait for the topics; `quiet` omits the progress lines."""
+    """Join a ROS 2 graph and wait for the topics; `quiet` omits the progress lines.
+
+    Raises ConfigError, InvalidNameError, GraphError, DefinitionError.
+    """
     from rostether.cli.access.ros2_tool_node import tool_node
     from rostether.cli.topic.ros2_chosen_topic import choose_ros2_topic
 
