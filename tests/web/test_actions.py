@@ -154,6 +154,10 @@ async def test_a_view_only_page_cannot_act(robot: Robot, browser: Browser) -> No
     await browser.wait_for(page, "rostether.feed('/diagnostics').last !== undefined")
     banner = "document.querySelector('.banner')?.innerText"
     assert await browser.do("evaluate", page=page, script=banner) is None
+    await browser.do("evaluate", page=page, script="void (location.hash = '#/services')")
+    await browser.wait_for(
+        page, "document.querySelector('.services .empty h2').innerText.includes('only view')"
+    )
     async with rostether.join("driven", master=robot.master) as graph:
         await graph.subscriber("/cmd_vel", "geometry_msgs/Twist", lambda _: None)
         await browser.do("evaluate", page=page, script="void (location.hash = '#/drive')")

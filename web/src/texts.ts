@@ -283,6 +283,7 @@ export const texts = {
     plumbing: "Show the services that every node has",
     none: "No service is offered",
     noneText: "Services of boards and nodes appear here.",
+    viewOnlyText: "Open the address with the full token to call services.",
     choose: "Choose a service to call it",
     call: "Call",
     calling: "Calling",

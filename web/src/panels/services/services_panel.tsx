@@ -31,6 +31,8 @@ function ServicesPanel({ context }: { context: PanelContext }) {
       `${each.name} ${each.type}`.toLowerCase().includes(search.toLowerCase()),
   );
   const service = robot.services.value.get(chosen);
+  // The robot does not offer its services to such a page.
+  const isViewOnly = robot.info.value?.metadata?.rights === "view";
   const change = (to: ServicesSettings) => {
     settings.value = { ...settings.value, ...to };
   };
@@ -52,7 +54,11 @@ function ServicesPanel({ context }: { context: PanelContext }) {
           {texts.services.plumbing}
         </label>
         {shown.length === 0 && (
-          <EmptyState icon="services" title={texts.services.none} text={texts.services.noneText} />
+          <EmptyState
+            icon="services"
+            title={isViewOnly ? texts.connect.viewOnly : texts.services.none}
+            text={isViewOnly ? texts.services.viewOnlyText : texts.services.noneText}
+          />
         )}
         <ul class="services-rows">
           {shown.map((each) => (
