@@ -68,6 +68,24 @@ async def test_ten_poses_are_drawn_as_tf2_computes_them(
                     await asyncio.sleep(POLL_S)
 
 
+async def test_static_frames_of_several_nodes_are_shown_after_the_graph(
+    robot: Robot, browser: Browser
+) -> None:
+    async with (
+        rostether.join("front_node", master=robot.master) as front,
+        rostether.join("rear_node", master=robot.master) as rear,
+    ):
+        for graph, child in ((front, "front_camera"), (rear, "rear_camera")):
+            publisher = await graph.publisher("/tf_static", "tf2_msgs/TFMessage", latch=True)
+            publisher.publish(transforms=[transform("arm", child, [0, 0, 0, 0, 0, 0, 1], graph.now())])
+        # This panel receives all topics, and shares its subscriptions with the next panel.
+        page = await browser.do("open", url=robot.url + "#/graph")
+        await browser.wait_for(page, "rostether.feed('/tf_static').last !== undefined")
+        await browser.do("evaluate", page=page, script="void (location.hash = '#/frames')")
+        for child in ("front_camera", "rear_camera"):
+            await browser.wait_for(page, f"document.body.innerText.includes('{child}')")
+
+
 def transform(parent: str, child: str, pose: list[float], stamp: object) -> dict[str, object]:
     x, y, z, qx, qy, qz, qw = pose
     return {

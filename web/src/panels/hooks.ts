@@ -20,10 +20,11 @@ export function useSubscription(
   context: PanelContext,
   topicName: string | undefined,
   listener?: Listener,
+  withLatched?: boolean,
 ): void {
   useLayoutEffect(() => {
     if (topicName === undefined) return;
-    const subscription = context.subscribe(topicName, listener);
+    const subscription = context.subscribe(topicName, listener, withLatched);
     return () => subscription.close();
   }, [topicName]);
 }

@@ -30,10 +30,10 @@ export function mountPanel(
     settings,
     visible: watched.visible,
     isCard,
-    subscribe(topicName: string, listener?: Listener) {
+    subscribe(topicName: string, listener?: Listener, withLatched?: boolean) {
       let subscription: Subscription | undefined;
       const end = effect(() => {
-        if (watched.visible.value) subscription ??= robot.subscribe(topicName, listener);
+        if (watched.visible.value) subscription ??= robot.subscribe(topicName, listener, withLatched);
         else {
           subscription?.close();
           subscription = undefined;

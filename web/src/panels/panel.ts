@@ -41,9 +41,10 @@ export interface PanelContext {
   isCard: boolean;
   /**
    * Receives a topic while the panel is visible, until the returned function is called or the panel is disposed.
-   * `listener` gets every message; without it, read `feed.version.value` and `feed.lastMessage()`.
+   * `listener` gets every message; without it, read `feed.version.value` and `feed.lastMessage()`. With `withLatched`
+   * it also gets the latched messages of several publishers that another panel has just received.
    */
-  subscribe(topicName: string, listener?: Listener): { feed: Feed; close(): void };
+  subscribe(topicName: string, listener?: Listener, withLatched?: boolean): { feed: Feed; close(): void };
   /** Opens another panel's page, such as `open("topics", { search: "/imu" })`. */
   open(panelId: string, settings?: Settings): void;
 }

@@ -1,6 +1,6 @@
 // Fills a tf buffer from /tf and /tf_static while a panel is visible.
 import type { PanelContext } from "../panels/panel.ts";
-import type { Feed } from "../store/feed.ts";
+import type { Feed, Listener } from "../store/feed.ts";
 import type { TransformStamped } from "./messages.ts";
 import type { Quaternion, Vec3 } from "./rigid.ts";
 import { MAX_FRAMES, TfBuffer } from "./tf_buffer.ts";
@@ -22,13 +22,14 @@ export function followTf(context: PanelContext, onChange: () => void): TfBuffer 
     insert(tf, transform, true, receivedMs);
   let beforeNs: bigint | undefined;
   for (const topic of ["/tf", STATIC_TOPIC]) {
-    const { feed } = context.subscribe(topic, ({ receivedMs }) => {
+    const listener: Listener = ({ receivedMs }) => {
       const nowNs = context.robot.simulatedTimeNs.peek();
       if (nowNs !== undefined && beforeNs !== undefined && nowNs < beforeNs) tf.clearHistory();
       beforeNs = nowNs;
       for (const each of lastTransforms(feed)) insert(tf, each, topic === STATIC_TOPIC, receivedMs);
       onChange();
-    });
+    };
+    const { feed } = context.subscribe(topic, listener, topic === STATIC_TOPIC);
   }
   return tf;
 }

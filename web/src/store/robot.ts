@@ -131,8 +131,12 @@ export class Robot {
     return feed;
   }
 
-  /** Receives a topic until `close`. Panels use `PanelContext.subscribe`, which also stops while they are hidden. */
-  subscribe(topicName: string, listener?: Listener): Subscription {
+  /**
+   * Receives a topic until `close`. Panels use `PanelContext.subscribe`, which also stops while they are hidden.
+   *
+   * @param withLatched whether the listener also needs the latched messages that the last panel has received
+   */
+  subscribe(topicName: string, listener?: Listener, withLatched = false): Subscription {
     const feed = this.feed(topicName);
     let use = this.uses.get(topicName);
     if (!use) {
@@ -141,6 +145,8 @@ export class Robot {
     }
     clearTimeout(use.endTimer);
     use.endTimer = undefined;
+    // The robot sends latched messages once for each subscription.
+    if (withLatched && use.count === 0) this.end(use);
     use.count++;
     if (listener) feed.listeners.add(listener);
     this.begin(feed, use);

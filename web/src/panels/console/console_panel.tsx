@@ -26,11 +26,12 @@ function ConsolePanel({ context }: { context: PanelContext }) {
   const paused = useSignal<LogLine[] | undefined>(undefined);
   const { level = "info", node = "", search = "" } = settings.value;
   const feed = context.robot.feed("/rosout");
-  useSubscription(context, "/rosout", () => {
+  const add = () => {
     const message = feed.lastValid();
     const type = feed.topic.peek()?.typeName ?? "";
     if (message) log.add(message, type);
-  });
+  };
+  useSubscription(context, "/rosout", add, true);
   useTick(context, 250);
   const change = (to: ConsoleSettings) => {
     settings.value = { ...settings.value, ...to };

@@ -292,8 +292,9 @@ export class SceneStage {
       this.view.markDirty();
     };
     // Every marker is drawn; of other topics, only the newest message of each picture.
-    const listener = MARKER_TYPES.includes(type) ? draw : () => this.queue(topic, draw);
-    const { feed, close } = this.context.subscribe(topic, listener);
+    const isMarkers = MARKER_TYPES.includes(type);
+    const listener = isMarkers ? draw : () => this.queue(topic, draw);
+    const { feed, close } = this.context.subscribe(topic, listener, isMarkers);
     if (feed.last !== undefined) this.queue(topic, draw);
     return close;
   }
