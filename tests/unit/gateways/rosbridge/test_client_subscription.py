@@ -123,7 +123,8 @@ async def test_a_throttle_with_a_queue_hands_on_the_newest_at_its_rate() -> None
             got += sent(outbox)
     assert got == [b"4", b"5"]
     assert asyncio.get_running_loop().time() - begin_s >= 0.059
-    assert made.dropped_count == 2
+    # The client requested this rate: it is not reported as too slow.
+    assert made.dropped_count == 0
     await made.close()
 
 
