@@ -27,6 +27,7 @@ _JOINED = re.compile(
     re.MULTILINE,
 )
 _BASE_CLASS = re.compile(r"conver(?:t|sion).* to .(?:const )?ros::Msg\s*[*&]")
+_STRING = re.compile("(?:convert|from) ['\u2018]String(?:SumHelper)?['\u2019] to .*const char\\*")
 _FLASH_TEXT = re.compile(r"cannot convert .const __FlashStringHelper\s*\*")
 # Packages of messages have such names, with types in camel case; folders of libraries rarely do.
 _TYPE_HEADER = re.compile(r"(?:\w+_(?:msgs|srvs)/\w+|[a-z][a-z0-9_]*/[A-Z]\w*)\.h")
@@ -82,6 +83,11 @@ def explain(output: str, sketch: Sketch, skipped: Sequence[str] = ()) -> str:
     if _FLASH_TEXT.search(output):
         lines.append(
             'note: a field of a message needs a text in RAM: remove F(). Logs accept it: nh.loginfo(F("..."))'
+        )
+    if _STRING.search(output):
+        lines.append(
+            "note: keep the String until the message is sent, and assign its text: String text = ...; "
+            "message.data = text.c_str();"
         )
     missing = dict.fromkeys(_MISSING_HEADER.findall(output))
     lines += [_explain_header(header) for header in missing]

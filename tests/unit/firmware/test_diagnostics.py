@@ -52,6 +52,18 @@ def test_pins_of_the_opencr_have_a_hint(tmp_path: Path, quotes: str) -> None:
     assert "build with --board opencr, or name a pin here: -D BDPIN_LED_USER_1=13" in text
 
 
+@pytest.mark.parametrize(
+    "error",
+    [
+        "error: cannot convert \u2018StringSumHelper\u2019 to \u2018M::_data_type {aka const char*}\u2019",
+        "note:   no known conversion for argument 1 from 'String' to 'const char*'",
+    ],
+)
+def test_a_string_object_in_a_message(tmp_path: Path, error: str) -> None:
+    assert "text.c_str()" in _explained(tmp_path, "text.data = String(5);", f"S.ino:6:24: {error}\n")
+    assert "text.c_str()" not in _explained(tmp_path, "String a = 5;", "cannot convert 'int' to 'String'\n")
+
+
 def test_a_flash_text_in_a_message(tmp_path: Path) -> None:
     output = (
         "S.ino:6:24: error: cannot convert 'const __FlashStringHelper*' to "
