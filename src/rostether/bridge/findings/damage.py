@@ -54,20 +54,22 @@ class Damage:
         self._frame_count = 0
         self._samples: deque[tuple[float, int, int]] = deque()
 
-    def count_discarded(self, event: FrameDiscarded, now_s: float, frame_count: int) -> None:
-        """Count a damaged frame after `frame_count` valid ones.
+    def count_discarded(self, event: FrameDiscarded, now_s: float, frame_count: int) -> bool:
+        """Count a damaged frame after `frame_count` valid ones; return whether it is one.
 
         Discarded bytes that follow it without a valid frame are the rest of it.
         """
         is_rest = frame_count == self._frame_count and now_s - self._last_s <= PIECE_GAP_S
         is_remains = event.reason in _REMAINS and len(event.data) >= _MIN_REMAINS_BYTES
-        if event.reason in DAMAGE or (is_remains and not is_rest):
+        is_frame = event.reason in DAMAGE or (is_remains and not is_rest)
+        if is_frame:
             self._count += 1
             self._unconfirmed = self._unconfirmed + 1 if frame_count == self._frame_count else 1
             self._frame_count = frame_count
             self._last_s = now_s
         elif is_rest:
             self._last_s = now_s
+        return is_frame
 
     def forget_unconfirmed(self) -> None:
         """Forget the damage since the last valid frame: it has another cause."""

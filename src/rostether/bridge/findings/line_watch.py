@@ -187,8 +187,8 @@ class LineWatch:
         loses_datagrams = self._medium is Medium.UDP
         was_text = self.noise.handle_discarded(event, now_s, is_alive=is_alive and not loses_datagrams)
         self._announcements.discarded(event)
-        if self.was_alive and self._silence_s is None and (loses_datagrams or not was_text):
-            self._damage.count_discarded(event, now_s, self._statistics.frames_received)
+        may_be_damage = self.was_alive and self._silence_s is None and (loses_datagrams or not was_text)
+        if may_be_damage and self._damage.count_discarded(event, now_s, self._statistics.frames_received):
             # The damaged frame may be a time request.
             self.loop_speed.forget()
 

@@ -93,3 +93,13 @@ def test_a_time_request_that_is_lost_in_noise_is_not_a_slow_loop(is_damaged: boo
             damage = FrameDiscarded(DiscardReason.PAYLOAD_CHECKSUM, b"\xff\xfe\x08\x00\xf7\x0a")
             watch.handle_event(damage, number * 5.0 + 2.5)
     assert (Code.SLOW_LOOP in {each.code for each in watch.find(26.0)}) is not is_damaged
+
+
+def test_a_sketch_that_prints_short_texts_and_sleeps_has_a_slow_loop() -> None:
+    watch = LineWatch(57600, Resets(), LinkStatistics(), 0.0)
+    watch.handle_event(LED, 0.0)
+    watch.handle_event(ProtocolDetected(2), 0.0)
+    for number in range(6):
+        watch.handle_event(TimeRequested(), number * 4.0)
+        watch.handle_event(FrameDiscarded(DiscardReason.NOISE, b"42\n"), number * 4.0 + 2.0)
+    assert {each.code for each in watch.find(22.0)} >= {Code.SLOW_LOOP}
