@@ -14,6 +14,7 @@ from rostether.msgdef.ros2.primitives import PRIMITIVE_TYPES
 from rostether.msgdef.ros2.spec import Ros2Message, Ros2Type
 from rostether.ros2.endpoint_info import EndpointKind
 from rostether.ros2.graph_view import GraphView
+from rostether.ros2.naming import validate_topic_name
 from rostether.ros2.types.native_registry import short_name
 
 if TYPE_CHECKING:
@@ -46,7 +47,8 @@ async def choose_ros2_topic(
     """Return the typed topic; wait for its first publisher, unless its type was typed too.
 
     `/imu/angular_velocity` is a field if there is no topic with this name. Raises UnknownTypeError,
-    ConfigError for a field that the type lacks, TypeMismatchError for a topic with several types.
+    ConfigError for a field that the type lacks, TypeMismatchError for a topic with several types,
+    InvalidNameError.
     """
     name, bracket, indices = text.partition("[")
     name = tool.graph.resolve(name.rstrip("/") or "/")
@@ -56,6 +58,8 @@ async def choose_ros2_topic(
     view = await tool.snapshot_when(lambda seen: _published(seen, wanted) is not None)
     found = _published(view, wanted)
     if found is None:
+        # No node of ROS 2 can publish a name such as /sensors/1.
+        validate_topic_name(name)
         warn(unpublished_warning(wanted, view.names([EndpointKind.PUBLISHER])))
     while found is None:
         await asyncio.sleep(POLL_S)

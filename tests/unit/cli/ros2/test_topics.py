@@ -136,6 +136,10 @@ def test_ros2_options_are_accepted(world: ZenohWorld, shell: Shell) -> None:
     assert "/imu" in shell.output("topic", "list", "--no-daemon", "--spin-time", "1")
 
 
+def test_echo_refuses_a_name_that_ros2_does_not_allow(world: ZenohWorld, shell: Shell) -> None:
+    assert "'/sensors/1' is not a ROS 2 topic" in shell.failure("topic", "echo", "/sensors/1")
+
+
 def test_echo_of_nothing_ends_in_time(world: ZenohWorld, shell: Shell) -> None:
     echo = ("topic", "echo", "--timeout")
     assert "no message arrived on /cmd_vel within 0.2 s; `rostether topic info" in shell.failure(
