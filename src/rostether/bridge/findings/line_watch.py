@@ -40,6 +40,10 @@ NO_ANSWER_S = 5.0
 
 # A lost announcement is repeated within a second; after this time, the board never sends it.
 UNKNOWN_S = 10.0
+# Noise that passes as a frame has a random id, which does not come again.
+MIN_UNKNOWN = 2
+# A sketch has fewer topics. Noise must not fill the memory.
+MAX_UNKNOWN_IDS = 100
 
 # The checks are a second apart. A longer time means that this process was paused, and read requests late.
 PAUSED_S = 3.0
@@ -90,8 +94,8 @@ class LineWatch:
         self._silence_s: float | None = None
         self._settled_s: float | None = None
         self._settled_starts = 0
-        self._unknown_id: tuple[int, float] | None = None
-        self._unknown_count = 0
+        # By topic id: the time of the first message, and how many came.
+        self._unknown: dict[int, tuple[float, int]] = {}
         self._is_listener = False
         self._handlers: dict[type[Any], Callable[[Any, float], None]] = {
             AnnouncementRefused: lambda event, _: self._announcements.refused(event),
@@ -165,18 +169,21 @@ class LineWatch:
         self._version = event.version
         self._alive_s = now_s
 
-    def _service_announced(self, _event: ServiceAnnounced, _now_s: float) -> None:
+    def _service_announced(self, event: ServiceAnnounced, _now_s: float) -> None:
         self._is_listener = True
+        for info in (event.request, event.response):
+            self._unknown.pop(info.topic_id, None)
 
     def _topic_announced(self, event: TopicAnnounced, _now_s: float) -> None:
         # Only rostether's client library sends without a buffer.
         self.loop_speed.has_own_library |= event.info.buffer_size >= MAX_PAYLOAD_BYTES
         self._is_listener |= event.role is TopicRole.SUBSCRIBER
+        self._unknown.pop(event.info.topic_id, None)
 
     def _unknown_topic(self, event: UnknownTopicId, now_s: float) -> None:
-        self._unknown_count += event.count
-        first_s = self._unknown_id[1] if self._unknown_id else now_s
-        self._unknown_id = event.topic_id, first_s
+        first_s, count = self._unknown.get(event.topic_id, (now_s, 0))
+        if count or len(self._unknown) < MAX_UNKNOWN_IDS:
+            self._unknown[event.topic_id] = first_s, count + event.count
 
     def _discarded(self, event: FrameDiscarded, now_s: float) -> None:
         if self.oversizes.handle_discarded(event, self._version, now_s):
@@ -247,14 +254,14 @@ class LineWatch:
         )
 
     def _find_unknown(self, now_s: float) -> Finding | None:
-        if self._unknown_id is None or now_s - self._unknown_id[1] < UNKNOWN_S:
-            return None
-        return warning(
-            Code.UNANNOUNCED_MESSAGES,
-            f"{self._unknown_count} messages have topic id {self._unknown_id[0]}, which the board never "
-            "announces",
-            "call nh.advertise() for every publisher in setup(), before the first nh.spinOnce()",
-        )
+        for topic_id, (first_s, count) in self._unknown.items():
+            if count >= MIN_UNKNOWN and now_s - first_s >= UNKNOWN_S:
+                return warning(
+                    Code.UNANNOUNCED_MESSAGES,
+                    f"{count} messages have topic id {topic_id}, which the board never announces",
+                    "call nh.advertise() for every publisher in setup(), before the first nh.spinOnce()",
+                )
+        return None
 
 
 def absence(noise: Noise, baud: int | None, waited_s: float) -> Finding:

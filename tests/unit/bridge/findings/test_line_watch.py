@@ -13,6 +13,7 @@ from rostether.rosserial.events import (
     TimeRequested,
     TopicAnnounced,
     TopicRole,
+    UnknownTopicId,
 )
 from rostether.rosserial.link_statistics import LinkStatistics
 from rostether.rosserial.packets import TopicInfo
@@ -103,3 +104,23 @@ def test_a_sketch_that_prints_short_texts_and_sleeps_has_a_slow_loop() -> None:
         watch.handle_event(TimeRequested(), number * 4.0)
         watch.handle_event(FrameDiscarded(DiscardReason.NOISE, b"42\n"), number * 4.0 + 2.0)
     assert {each.code for each in watch.find(22.0)} >= {Code.SLOW_LOOP}
+
+
+def test_unannounced_messages_are_found_if_an_id_repeats() -> None:
+    watch = LineWatch(57600, Resets(), LinkStatistics(), 0.0)
+    watch.handle_event(ProtocolDetected(2), 0.0)
+    for number in range(300):
+        watch.handle_event(UnknownTopicId(1000 + number), 1.0)
+    assert watch.find(20.0) == []
+    watch = LineWatch(57600, Resets(), LinkStatistics(), 0.0)
+    watch.handle_event(ProtocolDetected(2), 0.0)
+    for topic_id in (130, 131, 130, 131):
+        watch.handle_event(UnknownTopicId(topic_id), 1.0)
+    assert watch.find(9.0) == []
+    (finding,) = watch.find(12.0)
+    assert finding.seen == "2 messages have topic id 130, which the board never announces"
+    # The announcement of 130 was only late.
+    late = TopicInfo(130, "chatter", "std_msgs/String", "", 512)
+    watch.handle_event(TopicAnnounced(TopicRole.PUBLISHER, late), 12.0)
+    (finding,) = watch.find(13.0)
+    assert finding.seen == "2 messages have topic id 131, which the board never announces"
