@@ -49,7 +49,7 @@ uint32 nanosec
 
 @pytest_asyncio.fixture
 async def session() -> AsyncIterator[ZenohSession]:
-    """A session of rostether, which is the router of a free port."""
+    """A session of rostether, which is a router on a free port."""
     session, _ = await open_router(DOMAIN)
     yield session
     await session.close()

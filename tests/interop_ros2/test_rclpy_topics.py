@@ -154,7 +154,7 @@ async def test_rclpy_gets_the_latched_message(join: JoinGraph, peer: RclpyPeer, 
     publisher = await node.advertise("/latched/out", string_type, latch=True)
     publisher.publish_raw([string("old"), string("new")])
     await peer.ask("subscribe", topic="/latched/out", type="std_msgs/msg/String", quality="latched")
-    # On a busy machine, the subscriber connects between the two.
+    # On a busy machine, the subscriber may connect between the two messages.
     while (await peer.ask("receive", topic="/latched/out", count=1))[-1] != {"data": "new"}:
         await asyncio.sleep(0.05)
 

@@ -51,7 +51,7 @@ class Mpu9150 {
   static const uint8_t MPU = 0x68;
   static const uint8_t MAGNETOMETER = 0x0c;
 
-  // Reads the last measurement, which takes 9 ms, when it is ready, and starts the next one.
+  // A measurement takes 9 ms: if the last one is ready, reads it and starts the next one.
   void measureMagneticField() {
     if (read(MAGNETOMETER, 0x02, 1) && (Wire.read() & 1) && read(MAGNETOMETER, 0x03, 6)) {
       // The magnetometer's axes differ: its x is the case's y, its y is the case's x, and its z points down.

@@ -28,8 +28,8 @@ class Board(Struct, eq=False):
     """One node name in use. `node` is None while the node joins, `session` is None while the board is lost.
 
     A node that `is_kept` stays in the graph without its board, before the board connects and after it is
-    lost. `grace_s` is the board's own, instead of the registry's. `is_dismissed`: boards of this name are
-    refused.
+    lost. `grace_s` replaces the registry's grace period, unless it is None. If `is_dismissed`, boards of
+    this name are refused.
     """
 
     name: str
@@ -155,7 +155,7 @@ class BoardRegistry:
         closing = start_task(self._closing, self._close_and_report(node))
         closing.add_done_callback(lambda _closing: self._on_left())
         await asyncio.wait([closing], timeout=NODE_CLOSE_LIMIT_S)
-        # A node's name is free again while the node is still leaving.
+        # From now on, the name is free, even if the master did not answer and the node is still leaving.
         self._boards.pop(board.name, None)
 
     async def _close_and_report(self, node: BoardNode) -> None:

@@ -16,7 +16,7 @@ MAX_LOSS = 0.1
 # Fewer frames are not enough to compute the loss.
 _MIN_FRAMES = 10
 
-# A robot that does not answer for this time gets no more unicast.
+# A robot that does not answer within this time gets no more unicast.
 _FORGET_S = 10.0
 
 # A base station commands about ten robots; the limit keeps forged ids from filling the memory.

@@ -58,7 +58,7 @@ class ChunkedWriter(ABC):
         return self._file.position + self._chunk_bytes
 
     def write(self, number: int, time_ns: int, payloads: Sequence[bytes]) -> None:
-        """Write messages that arrived at one time. Raises RecordingError if the disk rejects them."""
+        """Write messages that arrived at the same time. Raises RecordingError if the disk rejects them."""
         if not payloads:
             return
         index = self._index.get(number)

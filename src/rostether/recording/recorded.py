@@ -114,7 +114,7 @@ class RecordingWriter(Protocol):
         """Add a connection if it is new; return its number. Equal connections share one."""
 
     def write(self, number: int, time_ns: int, payloads: Sequence[bytes]) -> None:
-        """Write messages that arrived at one time."""
+        """Write messages that arrived at the same time."""
 
     def flush(self) -> None:
         """Pass all accepted messages to the operating system: a killed process loses none of them."""

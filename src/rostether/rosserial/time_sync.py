@@ -16,7 +16,7 @@ REQUEST_PERIOD_S = 2.5
 # Our own devices ask a little more often, so that one lost answer matters less.
 OUR_REQUEST_PERIOD_S = 2.2
 
-# Without an answer for this time, a device becomes unconfigured (established library: 5 * 2.2 s).
+# Without an answer within this time, a device becomes unconfigured (established library: 5 * 2.2 s).
 SYNC_LOST_S = 11.0
 
 # A device sets its clock back only by more than this: longer than any round trip, as in the C++ client.

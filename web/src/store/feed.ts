@@ -4,7 +4,7 @@ import { decoder, type Message } from "../wire/decode.ts";
 import { RateMeter } from "./rate.ts";
 import type { Topic } from "./topics.ts";
 
-/** A received message; `payload` is valid as long as it is referenced. */
+/** A received message; `payload` may be kept, because nothing overwrites it. */
 export interface Arrival {
   payload: Uint8Array;
   /** The time of arrival, `performance.now()`. */

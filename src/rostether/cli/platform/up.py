@@ -23,7 +23,7 @@ from rostether.mechanisms.run_until import run_until
 if TYPE_CHECKING:
     from rostether.platform.boot.robot_file import Part
 
-# If the part `core` does not answer for this time, the other parts start without it.
+# If the part `core` does not answer within this time, the other parts start without it.
 MASTER_LIMIT_S = 30.0
 # Parts start or restart soon after the interface gets an address.
 ADDRESS_PERIOD_S = 0.5

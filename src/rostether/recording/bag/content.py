@@ -79,7 +79,7 @@ def _by_index(data: Buffer, position: int, chunk_count: int) -> BagContent:
     check_unpacked_size(sum(min(each, MAX_CHUNK_BYTES) for each in packed), len(data))
     unknown = {number for chunk in content.chunks for number in chunk.counts} - content.connections.keys()
     if unknown:
-        raise RecordingError(f"its index has no record of connection {min(unknown)}")
+        raise RecordingError(f"it has no record of connection {min(unknown)}")
     return content
 
 

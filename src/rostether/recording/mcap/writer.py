@@ -103,7 +103,7 @@ class McapWriter(ChunkedWriter):
         return number
 
     def write(self, number: int, time_ns: int, payloads: Sequence[bytes]) -> None:
-        """Write messages that arrived at one time. Raises RecordingError if the disk rejects them."""
+        """Write messages that arrived at the same time. Raises RecordingError if the disk rejects them."""
         super().write(number, min(max(time_ns, 0), _MAX_TIME_NS), payloads)
 
     def flush(self) -> None:

@@ -92,7 +92,7 @@ class Db3Writer:
     def add_connection(self, connection: Connection) -> int:
         """Add the topic if it is new; return the number of its row.
 
-        Raises RecordingError if ROS 2 has no such type.
+        Raises RecordingError if ROS 2 has no such type, or the disk rejects the topic.
         """
         known = len(self._ros2_channels.channels)
         channel = self._ros2_channels.channel(connection)
@@ -101,7 +101,7 @@ class Db3Writer:
         return channel.number
 
     def write(self, number: int, time_ns: int, payloads: Sequence[bytes]) -> None:
-        """Write messages that arrived at one time. Raises RecordingError if the disk rejects them."""
+        """Write messages that arrived at the same time. Raises RecordingError if the disk rejects them."""
         cdr = self._ros2_channels.converted(self._ros2_channels.channels[number - 1], payloads)
         if not cdr:
             return

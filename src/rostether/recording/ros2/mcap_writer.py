@@ -60,7 +60,7 @@ class Ros2McapWriter(McapWriter):
         return number
 
     def write(self, number: int, time_ns: int, payloads: Sequence[bytes]) -> None:
-        """Write messages that arrived at one time. Raises RecordingError if the disk rejects them."""
+        """Write messages that arrived at the same time. Raises RecordingError if the disk rejects them."""
         cdr = self._ros2_channels.converted(self._ros2_channels.channels[number - 1], payloads)
         super().write(number, time_ns, cdr)
 

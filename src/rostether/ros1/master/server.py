@@ -105,7 +105,7 @@ class MasterServer:
 
     def _stop(self, reason: str) -> None:
         _log.info("the master stops: %s", reason)
-        # Its own task, so that the answer to the request is written first.
+        # In a separate task, so that the answer to the request is written first.
         self._closing = asyncio.get_running_loop().create_task(self.close())
 
     def _work_later(self, steps: Iterator[None]) -> None:

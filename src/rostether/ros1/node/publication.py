@@ -76,7 +76,7 @@ class Publication:
         return self._flow.is_open
 
     async def drained(self, timeout_s: float) -> None:
-        """Wait until no subscriber is above its high-water mark."""
+        """Wait until no subscriber is congested, at most `timeout_s`; after this time, the pause ends."""
         await self._flow.drained(timeout_s)
 
     def accept(self, fields: Mapping[str, str], transport: asyncio.Transport) -> SubscriberConnection:

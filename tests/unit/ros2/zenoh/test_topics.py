@@ -238,7 +238,7 @@ async def test_a_full_link_pauses_the_publisher_and_then_drops(monkeypatch: pyte
     assert publisher.dropped_count > 700
     monkeypatch.undo()
     await publisher.close()
-    # Its waiting messages are put at its end.
+    # On closing, the publisher puts its waiting messages.
     await until(lambda: inbox.payloads[-1] == sent[-1] and len(inbox.payloads) > 300)
     await there.close()
     await here.close()
