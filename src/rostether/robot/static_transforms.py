@@ -3,6 +3,7 @@
 X Y Z YAW PITCH ROLL PARENT CHILD            on /tf_static (tf2_ros)
 X Y Z QX QY QZ QW PARENT CHILD               the same
 PARAMETER                                    the same, for a geometry_msgs/TransformStamped as YAML
+--x X ... --frame-id PARENT --child-frame-id CHILD  the same, as in ROS 2
 X Y Z YAW PITCH ROLL PARENT CHILD PERIOD_MS  on /tf, repeatedly (tf)
 X Y Z QX QY QZ QW PARENT CHILD PERIOD_MS     the same
 """
@@ -12,6 +13,7 @@ from __future__ import annotations
 import asyncio
 import math
 from collections.abc import Sequence
+from itertools import zip_longest
 from typing import Any
 
 from msgspec import Struct
@@ -29,6 +31,11 @@ from rostether.robot.transform import (
     quaternion_from_rpy,
 )
 
+_TRANSLATION = ("--x", "--y", "--z")
+_ANGLES = ("--yaw", "--pitch", "--roll")
+_QUATERNION = ("--qx", "--qy", "--qz", "--qw")
+_FRAMES = ("--frame-id", "--child-frame-id")
+
 USAGE = "write X Y Z YAW PITCH ROLL PARENT CHILD, or X Y Z QX QY QZ QW PARENT CHILD"
 
 
@@ -43,6 +50,8 @@ class StaticTransform(Struct, frozen=True):
 
 def parse_static_transform(words: Sequence[str]) -> StaticTransform:
     """Read the arguments in one of the forms above, except PARAMETER. Raises ConfigError."""
+    if any(word.startswith("--") for word in words):
+        words = _in_order(words)
     count = len(words)
     has_quaternion = count == 10 or (count == 9 and _is_number(words[6]))
     if not 8 <= count <= 10:
@@ -60,6 +69,25 @@ def parse_static_transform(words: Sequence[str]) -> StaticTransform:
             raise ConfigError(f"the period {names[2]!r} must be a positive number of milliseconds")
     transform = Transform((numbers[0], numbers[1], numbers[2]), rotation)
     return _checked(StaticTransform(names[0], names[1], transform, period_s))
+
+
+def _in_order(words: Sequence[str]) -> list[str]:
+    """Return the values of `--x 1 --frame-id map`, in the order of the other forms. Raises ConfigError."""
+    known = (*_TRANSLATION, *_ANGLES, *_QUATERNION, *_FRAMES)
+    given: dict[str, str] = {}
+    for option, value in zip_longest(words[::2], words[1::2]):
+        if option not in known:
+            raise ConfigError(f"{option!r} is not an option of a transform; known: {', '.join(known)}")
+        if value is None:
+            raise ConfigError(f"{option} has no value; write one after it")
+        given[option] = value
+    if missing := [each for each in _FRAMES if each not in given]:
+        raise ConfigError(f"the transform has no {' and no '.join(missing)}; add the name of the frame")
+    has_quaternion = not given.keys().isdisjoint(_QUATERNION)
+    if has_quaternion and not given.keys().isdisjoint(_ANGLES):
+        raise ConfigError("a rotation is a quaternion or angles; omit one of them")
+    rotation = _QUATERNION if has_quaternion else _ANGLES
+    return [given.get(each, "1" if each == "--qw" else "0") for each in (*_TRANSLATION, *rotation, *_FRAMES)]
 
 
 def static_transform_of(value: ParamValue, name: str) -> StaticTransform:

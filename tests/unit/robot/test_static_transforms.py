@@ -20,6 +20,18 @@ def test_a_quaternion_is_read_as_typed() -> None:
     assert static.transform.rotation == (0.5, -0.5, 0.5, 0.5)
 
 
+@pytest.mark.parametrize(
+    ("options", "positions"),
+    [
+        ("--x 1 --yaw -0.5 --frame-id world --child-frame-id laser", "1 0 0 -0.5 0 0 world laser"),
+        ("--child-frame-id laser --qz 1 --qw 0 --frame-id world --z 2", "0 0 2 0 0 1 0 world laser"),
+        ("--frame-id world --child-frame-id laser --qx 0", "0 0 0 0 0 0 1 world laser"),
+    ],
+)
+def test_the_options_of_ros2(options: str, positions: str) -> None:
+    assert parse_static_transform(options.split()) == parse_static_transform(positions.split())
+
+
 @pytest.mark.parametrize("words", ["0 0 0 0 0 0 a b 100", "0 0 0 0 0 0 1 a b 100"])
 def test_a_period_is_in_milliseconds(words: str) -> None:
     static = parse_static_transform(words.split())
@@ -36,6 +48,11 @@ def test_a_period_is_in_milliseconds(words: str) -> None:
         ("0 0 0 0 0 0 a a", "are both 'a'; give two different frames"),
         ("0 0 0 0 0 0 2 a b", "length 1"),
         ("0 0 0 0 0 0 a b -5", "positive"),
+        ("--x 1 --frame-id a", "has no --child-frame-id; add"),
+        ("--x 1 --frame_id a --child-frame-id b", "'--frame_id' is not an option .*; known: --x, "),
+        ("--frame-id a --child-frame-id b --x", "--x has no value"),
+        ("--yaw 1 --qw 1 --frame-id a --child-frame-id b", "a quaternion or angles"),
+        ("--x one --frame-id a --child-frame-id b", "'one' is not a number"),
         ("0 0 0 0 0 0 a b often", "'often' is not a number"),
     ],
 )

@@ -30,6 +30,7 @@ _arguments = click.argument("words", nargs=-1, type=click.UNPROCESSED, metavar=_
     rostether tf static 0 0 0.1 0 0 0 1 base_link laser
     rostether tf static 0 0 0.1 0 0 0 base_link laser 100     (on /tf, every 100 ms)
     rostether tf static --ros2 0 0 0.1 0 0 0 base_link laser
+    rostether tf static --ros2 --z 0.1 --yaw 1.57 --frame-id base_link --child-frame-id laser
     """,
     cls=RoleVerb,
 )
@@ -40,6 +41,9 @@ def static(words: tuple[str, ...], ros2: str | None) -> None:
 
     The units are meters, and radians or a quaternion. With a number of milliseconds at the end, it publishes
     repeatedly on /tf, like tf's node. PARAMETER contains a geometry_msgs/TransformStamped.
+
+    The options of ROS 2's node work too: --x, --y, --z, --yaw, --pitch, --roll, --qx, --qy, --qz, --qw,
+    --frame-id and --child-frame-id. A number that is omitted is 0; --qw is 1.
     """
     _run(words, ros2)
 
