@@ -75,7 +75,7 @@ class BackgroundWriter:
         return number
 
     def write(self, number: int, time_ns: int, payloads: Sequence[bytes]) -> None:
-        """Queue messages that arrived at the same time, or drop them. Raises the error of an earlier write."""
+        """Queue messages that arrived together, or drop them. Raises the error of an earlier write."""
         size_bytes = sum(map(len, payloads)) + _MESSAGE_BYTES * len(payloads)
         with self._changed:
             self._raise()
