@@ -268,6 +268,16 @@ async def test_a_long_name_of_a_node_does_not_cover_its_log(robot: Robot, browse
     )
 
 
+async def test_a_long_diagnostic_fits_into_its_card(robot: Robot, browser: Browser) -> None:
+    page = await browser.do("open", url=f"{robot.url}#/diagnostics")
+    async with rostether.join("monitor", master=robot.master) as graph:
+        publisher = await graph.publisher("/diagnostics", "diagnostic_msgs/DiagnosticArray", latch=True)
+        publisher.publish(status=[{"name": "n" * 500, "message": "m" * 500}])
+        await browser.wait_for(page, f"document.body.innerText.includes('{'n' * 500}')")
+        content = "document.querySelector('.content')"
+        await browser.wait_for(page, f"{content}.scrollWidth <= {content}.clientWidth")
+
+
 async def test_a_phone_shows_everything_in_one_column(robot: Robot, browser: Browser) -> None:
     page = await browser.do("open", url=robot.url, width=360, height=740, touch=True)
     await browser.wait_for(page, "document.querySelectorAll('.card').length > 2")

@@ -110,7 +110,9 @@ test("a map wider than the largest picture keeps its walls, and its picture is r
   assert.equal((image.data as Uint8Array)[0], 205);
   display.update({ ...map, data: new Int8Array(3) });
   assert.equal((objects()[1] as Object3D).visible, false);
-  assert.match(reports.at(-1) as string, /has 3/);
+  assert.match(reports.at(-1)!, /should have 10001 x 4 cells, but has 3/);
+  display.update({ ...map, info: { ...map.info, width: 0, height: 0 }, data: new Int8Array(0) });
+  assert.equal(reports.at(-1), "This map is empty.");
 });
 
 test("a marker that expires changes the picture by itself", async () => {

@@ -161,17 +161,10 @@ export class GridDisplay extends HeaderDisplay<OccupancyGrid> {
 
   protected draw({ info, data }: OccupancyGrid): void {
     const { width, height, resolution, origin } = info;
-    const isGiven = width * height === data.length && width * height <= MAX_CELLS && width * height > 0;
-    this.holder.visible = isGiven;
-    if (!isGiven) {
-      this.context.report(
-        width * height > MAX_CELLS
-          ? `A map of ${width} x ${height} cells is too large for the page.`
-          : `This map should have ${width} x ${height} cells, but has ${data.length}.`,
-      );
-      return;
-    }
-    this.context.report("");
+    const problem = problemOfMap(width, height, data.length);
+    this.context.report(problem);
+    this.holder.visible = problem === "";
+    if (problem !== "") return;
     const plane = this.paint(data, width, height);
     // The origin is the pose of the cell (0, 0); a plane's own origin is its middle.
     plane.scale.set(width * resolution, height * resolution, 1);
@@ -221,4 +214,12 @@ function highestCell(cells: Int8Array, width: number, left: number, bottom: numb
       if (cell > highest) highest = cell;
     }
   return highest;
+}
+
+/** Why a map cannot be drawn; empty if it can. */
+function problemOfMap(width: number, height: number, cellCount: number): string {
+  const size = `${width} x ${height} cells`;
+  if (width * height > MAX_CELLS) return `A map of ${size} is too large for the page.`;
+  if (width * height !== cellCount) return `This map should have ${size}, but has ${cellCount}.`;
+  return cellCount === 0 ? "This map is empty." : "";
 }
