@@ -37,9 +37,10 @@ _PATTERNS = {
     "number": r"\s*[+-]?(?:\d[\d,]*(?:\.\d+)?(?:e[+-]?\d+)?|inf|null)(?:[kM]\b)?",
     "space": r"\s*",
 }
-# Printed only on the first run, or by commands that wait for others.
+# Printed only on the first run, by commands that wait for others, or if the demo's board is a simulated Uno.
 _NOT_IN_EVERY_RUN = re.compile(
     r"preparing a simulated |Building the sketch for |waiting: |not registered as \S+ yet: "
+    r"|/virtual_board_simulation/"
 )
 
 
