@@ -3,9 +3,9 @@
     crowd_devices.py PORT COUNT HZ MESSAGES
 
 Each message is a std_msgs/UInt64, the time of writing on the machine's monotonic clock, so that a
-receiver knows the delay. Prints a line when all have received a topic request, begins at a line on stdin, and
-prints at the end how late it sent its messages: p99 and the longest in ms. This delay is caused by the
-machine, which also delays the bridge.
+receiver knows the delay. The program prints a line when all devices have received a topic request, and sends
+after a line on stdin. Then it prints how late it sent the messages: p99 and the longest, in ms. The machine
+causes this delay, and also delays the bridge.
 The devices send at times spread evenly over the period, like independent boards. Their TCP
 collects small messages until the last is acknowledged (no TCP_NODELAY), as on many boards.
 """
@@ -71,7 +71,7 @@ class Crowd:
 
 
 def main(arguments: list[str]) -> None:
-    """Serve the devices until all messages are sent, then without end."""
+    """Send all messages and print the delays; then keep the connections open until killed."""
     port, count, rate_hz, messages = (int(argument) for argument in arguments)
     allow_many_descriptors()
     crowd = Crowd(port, count)

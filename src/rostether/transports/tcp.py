@@ -81,7 +81,7 @@ class TcpTransport(StreamTransport, asyncio.BufferedProtocol):
 
         If this side sends, the kernel delays acknowledgements for 40 ms, to send them with the next data.
         Some boards, such as an ESP, collect small messages until the last one is acknowledged. After each
-        time answer, their next message would have this delay.
+        time answer, their next message would have this delay. So this requests an immediate acknowledgement.
         """
         super().write(data)
         if self._socket is not None and _QUICKACK is not None:

@@ -26,7 +26,6 @@ EVENTS_AT_ONCE = 64
 _XML_TYPES = (b"text/xml", b"application/xml")
 _TYPE = b"content-type"
 _TEXT_XML = (b"Content-Type", b"text/xml")
-_TINY_CHUNKS = f"the document comes in chunks of less than {MIN_CHUNK_BYTES} bytes; send larger ones"
 _REASONS = {
     400: b"Bad Request",
     403: b"Forbidden",
@@ -116,7 +115,9 @@ class HttpServerSide:
                 if len(self._body) > self._max_body_bytes:
                     self._refuse(413, f"the request is larger than {self._max_body_bytes} bytes")
                 elif _has_tiny_chunks(self._chunk_count, len(self._body)):
-                    self._refuse(400, _TINY_CHUNKS)
+                    self._refuse(
+                        400, f"the request has chunks of less than {MIN_CHUNK_BYTES} bytes; send larger ones"
+                    )
             else:  # h11.EndOfMessage
                 return bytes(self._body)
         self.is_behind = True
@@ -201,8 +202,8 @@ class HttpClientSide:
     def receive_data(self, data: bytes) -> bytes | None:
         """Handle bytes, `b""` for the end of the stream; return the body once the response is complete.
 
-        Raises HttpStatusError if the status is not 200, RemoteProtocolError if the data is not HTTP or too
-        long.
+        Raises HttpStatusError if the status is not 200, RemoteProtocolError if the data is not HTTP, is too
+        long, or has tiny chunks.
         """
         try:
             self._connection.receive_data(data)
@@ -224,7 +225,7 @@ class HttpClientSide:
                     raise RemoteProtocolError(f"the answer is larger than {self._max_body_bytes} bytes")
                 self._chunk_count += event.chunk_start
                 if _has_tiny_chunks(self._chunk_count, len(self._body)):
-                    raise RemoteProtocolError(_TINY_CHUNKS)
+                    raise RemoteProtocolError(f"the answer has chunks of less than {MIN_CHUNK_BYTES} bytes")
             elif isinstance(event, h11.EndOfMessage):
                 return self._finish()
             elif isinstance(event, h11.ConnectionClosed):  # pragma: no cover - h11 raises first

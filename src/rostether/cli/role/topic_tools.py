@@ -44,8 +44,8 @@ async def relay(graph: TypedGraph, arguments: Arguments) -> None:
 
 
 def _throttle_words(arguments: Arguments) -> tuple[str, str, list[float]]:
-    """Return IN, OUT, and the limits: HZ, or BYTES_PER_SECOND and WINDOW."""
-    usage = "throttle messages IN HZ [OUT], or throttle bytes IN BYTES_PER_SECOND WINDOW [OUT]"
+    """Return IN, OUT, and the limits: HZ, or BYTES_PER_SECOND and WINDOW_SECONDS."""
+    usage = "throttle messages IN HZ [OUT], or throttle bytes IN BYTES_PER_SECOND WINDOW_SECONDS [OUT]"
     rest = _words(arguments, 3, 5, usage)
     count = {"messages": 3, "bytes": 4}.get(rest[0])
     if count is None or len(rest) not in (count, count + 1):
@@ -116,7 +116,7 @@ def _mux_command(verb: str, explanation: str, example: str) -> click.Command:
     kind = f"Mux{verb.capitalize()}"
 
     def words(arguments: Arguments) -> list[str]:
-        return _words(arguments, len(parts), len(parts), f"mux_{verb} {' '.join(parts)}")
+        return _words(arguments, len(parts), len(parts), f"mux-{verb} {' '.join(parts)}")
 
     def node_name(_: str, arguments: Arguments) -> str:
         words(arguments)

@@ -14,10 +14,10 @@ from rostether.ros2.types.type_support import Ros2Types
 from rostether.ros2.zenoh.graph_cache import GraphCache
 from rostether.ros2.zenoh.tokens import Token
 
-# The maximum number of publications that wait for room at the same time, each in a thread.
+# Each puts a batch while a link is full. More threads would only wait for the same few links.
 MAX_PUT_THREADS = 8
 
-# The maximum number of service requests and responses that wait for room; zenoh closes a full link after 5 s.
+# Each waits for room for a service request or response, at most 5 s: then zenoh closes the full link.
 MAX_CALL_THREADS = 8
 
 _log = logging.getLogger("rostether.ros2")

@@ -24,7 +24,7 @@ Key = TypeVar("Key", bound=Hashable)
 WINDOW_PACKETS = 2
 # The longest frame that an Uno accepts, 288 bytes: it must not wait for other boards between its packets.
 TURN_PACKETS = 3
-# Half a second of 57600 baud for each board; the outbox above queues messages in their order.
+# 0.7 s of 57600 baud for each board; the outbox above queues messages in their order.
 QUEUE_LIMIT_BYTES = 4 * 1024
 # Longer than all retries of a packet; a mesh that searches a route can take longer, and its report is then
 # ignored.
@@ -123,7 +123,7 @@ class SendQueue(Generic[Key]):
             yield Packet(key, payload, frame_id)
 
     def finished(self, status: TransmitStatus) -> Finished[Key] | None:
-        """Handle the radio's report; return whose packet it was, None if it was dropped before."""
+        """Handle the radio's report; return whose packet it was; None if `give_up` has returned it."""
         key, _ = self._in_flight.pop(status.frame_id, (None, 0.0))
         if key is None:
             return None

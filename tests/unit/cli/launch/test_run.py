@@ -96,7 +96,7 @@ def test_missing_names_are_reported_with_similar_ones(arm: Path, shell: Shell) -
 def test_established_nodes_run_as_roles(arm: Path) -> None:
     found = node_command("rosserial_python", "serial_node.py", packages={}, environ={})
     assert found == [sys.executable, "-P", "-m", "rostether", "serial-node"]
-    # Also where the package itself was checked out.
+    # Even if the package itself is in the workspace.
     assert (
         node_command("rosserial_python", "serial_node.py", packages={"rosserial_python": arm}, environ={})
         == found
@@ -165,7 +165,7 @@ def test_which_python_runs_a_script(tmp_path: Path) -> None:
     script = write(tmp_path / "a.py", "#!/usr/bin/env python3\n")
     assert python_for(script, path) == [str(named)]
     assert python_for(write(tmp_path / "b.py", f"#!{named} -u\r\n"), path) == [str(named), "-u"]
-    # None is named, the one named is not there, or it is too old.
+    # The script names no Python, one that does not exist, or one that is too old.
     assert python_for(write(tmp_path / "c.py", "import rospy\n"), path) == [sys.executable]
     assert python_for(write(tmp_path / "d.py", "#!/usr/bin/env python\n"), path) == [sys.executable]
     write(tmp_path / "python2", "#!/bin/sh\necho False\n")

@@ -167,7 +167,7 @@ def test_the_links_of_rosserial_server() -> None:
         (("throttle", "words", "/a", "1"), "write throttle messages IN HZ"),
         (("throttle", "bytes", "/a", "1"), "write throttle messages IN HZ"),
         (("mux", "/out"), "write mux OUT IN..."),
-        (("mux-list", "/a", "/b"), "write mux_list MUX; given: /a /b"),
+        (("mux-list", "/a", "/b"), "write mux-list MUX; given: /a /b"),
     ],
 )
 def test_wrong_arguments_are_refused(shell: Shell, words: tuple[str, ...], reason: str) -> None:
