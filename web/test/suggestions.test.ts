@@ -2,6 +2,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { boardsPanel } from "../src/panels/boards/boards.ts";
+import { controllableTopics } from "../src/panels/controls/controllable.ts";
 import { drivableTopics } from "../src/panels/drive/drivable.ts";
 import type { Graph } from "../src/panels/panel.ts";
 import { plotSuggestions } from "../src/panels/plots/suggestions.ts";
@@ -41,6 +42,21 @@ test("a topic that only the page publishes has a control and no plot", () => {
   );
   // Its board was unplugged.
   assert.deepEqual(plotSuggestions(graph([servo], [["/servo", ["/page"]]], [])), []);
+});
+
+test("a topic that other dashboards publish keeps its control", () => {
+  const servo = new Topic("/servo", "std_msgs/UInt16", "uint16 data", 1);
+  const with_ = (publisher: string) =>
+    graph([servo], [["/servo", ["/page", publisher]]], [["/servo", ["/board", "/dashboard_8766"]]]);
+  for (const name of ["/dashboard", "/lab/dashboard_8766", "/web_teleop_8766"]) {
+    assert.deepEqual(controllableTopics(with_(name)), ["/servo"]);
+    assert.deepEqual(plotSuggestions(with_(name)), []);
+  }
+  assert.deepEqual(controllableTopics(with_("/my_dashboard")), []);
+  assert.deepEqual(
+    controllableTopics(graph([servo], [["/servo", ["/page"]]], [["/servo", ["/dashboard_8766"]]])),
+    [],
+  );
 });
 
 test("the number of rosbridge's clients has no plot", () => {

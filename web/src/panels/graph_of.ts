@@ -16,7 +16,15 @@ export function graphOf(robot: Robot): Graph {
   };
 }
 
+// The nodes of other dashboards on the graph: `dashboard`, and `dashboard_8766` on another port.
+const DASHBOARD = /\/(dashboard|web_teleop)(_\d+)?$/;
+
+/** Whether a node only publishes and subscribes for pages, of this or of another dashboard. */
+export function isPageNode({ ownNodes }: Graph, node: string): boolean {
+  return ownNodes.includes(node) || DASHBOARD.test(node);
+}
+
 /** Whether a node subscribes to a topic; the gateway's nodes do so only to show it. */
-export function hasSubscriber({ subscribers, ownNodes }: Graph, topic: string): boolean {
-  return subscribers.get(topic)?.some((node) => !ownNodes.includes(node)) ?? false;
+export function hasSubscriber(graph: Graph, topic: string): boolean {
+  return graph.subscribers.get(topic)?.some((node) => !isPageNode(graph, node)) ?? false;
 }

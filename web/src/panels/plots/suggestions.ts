@@ -2,6 +2,7 @@
 import { compareNames } from "../../shell/format.ts";
 import type { Topic } from "../../store/topics.ts";
 import { numericPaths } from "../../wire/path.ts";
+import { isPageNode } from "../graph_of.ts";
 import { MAIN_FIELDS } from "../main_fields.ts";
 import type { Graph, Suggestion } from "../panel.ts";
 
@@ -36,10 +37,10 @@ function titleOf(topic: Topic, paths: readonly string[]): string {
   return isPlain ? topic.name : `${topic.name}/${path.replaceAll(".", "/")}`;
 }
 
-/** Whether only this page publishes a topic: it has a control instead. */
-function isOwn(topic: string, { publishers, ownNodes }: Graph): boolean {
-  const nodes = publishers.get(topic) ?? [];
-  return nodes.length > 0 && nodes.every((node) => ownNodes.includes(node));
+/** Whether only pages publish a topic: it has a control instead. */
+function isOwn(topic: string, graph: Graph): boolean {
+  const nodes = graph.publishers.get(topic) ?? [];
+  return nodes.length > 0 && nodes.every((node) => isPageNode(graph, node));
 }
 
 export function plotSuggestions(graph: Graph): Suggestion[] {
