@@ -63,7 +63,7 @@ class BoardHealth:
             self._resets = Resets()
         elif self.connection_count and was_alive:
             # The port of a board with built-in USB disappears when the board resets.
-            self._resets.record(now_s)
+            self._resets.record(now_s, was_gone=medium is Medium.SERIAL)
         self.connection_count += 1
         self.connected_at_s = now_s
         self.clock.forget()

@@ -23,10 +23,13 @@ class Resets:
 
     def __init__(self) -> None:
         self._times: deque[float] = deque(maxlen=1000)
+        self._gone_s = float("-inf")
 
-    def record(self, now_s: float) -> None:
-        """Record a reset."""
+    def record(self, now_s: float, *, was_gone: bool = False) -> None:
+        """Record a reset. `was_gone`: the port disappeared, so the board may have been unplugged."""
         self._times.append(now_s)
+        if was_gone:
+            self._gone_s = now_s
 
     def count(self, now_s: float) -> int:
         """Return the number of resets in the last minute."""
@@ -39,17 +42,20 @@ class Resets:
         count = self.count(now_s)
         if count < MIN_RESETS:
             return None
-        span_s = now_s - self._times[0]
-        return reset_loop(f"the board was reset {count} times in {span_s:.0f} s", crash_line)
+        first_s = self._times[0]
+        what, plug = "reset", ""
+        if self._gone_s >= first_s:
+            what, plug = "reset or unplugged", "check the plug and the cable, "
+        return reset_loop(f"the board was {what} {count} times in {now_s - first_s:.0f} s", crash_line, plug)
 
 
-def reset_loop(seen: str, crash_line: str | None) -> Finding:
+def reset_loop(seen: str, crash_line: str | None, first_step: str = "") -> Finding:
     """Return the finding, with the board's own explanation if there is one."""
     printed = f", and printed {crash_line!r}" if crash_line else ""
     return error(
         Code.RESET_LOOP,
         f"{seen}{printed}",
-        "power motors and servos from a separate supply (a brown-out resets the board), check for a "
-        "watchdog, and use smaller buffers and fewer topics in the sketch (the stack may overwrite the "
-        "RAM)",
+        f"{first_step}power motors and servos from a separate supply (a brown-out resets the board), check "
+        "for a watchdog, and use smaller buffers and fewer topics in the sketch (the stack may overwrite "
+        "the RAM)",
     )

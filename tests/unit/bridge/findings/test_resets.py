@@ -16,6 +16,21 @@ def test_three_in_a_minute_are_a_loop() -> None:
     assert "3 times in 20 s" in finding.seen
 
 
+def test_a_port_that_disappears_may_be_a_loose_plug() -> None:
+    resets = Resets()
+    for second in range(3):
+        resets.record(float(second), was_gone=second == 1)
+    finding = resets.find(3.0, None)
+    assert finding is not None
+    assert finding.seen == "the board was reset or unplugged 3 times in 3 s"
+    assert finding.next_step.startswith("check the plug and the cable, power motors")
+    for second in range(3):
+        resets.record(WINDOW_S + 10.0 + second)
+    finding = resets.find(WINDOW_S + 13.0, None)
+    assert finding is not None
+    assert finding.seen.startswith("the board was reset 3 times")
+
+
 def test_output_of_the_board_is_reported() -> None:
     resets = Resets()
     for second in range(3):
