@@ -48,12 +48,14 @@ class ToolNode:
         types: Ros2Types,
         middleware: Middleware,
         is_linked: Callable[[], bool],
+        line: str,
     ) -> None:
         self.graph = graph
         self.registry = registry
         self.types = types
         self.middleware = middleware
         self.is_linked = is_linked
+        self.line = line  # Which graph it has joined, for users.
         self._is_other_domain_reported = False
 
     async def snapshot(self) -> GraphView:
@@ -167,7 +169,12 @@ async def tool_node(
         )
         async with closed_at_end(graph):
             yield ToolNode(
-                TypedGraph(graph, TypeStore(registry)), registry, types, middleware, access.is_linked
+                TypedGraph(graph, TypeStore(registry)),
+                registry,
+                types,
+                middleware,
+                access.is_linked,
+                access.line,
             )
 
 

@@ -5,13 +5,12 @@ from __future__ import annotations
 from collections.abc import AsyncIterator
 from typing import NamedTuple
 
-from rostether.cli.access.graph_options import Middleware, ZenohReach, middleware_of
-from rostether.cli.access.ros2_access import ros2_access
+from rostether.cli.access.graph_options import GraphOptions, Middleware, middleware_of
+from rostether.cli.access.ros2_tool_node import tool_node
 from rostether.cli.shell.output import write_finding
 from rostether.errors import RostetherError
-from rostether.mechanisms.anonymous import anonymous_name
-from rostether.mechanisms.block_end import closed_at_end
 from rostether.mechanisms.text import counted
+from rostether.names.graph_name import is_hidden
 from rostether.ros2.environment import Ros2Environment
 from rostether.ros2.rclpy.left_over_memory import SHARED_MEMORY, find_leftover_files
 
@@ -43,15 +42,13 @@ async def _examine(middleware: Middleware) -> AsyncIterator[_Finding]:
         )
         yield _Finding(True, f"shared memory of Fast DDS in {SHARED_MEMORY}", text)
     try:
-        async with (
-            ros2_access(middleware, reach=ZenohReach(router="never")) as access,
-            closed_at_end(await access.join(anonymous_name("/_rostether"))) as graph,
-        ):
-            nodes = set((await graph.snapshot()).nodes) - {graph.node_name}
+        async with tool_node(GraphOptions(ros2=middleware), is_quiet=True, needs_definitions=False) as tool:
+            nodes = {node for node in (await tool.settled_snapshot()).nodes if not is_hidden(node)}
+            text = f"{counted(len(nodes), 'node')} found. {tool.line}"
     except RostetherError as error:
         yield _Finding(False, "graph", str(error))
     else:
-        yield _Finding(True, "graph", f"{counted(len(nodes), 'node')} found. {access.line}")
+        yield _Finding(True, "graph", text)
 
 
 async def _routers(environment: Ros2Environment) -> AsyncIterator[_Finding]:
