@@ -117,6 +117,26 @@ async def test_the_robot_stops_when_the_tab_is_closed(robot: Robot, browser: Bro
         following.cancel()
 
 
+async def test_the_letter_keys_drive_after_a_slider_was_moved(robot: Robot, browser: Browser) -> None:
+    page = await browser.do("open", url=robot.url + "#/drive")
+    async with rostether.join("driven", master=robot.master) as graph:
+        await graph.subscriber("/cmd_vel", "geometry_msgs/Twist", lambda _: None)
+        await browser.wait_for(page, "document.querySelector('.drive-state')?.innerText.startsWith('Ready')")
+
+        async def press(code: str) -> None:
+            event = f"new KeyboardEvent('keydown', {{ code: '{code}', bubbles: true }})"
+            script = f"void document.querySelector('main input[type=range]').dispatchEvent({event})"
+            await browser.do("evaluate", page=page, script=script)
+
+        speed = "document.querySelector('main').innerText.match(/-?[0-9.]+ m.s/)[0]"
+        await press("ArrowUp")
+        assert await browser.do("evaluate", page=page, script=speed) == "0.00 m/s"
+        await press("KeyW")
+        await browser.wait_for(page, f"{speed} === '0.30 m/s'")
+        await press("Space")
+        await browser.wait_for(page, f"{speed} === '0.00 m/s'")
+
+
 async def test_a_recording_is_made_listed_and_played(robot: Robot, browser: Browser) -> None:
     page = await browser.do("open", url=robot.url + "#/recording")
     await browser.do("click", page=page, selector=".recording .primary")

@@ -14,6 +14,13 @@ const KEYS: Readonly<Record<string, Stick>> = {
   KeyD: { x: 1, y: 0 },
 };
 
+/** Whether an element uses a key: a slider, which keeps the focus after it is moved, uses only the arrows. */
+function uses(element: HTMLElement, key: string): boolean {
+  return element.matches("input[type=range]")
+    ? key.startsWith("Arrow")
+    : element.matches("input, select, textarea");
+}
+
 /** Drives with W A S D and the arrow keys, and stops with space, until the returned function is called. */
 export function followKeys(driver: Driver): () => void {
   const held = new Set<string>();
@@ -30,8 +37,8 @@ export function followKeys(driver: Driver): () => void {
     }
   };
   const down = (event: KeyboardEvent) => {
-    const isTyping = event.target instanceof HTMLElement && event.target.matches("input, select, textarea");
-    if (isTyping || event.ctrlKey || event.metaKey || event.altKey) return;
+    const isForField = event.target instanceof HTMLElement && uses(event.target, event.code);
+    if (isForField || event.ctrlKey || event.metaKey || event.altKey) return;
     if (event.code === "Space") {
       held.clear();
       driver.stop();
