@@ -176,7 +176,7 @@ async def test_a_view_only_page_cannot_act(robot: Robot, browser: Browser) -> No
     assert await browser.do("evaluate", page=page, script=banner) is None
     await browser.do("evaluate", page=page, script="void (location.hash = '#/services')")
     await browser.wait_for(
-        page, "document.querySelector('.services .empty h2').innerText.includes('only view')"
+        page, "document.querySelector('.services .empty h2')?.innerText.includes('only view')"
     )
     async with rostether.join("driven", master=robot.master) as graph:
         await graph.subscriber("/cmd_vel", "geometry_msgs/Twist", lambda _: None)
