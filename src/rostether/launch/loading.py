@@ -183,9 +183,15 @@ class _Loader:
 
     def _read_included(self, element: XmlElement, scope: Scope) -> None:
         self._includes += 1
-        if self._depth >= MAX_INCLUDE_DEPTH or self._includes > MAX_INCLUDES:
+        if self._depth >= MAX_INCLUDE_DEPTH:
             raise LaunchError(
-                f"{scope.file} includes itself endlessly; end the recursion with if= or unless="
+                f"{scope.file} is included more than {MAX_INCLUDE_DEPTH} levels deep; if it includes itself, "
+                "end the recursion with if= or unless="
+            )
+        if self._includes > MAX_INCLUDES:
+            raise LaunchError(
+                f"the launch files have more than {MAX_INCLUDES} includes; if one includes itself, end the "
+                "recursion with if= or unless="
             )
         self._depth += 1
         try:

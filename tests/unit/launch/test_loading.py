@@ -23,7 +23,7 @@ LINES = {
     "param_failing_command": (2, "the command 'false' failed with code 1"),
     "rosparam_broken_file": (2, "broken.yaml:2:1: this is not YAML"),
     "eval_division": (2, "division by zero"),
-    "include_itself": (2, "includes itself endlessly"),
+    "include_itself": (2, "is included more than 50 levels deep; if it includes itself"),
 }
 
 
@@ -102,8 +102,18 @@ def test_document_type_is_refused_before_entities_are_read() -> None:
 
 
 def test_a_file_that_includes_itself_twice_is_refused() -> None:
-    with pytest.raises(LaunchError, match="includes itself endlessly"):
+    with pytest.raises(LaunchError, match="is included more than 50 levels deep"):
         load_launch([ROBOT / "wrong" / "include_itself.launch"], {}, {}, {"corpus_robot": ROBOT})
+
+
+def test_the_number_of_includes_is_limited(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("rostether.launch.loading.MAX_INCLUDES", 3)
+    included = tmp_path / "empty.launch"
+    included.write_text("<launch/>")
+    include = f'<include file="{included}"/>'
+    load_launch([], {}, {}, {}, text=f"<launch>{include * 3}</launch>".encode())
+    with pytest.raises(LaunchError, match="the launch files have more than 3 includes"):
+        load_launch([], {}, {}, {}, text=f"<launch>{include * 4}</launch>".encode())
 
 
 @pytest.mark.parametrize("value", ["3000000000", "-2147483649"])

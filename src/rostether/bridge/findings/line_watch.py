@@ -65,7 +65,7 @@ _SIGNS_OF_LIFE = (
 
 
 class LineWatch:
-    """One connection of one board; `baud` is the baud rate of a serial line, `resets` the board's."""
+    """One connection of one board, with the `baud` rate of a serial line, and the board's `resets` so far."""
 
     def __init__(
         self,

@@ -1,7 +1,7 @@
 """Checks every board once a second: reports problems, and publishes /diagnostics.
 
-Each board's own node publishes its status, as the established host's does, so that nothing more joins the
-graph. Without a subscriber no message is made.
+The node of each board publishes the board's status, as in the established host. So no further node joins the
+graph. Without a subscriber, no message is made.
 """
 
 from __future__ import annotations

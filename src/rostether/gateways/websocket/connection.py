@@ -93,11 +93,11 @@ class ConnectionServer(Protocol):
         """Return why a plain request for a file or a download is refused, None if it is allowed."""
 
     def open_user(self, connection: Connection) -> ConnectionUser:
-        """Return the user of a connection after its handshake."""
+        """Return the `ConnectionUser` of a connection after its handshake."""
 
 
 class Connection(asyncio.BufferedProtocol):
-    """One connection; it gets a user when the handshake ends.
+    """One connection; it gets a `ConnectionUser` when the handshake ends.
 
     It reads less at a time while its chunks are expensive to process.
     """
@@ -223,7 +223,7 @@ class Connection(asyncio.BufferedProtocol):
         return False
 
     def connection_lost(self, _: Exception | None) -> None:
-        """Report the end to the user."""
+        """Report the end to the `ConnectionUser`."""
         if self._timer is not None:
             self._timer.cancel()
         if self._answer is not None:
@@ -236,20 +236,20 @@ class Connection(asyncio.BufferedProtocol):
         self._server.forget(self)
 
     def pause_writing(self) -> None:
-        """Pause the user."""
+        """Pause the `ConnectionUser`, because the client reads slowly."""
         self.has_room.clear()
         if self._user is not None:
             self._user.paused()
 
     def resume_writing(self) -> None:
-        """Resume the user."""
+        """Resume the `ConnectionUser`."""
         self.has_room.set()
         pong, self._pong = self._pong, b""
         self.write(pong)
         if self._user is not None:
             self._user.resumed()
 
-    # Methods for the user.
+    # Methods for the `ConnectionUser`.
 
     def pause_reading(self) -> None:
         """Stop reading, so that the client waits."""
@@ -278,7 +278,7 @@ class Connection(asyncio.BufferedProtocol):
         self._write_protocol()
 
     def write(self, frames: bytes) -> None:
-        """Write complete frames that the user has built."""
+        """Write complete frames that the `ConnectionUser` has built."""
         if self.is_open and self._transport is not None:
             # Not writelines: in Python 3.12.0 to 3.12.8, 3.13.0 and 3.13.1 it never pauses the writer
             # (CVE-2024-12254).
@@ -303,7 +303,7 @@ class Connection(asyncio.BufferedProtocol):
     # Internal methods.
 
     def _limit_unsent(self, transport: asyncio.Transport) -> None:
-        """Keep the messages for a slow client in its user's queues, where they can be dropped."""
+        """Keep messages for a slow client in the queues of the `ConnectionUser`, which can drop them."""
         limit = self._limits.unsent_bytes
         transport.set_write_buffer_limits(high=limit)
         # Without this option, the kernel keeps megabytes.

@@ -51,12 +51,12 @@ class WebSocketServer:
         protocol: The protocol of its WebSockets.
         settings: Where to listen, and who may connect.
         limits: The bounds of the server and its connections.
-        open_user: Creates the user of a WebSocket after its handshake.
+        open_user: Creates the `ConnectionUser` of a WebSocket after its handshake.
         report_refused: Gets a line, at a limited rate, when a connection is refused.
         site: Files that are served by plain GET.
-        routes: For each other path, the function that creates the user of a WebSocket there; None if the path
-            is refused. Programs, this server's pages and pages of `origins` may use these paths, all with the
-            full token.
+        routes: For each other path, the function that creates the `ConnectionUser` of its WebSockets; None if
+            the path is refused. Programs, this server's pages and pages of `origins` may use these paths, all
+            with the full token.
     """
 
     def __init__(
@@ -196,7 +196,7 @@ class WebSocketServer:
         return ""
 
     def open_user(self, connection: Connection) -> ConnectionUser:
-        """Return the user of a connection after its handshake."""
+        """Return the `ConnectionUser` of a connection after its handshake."""
         open_user = self._routes.get(connection.path.partition("?")[0]) or self._open_user
         return open_user(connection)
 

@@ -50,7 +50,7 @@ class ServedProtocol(Struct, frozen=True):
     # The web site of a viewer; its pages, and a copy of it on this machine, may connect.
     viewer_site: str = ""
 
-    # Whether a handshake without the token is refused; otherwise the user of the connection checks the token.
+    # Whether a handshake without the token is refused; otherwise the `ConnectionUser` checks the token.
     wants_token_first: bool = True
 
 

@@ -69,7 +69,9 @@ def _field(spec: MessageSpec, field: Field) -> Ros2Field:
     old = field.type
     if old.is_array and old.length == 0:
         raise DefinitionError(
-            f"ROS 2 has no arrays of length 0, such as the field {field.name!r}", file=spec.full_name
+            f"ROS 2 has no arrays of length 0, such as the field {field.name!r}; write a ROS 2 definition "
+            "of the type, and give its folder with --msg-path DIR",
+            file=spec.full_name,
         )
     base = _RENAMED.get(old.base, old.base)
     if base == old.base and base not in primitives.PRIMITIVE_TYPES:

@@ -48,8 +48,8 @@ class BagContent(ChunkedContent):
         """Add the connection of a record. Raises RecordingError if it is damaged or there are too many."""
         self.connections_bytes += len(header)
         if len(self.connections) >= MAX_CONNECTIONS or self.connections_bytes > MAX_CONNECTIONS_BYTES:
-            found = f"{len(self.connections)} connections with {self.connections_bytes} bytes of definitions"
-            raise RecordingError(f"it has at least {found}, more than the limit")
+            limits = f"{MAX_CONNECTIONS} connections or {MAX_CONNECTIONS_BYTES} bytes of their definitions"
+            raise RecordingError(f"it has more than {limits}")
         named = {
             name.decode("utf-8", "surrogateescape"): value.decode("utf-8", "surrogateescape")
             for name, value in decode_fields(header).items()

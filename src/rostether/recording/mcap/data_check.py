@@ -115,7 +115,7 @@ class DataCheck:
             self._report(f"{where}: {error}")
         if found.message_offsets and (first, last) != (chunk.start_ns, chunk.end_ns):
             stated = f"{chunk.start_ns} to {chunk.end_ns}"
-            self._report(f"{where}: its times are {first} to {last}, not {stated} as stated")
+            self._report(f"{where}: its times are {first} to {last} ns, not {stated} as stated")
         return found
 
     def _check_message_index(self, found: FoundChunk | None, position: int, start: int, end: int) -> None:

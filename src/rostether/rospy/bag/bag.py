@@ -76,7 +76,7 @@ class Bag:
         self._writer: BagWriter | None = None
         self._types = BagTypes()
         path = self._path = Path(f)
-        # A missing file raises the error of Python.
+        # For a missing file, stat() raises FileNotFoundError, as rosbag does.
         if mode == "r":
             path.stat()
             self._reader = self._open(path)
