@@ -89,10 +89,10 @@ class Export:
             if errors:
                 raise errors[0]
             known = ", ".join(sorted({each.topic for each in reader.counts})) or "none"
-            of_type = f" of type {type_name}" if type_name else ""
-            raise ConfigError(
-                f"no topic {' or '.join(topics) or 'can be written'}{of_type}; the recording has {known}"
-            )
+            missing = " or ".join(topics)
+            if type_name:
+                missing = f"{missing} has the type {type_name}".lstrip()
+            raise ConfigError(f"no topic {missing or 'can be written'}; the recording has {known}")
 
     def write(self, create: Callable[[ExportedTable], Table]) -> None:
         """Write all tables in the order of the messages; `create` opens a table. Raises RecordingError."""

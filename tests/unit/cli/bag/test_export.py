@@ -76,7 +76,7 @@ def test_a_missing_extra_is_reported_with_what_to_type(
 def test_pictures_as_files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, shell: Shell) -> None:
     monkeypatch.chdir(tmp_path)
     write_bag(tmp_path / "drive.bag")
-    assert "no topic can be written of type sensor_msgs/CompressedImage" in shell.failure(
+    assert "no topic has the type sensor_msgs/CompressedImage; the recording has " in shell.failure(
         "export", "drive.bag", "--format", "pictures"
     )
     codec = TypeStore(Registry()).codec("sensor_msgs/CompressedImage")
