@@ -14,6 +14,7 @@ from rostether.gateways.foxglove import client_messages as requests
 from rostether.gateways.large_json import check_few_values, parse_json
 from rostether.gateways.shown_values import show
 from rostether.mechanisms.json_fault import explain_fault
+from rostether.mechanisms.text import counted
 
 # Checking a longer text takes longer than 10 ms. The longest texts set a robot description of a few MB.
 MAX_TEXT_MESSAGE_CHARACTERS = 4 << 20
@@ -25,7 +26,7 @@ _SERVICE_HEADER = struct.Struct("<BIII")
 
 def parse_binary(data: bytes) -> requests.MessageData | requests.ServiceRequest:
     """Return a binary message. Raises RemoteProtocolError."""
-    opcode = data[0] if data else -1
+    opcode = data[0] if data else None
     if opcode == _MESSAGE_DATA and len(data) >= _CHANNEL_ID.size:
         return requests.MessageData(_CHANNEL_ID.unpack_from(data)[1], data[_CHANNEL_ID.size :])
     if opcode == _SERVICE_REQUEST and len(data) >= _SERVICE_HEADER.size:
@@ -34,8 +35,13 @@ def parse_binary(data: bytes) -> requests.MessageData | requests.ServiceRequest:
         if encoding_bytes <= requests.MAX_TEXT_CHARACTERS and start <= len(data):
             encoding = data[_SERVICE_HEADER.size : start].decode("utf-8", "replace")
             return requests.ServiceRequest(service_id, call_id, encoding, data[start:])
+    if opcode in (_MESSAGE_DATA, _SERVICE_REQUEST):
+        raise RemoteProtocolError(
+            f"a binary message with opcode {opcode} ends early: it has {counted(len(data), 'byte')}"
+        )
     raise RemoteProtocolError(
-        f"a binary message of {len(data)} bytes with opcode {opcode} is not part of the protocol"
+        f"a binary message must begin with {_MESSAGE_DATA} (message data) or {_SERVICE_REQUEST} "
+        f"(service request){'; it is empty' if opcode is None else f', not {opcode}'}"
     )
 
 

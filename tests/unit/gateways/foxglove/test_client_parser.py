@@ -80,6 +80,20 @@ def test_a_wrong_field_is_named() -> None:
     assert str(caught.value) == "subscribe: subscriptions[0].channelId: expected integer, got string"
 
 
+@pytest.mark.parametrize(
+    ("data", "reason"),
+    [
+        (b"", r"must begin with 1 \(message data\) or 2 \(service request\); it is empty"),
+        (b"\x09a", r"must begin with 1 \(message data\) or 2 \(service request\), not 9"),
+        (b"\1", "with opcode 1 ends early: it has 1 byte$"),
+        (b"\2" + bytes(11), "with opcode 2 ends early: it has 12 bytes"),
+    ],
+)
+def test_a_damaged_binary_message_is_explained(data: bytes, reason: str) -> None:
+    with pytest.raises(RemoteProtocolError, match=reason):
+        parse_binary(data)
+
+
 @given(st.binary(max_size=40))
 def test_any_bytes_are_a_message_or_an_error(data: bytes) -> None:
     with contextlib.suppress(RemoteProtocolError):
