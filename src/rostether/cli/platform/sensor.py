@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from rostether.cli.access.either_graph import joined_either
 from rostether.cli.access.graph_options import GraphOptions, graph_options
-from rostether.cli.access.ros1_access import joined
 from rostether.cli.shell.output import json_option, write_json, write_line, write_table
 from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import LazyGroup, verb, verb_entries
@@ -96,7 +96,7 @@ def rename(sensor_id: str, name: str, graph: GraphOptions) -> None:
     """Give a sensor another NAME; its id and its topic stay the same."""
 
     async def main() -> None:
-        async with joined(graph, purpose="sensor") as node:
+        async with joined_either(graph, purpose="sensor") as (node, _):
             found = _find(await _sensors(node), sensor_id)
             request: Mapping[str, Any] = {"id": found.id, "name": name}
             await node.call("sensors_rename", "sensing_platform/RenameSensor", request, timeout_s=_LIMIT_S)
@@ -106,7 +106,7 @@ def rename(sensor_id: str, name: str, graph: GraphOptions) -> None:
 
 
 async def _joined_sensors(graph: GraphOptions) -> list[Message]:
-    async with joined(graph, purpose="sensor") as node:
+    async with joined_either(graph, purpose="sensor") as (node, _):
         return await _sensors(node)
 
 

@@ -59,6 +59,13 @@ async def test_a_joystick_drives_a_robot_and_a_sensor_registers(world: ZenohWorl
                 found = {each.id: (each.sensor_type, each.state) for each in sensors.sensors}
                 if found == {"sensor_node0": ("DIGITAL", "ready"), "sensor_node7": ("CAMERA", "ready")}:
                     break
+        for words, line in (
+            (("rename", "sensor_node0", "Level"), "sensor_node0: Level"),
+            (("show", "Level"), "platform: Robot3"),
+            (("list",), "  sensor_node0  DIGITAL  ready  /sensor_node0  Level"),
+        ):
+            async with started("sensor", *words, "--ros2", "zenoh") as tool:
+                await tool.wait_for(line)
         async with started(
             "role", "camera", "--ros2", "zenoh", "_source:=test", "_platform_name:=R3"
         ) as camera:
