@@ -30,7 +30,8 @@ def pytest_configure() -> None:
     for name in _OFTEN_IGNORED:
         number = getattr(signal, name, None)
         if number is not None and signal.getsignal(number) is signal.SIG_IGN:
-            # This process still ignores it. Its children do not: they inherit SIG_IGN, but no handler.
+            # A handler that does nothing: this process still ignores the signal, but its children do not, because
+            # they would inherit SIG_IGN, and inherit no handler.
             signal.signal(number, _ignore)
     signal.signal(signal.SIGTERM, signal.default_int_handler)
     os.environ[MARK] = f"{os.environ.get(MARK, '')}{secrets.token_hex(4)}."
@@ -43,7 +44,7 @@ def environment_of_session() -> dict[str, str]:
     processes does.
     """
     if MARK not in os.environ:
-        # A script or a benchmark starts it, and ends it.
+        # There is no test process: a script or a benchmark starts the process, and ends it.
         return dict(os.environ)
     *controllers, _ = os.environ[MARK].rstrip(".").split(".")
     return {**os.environ, MARK: "".join(f"{each}." for each in controllers)}

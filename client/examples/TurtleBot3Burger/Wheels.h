@@ -84,7 +84,7 @@ class Wheels {
 
   // Sends the speeds of a command, in m/s and rad/s.
   void drive(float forward, float turn) {
-    // Servos would refuse it, and keep their last speed.
+    // Servos would refuse a speed that is not a number, and keep the last one.
     if (isnan(forward) || isnan(turn)) forward = turn = 0;
     forward = constrain(forward, -MAX_SPEED, MAX_SPEED);
     turn = constrain(turn, -MAX_TURN_RATE, MAX_TURN_RATE);

@@ -90,7 +90,7 @@ class MessageClasses:
     time: Any = Time
     duration: Any = Duration
 
-    # Makes a time or duration of its class and a pair of integers.
+    # Makes a time or a duration: the arguments are its class and a pair of integers.
     new_stamp: Any = staticmethod(tuple.__new__)
 
     # Makes an array of numbers.

@@ -76,7 +76,7 @@ class DemoOptions:
     ros1: bool = flag("--ros1", "Use only the ROS 1 graph.")
     join: bool = flag("--join", "Join the ROS graph that runs here, instead of starting a separate one.")
     port: int | None = option(
-        "--port", "Start the ROS master at this port (default: 11311, or the next free port).", type=PORT
+        "--port", "Start the ROS master on this port (default: 11311, or the next free port).", type=PORT
     )
     no_page: bool = flag("--no-page", "Do not serve the dashboard.")
 

@@ -42,7 +42,7 @@ LONG_AGAIN_S = 2.0
 # How long the thread is used after a put that would have blocked the loop.
 THREAD_IN_USE_S = 60.0
 
-# How long a closing publication waits for its remaining puts.
+# How long a closing publication waits for its remaining puts: a subscriber that hangs must not delay it longer.
 FINISH_LIMIT_S = 1.0
 
 _log = logging.getLogger("rostether.ros2")
@@ -131,7 +131,7 @@ class PutQueue:
             async with asyncio.timeout(FINISH_LIMIT_S):
                 while self._job is not None:
                     await asyncio.wait([self._job])
-                    # The callback of the job is later in the loop's queue.
+                    # Let the loop call `_job_done`, which may start the next job.
                     await asyncio.sleep(0)
         except TimeoutError:
             _log.debug("%d messages were dropped because a link is full", len(self._waiting))
