@@ -30,8 +30,8 @@ def pytest_configure() -> None:
     for name in _OFTEN_IGNORED:
         number = getattr(signal, name, None)
         if number is not None and signal.getsignal(number) is signal.SIG_IGN:
-            # A handler that does nothing: this process still ignores the signal, but its children do not, because
-            # they would inherit SIG_IGN, and inherit no handler.
+            # With this handler, this process still ignores the signal, but its children do not: they would
+            # inherit SIG_IGN, but inherit no handler.
             signal.signal(number, _ignore)
     signal.signal(signal.SIGTERM, signal.default_int_handler)
     os.environ[MARK] = f"{os.environ.get(MARK, '')}{secrets.token_hex(4)}."

@@ -24,7 +24,7 @@ def test_each_command_has_a_page(monkeypatch: pytest.MonkeyPatch) -> None:
     assert "](topic.md)" in pages["reference/commands/index.md"]
     assert "## rostether topic echo" in pages["reference/commands/topic.md"]
     demo = pages["reference/commands/demo.md"]
-    assert "`--port INTEGER RANGE`\n:   Start the ROS master at this port" in demo
+    assert "`--port INTEGER RANGE`\n:   Start the ROS master on this port" in demo
     assert "&#91;1&#60;=x&#60;=65535&#93;" in demo
     assert "`-h, --help`" in demo
     assert "rostether demo --join" in demo

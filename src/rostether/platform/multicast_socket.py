@@ -102,7 +102,7 @@ def open_receiver(address: GroupAddress) -> socket.socket:
 
 
 def open_unicast(address: GroupAddress) -> socket.socket | None:
-    """Return a socket that receives unicast at the group's port, None if that is not possible or not needed.
+    """Return a socket that receives unicast on the group's port, None if that is not possible or not needed.
 
     If several robots run on one machine, only the last one receives unicast. On Windows, the group's socket
     receives it.

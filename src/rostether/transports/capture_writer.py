@@ -27,7 +27,10 @@ _OVERHEAD_BYTES = 64
 
 
 class CaptureWriter:
-    """Writes one capture. If it must end early (size limit, disk error), `report` gets one line."""
+    """Writes one capture. If it must end early (size limit, disk error), `report` gets one line.
+
+    Raises ConfigError if the file exists or cannot be written.
+    """
 
     def __init__(
         self,

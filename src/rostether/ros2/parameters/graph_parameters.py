@@ -28,7 +28,11 @@ class GraphParameters:
         self._watches = Ros2ParameterWatches(own, graph, self._value_or_none)
 
     async def get(self, name: str) -> ParamValue:
-        """Return a value or tree; an unset parameter of this node is declared. Raises UnknownNameError."""
+        """Return a value or tree.
+
+        Raises UnknownNameError if it is not set. If it belongs to this node, it is then declared, so that
+        other nodes can set it.
+        """
         parameter = await self._locate(name)
         values = await self._values(parameter)
         if not values:

@@ -42,7 +42,7 @@ LONG_AGAIN_S = 2.0
 # How long the thread is used after a put that would have blocked the loop.
 THREAD_IN_USE_S = 60.0
 
-# How long a closing publication waits for its remaining puts: a subscriber that hangs must not delay it longer.
+# How long a closing publication waits for its remaining puts; a subscriber that hangs must not delay it more.
 FINISH_LIMIT_S = 1.0
 
 _log = logging.getLogger("rostether.ros2")
