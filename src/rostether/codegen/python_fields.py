@@ -1,6 +1,7 @@
 """Generates the MicroPython code that initializes, writes and reads the fields of a message.
 
-Adjacent numbers share one call of `struct`. The code uses no built-in names, because a definition may hide one.
+Adjacent numbers share one call of `struct`. The code uses no built-in names, because definitions may hide
+them.
 """
 
 from __future__ import annotations

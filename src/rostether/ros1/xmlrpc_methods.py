@@ -32,7 +32,8 @@ Dispatch: TypeAlias = Mapping[str, Method]
 
 # A multicall sets the parameters of one launch file; a larger one would delay all other clients.
 MAX_MULTICALL = 10_000
-# Registrations have about 700 bytes. One of this size takes half a millisecond; more is read in slices.
+# A document of this size takes half a millisecond; longer ones are read in slices. Registrations have about
+# 700 bytes.
 AT_ONCE_BYTES = 4 * 1024
 _MULTICALL = "system.multicall"
 _FAULT = 1

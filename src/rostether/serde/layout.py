@@ -124,7 +124,8 @@ class _Walk:
         count = self._length(path) if array.length is None else array.length
         size = array.element.fixed_size_bytes
         if array.max_count is not None and count > array.max_count:
-            raise _Misfit(f"announces {count} elements in field '{path}', over the limit")
+            limit = f"more than the limit of {array.max_count}"
+            raise _Misfit(f"announces {count} elements in field '{path}', {limit}")
         if size is not None:
             self._skip(count * size, path)
             return

@@ -134,7 +134,7 @@ def test_elements_without_content_are_limited() -> None:
     assert layout.accepts(u32(MAX_EMPTY_ELEMENTS))
     assert not layout.accepts(u32(MAX_EMPTY_ELEMENTS + 1))
     assert not layout.accepts(u32(0xFFFFFFFF))
-    assert "over the limit" in layout.explain(u32(0xFFFFFFFF))
+    assert "more than the limit of" in layout.explain(u32(0xFFFFFFFF))
 
 
 @pytest.mark.parametrize(

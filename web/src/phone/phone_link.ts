@@ -7,7 +7,7 @@ import type { ReconnectingSocket } from "../connection/socket.ts";
 import type { Stamp } from "../wire/stamp.ts";
 import { ClockOffset, pageTimeMs } from "./clock_offset.ts";
 
-// The page asks for the robot's time quickly at first, then often enough for the drift of any clock.
+// The page asks for the robot's time at short intervals at first, then often enough for the drift of any clock.
 const FIRST_ASKS = 5;
 const FIRST_ASK_MS = 200;
 const ASK_MS = 10_000;
@@ -75,7 +75,7 @@ export class PhoneLink {
     return this.simulated ?? this.clock.stamp(pageMs);
   }
 
-  /** Whether a message would leave soon. */
+  /** Whether a message would be sent without a long wait. */
   get hasRoom(): boolean {
     return this.isOpen && this.socket.waitingBytes < MAX_WAITING_BYTES;
   }

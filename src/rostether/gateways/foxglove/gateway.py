@@ -182,7 +182,7 @@ class FoxgloveGateway(BlockClosable):
                 },
             )
         )
-        # The protocol requires one in each connection; it may be empty.
+        # The protocol requires this message in each connection, even with an empty list.
         send(replies.advertise(context.channels.by_id.values()))
         if context.services.by_id and "services" in capabilities:
             send(replies.advertise_services(context.services.by_id.values()))

@@ -218,7 +218,7 @@ def orthogonalization_matrix(lengths: Sequence[float], angles: Sequence[float]) 
 
 
 def superimposition_matrix(v0: Any, v1: Any, scaling: bool = False, usesvd: bool = True) -> Any:
-    """Return the rigid transform from points (3xN) closest to others, with `scaling` a similarity transform.
+    """Return the rigid transform that maps points (3xN) closest to others; `scaling` allows a scale factor.
 
     `usesvd` has no effect.
     """

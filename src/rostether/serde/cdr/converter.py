@@ -145,7 +145,8 @@ class PayloadWalker:
             count = self._count(path)
             self._require_bound(count, array.bound, "elements", path)
             if count > MAX_EMPTY_ELEMENTS and array.element.min_bytes(Side.ROS1) == 0:
-                raise Misfit(f"announces {count} elements in field '{path}', over the limit")
+                limit = f"more than the limit of {MAX_EMPTY_ELEMENTS}"
+                raise Misfit(f"announces {count} elements in field '{path}', {limit}")
             if count * array.element.min_bytes(self._side) > len(self.payload) - self.at:
                 raise Misfit(f"announces {count} elements in field '{path}', more than there are bytes for")
         for index in range(count):
