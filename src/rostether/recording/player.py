@@ -188,15 +188,13 @@ class Player:
         return {topic: (size or largest) * count for topic, size in sizes.items()}
 
     def _wants(self, connection: Connection) -> bool:
-        topics = self._settings.topics
-        return not topics or connection.topic in topics
+        return not self._settings.topics or connection.topic in self._settings.topics
 
     async def _publish_latched(self) -> None:
         """Publish the last message before the start of each latched publisher, such as a map."""
         latest: dict[tuple[str, str], RecordedMessage] = {}
-        found = merged(
-            self._readers, lambda each: each.is_latching and self._wants(each), end_ns=self.start_ns - 1
-        )
+        end_ns = self.start_ns - 1
+        found = merged(self._readers, lambda each: each.is_latching and self._wants(each), end_ns=end_ns)
         for number, message in enumerate(found):
             latest[message.connection.topic, message.connection.caller_id] = message
             if not number % BATCH_MESSAGES:

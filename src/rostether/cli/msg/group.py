@@ -13,6 +13,7 @@ from msgspec import Struct
 from rostether.cli.access.completions import complete_message_types, complete_service_types
 from rostether.cli.access.graph_options import GraphOptions, graph_options
 from rostether.cli.access.options import msg_path_option
+from rostether.cli.msg.recorded_types import bag_option, recorded_registry
 from rostether.cli.shell.option_group import add_flag
 from rostether.cli.shell.output import json_option, write_json, write_line
 from rostether.cli.shell.verbs import LazyGroup, VerbEntry, verb, verb_entries
@@ -192,36 +193,39 @@ def _show_verb(kind: _Kind) -> click.Command:
 
     @verb("show", examples)
     @click.argument("name", required=False, metavar="TYPE", shell_complete=_complete(kind))
+    @bag_option(kind.group)
     @add_flag("-r --raw", "Show the original text of the definition.")
     @json_option
     @msg_path_option
     @graph_options(master=False)
     def show(
-        name: str | None, raw: bool, as_json: bool, msg_paths: tuple[Path, ...], graph: GraphOptions
+        name: str | None,
+        raw: bool,
+        as_json: bool,
+        msg_paths: tuple[Path, ...],
+        graph: GraphOptions,
+        bag: Path | None = None,
     ) -> None:
         from rostether.cli.msg import ros2_definitions as ros2
 
-        is_ros2 = graph.ros2 is not None
-        registry = _registry(msg_paths, graph)
+        is_ros2 = graph.ros2 is not None and bag is None
         given = _type_argument(kind, name)
+        registry = _registry(msg_paths, graph) if bag is None else recorded_registry(bag, given)
         is_short = "/" not in given
         for each in _matches(kind, registry, given) if is_short else [given]:
             if as_json:
                 record = ros2.record(registry, kind.group, each) if is_ros2 else _record(kind, registry, each)
                 write_json(record)
                 continue
-            if is_ros2:
-                text = ros2.shown(registry, kind.group, each, raw=raw)
-            else:
-                text = _text(kind, registry, each, raw=raw)
             if is_short:
                 write_line(f"[{each}]:")
-            write_line(text)
+            if is_ros2:
+                write_line(ros2.shown(registry, kind.group, each, raw=raw))
+            else:
+                write_line(_text(kind, registry, each, raw=raw))
 
-    show.help = (
-        f"Show the fields of a {kind.what} type, with all nested fields; with --ros2, those that it has in "
-        "ROS 2."
-    )
+    ros2_help = "with --ros2, those that it has in ROS 2."
+    show.help = f"Show the fields of a {kind.what} type, with all nested fields; {ros2_help}"
     return show
 
 

@@ -4,7 +4,10 @@ from pathlib import Path
 
 import pytest
 
+from rostether.msgdef.interface import MessageType
+from rostether.recording.bag.writer import BagWriter
 from unit.cli.command_shell import Shell
+from unit.recording.bags import START_NS, connection
 
 POINT = """geometry_msgs/Point point
   float64 x
@@ -28,6 +31,20 @@ def test_a_name_without_its_package_shows_all_that_have_it(shell: Shell) -> None
     assert shell.output("msg", "show", "UInt16") == "[std_msgs/UInt16]:\nuint16 data\n\n"
     assert (
         shell.output("srv", "show", "Trigger") == "[std_srvs/Trigger]:\n---\nbool success\nstring message\n\n"
+    )
+
+
+def test_types_of_a_recording(shell: Shell, tmp_path: Path) -> None:
+    arm = MessageType("arm/Angles", "*", "arm/Angle first\n" + "=" * 80 + "\nMSG: arm/Angle\nint16 degrees\n")
+    path = tmp_path / "arm.bag"
+    writer = BagWriter(path)
+    writer.write(writer.add_connection(connection("/angles", arm)), START_NS, [bytes(2)])
+    writer.close()
+    shown = "arm/Angle first\n  int16 degrees\n\n"
+    assert shell.output("msg", "show", "-b", str(path), "arm/Angles") == shown
+    assert shell.output("msg", "show", "-b", str(path), "Angle") == "[arm/Angle]:\nint16 degrees\n\n"
+    assert "arm.bag has no type std_msgs/String;" in shell.failure(
+        "msg", "show", "-b", str(path), "std_msgs/String"
     )
 
 
