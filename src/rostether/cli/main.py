@@ -17,7 +17,7 @@ from rostether.cli.verb_table import VERBS, suggest
 
 _SPECIAL = re.compile(r"(__(?:name|ns|log|master|ip|hostname)):=(.*)", re.DOTALL)
 
-# Begins the arguments of a node in the form of ROS 2.
+# Begins the arguments of a node in the form of ROS 2; for `launch`, it is an option, as in roslaunch.
 _ROS_ARGS = "--ros-args"
 
 # The commands that read their ROS arguments themselves.
@@ -60,7 +60,7 @@ def split_special(arguments: Sequence[str]) -> tuple[list[str], dict[str, str]]:
     """
     if arguments and arguments[0] in _WITH_OWN_ROS_ARGUMENTS:
         return list(arguments), {}
-    if _ROS_ARGS in arguments:
+    if _ROS_ARGS in arguments and arguments[0] != "launch":
         arguments = _in_ros1_form(arguments)
     specials = {match[1]: match[2] for each in arguments if (match := _SPECIAL.fullmatch(each))}
     return [each for each in arguments if not _SPECIAL.fullmatch(each)], specials

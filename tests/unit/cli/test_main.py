@@ -218,3 +218,5 @@ def test_the_arguments_of_a_node_of_ros2_are_accepted() -> None:
     )
     own = ["run", "arm", "driver.py", "--ros-args", "-r", "__ns:=/r1"]
     assert split_special(own) == (own, {})
+    listing = ["launch", "arm", "arm.launch", "--ros-args"]
+    assert split_special(listing) == (listing, {})
