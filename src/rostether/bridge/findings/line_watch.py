@@ -8,12 +8,13 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
+from rostether.bridge.findings.absence import absence
 from rostether.bridge.findings.announcement_findings import AnnouncementFindings
 from rostether.bridge.findings.damage import Damage
 from rostether.bridge.findings.finding import Code, Finding, error, warning
 from rostether.bridge.findings.loop_speed import LoopSpeed
 from rostether.bridge.findings.medium import Medium
-from rostether.bridge.findings.noise import Noise, is_text, show
+from rostether.bridge.findings.noise import Noise, show
 from rostether.bridge.findings.oversize import Oversizes
 from rostether.bridge.findings.resets import MIN_STARTS, UNSETTLED_S, Resets, reset_loop
 from rostether.rosserial.events import (
@@ -262,43 +263,3 @@ class LineWatch:
                     "call nh.advertise() for every publisher in setup(), before the first nh.spinOnce()",
                 )
         return None
-
-
-def absence(noise: Noise, baud: int | None, waited_s: float) -> Finding:
-    """Return why there is no rosserial frame, based on the bytes received instead."""
-    if not noise.byte_count:
-        hint = f", and whether its baud rate is {baud}" if baud else ""
-        return error(
-            Code.NOTHING_RECEIVED,
-            f"no answer from the board for {waited_s:.0f} s: no byte was received",
-            "check that its sketch runs rosserial on this port (nh.initNode() in setup(), nh.spinOnce() in "
-            f"loop()){hint}, and that the cable carries data",
-        )
-    what = (
-        f"no rosserial frame for {waited_s:.0f} s, but {noise.byte_count} other bytes ({show(noise.sample)})"
-    )
-    if is_text(noise.sample):
-        return error(
-            Code.TEXT_RECEIVED,
-            f"{what}: text that the sketch prints on this port (Serial.print)",
-            "upload a sketch that runs rosserial, remove Serial.print from it, or print on another port",
-        )
-    if noise.other_version is not None:
-        return error(
-            Code.PROTOCOL_VERSION,
-            f"{what}: frames of an unknown protocol version (version byte {noise.other_version:#04x})",
-            "generate the client library again with rostether firmware lib and upload the sketch",
-        )
-    if baud:
-        return error(
-            Code.WRONG_BAUD,
-            f"{what}: probably a baud rate other than {baud}",
-            "give the rate of the sketch's setBaud() or Serial.begin() as ?baud=...; rostether doctor "
-            "finds it",
-        )
-    return error(
-        Code.NOISE_RECEIVED,
-        what,
-        "check that a rosserial board is connected here, with the same baud rate on both sides of a "
-        "converter",
-    )
