@@ -7,16 +7,15 @@ together, in one batch per topic.
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Sequence
 from itertools import islice
-
-from msgspec import Struct, field
 
 from rostether.errors import RecordingError
 from rostether.graph.ports import Graph, Publisher
 from rostether.graph.ros_clock import CLOCK_TOPIC, CLOCK_TYPE, encode_clock
 from rostether.graph.static_transforms import StaticTransforms
 from rostether.msgdef.interface import ANY_MESSAGE, MessageType
+from rostether.recording.play_settings import PlaySettings
 from rostether.recording.recorded import Connection, RecordedMessage, RecordingReader, merged
 from rostether.rostime import NS_PER_S, Time
 
@@ -47,40 +46,6 @@ LONGEST_SLEEP_S = 0.05
 
 # Of tf2_msgs/TFMessage and tf/tfMessage with the fields of ROS 1.
 _TRANSFORMS_MD5SUM = "94810edda583a504dfda3829e70d7eec"
-
-
-class PlaySettings(Struct, frozen=True):
-    """How to play; `start_s`, `duration_s` and `skip_empty_s` are recorded time, other times are real time.
-
-    Without `duration_s`, the recording is played to its end; without `topics`, all topics are played. Gaps
-    longer than `skip_empty_s` are skipped. Playback begins `delay_s` after the topics are advertised, and
-    pauses at each message on `pause_topics`. With `rate_control_topic`, it waits whenever no message has
-    arrived there for `rate_control_max_delay_s`. `queue_messages` limits the queue of each subscriber; 0
-    means unlimited.
-    """
-
-    rate: float = 1.0
-    start_s: float = 0.0
-    duration_s: float | None = None
-    is_immediate: bool = False
-    is_looping: bool = False
-    starts_paused: bool = False
-    skip_empty_s: float | None = None
-    delay_s: float = 0.2
-    clock_hz: float | None = None
-    queue_messages: int | None = None
-    waits_for_subscribers: bool = False
-    pause_topics: frozenset[str] = frozenset()
-    rate_control_topic: str = ""
-    rate_control_max_delay_s: float = 1.0
-    topics: frozenset[str] = frozenset()
-    prefix: str = ""
-    remappings: Mapping[str, str] = field(default_factory=dict)
-
-    def topic_of(self, connection: Connection) -> str:
-        """Return the name under which a recorded topic is played."""
-        name = self.remappings.get(connection.topic, connection.topic)
-        return f"{self.prefix.rstrip('/')}/{name.lstrip('/')}" if self.prefix else name
 
 
 class Player:
@@ -136,8 +101,9 @@ class Player:
         if 0 < self._settings.start_s <= self.length_s:
             await self._publish_latched()
         while True:
+            before = self.played_count
             await self._play_once()
-            if not self._settings.is_looping or not self.played_count:
+            if not self._settings.is_looping or self.played_count == before:
                 break
         for publisher in self._publishers.values():
             await publisher.drained(END_DRAIN_S)
@@ -192,11 +158,16 @@ class Player:
 
     async def _publish_latched(self) -> None:
         """Publish the last message before the start of each latched publisher, such as a map."""
+        self.time_ns = self.start_ns
+        self._set_origin(self.start_ns)
         latest: dict[tuple[str, str], RecordedMessage] = {}
         end_ns = self.start_ns - 1
         found = merged(self._readers, lambda each: each.is_latching and self._wants(each), end_ns=end_ns)
         for number, message in enumerate(found):
             latest[message.connection.topic, message.connection.caller_id] = message
+            # Recordings of ROS 2 do not name the publisher.
+            if transforms := self._static_transforms.get(self._settings.topic_of(message.connection)):
+                transforms.merge(message.payload)
             if not number % BATCH_MESSAGES:
                 await asyncio.sleep(0)
         waiting: dict[Publisher, list[bytes]] = {}

@@ -4,6 +4,7 @@ import asyncio
 import contextlib
 from collections.abc import AsyncIterator, Sequence
 from pathlib import Path
+from struct import Struct
 from typing import Any
 
 import pytest
@@ -15,9 +16,11 @@ from rostether.msgdef.interface import ANY_MESSAGE
 from rostether.msgdef.registry import Registry
 from rostether.recording.bag.reader import BagReader
 from rostether.recording.bag.writer import BagWriter
-from rostether.recording.player import BATCH_BYTES, Player, PlaySettings
+from rostether.recording.play_settings import PlaySettings
+from rostether.recording.player import BATCH_BYTES, Player
 from rostether.recording.recorded import Connection
 from rostether.rostime import NS_PER_S
+from rostether.serde.codec import Codec
 from rostether.serde.store import TypeStore
 from unit.recording.bags import START_NS, STRING, connection, text, write_bag
 
@@ -180,22 +183,72 @@ async def test_latched_messages_from_before_the_start_are_played_first(stage: St
     assert stage.payloads() == [text("of b"), text("new"), text("the end")]
 
 
-async def test_a_late_subscriber_receives_all_static_transforms(stage: Stage, tmp_path: Path) -> None:
+def write_frames(path: Path, caller: str | None = None) -> Codec:
+    """Write a bag with two static transforms; without `caller`, each node publishes one."""
     store = TypeStore(Registry())
     codec = store.codec("tf2_msgs/TFMessage")
     message_type = store.registry.message_type("tf2_msgs/TFMessage")
-    path = tmp_path / "frames.bag"
     writer = BagWriter(path)
     for frame in ("lidar", "camera"):
         transform = {"header": {"frame_id": "base"}, "child_frame_id": frame}
-        number = writer.add_connection(Connection("/tf_static", message_type, f"/{frame}", is_latching=True))
+        node = f"/{frame}" if caller is None else caller
+        number = writer.add_connection(Connection("/tf_static", message_type, node, is_latching=True))
         writer.write(number, START_NS, [codec.encode({"transforms": [transform]})])
+    number = writer.add_connection(Connection("/plain", STRING, "/a"))
+    writer.write(number, START_NS + NS_PER_S, [text("the end")])
     writer.close()
-    await Player(stage.graph, [BagReader(path)], PlaySettings(is_immediate=True, delay_s=0)).play()
+    return codec
+
+
+def frames_of(codec: Codec, payload: bytes) -> list[str]:
+    return [each.child_frame_id for each in codec.decode(payload).transforms]
+
+
+async def test_a_late_subscriber_receives_all_static_transforms(stage: Stage, tmp_path: Path) -> None:
+    codec = write_frames(tmp_path / "frames.bag")
+    reader = BagReader(tmp_path / "frames.bag")
+    await Player(stage.graph, [reader], PlaySettings(is_immediate=True, delay_s=0)).play()
     await stage.listen("/tf_static")
     await stage.until_received(1)
-    frames = [each.child_frame_id for each in codec.decode(stage.payloads()[0]).transforms]
-    assert frames == ["lidar", "camera"]
+    assert frames_of(codec, stage.payloads()[0]) == ["lidar", "camera"]
+
+
+async def test_a_loop_without_messages_after_the_start_ends(stage: Stage, tmp_path: Path) -> None:
+    path = tmp_path / "latched.bag"
+    writer = BagWriter(path)
+    for topic, is_latching, time_ns in (("/map", True, START_NS), ("/plain", False, START_NS + NS_PER_S)):
+        number = writer.add_connection(Connection(topic, STRING, "/a", is_latching))
+        writer.write(number, time_ns, [text("a")])
+    writer.close()
+    settings = PlaySettings(delay_s=0, start_s=0.5, is_looping=True, topics=frozenset({"/map"}))
+    player = Player(stage.graph, [BagReader(path)], settings)
+    await player.play()
+    assert player.played_count == 1
+
+
+async def test_the_clock_begins_at_the_start_and_not_before(stage: Stage, tmp_path: Path) -> None:
+    path = tmp_path / "latched.bag"
+    writer = BagWriter(path)
+    number = writer.add_connection(Connection("/map", STRING, "/a", is_latching=True))
+    for time_ns in (START_NS, START_NS + NS_PER_S):
+        writer.write(number, time_ns, [text("a")])
+    writer.close()
+    await stage.listen("/clock")
+    settings = PlaySettings(delay_s=0, start_s=0.9, clock_hz=100)
+    await Player(stage.graph, [BagReader(path)], settings).play()
+    await stage.until_received(3)
+    clock_s = [Struct("<I").unpack_from(payload)[0] for payload in stage.payloads("/clock")]
+    assert min(clock_s) >= START_NS // NS_PER_S
+
+
+async def test_all_static_transforms_from_before_the_start_are_played(stage: Stage, tmp_path: Path) -> None:
+    # ROS 2 does not record which node published a message.
+    codec = write_frames(tmp_path / "frames.bag", caller="")
+    await stage.listen("/tf_static")
+    settings = PlaySettings(is_immediate=True, delay_s=0, start_s=0.9)
+    await Player(stage.graph, [BagReader(tmp_path / "frames.bag")], settings).play()
+    await stage.until_received(1)
+    assert frames_of(codec, stage.payloads()[0]) == ["lidar", "camera"]
 
 
 async def test_a_recording_without_messages_is_reported(stage: Stage) -> None:
