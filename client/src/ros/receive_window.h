@@ -170,8 +170,8 @@ class ReceiveWindow {
   uint16_t have() const { return static_cast<uint16_t>(end_ - begin_); }
   uint16_t space() const { return static_cast<uint16_t>(limit_ - begin_); }
 
-  // Checks the frame at the front. Returns the number of bytes that are needed for the next check; the frame's length,
-  // of which all bytes are available, if the frame is complete and undamaged; 0 if the bytes are not a frame.
+  // Checks the frame at the front. Returns 0 if the bytes are not a frame, and the frame's length if the frame is
+  // complete and undamaged. Otherwise, returns how many bytes the next check needs: more than there are.
   ROS_APART uint16_t judge() {
     const uint8_t* frame = begin_;
     if (frame[0] != FRAME_SYNC) return 0;

@@ -11,7 +11,7 @@ from msgspec import Struct
 # The margin above and below the values, as a fraction of their range.
 _MARGIN = 0.05
 
-# Below this, floats lose their digits.
+# Below this, floats have fewer digits.
 _MIN_MARGIN = 1e-300
 _LARGEST = 1e308
 
@@ -34,7 +34,7 @@ class Axis(Struct, frozen=True):
         if not finite:
             return cls(-1.0, 1.0)
         low, high = min(finite), max(finite)
-        # Halves, because the difference of two large values is infinite.
+        # Halves, because the difference of two large values may be infinite.
         margin = (high / 2 - low / 2) * 2 * _MARGIN
         if margin < _MIN_MARGIN:
             margin = max(abs(low) * _MARGIN, 0.5)

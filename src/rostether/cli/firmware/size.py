@@ -148,7 +148,7 @@ def render(title: str, footprint: Footprint, endpoints: Sequence[Endpoint], buff
     console.print(_groups(footprint.groups))
     if endpoints:
         console.print(
-            f"\nMessages; the input buffer of the node handle holds up to {buffer_bytes} bytes each"
+            f"\nMessages (the input buffer of the node handle holds messages of up to {buffer_bytes} bytes)"
         )
         console.print(_messages(endpoints, buffer_bytes))
     if footprint.stack is not None:

@@ -13,6 +13,7 @@ from rostether.cli.shell.option_group import PATH, add_flag
 from rostether.cli.shell.output import json_option, write_line, write_result
 from rostether.cli.shell.verbs import verb
 from rostether.errors import ConfigError
+from rostether.mechanisms.text import counted
 
 if TYPE_CHECKING:
     from rostether.rosserial.line_log import LineEntry
@@ -74,9 +75,11 @@ def link_show(file: Path, faults: bool, as_json: bool) -> None:
         show(link, list(log.finish(time_s)))
     if not as_json:
         write_line(
-            f"protocol version {version}, {time_s:.1f} s; from the board {counts['device frames']} frames, "
-            f"{counts['device faults']} faults; from the host {counts['host frames']} frames, "
-            f"{counts['host faults']} faults"
+            f"protocol version {version}, {time_s:.1f} s; "
+            f"from the board {counted(counts['device frames'], 'frame')}, "
+            f"{counted(counts['device faults'], 'fault')}; "
+            f"from the host {counted(counts['host frames'], 'frame')}, "
+            f"{counted(counts['host faults'], 'fault')}"
         )
 
 

@@ -39,7 +39,7 @@ _BOOLS: Final = Translation(*[bytes([0]) + bytes([1]) * 255] * 2)
 _NUMBERS: Final[dict[str, str]] = {
     name: node.code for name, node in type_tree.SCALARS.items() if isinstance(node, type_tree.Number)
 } | {"byte": "B"}
-# (ROS 1, ROS 2): different names of eight bits.
+# (ROS 1, ROS 2): types with different names whose eight bits are the same.
 _SAME_NUMBERS: Final = frozenset(
     {("byte", "int8"), ("byte", "uint8"), ("char", "uint8"), ("char", "byte")}
     | {("int8", "byte"), ("uint8", "byte"), ("uint8", "char")}

@@ -186,7 +186,7 @@ def test_show(shell: Shell) -> None:
     )
     assert lines[5] == "    3.504007  board ->   125     16 B  chatter"
     assert lines[-1] == (
-        "protocol version 2, 12.0 s; from the board 23 frames, 1 faults; from the host 10 frames, 0 faults"
+        "protocol version 2, 12.0 s; from the board 23 frames, 1 fault; from the host 10 frames, 0 faults"
     )
 
 
