@@ -21,7 +21,7 @@ Response = TypeVar("Response", bound=Message)
 
 MessageLike: TypeAlias = Message | Mapping[str, Any]
 
-# A wait of this length is not noticed.
+# Users do not notice a wait of this length.
 _SUBSCRIBER_POLL_S = 0.01
 
 _LOG = logging.getLogger(__name__)

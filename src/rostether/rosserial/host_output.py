@@ -101,7 +101,7 @@ class HostOutput:
             self._queue(PROBE)
 
     def queue_stop(self) -> None:
-        """Queue the stop frame, and nothing else."""
+        """Drop all waiting frames, and queue the stop frame."""
         self._waiting.clear()
         self._time = self._request = None
         self._gate.release()

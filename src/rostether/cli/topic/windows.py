@@ -55,7 +55,7 @@ class IntervalWindow:
         self._last_s = now_s
 
     def report(self) -> Spread | None:
-        """Return the spread, or None if no message has arrived since the last report."""
+        """Return the spread; None before the second message, or if none has arrived since the last report."""
         if not self._intervals or self._last_s == self._reported_s:
             return None
         self._reported_s = self._last_s
