@@ -56,7 +56,8 @@ class Flags(IntFlag):
     """The request of a frame. QUERY requests the robot's status and changes nothing.
 
     With FORWARD, a query also asks the robot to send the query in its payload to another robot
-    (`forwarding`). A frame without ARMED, STOP and QUERY stops the robot; the sender keeps control.
+    (`forwarding`). A frame with none of ARMED, STOP, RELEASE and QUERY stops the robot; the sender keeps
+    control.
     """
 
     ARMED = 1

@@ -8,7 +8,7 @@ from typing import cast
 
 from rostether.xmlrpc.http_message import HttpServerSide
 
-# Nearly all requests are below; larger ones are counted together, so that many cannot fill the memory.
+# Nearly all requests are smaller. Larger ones are counted together, so that many cannot fill the memory.
 _LARGE_BODY_BYTES = 256 * 1024
 
 

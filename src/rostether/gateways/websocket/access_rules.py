@@ -26,7 +26,7 @@ _BEARER = "bearer"
 
 
 class PageRule(Struct, frozen=True):
-    """The pages that may connect: pages of this machine to this machine, and pages of the same address.
+    """Admits a page to the address that it came from, and pages on loopback to all names of loopback.
 
     `origins` are pages that the user allows, such as `https://panel.example` (`*`: all). `own_names` are the
     names of this machine. `viewer_site` is the web site of a viewer: its pages may connect, and so may a copy

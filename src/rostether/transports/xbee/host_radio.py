@@ -11,7 +11,7 @@ from rostether.transports.xbee.packets import (
 )
 from rostether.transports.xbee.send_queue import Packet
 
-# A packet of a mesh has no signal strength. The radio is asked for it, at most this often for each board.
+# A packet of a mesh has no signal strength. The radio is asked for it, for each board at most once a period.
 SIGNAL_PERIOD_S = 5.0
 
 _API_MODE = 2
