@@ -17,6 +17,7 @@ from rostether.bridge.findings.medium import Medium
 from rostether.bridge.findings.noise import Noise, show
 from rostether.bridge.findings.oversize import Oversizes
 from rostether.bridge.findings.resets import MIN_STARTS, UNSETTLED_S, Resets, reset_loop
+from rostether.bridge.findings.unannounced import UnannouncedMessages
 from rostether.rosserial.events import (
     AnnouncementRefused,
     DeviceReset,
@@ -38,13 +39,6 @@ from rostether.rosserial.link_statistics import LinkStatistics
 
 # By then a board that was reset when the port was opened has left its bootloader.
 NO_ANSWER_S = 5.0
-
-# A lost announcement is repeated within a second; after this time, the board never sends it.
-UNKNOWN_S = 10.0
-# Noise that passes as a frame has a random id, which does not come again.
-MIN_UNKNOWN = 2
-# A sketch has fewer topics. Noise must not fill the memory.
-MAX_UNKNOWN_IDS = 100
 
 # The checks are a second apart. A longer time means that this process was paused, and read requests late.
 PAUSED_S = 3.0
@@ -95,8 +89,7 @@ class LineWatch:
         self._silence_s: float | None = None
         self._settled_s: float | None = None
         self._settled_starts = 0
-        # By topic id: the time of the first message, and how many came.
-        self._unknown: dict[int, tuple[float, int]] = {}
+        self._unannounced = UnannouncedMessages()
         self._is_listener = False
         self._handlers: dict[type[Any], Callable[[Any, float], None]] = {
             AnnouncementRefused: lambda event, _: self._announcements.refused(event),
@@ -109,7 +102,7 @@ class LineWatch:
             ServiceAnnounced: self._service_announced,
             TimeRequested: lambda _, now_s: self.loop_speed.request(now_s, statistics.topic_requests),
             TopicAnnounced: self._topic_announced,
-            UnknownTopicId: self._unknown_topic,
+            UnknownTopicId: self._unannounced.record,
         }
 
     @property
@@ -145,7 +138,7 @@ class LineWatch:
             self._find_version(),
             damage,
             self._find_text(),
-            self._find_unknown(now_s),
+            self._unannounced.find(now_s),
             slow,
         ]
         return [each for each in found if each is not None]
@@ -173,18 +166,13 @@ class LineWatch:
     def _service_announced(self, event: ServiceAnnounced, _now_s: float) -> None:
         self._is_listener = True
         for info in (event.request, event.response):
-            self._unknown.pop(info.topic_id, None)
+            self._unannounced.announced(info.topic_id)
 
     def _topic_announced(self, event: TopicAnnounced, _now_s: float) -> None:
         # Only rostether's client library sends without a buffer.
         self.loop_speed.has_own_library |= event.info.buffer_size >= MAX_PAYLOAD_BYTES
         self._is_listener |= event.role is TopicRole.SUBSCRIBER
-        self._unknown.pop(event.info.topic_id, None)
-
-    def _unknown_topic(self, event: UnknownTopicId, now_s: float) -> None:
-        first_s, count = self._unknown.get(event.topic_id, (now_s, 0))
-        if count or len(self._unknown) < MAX_UNKNOWN_IDS:
-            self._unknown[event.topic_id] = first_s, count + event.count
+        self._unannounced.announced(event.info.topic_id)
 
     def _discarded(self, event: FrameDiscarded, now_s: float) -> None:
         if self.oversizes.handle_discarded(event, self._version, now_s):
@@ -253,13 +241,3 @@ class LineWatch:
             "rosserial uses",
             "replace Serial.print with nh.loginfo, or print on another port",
         )
-
-    def _find_unknown(self, now_s: float) -> Finding | None:
-        for topic_id, (first_s, count) in self._unknown.items():
-            if count >= MIN_UNKNOWN and now_s - first_s >= UNKNOWN_S:
-                return warning(
-                    Code.UNANNOUNCED_MESSAGES,
-                    f"{count} messages have topic id {topic_id}, which the board never announces",
-                    "call nh.advertise() for every publisher in setup(), before the first nh.spinOnce()",
-                )
-        return None
