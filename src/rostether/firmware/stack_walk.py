@@ -189,7 +189,7 @@ def _moved(frame: int, depth: int, instruction: Instruction) -> int:
 
 
 def _frame_in_x(code: Code, address: int) -> int:
-    """Return the frame that was loaded into r26 and r27 just before a jump."""
+    """Return the size of the frame that was loaded into r26 and r27 just before a jump."""
     low = high = 0
     for back in range(14, 0, -2):
         instruction = decode(code.flash, address - back)

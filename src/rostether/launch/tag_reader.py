@@ -145,7 +145,7 @@ class TagReader:
         above = namespace_of(key)
         while True:
             if above in self.plan.parameters and above != key:
-                self.warn(element, f"parameter {key} is below {above}, which also has a value")
+                self.warn(element, f"parameter {key} is below {above}, which also has a value; rename one")
             if above == SEPARATOR:
                 break
             above = namespace_of(above)

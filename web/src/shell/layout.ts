@@ -70,7 +70,7 @@ export function withCard(layout: Layout, card: AddedCard): Layout {
   };
 }
 
-/** Removes a card: an added one permanently, another until the layout is reset. */
+/** Removes an added card; hides an automatic one until the layout is reset. */
 export function withoutCard(layout: Layout, id: string): Layout {
   const added = layout.added.filter((each) => `${each.panelId} ${each.key}` !== id);
   if (added.length < layout.added.length) return { ...layout, added };

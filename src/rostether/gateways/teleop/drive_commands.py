@@ -17,8 +17,8 @@ LINEAR, ANGULAR, SPEED = "linear", "angular", "speed"
 class DriveLimits(Struct, frozen=True):
     """The limits of published commands; each is also a parameter of the node.
 
-    `linear` is in m/s, `angular` in rad/s, `speed` in the unit of the command, the others in that unit per
-    second. The defaults are a walking pace.
+    `max_linear` is in m/s, `max_angular` in rad/s, and `max_speed` in the unit of the command. Each
+    acceleration is in the unit of its speed per second. The defaults are a walking pace.
     """
 
     max_linear: float = 1.0
