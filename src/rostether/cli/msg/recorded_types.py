@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from rostether.cli.shell.option_group import PATH, add_option
-from rostether.errors import UnknownTypeError
+from rostether.errors import DefinitionError, UnknownTypeError
 
 if TYPE_CHECKING:
     from rostether.msgdef.registry import Registry
@@ -24,15 +24,23 @@ def bag_option(group: str) -> Callable[[Any], Any]:
 def recorded_registry(recording: Path, name: str) -> Registry:
     """Return the types of a recording's topics, as their publishers defined them.
 
-    Raises RecordingError, and UnknownTypeError if the recording lacks the type `name`.
+    Raises RecordingError, UnknownTypeError if the recording lacks the type `name`, and DefinitionError if its
+    definition is invalid; those of other types may be invalid.
     """
     from rostether.msgdef.registry import Registry
     from rostether.recording.files import open_recording
 
     registry = Registry(bundled=False)
+    faults: dict[str, DefinitionError] = {}
     with closing(open_recording(recording)) as reader:
         for connection in reader.counts:
-            registry.add_full_text(connection.type.name, connection.type.definition)
+            try:
+                registry.add_full_text(connection.type.name, connection.type.definition)
+            except DefinitionError as error:
+                faults[connection.type.name] = error
+    for each, fault in faults.items():
+        if name in (each, each.partition("/")[2]):
+            raise fault
     known = registry.messages()
     if name not in (*known, *(each.partition("/")[2] for each in known)):
         raise UnknownTypeError(

@@ -7,7 +7,7 @@ import pytest
 from rostether.msgdef.interface import MessageType
 from rostether.recording.bag.writer import BagWriter
 from unit.cli.command_shell import Shell
-from unit.recording.bags import START_NS, connection
+from unit.recording.bags import START_NS, STRING, connection
 
 POINT = """geometry_msgs/Point point
   float64 x
@@ -46,6 +46,16 @@ def test_types_of_a_recording(shell: Shell, tmp_path: Path) -> None:
     assert "arm.bag has no type std_msgs/String;" in shell.failure(
         "msg", "show", "-b", str(path), "std_msgs/String"
     )
+
+
+def test_an_invalid_definition_of_a_recording_hides_no_other_types(shell: Shell, tmp_path: Path) -> None:
+    path = tmp_path / "arm.bag"
+    writer = BagWriter(path)
+    for kind in (MessageType("arm/Bad", "*", "no definition!"), STRING):
+        writer.write(writer.add_connection(connection("/topic", kind)), START_NS, [bytes(4)])
+    writer.close()
+    assert shell.output("msg", "show", "-b", str(path), "std_msgs/String") == "string data\n\n"
+    assert "arm/Bad:1:4: " in shell.failure("msg", "show", "-b", str(path), "arm/Bad")
 
 
 def test_the_type_may_come_through_a_pipe(shell: Shell) -> None:
