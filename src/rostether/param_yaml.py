@@ -40,7 +40,7 @@ _NEARLY_FLOAT = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)[eE][-+]?\d+")
 
 
 class _Dumper(yaml.SafeDumper):
-    """YAML for values of XML-RPC: its dates are texts of a separate class."""
+    """YAML for values of XML-RPC, whose dates are texts of a separate class."""
 
 
 _Dumper.add_multi_representer(str, lambda dumper, text: dumper.represent_str(str(text)))

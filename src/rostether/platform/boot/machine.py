@@ -10,7 +10,7 @@ from enum import Enum
 
 from msgspec import Struct, field
 
-# Robots must reach the master of their base station, and phones its dashboard.
+# Robots must reach the base station's master, and phones must reach its dashboard.
 _REACHABLE = (
     "# With --listen 0.0.0.0, other machines can use the master and the dashboard. To limit this, add",
     "# --allow 192.168.1.0/24 to both, or --token SECRET to the dashboard.",
