@@ -45,7 +45,7 @@ if TYPE_CHECKING:
 NODE = "dashboard"
 TELEOP_NODE = "web_teleop"
 
-# A second and third dashboard keep addresses that people can remember.
+# The ports to try after the usual one: people can remember the addresses of a second and a third dashboard.
 _NEXT_PORTS = 20
 # Programs that start at the same time may choose the same port.
 _PORT_TRIES = 5

@@ -32,9 +32,9 @@ def decode_json(codec: Codec, data: bytes) -> dict[str, Any]:
     except RemoteProtocolError as error:
         raise SerializationError(f"{error}; send {codec.type_name} in another encoding") from None
     except (ValueError, RecursionError) as error:
-        raise SerializationError(f"a JSON message for {codec.type_name} is not JSON: {error}") from None
+        raise SerializationError(f"the message for {codec.type_name} is not JSON: {error}") from None
     if not isinstance(value, dict):
-        raise SerializationError(f"a JSON message for {codec.type_name} must be a JSON object")
+        raise SerializationError(f"the message for {codec.type_name} must be a JSON object")
     return _fields(codec.tree, value)
 
 
