@@ -1,4 +1,4 @@
-"""Estimates the unread bytes in a board's UART, whose sketch sleeps in loop().
+"""Estimates the unread bytes in the UART of a board whose sketch sleeps in loop().
 
 The established library answers one topic request in each spinOnce and leaves the bytes after it in the UART:
 63 bytes on an AVR. While requests are unanswered, the host sends only what has room there. Requests can also

@@ -161,7 +161,7 @@ class TestHostLink:
         link, events = replay_to_host(capture)
         expected = messages(frames_of(capture, from_device=True))
         unannounced = link.statistics.unannounced_messages
-        assert unannounced == (2 if name == "damaged" else 0)  # the publisher's announcement was hit
+        assert unannounced == (2 if name == "damaged" else 0)  # the publisher's announcement was damaged
         assert {topic_id: payloads[unannounced:] for topic_id, payloads in expected.items()} == received(
             events
         )

@@ -14,7 +14,7 @@ from rostether.transports.link_quality import LinkQuality
 
 _OK = 0
 
-# A topic at 1 Hz shows a steady figure, and a change within a few seconds.
+# The rate of a topic at 1 Hz is steady over this time, and shows a change within a few seconds.
 WINDOW_S = 5.0
 
 

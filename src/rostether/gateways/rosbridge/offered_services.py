@@ -89,7 +89,7 @@ class OfferedService:
 
 
 class OfferedServices:
-    """All services that clients offer. If several clients offer a name, the last of them answers its calls."""
+    """All services that clients offer. If several clients offer a name, the last one answers its calls."""
 
     def __init__(self, graph: Graph) -> None:
         self._graph = graph

@@ -89,7 +89,7 @@ async def publish_battery(
     alert_below: float,
     report: Callable[[Level, str], None],
 ) -> None:
-    """Publish a battery as a sensor until canceled; `supply` None is the first one. Raises GraphError.
+    """Publish a battery as a sensor until canceled; without `supply`, the first one. Raises GraphError.
 
     The sensor is in alert while the battery discharges below `alert_below`, a fraction of 1.
     """

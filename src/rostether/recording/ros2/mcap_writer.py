@@ -48,7 +48,7 @@ class Ros2McapWriter(McapWriter):
     def add_connection(self, connection: Connection) -> int:
         """Add the topic if it is new; return its channel number.
 
-        Raises RecordingError if ROS 2 has no such type.
+        Raises RecordingError if ROS 2 has no such type, or beyond 65535 topics.
         """
         number = self._of_connection.get(connection)
         if number is None:
