@@ -67,11 +67,14 @@ class EventPrinter:
         self._line = b""
         self._line_s = 0.0
         self._timer: asyncio.TimerHandle | None = None
+        self._failure: Exception | None = None
 
     def show(self, event: BoardEvent) -> None:
         """Print an event; an incomplete line of text is printed when the sketch pauses."""
         from rostether.simulation.simavr.board_events import is_text
 
+        if self._failure is not None:
+            raise self._failure
         if event.name == "serial" and not self._as_json:
             data = bytes.fromhex(event["data"])
             if is_text(data):
@@ -96,7 +99,13 @@ class EventPrinter:
             self._print(len(self._line))
         if self._timer is not None:
             self._timer.cancel()
-        self._timer = asyncio.get_running_loop().call_later(LINE_GAP_S, self.flush)
+        self._timer = asyncio.get_running_loop().call_later(LINE_GAP_S, self._flush_after_gap)
+
+    def _flush_after_gap(self) -> None:
+        try:
+            self.flush()
+        except Exception as error:  # noqa: BLE001 - a closed pipe or a full disk; `show` raises it
+            self._failure = error
 
     def _print(self, count: int) -> None:
         from rostether.simulation.simavr.board_events import BoardEvent
