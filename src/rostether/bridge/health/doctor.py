@@ -48,7 +48,7 @@ _STARTING_CODES = frozenset(
 
 
 class Diagnosis(Struct, frozen=True):
-    """The results for one address; `board` is None if none answered, and was watched for `watched_s`.
+    """The results for one address; `board` is None if none answered, else it was watched for `watched_s`.
 
     `rates_hz` has the messages per second of each endpoint, by `role name`.
     """
