@@ -19,7 +19,7 @@ bool last_reading = false;
 unsigned long changed_ms;
 
 void setup() {
-  pinMode(BUTTON, INPUT_PULLUP);  // open it reads HIGH, pressed LOW
+  pinMode(BUTTON, INPUT_PULLUP);  // reads HIGH when open, LOW when pressed
   pinMode(LED, OUTPUT);
   nh.initNode();
   nh.advertise(pub_pushed);

@@ -30,7 +30,7 @@ _FOLLOWING = (TopicWithdrawn, ServiceWithdrawn, NegotiationSettled)
 
 
 class HeldEvents:
-    """The events of one connection that wait for a search. Then `handle` gets them, or `fail` gets the error."""
+    """The events of one connection that wait for a search; then `handle` gets them, or `fail` the error."""
 
     def __init__(
         self, registry: Registry, handle: Callable[[HostEvent], None], fail: Callable[[Exception], None]

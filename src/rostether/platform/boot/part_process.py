@@ -22,7 +22,7 @@ END_LIMIT_S = 8.0
 SETTLED_S = 30.0
 # The exit code of a command with wrong arguments: a restart would not help.
 _EXIT_USAGE = 2
-# A longer line of output is reported in pieces.
+# A longer line of output is reported in pieces, because it must not fill the memory.
 MAX_LINE_BYTES = 1 << 16
 
 
