@@ -55,9 +55,9 @@ class Damage:
         self._samples: deque[tuple[float, int, int]] = deque()
 
     def count_discarded(self, event: FrameDiscarded, now_s: float, frame_count: int) -> bool:
-        """Count a damaged frame after `frame_count` valid ones; return whether it is one.
+        """Count the bytes as a damaged frame after `frame_count` valid ones; return whether they were counted.
 
-        Discarded bytes that follow it without a valid frame are the rest of it.
+        Bytes that follow a damaged frame, without a valid frame before them, are the rest of it.
         """
         is_rest = frame_count == self._frame_count and now_s - self._last_s <= PIECE_GAP_S
         is_remains = event.reason in _REMAINS and len(event.data) >= _MIN_REMAINS_BYTES

@@ -63,7 +63,7 @@ def conformance(options: ConformanceOptions) -> int:
     """Check whether a client library speaks the wire protocol.
 
     The client at ADDRESS must run the conformance program: the example sketch Conformance, or the same
-    endpoints in another language. A client without some of them skips the cases that need them. The
+    endpoints in another language. If it lacks some of them, the cases that need them are skipped. The
     exit code is 0 if no case failed.
     """
     if options.prints_vectors:
