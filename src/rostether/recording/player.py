@@ -44,7 +44,7 @@ QUEUED_BYTES = 64
 # The maximum delay before a key takes effect.
 LONGEST_SLEEP_S = 0.05
 
-# Of tf2_msgs/TFMessage and tf/tfMessage with the fields of ROS 1.
+# The md5sum of tf2_msgs/TFMessage and tf/tfMessage, which have the same fields in ROS 1.
 _TRANSFORMS_MD5SUM = "94810edda583a504dfda3829e70d7eec"
 
 

@@ -48,7 +48,7 @@ PROVING_FRAMES = 3
 # bytes is searched, and the rest is counted.
 FALSE_STARTS_PER_S = 20_000
 
-# The limit that a quiet line saves up: enough to find every frame in 64 KiB that consist only of headers.
+# How many of these positions a quiet line saves up: enough to find every frame in 64 KiB of headers.
 MAX_SAVED_FALSE_STARTS = 10_000
 
 

@@ -12,7 +12,7 @@ from rostether.rosserial.events import FrameDiscarded
 from rostether.rosserial.frame_decoder import Decoded, FrameDecoder, Frames
 from rostether.rosserial.packets import Log, ParameterRequest, TopicInfo
 
-# A decoder groups the frames of one chunk by topic; no two frames end within the size of the smallest.
+# A decoder groups the frames of one chunk by topic. A frame has at least 8 bytes: at most one ends in these.
 _STEP_BYTES = 7
 
 _KINDS = (

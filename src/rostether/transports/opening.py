@@ -75,7 +75,7 @@ async def listen(
     entry: PeerEntry | None = None,
     web_boards: WebBoards | None = None,
 ) -> Listener:
-    """Listen where `address.listens`, calling back with each new link.
+    """Listen on an address for which `listens` is true; call back with each new link.
 
     `connections` limits the open links, `connections_per_host` the TCP connections of one host (None: the
     default of the kind of link). `board_keys` are the keys of individual boards. `entry` decides which

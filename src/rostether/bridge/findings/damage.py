@@ -55,7 +55,7 @@ class Damage:
         self._samples: deque[tuple[float, int, int]] = deque()
 
     def count_discarded(self, event: FrameDiscarded, now_s: float, frame_count: int) -> bool:
-        """Count the bytes as a damaged frame after `frame_count` valid ones; return whether they were counted.
+        """Count the bytes as a damaged frame after `frame_count` valid ones; return whether they are one.
 
         Bytes that follow a damaged frame, without a valid frame before them, are the rest of it.
         """
