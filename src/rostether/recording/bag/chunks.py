@@ -48,7 +48,7 @@ class BagContent(ChunkedContent):
         """Add the connection of a record. Raises RecordingError if it is damaged or there are too many."""
         self.connections_bytes += len(header)
         if len(self.connections) >= MAX_CONNECTIONS or self.connections_bytes > MAX_CONNECTIONS_BYTES:
-            limits = f"{MAX_CONNECTIONS} connections or {MAX_CONNECTIONS_BYTES} bytes of their definitions"
+            limits = f"{MAX_CONNECTIONS} connections or {MAX_CONNECTIONS_BYTES >> 20} MiB of definitions"
             raise RecordingError(f"it has more than {limits}")
         named = {
             name.decode("utf-8", "surrogateescape"): value.decode("utf-8", "surrogateescape")
