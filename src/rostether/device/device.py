@@ -123,7 +123,7 @@ class Device(Endpoints, BlockClosable):
         return self
 
     async def close(self) -> None:
-        """Close the line, fail all pending requests, and end waits for a host and loops over messages.
+        """Close the line and fail all pending requests; waits for a host and loops over messages end.
 
         Idempotent.
         """

@@ -253,7 +253,7 @@ class PtyTransport:
 
 
 def _set_raw(slave: int) -> None:
-    import tty  # Windows has none
+    import tty  # Windows lacks this module
 
     tty.setraw(slave)
 

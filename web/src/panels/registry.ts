@@ -21,7 +21,7 @@ import { servicesPanel } from "./services/services.ts";
 import { simulationPanel } from "./simulation/simulation.ts";
 import { topicsPanel } from "./topics/topics.ts";
 
-/** The robot and its control; its data; the ROS graph; tools. */
+/** The groups of the menu: the robot and its control, its data, the ROS graph, and tools. */
 export const panelGroups: readonly (readonly Panel[])[] = [
   [boardsPanel, fleetPanel, sensorsPanel, controlsPanel, drivePanel],
   [plotsPanel, imagesPanel, scenePanel, mapPanel],

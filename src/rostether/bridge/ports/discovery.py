@@ -72,7 +72,8 @@ class Discovery:
             is_here = self._is_here(found.port)
             if is_here and found.is_dismissed:
                 continue
-            # The task of a served board ends by itself and reports why, unless the board is already back.
+            # A served board that has left is kept until its task has reported why and ended. If the board is
+            # already back at another port, its task is canceled.
             has_left = not is_here and (not found.is_serving or found.identity.key in moved)
             if has_left or task.done() or (path in present and not is_here):
                 task.cancel()

@@ -58,7 +58,7 @@ async def build_runner() -> Path:
 @asynccontextmanager
 async def _build_lock(folder: Path) -> AsyncIterator[None]:
     """Wait until no other process builds in a folder; on a file system without locks, do not wait."""
-    import fcntl  # Windows has none
+    import fcntl  # Windows lacks this module
 
     opened = os.open(folder, os.O_RDONLY)
     try:

@@ -2,8 +2,9 @@
 /*
  * The simulated network chip of the Ethernet library for simulated boards:
  *
- *     GPIOR1  while idle, write the IPv4 address and the port, low byte first; connected, write or read a byte
- *     GPIOR0  write 1 to connect, 2 to stop; read bit 0 connected, bit 1 a byte waits, bit 2 room to send
+ *     GPIOR1  while idle, write the IPv4 address, then the port, low byte first; while connected, write or
+ *             read a byte
+ *     GPIOR0  write 1 to connect, 2 to stop; read bit 0: connected, bit 1: a byte waits, bit 2: room to send
  *
  * All connections go to the host of the command `network`, regardless of the sketch's address; without it, they fail.
  */
