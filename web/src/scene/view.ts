@@ -27,7 +27,7 @@ import { frameName, type TfBuffer } from "./tf_buffer.ts";
 const MIN_FRAME_MS = 30;
 // Without a graphics card a picture takes the processor about 65 ms; a core must be left for other work.
 const MIN_SOFTWARE_FRAME_MS = 400;
-// Without one, each frame of the page costs a few milliseconds even if nothing is drawn.
+// Without a graphics card, each frame of the page costs a few milliseconds even if nothing is drawn.
 const MIN_SOFTWARE_PAGE_FRAME_MS = 120;
 const DIRECTIONS = {
   corner: new Vector3(0.75, -0.75, 0.55),

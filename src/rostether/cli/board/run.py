@@ -65,7 +65,7 @@ class BoardOptions:
     )
     w5100: str | None = option(
         "--w5100",
-        "The Ethernet shield: its loopback address; after how many multicast datagrams it stalls.",
+        "The Ethernet shield's loopback address, and the number of multicast datagrams until it stalls.",
         metavar="address=127.0.0.2,stall_after=500",
     )
     wheels: str | None = option(

@@ -49,7 +49,7 @@ async def check_names(client: CheckedClient) -> None:
 
 @case("announce-md5sums")
 async def check_md5sums(client: CheckedClient) -> None:
-    """The md5sum is that of the message: on ids 2 and 5 of the response, on 3 and 4 of the request."""
+    """The md5sum is that of the message. Of a service, ids 2 and 5 are the response, 3 and 4 the request."""
     registry = Registry()
     for each in client.announcements:
         wanted = _md5sum(registry, each)

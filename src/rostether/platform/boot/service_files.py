@@ -117,7 +117,7 @@ def unit_text(installation: Installation) -> str:
         lines += [
             f"StateDirectory={SERVICE}",
             f"CacheDirectory={SERVICE}",
-            # Recordings and other files without a folder: the rest of the file system is read-only.
+            # Files that are named without a folder go here: most of the file system is read-only.
             f"WorkingDirectory={STATE}",
             f"Environment=XDG_STATE_HOME={STATE} XDG_DATA_HOME={STATE}",
             f"Environment=XDG_CACHE_HOME=/var/cache/{SERVICE}",

@@ -24,7 +24,7 @@ FILE_NAME = "metadata.yaml"
 VERSION = 9
 # The metadata of a thousand topics in a thousand files takes 1 MB.
 MAX_BYTES = 16 << 20
-# Two years of recordings of ten minutes.
+# Recordings of ten minutes reach this number after two years.
 MAX_FILES = 100_000
 
 ValueT = TypeVar("ValueT")

@@ -28,7 +28,7 @@ _MAX_RETRY_S = 30.0
 # Two refusals in a row are not a restart of a listener: the node has ended.
 _REFUSALS_UNTIL_GONE = 2
 # The end of a node is detected immediately when its kept connection breaks; pings find connections that broke
-# unnoticed. Shorter than the time after which servers close idle connections.
+# unnoticed. Servers close idle connections after a longer time.
 PING_INTERVAL_S = 30.0
 # One entry for each topic or parameter that a node watches; a node that hangs loses the oldest beyond this.
 _MAX_PENDING = 4096

@@ -204,6 +204,6 @@ def _value(configuration: zenoh.Config, path: str) -> Any:
 
 def _reason(error: OSError) -> str:
     number = error.errno
-    # A name that is not found has a negative number.
+    # If a name is not found, the number is negative and not an errno.
     text = os.strerror(number) if number is not None and number > 0 else error.strerror or str(error)
     return fold_line(text) or type(error).__name__

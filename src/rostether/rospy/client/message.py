@@ -91,7 +91,7 @@ class Message(_SerdeMessage):
             raise SerializationError(f"{error}") from None
 
     def _check_types(self, exc: Exception | None = None) -> None:
-        """Raise SerializationError if a value does not fit its field, or with the text of `exc` if given."""
+        """Raise SerializationError if a field has a wrong value, or if `exc` is given (with its text)."""
         self._to_bytes()
         if exc is not None:
             raise SerializationError(f"{exc}")

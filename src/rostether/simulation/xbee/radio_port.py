@@ -17,8 +17,9 @@ _PIECE_BYTES = 32
 
 
 class RadioPort(SmallWriter):
-    """Connects a radio and the transport of its serial port; `on_packets(radio)` is called when it may send.
+    """Connects a radio and the transport of its serial port.
 
+    `on_packets(radio)` is called when the radio may have packets to send.
     With `host_baud`, bytes arrive only while the radio has the same speed.
     """
 

@@ -95,7 +95,7 @@ static const char *load_segments(Elf *elf) {
 }
 
 static const char *load_elf(int file) {
-    /* avr-gcc's architectures: return addresses have three bytes only in 6, that of the Mega's chip. */
+    /* Return addresses have three bytes only in avr-gcc's architecture 6, that of the Mega's chip. */
     unsigned wanted = board.avr->address_size == 3 ? 6 : 5;
     const char *error = NULL;
     elf_version(EV_CURRENT);
