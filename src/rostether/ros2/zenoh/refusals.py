@@ -41,7 +41,7 @@ _MEANINGS = {
     ),
     "InvalidContentType": ("it does not speak TLS", "it needs an endpoint with tls/"),
 }
-# zenoh's line about a program that only tests whether the port is open has this; it is not a refusal.
+# This is in zenoh's line if a program only tests whether the port is open: that is not a refusal.
 _TESTED = "handshake eof"
 _log = logging.getLogger("rostether.ros2")
 _started = threading.Lock()
