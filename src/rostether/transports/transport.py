@@ -58,7 +58,7 @@ class Transport(Protocol):
 
     @property
     def can_pause(self) -> bool:
-        """Whether pause_reading slows the sender down (TCP, pty) or makes it lose bytes (serial, UDP)."""
+        """Whether pause_reading only slows the sender down (TCP, pty); else bytes are lost (serial, UDP)."""
 
     @property
     def write_buffer_bytes(self) -> int:

@@ -12,7 +12,7 @@ const OPEN_TIMEOUT_MS = 10_000;
 const QUIET_MS = 5000;
 
 export interface SocketHandlers {
-  /** The WebSocket is open; a client that sends the first message sends it now. */
+  /** The WebSocket is open; if the protocol begins with a message of the client, this sends it. */
   onStart?(): void;
   /** A message; returns whether the connection can be used from now on. */
   onMessage(data: string | ArrayBuffer): boolean;
