@@ -41,6 +41,12 @@ def sqlite_logs(path: Path) -> list[Path]:
     return [path.with_name(path.name + suffix) for suffix in _LOG_SUFFIXES]
 
 
+def remove_database(path: Path) -> None:
+    """Remove a database and its log files, if they exist."""
+    for each in (path, *sqlite_logs(path)):
+        each.unlink(missing_ok=True)
+
+
 class MappedFile:
     """The bytes of a file as `view`. Raises RecordingError if it cannot be read or is empty."""
 

@@ -28,6 +28,7 @@ from rostether.recording.files import (
     open_recording,
 )
 from rostether.recording.recorded import Connection, RecordedMessage, RecordingReader, RecordingWriter
+from rostether.recording.regular_file import remove_database
 
 if TYPE_CHECKING:
     from rostether.ros2.types.type_support import Ros2Types
@@ -149,6 +150,8 @@ def write_messages(
         except BaseException:
             if output.is_dir():
                 shutil.rmtree(output, ignore_errors=True)
+            elif output.suffix == ".db3":
+                remove_database(output)
             else:
                 output.unlink(missing_ok=True)
             raise

@@ -6,6 +6,7 @@ import itertools
 import sqlite3
 from collections.abc import Iterator
 from contextlib import closing
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -20,7 +21,8 @@ from rostether.msgdef.registry import Registry
 from rostether.msgdef.ros2.definitions import Ros2Definitions
 from rostether.recording.files import Form, create_recording, form_of, open_recording
 from rostether.recording.recorded import Connection, RecordedMessage
-from rostether.recording.reindexing import copy, reindex
+from rostether.recording.reindexing import copy, reindex, write_messages
+from rostether.recording.ros2 import db3_writer
 from rostether.recording.ros2.bag_writer import Ros2Bag
 from rostether.recording.ros2.db3_reader import Db3Reader
 from rostether.ros2.types.type_support import Ros2Types
@@ -358,3 +360,24 @@ def test_the_mcap_package_reads_own_ros2_files(tmp_path: Path) -> None:
         assert (schema.encoding, channel.message_encoding) == ("ros2msg", "cdr")
         assert channel.metadata["topic_type_hash"] == JAZZY.hash_rihs01(schema.name)
         assert "durability: " in channel.metadata["offered_qos_profiles"]
+
+
+@pytest.mark.parametrize(("name", "storage"), TARGETS)
+def test_a_copy_that_fails_leaves_no_file(tmp_path: Path, name: str, storage: str) -> None:
+    def failing() -> Iterator[RecordedMessage]:
+        yield RecordedMessage(Connection("/chat", chat), START_NS, text("x" * (2 << 20)))
+        raise RecordingError("the disk is full")
+
+    chat = STORE.registry.message_type("std_msgs/String")
+    with pytest.raises(RecordingError, match="the disk is full"):
+        write_messages(failing(), tmp_path / name, partial(create_recording, form=Form.ROS2, storage=storage))
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_database_without_space_for_its_tables_is_removed(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(db3_writer, "_TABLES", "CREATE TABLE a(b); CREATE TABLE a(b);")
+    with pytest.raises(RecordingError, match=r"cannot write .*a\.db3"):
+        create_recording(tmp_path / "a.db3", form=Form.ROS2)
+    assert list(tmp_path.iterdir()) == []

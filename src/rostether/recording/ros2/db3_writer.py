@@ -12,7 +12,7 @@ from pathlib import Path
 from rostether.errors import RecordingError
 from rostether.mechanisms.text import write_failure
 from rostether.recording.recorded import Connection
-from rostether.recording.regular_file import sqlite_logs
+from rostether.recording.regular_file import remove_database, sqlite_logs
 from rostether.recording.ros2.channels import Ros2Channel, Ros2Channels, UnfitMessages, distro_of
 from rostether.recording.ros2.metadata import FileFacts
 from rostether.ros2.types.type_support import Ros2Types
@@ -74,14 +74,16 @@ class Db3Writer:
                 log.unlink(missing_ok=True)
         except OSError as error:
             raise RecordingError(write_failure(path, error)) from None
+        self._database = sqlite3.connect(path, isolation_level=None, timeout=_LOCK_WAIT_S)
         try:
-            self._database = sqlite3.connect(path, isolation_level=None, timeout=_LOCK_WAIT_S)
             # If the process is killed, committed data is safe; only a power failure may lose it.
             self._database.execute("PRAGMA journal_mode = WAL")
             self._database.execute("PRAGMA synchronous = OFF")
             self._database.executescript(_TABLES)
             self._database.execute("INSERT INTO schema VALUES (?, ?)", (SCHEMA_VERSION, distro_of(types)))
         except sqlite3.Error as error:
+            self._database.close()
+            remove_database(path)
             raise RecordingError(write_failure(path, error)) from None
 
     @property
