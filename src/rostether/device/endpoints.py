@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from collections.abc import Callable
-from inspect import iscoroutinefunction
 from typing import Any, ParamSpec, TypeVar, overload
 
 from rostether.device.endpoint_handles import Messages, Publisher, Subscriber
@@ -12,6 +11,7 @@ from rostether.device.line import DeviceLine
 from rostether.device.services import Handler, ServiceClient, ServiceServer
 from rostether.graph.log_methods import LogMethods
 from rostether.graph.message_stream import DEFAULT_QUEUE_MESSAGES
+from rostether.mechanisms.callables import require_callable, require_plain
 from rostether.rosserial.device_link import DeviceLink
 from rostether.rostime import Time
 from rostether.serde.store import TypeStore
@@ -76,8 +76,7 @@ class Endpoints(LogMethods):
 
         Raises UnknownTypeError, LocalProtocolError, TypeError.
         """
-        if iscoroutinefunction(callback):
-            raise TypeError("the callback is async; write a plain function, or loop over device.messages()")
+        require_plain("callback", callback, "write a plain function, or loop over device.messages()")
         name = name_of_type(type_name)
         subscriber = Subscriber(topic, self._store.codec(name), callback)
         topic_id = self._link.add_subscriber(topic, name, self._md5sum(name))
@@ -118,8 +117,9 @@ class Endpoints(LogMethods):
     ) -> ServiceServer:
         """Offer a service of a type given by name or as a class of `rostether.srv`; the handler may be async.
 
-        Raises UnknownTypeError, LocalProtocolError.
+        Raises UnknownTypeError, LocalProtocolError, TypeError.
         """
+        require_callable("handler", handler)
         name = name_of_type(type_name)
         kind = self._store.registry.service_type(name)
         ids = self._link.add_service_server(service, name, kind.request.md5sum, kind.response.md5sum)

@@ -16,6 +16,7 @@ from rostether.graph.log_methods import LogMethods
 from rostether.graph.message_stream import DEFAULT_QUEUE_MESSAGES, LearnedTypes, MessageStream
 from rostether.graph.ports import Graph, Level, ParamValue, ServiceServer, Snapshot, Watch
 from rostether.graph.typed_handles import CallbackSubscriber, MessageLike, TypedPublisher, TypedServiceClient
+from rostether.mechanisms.callables import require_callable, require_plain
 from rostether.msgdef.interface import ServiceType
 from rostether.msgdef.search_waiting import wait_for_definitions
 from rostether.rostime import Time
@@ -70,7 +71,7 @@ class TypedGraph(LogMethods):
         await wait_for_definitions(self.store.registry, lambda: self.store.registry.message_type(type_name))
         codec = self.store.codec(type_name)
         message_type = self.store.registry.message_type(type_name)
-        return TypedPublisher(await self.raw.advertise(topic, message_type, latch=latch), codec, self.raw.now)
+        return TypedPublisher(await self.raw.advertise(topic, message_type, latch=latch), codec, self.raw)
 
     @overload
     def messages(
@@ -107,9 +108,10 @@ class TypedGraph(LogMethods):
     ) -> CallbackSubscriber:
         """Call a function with each message of a topic; without `type_name`, the publisher's type is used.
 
-        The function may be async. Raises UnknownTypeError, InvalidNameError. If the graph refuses the
-        subscription, this is logged.
+        The function may be async. Raises UnknownTypeError, InvalidNameError, TypeError. If the graph refuses
+        the subscription, this is logged.
         """
+        require_callable("callback", callback)
         self.resolve(topic)
         # A node that waits for commands may wait for hours.
         stream = self._stream(topic, type_name, DEFAULT_QUEUE_MESSAGES, reports_silence=False)
@@ -144,12 +146,10 @@ class TypedGraph(LogMethods):
         raise GraphError(f"node {self.node_name} has left the graph; join again")
 
     def _stream(
-        self, topic: str, given: str | type[Message] | None, queue_size: int, *, reports_silence: bool
+        self, topic: str, given: str | type[Message] | None, limit: int, *, reports_silence: bool
     ) -> MessageStream[Any]:
         name = None if given is None else name_of_type(given)
-        return MessageStream(
-            self.raw, self._learned, topic, name, queue_size, reports_silence=reports_silence
-        )
+        return MessageStream(self.raw, self._learned, topic, name, limit, reports_silence=reports_silence)
 
     @overload
     async def call(
@@ -217,16 +217,15 @@ class TypedGraph(LogMethods):
     ) -> ServiceServer:
         """Offer a service; `handler` takes the request and returns the response, or awaits it.
 
-        If it raises, the call fails and the caller receives the error.
-        Raises UnknownTypeError, InvalidNameError, GraphError.
+        If it raises, the caller receives the error. Raises UnknownTypeError, GraphError, TypeError.
         """
+        require_callable("handler", handler)
         service_type = await self._service_type(type_name)
         request_codec, response_codec = self.store.service_codecs(service_type.name)
 
         async def handle(payload: bytes) -> bytes:
-            request = request_codec.decode(payload)
             try:
-                answer = handler(request)
+                answer = handler(request_codec.decode(payload))
                 if isinstance(answer, Awaitable):
                     answer = await answer
                 return response_codec.encode(answer)
@@ -276,7 +275,8 @@ class TypedGraph(LogMethods):
         return await self.raw.list_params()
 
     async def watch_param(self, name: str, on_change: Callable[[ParamValue], None]) -> Watch:
-        """Call a function with the value now and after every change; None means it is unset."""
+        """Call a plain function with the value now and after every change; None means it is unset."""
+        require_plain("callback", on_change, "write a plain function")
         return await self.raw.watch_param(name, on_change)
 
     def log(self, level: Level, text: str) -> None:

@@ -8,11 +8,10 @@ from collections.abc import Awaitable, Callable, Mapping
 from contextlib import aclosing
 from typing import Any, Generic, ParamSpec, TypeAlias, TypeVar, cast, overload
 
-from rostether.errors import RostetherError
+from rostether.errors import GraphError, RostetherError
 from rostether.graph.message_stream import MessageStream
 from rostether.graph.ports import Graph, Publisher
 from rostether.msgdef.interface import ServiceType
-from rostether.rostime import Time
 from rostether.serde.codec import Codec
 from rostether.serde.values import Message
 
@@ -30,10 +29,11 @@ _LOG = logging.getLogger(__name__)
 class TypedPublisher(Generic[P]):
     """Publishes messages of one type; made by `TypedGraph.publisher`. `P` are the type's fields."""
 
-    def __init__(self, publisher: Publisher, codec: Codec, now: Callable[[], Time]) -> None:
+    def __init__(self, publisher: Publisher, codec: Codec, graph: Graph) -> None:
         self.raw = publisher
         self.codec = codec
-        self._now = now
+        self._graph = graph
+        self._is_closed = False
 
     @property
     def topic(self) -> str:
@@ -56,25 +56,34 @@ class TypedPublisher(Generic[P]):
         A time may be "now" or seconds. Returns False if a subscriber is too slow: then await `drained` before
         you publish more. Raises SerializationError with the name of a field that does not fit.
         """
-        return self.raw.publish_raw([self.codec.encode_given(message, fields, now=self._now)])
+        return self.raw.publish_raw([self.codec.encode_given(message, fields, now=self._graph.now)])
 
     async def drained(self, timeout_s: float) -> None:
         """Wait until all subscribers have read enough, at most `timeout_s`."""
         await self.raw.drained(timeout_s)
 
     async def wait_for_subscriber(self, timeout_s: float | None = None) -> bool:
-        """Wait for a subscriber; return False if none subscribed in time."""
+        """Wait for a subscriber; return False if none subscribed in time.
+
+        Raises GraphError if the publisher is closed, or its node leaves the graph.
+        """
+        leaving = asyncio.ensure_future(self._graph.wait_closed())
         try:
             async with asyncio.timeout(timeout_s):
                 # The port does not report connections; a check is cheap.
-                while not self.raw.subscriber_count:  # noqa: ASYNC110
+                while not self.raw.subscriber_count:
+                    if self._is_closed or leaving.done():
+                        raise GraphError(f"the publisher of {self.topic} was closed")
                     await asyncio.sleep(_SUBSCRIBER_POLL_S)
         except TimeoutError:
             return False
+        finally:
+            leaving.cancel()
         return True
 
     async def close(self) -> None:
         """Unadvertise. Idempotent."""
+        self._is_closed = True
         await self.raw.close()
 
 

@@ -8,10 +8,10 @@ import logging
 from collections.abc import Callable, Coroutine
 from contextlib import AbstractAsyncContextManager
 from functools import partial, wraps
-from inspect import iscoroutinefunction
 from types import TracebackType
 from typing import Any, Concatenate, Generic, ParamSpec, Self, TypeVar
 
+from rostether.mechanisms.callables import require_plain
 from rostether.mechanisms.loop_thread import LoopThread, run_in_thread
 
 P = ParamSpec("P")
@@ -26,6 +26,8 @@ LOOP = LoopThread()
 
 # The time limit for leaving a graph: a program must end even if the master or peers do not answer.
 CLOSE_TIMEOUT_S = 10.0
+
+_ADVICE = "with rostether.sync, write a plain function"
 
 
 class Blocking(Generic[Wrapped]):
@@ -51,7 +53,7 @@ def blocking(
 
 def guarded(callback: Callable[[T], object]) -> Callable[[T], None]:
     """Return a function that calls a callback and logs its exceptions. Raises TypeError if it is async."""
-    _refuse_async("callback", callback)
+    require_plain("callback", callback, _ADVICE)
 
     def call(item: T) -> None:
         try:
@@ -64,17 +66,12 @@ def guarded(callback: Callable[[T], object]) -> Callable[[T], None]:
 
 def threaded(handler: Callable[[T], R]) -> Callable[[T], Coroutine[Any, Any, R]]:
     """Return a handler for the loop that runs `handler` in a new thread. Raises TypeError if it is async."""
-    _refuse_async("handler", handler)
+    require_plain("handler", handler, _ADVICE)
 
     async def handle(request: T) -> R:
         return await run_in_thread(partial(handler, request))
 
     return handle
-
-
-def _refuse_async(what: str, function: Callable[..., object]) -> None:
-    if iscoroutinefunction(function):
-        raise TypeError(f"the {what} is async; with rostether.sync, write a plain function")
 
 
 def in_loop(method: Callable[Concatenate[Wrapped, P], T]) -> Callable[Concatenate[Blocking[Wrapped], P], T]:

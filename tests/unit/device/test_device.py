@@ -485,6 +485,9 @@ async def test_an_async_callback_is_refused(pair: tuple[Device, Any]) -> None:
 
     with pytest.raises(TypeError, match="write a plain function"):
         pair[0].subscriber("chatter", "std_msgs/String", hear)
+    nothing: Any = None
+    with pytest.raises(TypeError, match="the handler must be a function"):
+        pair[0].service_server("switch", "std_srvs/SetBool", nothing)
 
 
 async def test_a_closed_device_ends_the_waits_for_a_host(pair: tuple[Device, Any]) -> None:

@@ -4,7 +4,7 @@ import asyncio
 from collections.abc import AsyncIterator
 from contextlib import aclosing
 from pathlib import Path
-from typing import TYPE_CHECKING, assert_type
+from typing import TYPE_CHECKING, Any, assert_type
 
 import pytest
 import pytest_asyncio
@@ -153,6 +153,45 @@ async def test_a_loop_ends_when_its_node_leaves(talker: TypedGraph, listener: Ty
 async def test_no_subscriber(talker: TypedGraph) -> None:
     publisher = await talker.publisher("/chatter", "std_msgs/String")
     assert not await publisher.wait_for_subscriber(0.02)
+
+
+@pytest.mark.parametrize("closes_node", [False, True])
+async def test_no_wait_for_subscribers_of_a_closed_publisher(talker: TypedGraph, closes_node: bool) -> None:
+    publisher = await talker.publisher("/chatter", "std_msgs/String")
+    waiting = asyncio.create_task(publisher.wait_for_subscriber())
+    await asyncio.sleep(0)
+    await (talker.close() if closes_node else publisher.close())
+    for wait in (waiting, publisher.wait_for_subscriber()):
+        with pytest.raises(GraphError, match="the publisher of /chatter was closed"):
+            await asyncio.wait_for(wait, 60)
+
+
+async def test_what_cannot_be_called_is_refused_at_once(talker: TypedGraph) -> None:
+    nothing: Any = None
+    with pytest.raises(TypeError, match=r"the callback must be a function, not None; write .* without \(\)"):
+        await talker.subscriber("/chatter", None, nothing)
+    with pytest.raises(TypeError, match="the handler must be a function"):
+        await talker.service_server("/switch", "std_srvs/SetBool", nothing)
+    with pytest.raises(TypeError, match="the callback must be a function"):
+        await talker.watch_param("/rate", nothing)
+
+    async def hear(_: object) -> None: ...
+
+    with pytest.raises(TypeError, match="the callback is async; write a plain function"):
+        await talker.watch_param("/rate", hear)  # type: ignore[arg-type]
+
+
+async def test_logs_format_values_as_rospy(talker: TypedGraph, listener: TypedGraph) -> None:
+    seen: list[str] = []
+    await listener.subscriber("/rosout", "rosgraph_msgs/Log", lambda log: seen.append(log.msg))
+    await asyncio.sleep(0)
+    talker.loginfo("%s is %.1f m away", "it", 1.25)
+    talker.logwarn(1.5)
+    talker.logerror("100 %")
+    async with asyncio.timeout(60):
+        while len(seen) < 3:
+            await asyncio.sleep(0.01)
+    assert seen == ["it is 1.2 m away", "1.5", "100 %"]
 
 
 async def test_a_wrong_field_is_named_to_the_caller(talker: TypedGraph) -> None:

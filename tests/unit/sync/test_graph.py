@@ -203,6 +203,10 @@ def test_a_program_that_ends_leaves_the_graph(master: str, listener: rostether.s
 
 
 def test_async_callbacks_and_handlers_are_refused(talker: rostether.sync.Graph) -> None:
+    nothing: Any = None
+    with pytest.raises(TypeError, match="the callback must be a function, not None"):
+        talker.subscriber("/chatter", "std_msgs/String", nothing)
+
     async def hear(_: Message) -> None: ...
 
     with pytest.raises(TypeError, match="write a plain function"):
