@@ -14,6 +14,9 @@ FEW_BOARDS = 30
 FREEZE_AFTER_S = 0.5
 # Boards that leave one after the other are followed by one release of memory.
 RELEASE_AFTER_S = 2.0
+# A full collection stops all messages: boards that connect and leave all the time must cause only a few.
+# Python's own collections free the objects of these boards until then, because no more objects are exempted.
+COLLECT_PERIOD_S = 10.0
 # As in Python's own rule for full collections: garbage may become a quarter of the objects in use.
 GARBAGE_PART = 4
 
@@ -24,6 +27,7 @@ class BoardObjects:
     def __init__(self) -> None:
         self._boards = 0
         self._left = 0
+        self._collect_at_s = 0.0
         self._timer: asyncio.TimerHandle | None = None
         self._release_timer: asyncio.TimerHandle | None = None
         self._is_closed = False
@@ -64,22 +68,33 @@ class BoardObjects:
     def _freeze(self) -> None:
         self._timer = None
         if self._has_garbage:
+            loop = asyncio.get_running_loop()
+            if loop.time() < self._collect_at_s:
+                self._timer = loop.call_at(self._collect_at_s, self._freeze)
+                return
             self._collect()
-        if self._boards > FEW_BOARDS:
+        elif self._boards > FEW_BOARDS:
             gc.freeze()
 
     def _release(self) -> None:
+        loop = asyncio.get_running_loop()
+        if loop.time() < self._collect_at_s:
+            self._release_timer = loop.call_at(self._collect_at_s, self._release)
+            return
         self._release_timer = None
         if self._boards <= FEW_BOARDS or self._has_garbage:
             self._collect()
-        if self._boards > FEW_BOARDS:
+        else:
             gc.freeze()
         release_memory()
 
     def _collect(self) -> None:
+        """Collect all garbage; exempt the remaining objects, also the program's, which exist permanently."""
         self._left = 0
+        self._collect_at_s = asyncio.get_running_loop().time() + COLLECT_PERIOD_S
         gc.unfreeze()
         gc.collect()
+        gc.freeze()
 
 
 def release_memory() -> None:
