@@ -32,6 +32,7 @@ from rostether.gateways.websocket.settings import ConnectionLimits, ServedProtoc
 from rostether.gateways.websocket.websocket_stream import WebSocketStream
 from rostether.graph.callbacks import report_error
 from rostether.graph.ports import Graph, Level, Publisher
+from rostether.mechanisms.line_budget import LineBudget
 from rostether.mechanisms.text import counted
 from rostether.msgdef.search_waiting import definitions_searched
 from rostether.serde.store import TypeStore
@@ -67,6 +68,8 @@ class RosbridgeServer:
             local_services=local_services,
             report=report,
         )
+        # Any peer can cause these lines by connecting repeatedly.
+        self._client_lines = LineBudget()
         self._clients: dict[Session, asyncio.Task[None]] = {}
         self._count_publisher: Publisher | None = None
         self._leaving: asyncio.Task[None] | None = None
@@ -162,8 +165,13 @@ class RosbridgeServer:
             self._changed(f"rosbridge: {session.name} disconnected{why}")
 
     def _changed(self, text: str) -> None:
-        self._report(Level.INFO, f"{text} ({counted(len(self._clients), 'client')})")
         self._publish_count()
+        omitted_count = self._client_lines.admit(asyncio.get_running_loop().time())
+        if omitted_count is None:
+            return
+        if omitted_count:
+            self._report(Level.WARN, f"rosbridge: omitted {counted(omitted_count, 'line')} like the next one")
+        self._report(Level.INFO, f"{text} ({counted(len(self._clients), 'client')})")
 
     def _publish_count(self) -> None:
         if self._count_publisher is not None:

@@ -16,9 +16,11 @@ from rostether.gateways.rosbridge.png_packing import pack_png
 from rostether.gateways.rosbridge.server import RosbridgeServer
 from rostether.gateways.rosbridge.settings import RosbridgeSettings
 from rostether.graph.memory_network import MemoryNetwork
+from rostether.mechanisms.line_budget import MAX_LINES
 from rostether.msgdef.registry import Registry
 from rostether.serde.store import TypeStore
 from unit.gateways.rosbridge.web_client import World, world
+from waiting import until
 
 STRING = "std_msgs/String"
 SETTINGS = RosbridgeSettings(host="127.0.0.1", port=0)
@@ -169,6 +171,15 @@ async def test_a_port_that_is_taken_is_reported_with_what_to_do(there: World) ->
     with pytest.raises(TransportOpenError, match=r"203.0.113.1 is not an address of this machine"):
         await third.start()
     await graph.close()
+
+
+async def test_clients_that_connect_all_the_time_cause_few_lines(there: World) -> None:
+    for _ in range(MAX_LINES):
+        async with connect(there.server.uri):
+            pass
+    await until(lambda: not there.server._clients, "the end of the connections")
+    assert len(there.log) == MAX_LINES
+    assert "connected" in there.log[-1][1]
 
 
 async def test_localhost_is_both_loopback_addresses() -> None:
