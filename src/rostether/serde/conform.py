@@ -124,6 +124,10 @@ class Conformer:
         try:
             return to_bytes(value)
         except ENCODE_ERRORS:
+            if isinstance(value, list | tuple):
+                # Raises the error of the first element that does not fit.
+                for index, item in enumerate(value):
+                    self._node(node.element, item, f"{path}[{index}]")
             raise self._misfit(
                 path, f"bytes or a list of integers from 0 to 255 ({node.name})", value
             ) from None

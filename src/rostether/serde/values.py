@@ -196,5 +196,6 @@ def misfit_error(type_name: str, path: str, wanted: str, got: object) -> Seriali
 
 def _show(value: object) -> str:
     """Return a value for an error text, short enough for one line."""
-    text = repr(value)
+    # numpy shows an array with several dimensions on several lines.
+    text = " ".join(line.strip() for line in repr(value).splitlines())
     return text if len(text) <= _MAX_SHOWN else f"{text[: _MAX_SHOWN - 3]}..."

@@ -184,7 +184,7 @@ WRONG: list[tuple[str, dict[str, Any], str, str]] = [
     ("sensor_msgs/LaserScan", {"ranges": [1.0, None]}, "ranges[1]", "a float32, got None"),
     ("sensor_msgs/LaserScan", {"ranges": "12"}, "ranges", "a list (float32[]), got '12'"),
     ("sensor_msgs/JointState", {"name": "ab"}, "name", "a list (string[]), got 'ab'"),
-    ("sensor_msgs/Image", {"data": [300]}, "data", f"{OCTETS}, got [300]"),
+    ("sensor_msgs/Image", {"data": [1, 300]}, "data[1]", "a uint8 (0 to 255), got 300"),
     ("sensor_msgs/Image", {"data": "ab"}, "data", f"{OCTETS}, got 'ab'"),
     ("sensor_msgs/Image", {"data": 5}, "data", f"{OCTETS}, got 5"),
     ("tf2_msgs/TFMessage", {"transforms": [{}, {"header": {"seq": -1}}]}, "transforms[1].header.seq",

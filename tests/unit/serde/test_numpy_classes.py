@@ -79,3 +79,10 @@ def test_a_picture_is_encoded_row_by_row() -> None:
     assert codec.decode(codec.encode({"data": picture})).data == bytes(range(12))
     with pytest.raises(SerializationError, match="'data' of sensor_msgs/Image needs bytes"):
         codec.encode({"data": picture.astype(numpy.float32)})
+
+
+def test_an_error_shows_a_picture_of_another_type_on_one_line() -> None:
+    image = PLAIN.codec("sensor_msgs/Image")
+    with pytest.raises(SerializationError, match=r"'data' of sensor_msgs/Image .*got array\(\[\[0") as raised:
+        image.encode({"data": numpy.zeros((3, 4), numpy.float32)})
+    assert "\n" not in str(raised.value)

@@ -43,7 +43,9 @@ def completion(shell: str | None) -> None:
     assert completion_class is not None
     shell_code = completion_class(click.Command(_PROGRAM), {}, _PROGRAM, _VARIABLE)
     # Its method `source` would also start bash to check its version, which is slow.
-    write_line((shell_code.source_template % shell_code.source_vars()).strip())
+    text = shell_code.source_template % shell_code.source_vars()
+    # Otherwise, fish cuts descriptions at their first comma.
+    write_line(text.replace('string split ","', 'string split --max 1 ","').strip())
 
 
 def is_plain(word: str) -> bool:

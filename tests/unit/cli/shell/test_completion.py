@@ -30,6 +30,10 @@ def test_code_for_each_shell(
     assert shell.output("completion") == code
 
 
+def test_fish_splits_a_completion_only_at_the_first_comma(shell: Shell) -> None:
+    assert 'string split --max 1 "," $completion' in shell.output("completion", "fish")
+
+
 def test_an_unknown_shell_names_the_known_ones(shell: Shell, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("SHELL", "/bin/tcsh")
     assert "give a shell: bash, zsh, fish" in shell.failure("completion", code=2)
