@@ -381,3 +381,11 @@ def test_a_database_without_space_for_its_tables_is_removed(
     with pytest.raises(RecordingError, match=r"cannot write .*a\.db3"):
         create_recording(tmp_path / "a.db3", form=Form.ROS2)
     assert list(tmp_path.iterdir()) == []
+
+
+def test_a_database_whose_path_is_too_long_for_sqlite_is_reported(tmp_path: Path) -> None:
+    folder = tmp_path.joinpath(*["d" * 200] * 3)
+    folder.mkdir(parents=True)
+    with pytest.raises(RecordingError, match=r"cannot write .*a\.db3"):
+        create_recording(folder / "a.db3", form=Form.ROS2)
+    assert list(folder.iterdir()) == []

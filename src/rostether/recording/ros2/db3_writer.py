@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import sqlite3
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from pathlib import Path
 
 from rostether.errors import RecordingError
@@ -74,17 +75,24 @@ class Db3Writer:
                 log.unlink(missing_ok=True)
         except OSError as error:
             raise RecordingError(write_failure(path, error)) from None
-        self._database = sqlite3.connect(path, isolation_level=None, timeout=_LOCK_WAIT_S)
+        try:
+            self._database = sqlite3.connect(path, isolation_level=None, timeout=_LOCK_WAIT_S)
+            self._prepare(distro_of(types))
+        except sqlite3.Error as error:
+            with suppress(OSError):
+                remove_database(path)
+            raise RecordingError(write_failure(path, error)) from None
+
+    def _prepare(self, distro: str) -> None:
         try:
             # If the process is killed, committed data is safe; only a power failure may lose it.
             self._database.execute("PRAGMA journal_mode = WAL")
             self._database.execute("PRAGMA synchronous = OFF")
             self._database.executescript(_TABLES)
-            self._database.execute("INSERT INTO schema VALUES (?, ?)", (SCHEMA_VERSION, distro_of(types)))
-        except sqlite3.Error as error:
+            self._database.execute("INSERT INTO schema VALUES (?, ?)", (SCHEMA_VERSION, distro))
+        except sqlite3.Error:
             self._database.close()
-            remove_database(path)
-            raise RecordingError(write_failure(path, error)) from None
+            raise
 
     @property
     def size_bytes(self) -> int:
