@@ -194,9 +194,13 @@ class Device(Endpoints, BlockClosable):
         except TransportClosedError as error:
             raise TransportTimeoutError(f"parameter {name}: {error}") from None
         except TimeoutError:
+            cause = "; check the line" if self.connected else self._cause
             raise TransportTimeoutError(
-                f"no host answered for parameter {name} within {timeout_s:g} s; check the line"
+                f"no host answered for parameter {name} within {timeout_s:g} s{cause}"
             ) from None
+
+    def _no_host_cause(self) -> str:
+        return "" if self.connected else f": no host is connected{self._cause}"
 
     def log(self, level: Level, text: str) -> None:
         """Log on the host, which publishes it on /rosout; lost while the line is down."""

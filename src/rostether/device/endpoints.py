@@ -43,6 +43,10 @@ class Endpoints(LogMethods):
         """Wait until a host is connected. Raises TransportTimeoutError, TransportClosedError."""
 
     @abstractmethod
+    def _no_host_cause(self) -> str:
+        """Return the end of an error with the reason why no host is connected; empty if one is."""
+
+    @abstractmethod
     def now(self) -> Time:
         """Return the host's time."""
 
@@ -143,7 +147,12 @@ class Endpoints(LogMethods):
         kind = self._store.registry.service_type(name)
         ids = self._link.add_service_client(service, name, kind.request.md5sum, kind.response.md5sum)
         client = ServiceClient[Any](
-            service, ids, self._store.service_codecs(name), self._line, self.wait_connected
+            service,
+            ids,
+            self._store.service_codecs(name),
+            self._line,
+            self.wait_connected,
+            self._no_host_cause,
         )
         self._receivers[ids.response_id] = client.receive
         self._clients.append(client)

@@ -100,12 +100,14 @@ class ServiceClient(Declared, Generic[Response]):
         codecs: tuple[Codec, Codec],
         line: DeviceLine,
         wait_connected: Callable[[], Awaitable[None]],
+        no_host_cause: Callable[[], str],
     ) -> None:
         self.service = service
         self._ids = ids
         self._request_codec, self._response_codec = codecs
         self._line = line
         self._wait_connected = wait_connected
+        self._no_host_cause = no_host_cause
         self._in_flight: asyncio.Future[bytes] | None = None
         self._lock = asyncio.Lock()
 
@@ -125,8 +127,9 @@ class ServiceClient(Declared, Generic[Response]):
         except TransportClosedError as error:
             raise ServiceUnavailableError(f"service {self.service}: {error}") from None
         except TimeoutError:
+            cause = self._no_host_cause() or "; check that its node runs"
             raise ServiceTimeoutError(
-                f"service {self.service} did not answer within {timeout_s:g} s; check that its node runs"
+                f"service {self.service} did not answer within {timeout_s:g} s{cause}"
             ) from None
         return cast("Response", self._response_codec.decode(response))
 

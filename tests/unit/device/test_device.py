@@ -518,3 +518,15 @@ async def test_a_closed_device_fails_pending_calls(pair: tuple[Device, Any]) -> 
         await device.close()
         with pytest.raises(ServiceUnavailableError, match="the device was closed"):
             await call
+
+
+async def test_without_a_host_calls_and_parameters_name_the_reason() -> None:
+    device = Device("/dev/no-such-port")
+    client = device.service_client("lookup", "rosserial_arduino/Test")
+    async with device:
+        with pytest.raises(
+            ServiceTimeoutError, match=r"within 0\.05 s: no host is connected: no serial port"
+        ):
+            await client.call(input="a", timeout_s=0.05)
+        with pytest.raises(TransportTimeoutError, match=r"parameter ~rate within 0\.05 s: no serial port"):
+            await device.get_param("~rate", timeout_s=0.05)
