@@ -168,7 +168,11 @@ def test_whole_floats_are_integers() -> None:
         ("std_msgs/UInt8MultiArray", {"data": "A"}, 'for field data, got "A"'),
         ("std_msgs/UInt8MultiArray", {"data": "data:image/png;base64,AQID"}, "needs base64 or a list"),
         ("std_msgs/UInt8MultiArray", {"data": "ü"}, "needs base64 or a list"),
-        ("std_msgs/UInt8MultiArray", {"data": [256]}, "field 'data' of std_msgs/UInt8MultiArray needs bytes"),
+        (
+            "std_msgs/UInt8MultiArray",
+            {"data": [256]},
+            r"field 'data\[0\]' of std_msgs/UInt8MultiArray needs a uint8",
+        ),
         ("std_msgs/Float64MultiArray", {"data": {"0": 1}}, r"a list \(float64\[\]\) for field data"),
         ("std_msgs/Float64MultiArray", {"data": [1, "b"]}, r'for field data\[1\], got "b"'),
         ("sensor_msgs/CameraInfo", {"K": [1, 2]}, "field 'K' of sensor_msgs/CameraInfo needs 9 elements"),
