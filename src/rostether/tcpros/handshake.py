@@ -142,8 +142,14 @@ def check_server(fields: Mapping[str, str], service: str, service_type: ServiceT
 
     Raises TypeMismatchError, GraphError with the server's text, RemoteProtocolError.
     """
+    try:
+        _check_answer(fields)
+    except TypeMismatchError as error:
+        raise TypeMismatchError(
+            f"service {service} has another type or definition than {service_type.name} ({error}); "
+            f"`rostether service type {service}` shows its type"
+        ) from None
     # roscpp's servers answer with the md5sum only, rospy's with all fields.
-    _check_answer(fields)
     if not agree(fields["md5sum"], service_type.md5sum):
         raise TypeMismatchError(
             f"service {service} has type {_shown(fields, 'type')} (md5sum {_shown(fields, 'md5sum')}), "
