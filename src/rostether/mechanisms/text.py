@@ -53,6 +53,8 @@ def write_failure(path: object, error: Exception) -> str:
         step = "choose a disk that accepts larger files"
     elif number == errno.EISDIR:
         step = "give a file in this folder"
+    elif number == errno.EEXIST:
+        step = "choose another name"
     return f"cannot write {path}: {reason}; {step}"
 
 

@@ -139,7 +139,7 @@ async def test_a_recording_ends_at_its_largest_size(robot: Robot, monkeypatch: p
 
 async def test_a_folder_that_cannot_be_used(robot: Robot, tmp_path: Path) -> None:
     (tmp_path / "bags").write_text("a file")
-    with pytest.raises(ConfigError, match=r"cannot write .*bags: File exists; choose a writable folder"):
+    with pytest.raises(ConfigError, match=r"cannot write .*bags: File exists; choose another name"):
         await robot.recordings.start((), "bag")
     assert (await robot.recordings.state())["files"] == []
 

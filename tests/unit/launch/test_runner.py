@@ -254,7 +254,7 @@ async def test_working_folder_that_cannot_be_created_is_reported(stage: Stage) -
     (stage.folder / "file").touch()
     stage.environ |= {"ROS_HOME": str(stage.folder / "file"), "ROS_LOG_DIR": str(stage.folder / "log")}
     assert not await stage.run('<node name="a" pkg="p" type="node"/>')
-    assert f"cannot write {stage.folder / 'file'}: File exists; choose a writable folder" in stage.text
+    assert f"cannot write {stage.folder / 'file'}: File exists; choose another name" in stage.text
 
 
 async def test_stop_interrupts_first_so_that_nodes_can_clean_up(stage: Stage) -> None:

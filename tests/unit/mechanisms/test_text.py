@@ -49,6 +49,10 @@ def test_white_space_folds_into_one_space() -> None:
             sqlite3.OperationalError("database or disk is full"),
             "cannot write a.bag: database or disk is full; free some space on its disk",
         ),
+        (
+            OSError(errno.EEXIST, os.strerror(errno.EEXIST)),
+            "cannot write a.bag: File exists; choose another name",
+        ),
     ],
 )
 def test_a_file_that_cannot_be_written_has_a_next_step(error: Exception, text: str) -> None:
