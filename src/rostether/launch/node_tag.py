@@ -121,11 +121,11 @@ class NodeTags:
         try:
             return Output.LOG if text is None else Output(text)
         except ValueError:
-            raise LaunchError(f"output={text!r} is unknown; known: screen and log") from None
+            raise LaunchError(f"output={text!r:.200} is unknown; known: screen and log") from None
 
     def _working_folder(self, element: XmlElement, scope: Scope) -> WorkingFolder:
         text = self._reader.optional(element, scope, "cwd")
         try:
             return WorkingFolder("ROS_HOME" if text in (None, "ros_home") else text)
         except ValueError:
-            raise LaunchError(f"cwd={text!r} is unknown; known: node and ROS_HOME") from None
+            raise LaunchError(f"cwd={text!r:.200} is unknown; known: node and ROS_HOME") from None

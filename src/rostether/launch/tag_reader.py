@@ -63,7 +63,7 @@ class TagReader:
         """Return a boolean attribute; False if it is missing."""
         text = self.optional(element, scope, name)
         if text is not None and text.lower() not in ("true", "false"):
-            raise LaunchError(f"{name}={text!r} is not true or false; write one of them")
+            raise LaunchError(f"{name}={text!r:.200} is not true or false; write one of them")
         return text is not None and text.lower() == "true"
 
     def number(self, element: XmlElement, scope: Scope, name: str) -> float:
@@ -72,7 +72,7 @@ class TagReader:
         try:
             return 0.0 if text is None else float(text)
         except ValueError:
-            raise LaunchError(f"{name}={text!r} is not a number; write one") from None
+            raise LaunchError(f"{name}={text!r:.200} is not a number; write one") from None
 
     def applies(self, element: XmlElement, scope: Scope) -> bool:
         """Return whether the if= or unless= of an element lets it apply."""

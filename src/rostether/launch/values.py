@@ -26,7 +26,7 @@ def convert(text: str, type_name: str) -> Any:
             return as_bool(text)
         case "yaml":
             return parse_value(text, "value") if text else None
-    raise LaunchError(f"type={type_name!r} is unknown; known: {', '.join(TYPES)}")
+    raise LaunchError(f"type={type_name!r:.200} is unknown; known: {', '.join(TYPES)}")
 
 
 def as_bool(text: str) -> bool:
@@ -36,7 +36,7 @@ def as_bool(text: str) -> bool:
         return True
     if word in ("false", "0"):
         return False
-    raise LaunchError(f"{text!r} is not true or false; write one of them")
+    raise LaunchError(f"{text!r:.200} is not true or false; write one of them")
 
 
 def split_words(command: str) -> list[str]:
@@ -70,4 +70,4 @@ def _number(text: str, kind: type[int] | type[float], what: str) -> int | float:
     try:
         return kind(text)
     except ValueError:
-        raise LaunchError(f"{text!r} is not {what}; correct it, or choose another type=") from None
+        raise LaunchError(f"{text!r:.200} is not {what}; correct it, or choose another type=") from None

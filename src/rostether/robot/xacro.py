@@ -123,6 +123,8 @@ def _explain(file: Path, xacro: Any, error: Exception) -> str:
     while isinstance(inner := getattr(cause, "exc", None) or cause.__cause__, Exception):
         cause = inner
     file_name = next((str(each) for each in reversed(xacro.filestack or ()) if each), str(file))
+    if isinstance(cause, OSError) and cause.filename is not None:
+        return f"{file_name}: {read_failure(Path(cause.filename), cause)}"
     text = fold_line(str(error)) or type(cause).__name__
     return text if isinstance(cause, RobotModelError) else f"{file_name}: {text}"
 

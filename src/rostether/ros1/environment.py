@@ -193,7 +193,8 @@ def _listen_hosts(host: str) -> tuple[str, ...]:
 def _is_ip_address(host: str) -> bool:
     try:
         socket.inet_pton(socket.AF_INET6 if ":" in host else socket.AF_INET, host)
-    except OSError:
+    # UnicodeError: an environment variable may contain any bytes.
+    except (OSError, UnicodeError):
         return False
     return True
 

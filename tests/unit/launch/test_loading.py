@@ -170,6 +170,24 @@ def test_errors_suggest_a_similar_package(tmp_path: Path) -> None:
         load_launch([file], {}, {}, {"corpus_robot": ROBOT})
 
 
+@pytest.mark.parametrize(
+    "body",
+    [
+        '<node name="n" pkg="p" type="t" respawn="{}"/>',
+        '<node name="n" pkg="p" type="t" respawn_delay="{}"/>',
+        '<node name="n" pkg="p" type="t" output="{}"/>',
+        '<node name="n" pkg="p" type="t" cwd="{}"/>',
+        '<group if="{}"/>',
+        '<param name="x" type="int" value="{}"/>',
+        '<param name="x" type="{}" value="1"/>',
+    ],
+)
+def test_errors_cut_long_values(body: str) -> None:
+    with pytest.raises(LaunchError) as refusal:
+        loads(body.format("x" * 5000))
+    assert len(str(refusal.value)) < 500
+
+
 def test_unbalanced_quote_in_args_is_refused() -> None:
     with pytest.raises(LaunchError, match=r":2: .*no closing quotation"):
         loads('<node name="n" pkg="p" type="t" args="&quot;open"/>')

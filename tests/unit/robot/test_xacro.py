@@ -63,7 +63,7 @@ def test_errors_name_a_missing_package(robot: Path) -> None:
         ('<link name="${nothing}"/>', "nothing"),
         ('<link name="${1/0}"/>', "zero"),
         ("<xacro:nowhere/>", "nowhere"),
-        ('<xacro:include filename="no.xacro"/>', "no.xacro"),
+        ('<xacro:include filename="no.xacro"/>', "no.xacro: No such file or directory; check the path"),
         ('<xacro:macro name="m"><xacro:m/></xacro:macro><xacro:m/>', "endlessly"),
         ("<link", "not XML"),
     ],

@@ -115,6 +115,9 @@ def test_namespaces_are_made_global(text: str, namespace: str) -> None:
         ("ROS_IP", "10.0.0.3:11311"),
         ("ROS_HOSTNAME", "robot:11311"),
         ("ROS_HOSTNAME", "-robot"),
+        # Bytes that are not UTF-8.
+        ("ROS_HOSTNAME", "\udcff"),
+        ("ROS_IP", "\udcff"),
         ("ROS_NAMESPACE", "ro-bot"),
         ("ROS_NAMESPACE", "~robot"),
         ("ROS_NAMESPACE", "ro bot"),
