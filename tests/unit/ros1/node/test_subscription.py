@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import itertools
 import struct
 from collections.abc import AsyncIterator, Mapping
 
@@ -13,6 +14,7 @@ from contract.graphs import Inbox
 from rostether.graph.ports import Level
 from rostether.msgdef.interface import ANY_MESSAGE, MessageType
 from rostether.ros1.node import publisher_connection
+from rostether.ros1.node.publisher_connection import TURN_MESSAGES
 from rostether.ros1.node.subscription import Subscription
 from rostether.tcpros.message_framing import encode_messages
 from unit.ros1.node.raw_peers import STRING, FakePublisher, until
@@ -197,6 +199,36 @@ async def test_the_last_messages_of_a_publisher_that_has_ended_arrive() -> None:
         await until(lambda: len(stage.inbox.payloads) == 1000)
         await until(lambda: stage.topic.publisher_count == 0)
         assert publisher.asked == 1
+
+
+async def test_many_empty_messages_of_one_read_leave_turns_to_other_tasks() -> None:
+    async with fake() as publisher, subscribed() as stage:
+        counts = [0]
+        stage.topic.add_publishers([publisher.uri])
+        await until(lambda: stage.topic.publisher_count == 1)
+        publisher.peers[0].writer.write(encode_messages([b""] * 100_000 + [b"last"]))
+        closing = asyncio.create_task(publisher.peers[0].close())
+        while not stage.inbox.payloads or stage.inbox.payloads[-1] != b"last":
+            await asyncio.sleep(0)
+            counts.append(len(stage.inbox.payloads))
+        assert counts[-1] == 100_001
+        assert max(after - before for before, after in itertools.pairwise(counts)) <= TURN_MESSAGES
+        await closing
+
+
+async def test_a_pause_in_the_middle_of_a_read_loses_nothing() -> None:
+    async with fake() as publisher, subscribed() as stage:
+        stage.topic.add_publishers([publisher.uri])
+        await until(lambda: stage.topic.publisher_count == 1)
+        publisher.peers[0].writer.write(encode_messages([b"%d" % number for number in range(30_000)]))
+        await publisher.peers[0].close()
+        for count in range(TURN_MESSAGES, 30_000, TURN_MESSAGES):
+            await until(lambda: len(stage.inbox.payloads) >= count)  # noqa: B023 - awaited at once
+            stage.topic.pause()
+            await asyncio.sleep(0.001)
+            stage.topic.resume()
+        await until(lambda: len(stage.inbox.payloads) == 30_000)
+        assert stage.inbox.payloads == [b"%d" % number for number in range(30_000)]
 
 
 async def test_a_publisher_that_registers_again_keeps_its_connection() -> None:
