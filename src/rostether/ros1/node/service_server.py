@@ -149,6 +149,9 @@ class ServiceConnection(asyncio.Protocol):
             if self._purpose is Purpose.CALL_ONCE:
                 self._transport.close()
                 return
+            if self._requests:
+                # A handler may answer without waiting, and one read may hold 60,000 requests.
+                await asyncio.sleep(0)
 
     def _served(self, task: asyncio.Task[None]) -> None:
         self._task = None

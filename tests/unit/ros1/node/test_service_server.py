@@ -91,6 +91,18 @@ async def test_a_persistent_connection_serves_many_calls(stage: Stage) -> None:
     await until(lambda: not stage.server._connections)
 
 
+async def test_many_requests_of_one_read_leave_turns_to_other_tasks(stage: Stage) -> None:
+    peer = await stage.call(persistent="1")
+    await peer.read_header()
+    peer.writer.write(encode_messages([b""] * 1000))
+    turns = 0
+    while len(stage.handled) < 1000:
+        await asyncio.sleep(0)
+        turns += 1
+    assert turns >= 1000
+    await peer.close()
+
+
 async def test_a_probe_is_answered_and_disconnected(stage: Stage) -> None:
     peer = await RawPeer.connect(stage.listener.port)
     peer.send_header(probe_fields("/switch", caller_id="/raw"))
